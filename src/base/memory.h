@@ -1,0 +1,16 @@
+#ifndef BASE_MEMORY_H
+#define BASE_MEMORY_H
+
+#include "batten/base.h"
+
+/// True when a * b does not fit size_t; else the product is in *product.
+static inline bool size_multiply_overflows(size_t a, size_t b, size_t *product)
+{
+    return __builtin_mul_overflow(a, b, product);
+}
+
+/// An array of `count` elements of `size` bytes, aligned to 64 bytes and not initialized; release it with free().
+/// Null when out of memory, when the size overflows; never null for a count of 0.
+void *memory_array(size_t count, size_t size);
+
+#endif
