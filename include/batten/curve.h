@@ -4,96 +4,91 @@
 #include "batten/scheme.h"
 #include "batten/space.h"
 
-#ifdef __cplusplus
-extern "C"
+BAT_C_BEGIN
+
+/// @file
+/// Polylines and their refinement.
+
+/// A polyline in a space; `points` holds `count` rows of `space->point_dim` coordinates.
+typedef struct bat_curve
 {
-#endif
+    const bat_space *space; ///< where the points live; never null; must outlive the curve
+    double *points;         ///< count x point_dim, row-major
+    size_t count;
+    bool closed;      ///< the last point joins the first
+    double *channels; ///< count x channel_count values that ride along with the points (altitude); may be null
+    size_t channel_count;
+} bat_curve;
 
-    /// @file
-    /// Polylines and their refinement.
+/// Free what the library allocated for a curve and make it empty. Does nothing to a curve that is empty already.
+BAT_API void bat_curve_free(bat_curve *curve);
 
-    /// A polyline in a space; `points` holds `count` rows of `space->point_dim` coordinates.
-    typedef struct bat_curve
-    {
-        const bat_space *space; ///< where the points live; never null; must outlive the curve
-        double *points;         ///< count x point_dim, row-major
-        size_t count;
-        bool closed;      ///< the last point joins the first
-        double *channels; ///< count x channel_count values that ride along with the points (altitude); may be null
-        size_t channel_count;
-    } bat_curve;
+/// Check that a curve can be refined: at least 2 points (3 when closed), each in its space, neighbours distinct and not
+/// antipodal (on a sphere).
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
+BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 
-    /// Free what the library allocated for a curve and make it empty. Does nothing to a curve that is empty already.
-    BAT_API void bat_curve_free(bat_curve *curve);
+/// How an open curve goes on beyond its ends, where a rule asks for points that are not there.
+typedef enum bat_end_rule
+{
+    /// By geodesic point reflection in the end point: the end has no curvature, the curve passes through the end point for
+    /// every symmetric mask. Works in every space. The default.
+    BAT_END_REFLECT,
+    /// By the extrapolation that keeps what the scheme reproduces: the cubic through the last four points (in the tangent
+    /// space of the end point where the space is curved) for linear and log-exp schemes, the last exterior angle and edge
+    /// length repeated for angle-based ones, so that an arc of a circle stays one.
+    BAT_END_EXTRAPOLATE,
+    /// Not at all: only points whose whole stencil lies inside are made, so that the curve shrinks. Linear schemes only.
+    BAT_END_FREE
+} bat_end_rule;
 
-    /// Check that a curve can be refined: at least 2 points (3 when closed), each in its space, neighbours distinct and not
-    /// antipodal (on a sphere).
-    /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
-    BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
+/// How to refine. Begin with bat_refine_defaults().
+typedef struct bat_refine_options
+{
+    bat_scheme scheme;     ///< default: the angle-based four-point scheme, outward
+    size_t levels;         ///< default 5
+    bat_end_rule ends;     ///< open curves; default BAT_END_REFLECT
+    bool snap;             ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
+    size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default 2^40
+    int threads;           ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress; ///< default: none
+} bat_refine_options;
 
-    /// How an open curve goes on beyond its ends, where a rule asks for points that are not there.
-    typedef enum bat_end_rule
-    {
-        /// By geodesic point reflection in the end point: the end has no curvature, the curve passes through the end point for
-        /// every symmetric mask. Works in every space. The default.
-        BAT_END_REFLECT,
-        /// By the extrapolation that keeps what the scheme reproduces: the cubic through the last four points (in the tangent
-        /// space of the end point where the space is curved) for linear and log-exp schemes, the last exterior angle and edge
-        /// length repeated for angle-based ones, so that an arc of a circle stays one.
-        BAT_END_EXTRAPOLATE,
-        /// Not at all: only points whose whole stencil lies inside are made, so that the curve shrinks. Linear schemes only.
-        BAT_END_FREE
-    } bat_end_rule;
+/// The options' default values.
+BAT_API bat_refine_options bat_refine_defaults(void);
 
-    /// How to refine. Begin with bat_refine_defaults().
-    typedef struct bat_refine_options
-    {
-        bat_scheme scheme; ///< default: the angle-based four-point scheme, outward
-        size_t levels;     ///< default 5
-        bat_end_rule ends; ///< open curves; default BAT_END_REFLECT
-        bool snap;         ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
-        size_t max_points; ///< refuse larger results with BAT_TOO_LARGE; default 2^40
-        int threads;       ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
-        bat_progress progress; ///< default: none
-    } bat_refine_options;
+/// The number of points that refining gives: count * 2^levels for a closed curve; for an open one
+/// (count - 1) * 2^levels + 1 where the refined curve has a vertex at the ends' parameters (masks of odd length, all
+/// interpolatory schemes), else (count - 1) * 2^levels + 2, the ends themselves included. With BAT_END_FREE fewer.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_TOO_LARGE
+BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_options *options, size_t *count,
+                                           bat_error *error);
 
-    /// The options' default values.
-    BAT_API bat_refine_options bat_refine_defaults(void);
+/// Refine a curve by repeated subdivision. A level doubles the number of edges.
+///
+/// Memory beyond the result is at most as much again; linear schemes need next to none.
+///
+/// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
+/// @param options what bat_refine_defaults() gives, changed as wanted; null for the defaults
+/// @param fine    receives the refined curve; release it with bat_curve_free()
+/// @param error   receives what went wrong and at which point; may be null
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
+///         BAT_CANCELLED; `fine` is untouched on failure
+BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_options *options, bat_curve *fine,
+                                    bat_error *error);
 
-    /// The number of points that refining gives: count * 2^levels for a closed curve; for an open one
-    /// (count - 1) * 2^levels + 1 where the refined curve has a vertex at the ends' parameters (masks of odd length, all
-    /// interpolatory schemes), else (count - 1) * 2^levels + 2, the ends themselves included. With BAT_END_FREE fewer.
-    /// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_TOO_LARGE
-    BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_options *options, size_t *count,
-                                               bat_error *error);
+/// The same into the caller's arrays: `points` of `capacity` rows, which must be at least bat_curve_refined_count(), and
+/// `channels` (may be null when the curve has none).
+BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
+                                         double *channels, size_t capacity, bat_error *error);
 
-    /// Refine a curve by repeated subdivision. A level doubles the number of edges.
-    ///
-    /// Memory beyond the result is at most as much again; linear schemes need next to none.
-    ///
-    /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
-    /// @param options what bat_refine_defaults() gives, changed as wanted; null for the defaults
-    /// @param fine    receives the refined curve; release it with bat_curve_free()
-    /// @param error   receives what went wrong and at which point; may be null
-    /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
-    ///         BAT_CANCELLED; `fine` is untouched on failure
-    BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_options *options, bat_curve *fine,
-                                        bat_error *error);
+/// The signed exterior angle at every vertex of a curve in an oriented surface (0 at the ends of an open one).
+/// @param angles receives coarse->count numbers
+/// @return BAT_OK or BAT_UNSUPPORTED
+BAT_API bat_status bat_curve_exterior_angles(const bat_curve *curve, double *angles, bat_error *error);
+/// The geodesic length of every edge: count numbers when closed, count - 1 when open.
+BAT_API void bat_curve_edge_lengths(const bat_curve *curve, double *lengths);
 
-    /// The same into the caller's arrays: `points` of `capacity` rows, which must be at least bat_curve_refined_count(), and
-    /// `channels` (may be null when the curve has none).
-    BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
-                                             double *channels, size_t capacity, bat_error *error);
-
-    /// The signed exterior angle at every vertex of a curve in an oriented surface (0 at the ends of an open one).
-    /// @param angles receives coarse->count numbers
-    /// @return BAT_OK or BAT_UNSUPPORTED
-    BAT_API bat_status bat_curve_exterior_angles(const bat_curve *curve, double *angles, bat_error *error);
-    /// The geodesic length of every edge: count numbers when closed, count - 1 when open.
-    BAT_API void bat_curve_edge_lengths(const bat_curve *curve, double *lengths);
-
-#ifdef __cplusplus
-}
-#endif
+BAT_C_END
 
 #endif

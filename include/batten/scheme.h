@@ -3,10 +3,7 @@
 
 #include "batten/base.h"
 
-#ifdef __cplusplus
-extern "C"
-{
-#endif
+BAT_C_BEGIN
 
 /// @file
 /// Subdivision rules for curves, as plain values.
@@ -14,29 +11,29 @@ extern "C"
 /// The longest mask: enough for Lane-Riesenfeld of order 126.
 #define BAT_MASK_MAX 128
 
-    /// The mask of a binary subdivision scheme: new point i is the sum over j of a(i - 2 j) times old point j.
-    /// `coefficients[k]` is a(first + k). The mask of a scheme that reproduces constants sums to 1 over the even indices and
-    /// to 1 over the odd ones.
-    typedef struct bat_mask
-    {
-        double coefficients[BAT_MASK_MAX];
-        size_t count; ///< 1 … BAT_MASK_MAX
-        int first;    ///< index of the first coefficient, may be negative
-    } bat_mask;
+/// The mask of a binary subdivision scheme: new point i is the sum over j of a(i - 2 j) times old point j.
+/// `coefficients[k]` is a(first + k). The mask of a scheme that reproduces constants sums to 1 over the even indices and
+/// to 1 over the odd ones.
+typedef struct bat_mask
+{
+    double coefficients[BAT_MASK_MAX];
+    size_t count; ///< 1 … BAT_MASK_MAX
+    int first;    ///< index of the first coefficient, may be negative
+} bat_mask;
 
-    /// Chaikin's corner cutting (1974): [1, 3, 3, 1] / 4, the uniform quadratic B-spline.
-    BAT_API bat_mask bat_mask_chaikin(void);
-    /// Corner cutting with ratios 0 < r < s < 1: each edge (p, q) gives p + r (q - p) and p + s (q - p). Chaikin is r = 1/4,
-    /// s = 3/4 (Alam 2025, eq. 4.1, where the text has the two values swapped).
-    BAT_API bat_mask bat_mask_corner_cutting(double r, double s);
-    /// The interpolatory four-point scheme (Dyn, Gregory, Levin 1987): (1/2 + w) (p + q) - w (o + r); cubics at w = 1/16.
-    BAT_API bat_mask bat_mask_four_point(double w);
-    /// The interpolatory six-point scheme (Weissman 1990): w (n + s) - (1/16 + 3 w) (o + r) + (9/16 + 2 w) (p + q); quintics at
-    /// w = 3/256, the four-point scheme at w = 0.
-    BAT_API bat_mask bat_mask_six_point(double w);
-    /// Lane and Riesenfeld (1980): doubling followed by `order` averagings, the uniform B-spline of degree `order`;
-    /// 1 <= order <= BAT_MASK_MAX - 2. Order 2 is Chaikin's. Clipped to that range.
-    BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
+/// Chaikin's corner cutting (1974): [1, 3, 3, 1] / 4, the uniform quadratic B-spline.
+BAT_API bat_mask bat_mask_chaikin(void);
+/// Corner cutting with ratios 0 < r < s < 1: each edge (p, q) gives p + r (q - p) and p + s (q - p). Chaikin is r = 1/4,
+/// s = 3/4 (Alam 2025, eq. 4.1, where the text has the two values swapped).
+BAT_API bat_mask bat_mask_corner_cutting(double r, double s);
+/// The interpolatory four-point scheme (Dyn, Gregory, Levin 1987): (1/2 + w) (p + q) - w (o + r); cubics at w = 1/16.
+BAT_API bat_mask bat_mask_four_point(double w);
+/// The interpolatory six-point scheme (Weissman 1990): w (n + s) - (1/16 + 3 w) (o + r) + (9/16 + 2 w) (p + q); quintics at
+/// w = 3/256, the four-point scheme at w = 0.
+BAT_API bat_mask bat_mask_six_point(double w);
+/// Lane and Riesenfeld (1980): doubling followed by `order` averagings, the uniform B-spline of degree `order`;
+/// 1 <= order <= BAT_MASK_MAX - 2. Order 2 is Chaikin's. Clipped to that range.
+BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 
 /// The largest insertion angle of the angle-based schemes, pi/4 - 0.02 (Ugail and Howard 2026, Theorem 1).
 #define BAT_ANGLE_LIMIT 0.76539816339744830962
@@ -46,66 +43,64 @@ extern "C"
 #define BAT_TENSION_FOUR_POINT 0.0
 #define BAT_TENSION_SIX_POINT (-0.25)
 
-    /// The families of rules.
-    typedef enum bat_scheme_kind
-    {
-        BAT_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
-        BAT_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
-        BAT_SCHEME_LOG_EXP, ///< an interpolatory mask applied in the tangent space of one point; any space
-    } bat_scheme_kind;
+/// The families of rules.
+typedef enum bat_scheme_kind
+{
+    BAT_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
+    BAT_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
+    BAT_SCHEME_LOG_EXP, ///< an interpolatory mask applied in the tangent space of one point; any space
+} bat_scheme_kind;
 
-    /// On which side of the edge an angle-based scheme inserts.
-    typedef enum bat_angle_sign
-    {
-        BAT_ANGLE_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the default
-        BAT_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
-    } bat_angle_sign;
+/// On which side of the edge an angle-based scheme inserts.
+typedef enum bat_angle_sign
+{
+    BAT_ANGLE_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the default
+    BAT_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
+} bat_angle_sign;
 
-    /// In which tangent space a log-exp scheme averages.
-    typedef enum bat_log_exp_base
-    {
-        BAT_BASE_VERTEX,  ///< at the vertex that begins the edge (Ugail and Howard, section 7.1; Wallner and Dyn 2005)
-        BAT_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
-    } bat_log_exp_base;
+/// In which tangent space a log-exp scheme averages.
+typedef enum bat_log_exp_base
+{
+    BAT_BASE_VERTEX,  ///< at the vertex that begins the edge (Ugail and Howard, section 7.1; Wallner and Dyn 2005)
+    BAT_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
+} bat_log_exp_base;
 
-    /// A rule that refines a curve once. Make one with the functions below, then change what you want.
-    typedef struct bat_scheme
-    {
-        bat_scheme_kind kind;
-        bat_mask mask;         ///< LINEAR: the mask; LOG_EXP: an interpolatory mask (a(0) = 1, other even coefficients 0)
-        double tension;        ///< ANGLE: mu of eq. (9)
-        bat_angle_sign sign;   ///< ANGLE
-        bool adaptive;         ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
-        bat_log_exp_base base; ///< LOG_EXP
-    } bat_scheme;
+/// A rule that refines a curve once. Make one with the functions below, then change what you want.
+typedef struct bat_scheme
+{
+    bat_scheme_kind kind;
+    bat_mask mask;         ///< LINEAR: the mask; LOG_EXP: an interpolatory mask (a(0) = 1, other even coefficients 0)
+    double tension;        ///< ANGLE: mu of eq. (9)
+    bat_angle_sign sign;   ///< ANGLE
+    bool adaptive;         ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
+    bat_log_exp_base base; ///< LOG_EXP
+} bat_scheme;
 
-    BAT_API bat_scheme bat_scheme_linear(bat_mask mask);
-    /// Angle-based with tension `mu`: BAT_TENSION_FOUR_POINT, BAT_TENSION_SIX_POINT or any other; outward sign.
-    BAT_API bat_scheme bat_scheme_angle(double mu);
-    /// Log-exp with the mask of an interpolatory scheme, base at the vertex.
-    BAT_API bat_scheme bat_scheme_log_exp(bat_mask mask);
+BAT_API bat_scheme bat_scheme_linear(bat_mask mask);
+/// Angle-based with tension `mu`: BAT_TENSION_FOUR_POINT, BAT_TENSION_SIX_POINT or any other; outward sign.
+BAT_API bat_scheme bat_scheme_angle(double mu);
+/// Log-exp with the mask of an interpolatory scheme, base at the vertex.
+BAT_API bat_scheme bat_scheme_log_exp(bat_mask mask);
 
-    /// A scheme by name, as the program's `--scheme` takes it: a name and, after a colon, settings separated by commas.
-    ///
-    ///     chaikin   corner-cutting:r=0.25,s=0.75   four-point:w=0.0625   six-point:w=0.01171875   lane-riesenfeld:order=3
-    ///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred without)
-    ///     angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1)
-    ///     log-exp-4 log-exp-6                      (each also with base=midpoint)
-    ///
-    /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
-    BAT_API bat_status bat_scheme_by_name(const char *name, bat_scheme *scheme, bat_error *error);
+/// A scheme by name, as the program's `--scheme` takes it: a name and, after a colon, settings separated by commas.
+///
+///     chaikin   corner-cutting:r=0.25,s=0.75   four-point:w=0.0625   six-point:w=0.01171875   lane-riesenfeld:order=3
+///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred without)
+///     angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1)
+///     log-exp-4 log-exp-6                      (each also with base=midpoint)
+///
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
+BAT_API bat_status bat_scheme_by_name(const char *name, bat_scheme *scheme, bat_error *error);
 
-    /// The names that bat_scheme_by_name() knows, each with its settings and one line on what it is; `index` from 0 on.
-    /// @return false past the last
-    BAT_API bool bat_scheme_list(size_t index, const char **name, const char **settings, const char **summary);
+/// The names that bat_scheme_by_name() knows, each with its settings and one line on what it is; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_scheme_list(size_t index, const char **name, const char **settings, const char **summary);
 
-    /// Whether the refined curve contains the vertices of the coarse one: a(0) = 1 and every other even coefficient 0.
-    BAT_API bool bat_mask_is_interpolatory(const bat_mask *mask);
-    /// Whether a(c - k) = a(c + k) for some centre c.
-    BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
+/// Whether the refined curve contains the vertices of the coarse one: a(0) = 1 and every other even coefficient 0.
+BAT_API bool bat_mask_is_interpolatory(const bat_mask *mask);
+/// Whether a(c - k) = a(c + k) for some centre c.
+BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
 
-#ifdef __cplusplus
-}
-#endif
+BAT_C_END
 
 #endif
