@@ -1,0 +1,259 @@
+#include "curve/cascade.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
+
+enum
+{
+    /// Levels beyond this overflow any count.
+    MOST_LEVELS = 64,
+    /// Numbers in a chunk of the last level: with the levels before it, it fits the second-level cache.
+    CHUNK_NUMBERS = 4096,
+    /// A chunk is at least this many times the support of the mask, so that what chunks compute twice stays small.
+    CHUNK_SUPPORTS = 16,
+    /// Results larger than this many numbers are written past the caches.
+    STREAM_NUMBERS = 1 << 20,
+};
+
+/// floor(i / 2) for negative numbers, too.
+static ptrdiff_t floor_half(ptrdiff_t i)
+{
+    return (i - (i & 1)) / 2;
+}
+
+/// The smallest range of whole pairs (2 j, 2 j + 1) around a range.
+static index_range whole_pairs(index_range range)
+{
+    return (index_range){range.begin - (range.begin & 1), range.end + (range.end & 1)};
+}
+
+/// What the level before must give for whole pairs of a range.
+static index_range range_before(const refine_kernel *kernel, index_range range)
+{
+    index_range pairs = whole_pairs(range);
+    return (index_range){floor_half(pairs.begin - kernel->last + 1), floor_half(pairs.end - 1 - kernel->first) + 1};
+}
+
+static index_range with_snap(const snap_stencil *snap, index_range range)
+{
+    if (snap->count == 0)
+        return range;
+    return (index_range){range.begin + snap->first, range.end + snap->first + (ptrdiff_t)snap->count - 1};
+}
+
+index_range cascade_support(const cascade *task)
+{
+    index_range range = with_snap(&task->snap, task->result);
+    for (size_t level = 0; level < task->levels; level++)
+        range = range_before(&task->kernel, range);
+    return range;
+}
+
+/// One thread's two buffers, used in turn.
+typedef struct scratch
+{
+    double *rows[2];
+    bool stream; ///< write results past the caches
+} scratch;
+
+static size_t support_of(const cascade *task)
+{
+    return (size_t)(task->kernel.last - task->kernel.first) + task->snap.count;
+}
+
+static ptrdiff_t chunk_rows(const cascade *task)
+{
+    size_t rows = CHUNK_NUMBERS / task->kernel.dim;
+    size_t least = CHUNK_SUPPORTS * support_of(task);
+    rows = rows < least ? least : rows;
+    return (ptrdiff_t)(rows + (rows & 1));
+}
+
+static bool scratch_make(const cascade *task, size_t chunk, scratch *s)
+{
+    size_t rows = chunk + 4 * support_of(task) + 16;
+    for (int i = 0; i < 2; i++)
+        s->rows[i] = memory_array(rows * task->kernel.dim, sizeof(double));
+    return s->rows[0] != NULL && s->rows[1] != NULL;
+}
+
+static void scratch_free(scratch *s)
+{
+    free(s->rows[0]);
+    free(s->rows[1]);
+}
+
+static void snap_rows(const snap_stencil *snap, const double *points, size_t rows, size_t dim, double *fine)
+{
+    memset(fine, 0, rows * dim * sizeof *fine);
+    for (size_t k = 0; k < snap->count; k++)
+        for (size_t i = 0; i < rows * dim; i++)
+            fine[i] += snap->weights[k] * points[i + k * dim];
+}
+
+static void copy_rows(const scratch *s, double *to, const double *from, size_t count)
+{
+    if (s->stream)
+        memory_stream(to, from, count);
+    else
+        memcpy(to, from, count * sizeof *to);
+}
+
+/// One chunk of the result, from level 0 through all levels. On failure *fault is the edge of level 0 at fault.
+static bat_status run_chunk(const cascade *task, const double *root, index_range chunk, scratch *s, double *fine,
+                            ptrdiff_t *fault)
+{
+    const refine_kernel *kernel = &task->kernel;
+    size_t dim = kernel->dim;
+    index_range ranges[MOST_LEVELS + 1];
+    ranges[task->levels] = with_snap(&task->snap, chunk);
+    for (size_t level = task->levels; level > 0; level--)
+        ranges[level - 1] = range_before(kernel, ranges[level]);
+
+    const double *points = root; // row 0 is point `origin` of the level
+    ptrdiff_t origin = 0;
+    for (size_t level = 1; level <= task->levels; level++)
+    {
+        index_range pairs = whole_pairs(ranges[level]);
+        bool last = level == task->levels && task->snap.count == 0;
+        bool in_place = last && !s->stream && pairs.begin == chunk.begin && pairs.end == chunk.end;
+        double *rows = in_place ? fine : s->rows[level & 1];
+        ptrdiff_t first_pair = floor_half(pairs.begin);
+        size_t failed = 0;
+        bat_status status = kernel->run(kernel, points + (first_pair - origin) * (ptrdiff_t)dim,
+                                        (size_t)(pairs.end - pairs.begin) / 2, rows, &failed);
+        if (status != BAT_OK)
+        {
+            *fault = (first_pair + (ptrdiff_t)failed) >> (level - 1);
+            return status;
+        }
+        if (in_place)
+            return BAT_OK;
+        points = rows;
+        origin = pairs.begin;
+    }
+
+    size_t count = (size_t)(chunk.end - chunk.begin);
+    if (task->snap.count > 0)
+    {
+        double *rows = s->rows[(task->levels + 1) & 1];
+        snap_rows(&task->snap, points + (chunk.begin + task->snap.first - origin) * (ptrdiff_t)dim, count, dim, rows);
+        points = rows;
+        origin = chunk.begin;
+    }
+    copy_rows(s, fine, points + (chunk.begin - origin) * (ptrdiff_t)dim, count * dim);
+    return BAT_OK;
+}
+
+/// What the threads share while they work on chunks.
+typedef struct shared_state
+{
+    bat_status status;
+    ptrdiff_t failed_chunk; ///< the first that failed; no other beyond it is begun
+    ptrdiff_t fault;
+    ptrdiff_t done;
+    bool cancelled;
+} shared_state;
+
+static void record_failure(shared_state *shared, ptrdiff_t chunk, bat_status status, ptrdiff_t fault)
+{
+#pragma omp critical(cascade_failure)
+    if (shared->status == BAT_OK || chunk < shared->failed_chunk)
+    {
+        shared->status = status;
+        shared->fault = fault;
+#pragma omp atomic write
+        shared->failed_chunk = chunk;
+    }
+}
+
+static bool is_calling_thread(void)
+{
+#if defined(_OPENMP)
+    return omp_get_thread_num() == 0;
+#else
+    return true;
+#endif
+}
+
+static int thread_count(const cascade *task, ptrdiff_t chunks)
+{
+#if defined(_OPENMP)
+    int threads = task->threads > 0 ? task->threads : omp_get_max_threads();
+    return threads > chunks ? (int)(chunks > 0 ? chunks : 1) : threads;
+#else
+    (void)task;
+    (void)chunks;
+    return 1;
+#endif
+}
+
+static void run_chunks(const cascade *task, const double *root, double *fine, ptrdiff_t chunk, ptrdiff_t chunks,
+                       shared_state *shared)
+{
+    size_t dim = task->kernel.dim;
+    size_t total = (size_t)(task->result.end - task->result.begin);
+    scratch s = {.stream = total * dim > STREAM_NUMBERS};
+    if (!scratch_make(task, (size_t)chunk, &s))
+        record_failure(shared, -1, BAT_NO_MEMORY, 0);
+#pragma omp for schedule(dynamic)
+    for (ptrdiff_t i = 0; i < chunks; i++)
+    {
+        ptrdiff_t failed;
+        bool cancelled;
+#pragma omp atomic read
+        failed = shared->failed_chunk;
+#pragma omp atomic read
+        cancelled = shared->cancelled;
+        if (cancelled || i > failed)
+            continue;
+        index_range range = {task->result.begin + i * chunk, task->result.begin + (i + 1) * chunk};
+        range.end = range.end > task->result.end ? task->result.end : range.end;
+        ptrdiff_t fault = 0;
+        bat_status status = run_chunk(task, root, range, &s, fine + (size_t)(i * chunk) * dim, &fault);
+        if (status != BAT_OK)
+            record_failure(shared, i, status, fault);
+        ptrdiff_t done;
+#pragma omp atomic capture
+        done = ++shared->done;
+        if (task->progress.report != NULL && is_calling_thread() &&
+            !task->progress.report(task->progress.context, (double)done / (double)chunks))
+        {
+#pragma omp atomic write
+            shared->cancelled = true;
+        }
+    }
+    scratch_free(&s);
+}
+
+bat_status cascade_run(const cascade *task, const double *root, double *fine, bat_error *error)
+{
+    ptrdiff_t total = task->result.end - task->result.begin;
+    ptrdiff_t chunk = chunk_rows(task);
+    chunk = chunk > total ? total + (total & 1) : chunk;
+    ptrdiff_t chunks = total == 0 ? 0 : (total + chunk - 1) / chunk;
+    shared_state shared = {.status = BAT_OK, .failed_chunk = PTRDIFF_MAX};
+    int threads = thread_count(task, chunks);
+    if (threads == 1)
+        run_chunks(task, root, fine, chunk, chunks, &shared);
+    else
+    {
+#pragma omp parallel num_threads(threads)
+        run_chunks(task, root, fine, chunk, chunks, &shared);
+    }
+    if (shared.status == BAT_NO_MEMORY)
+        return error_memory(error, (size_t)chunk * task->kernel.dim * sizeof(double));
+    if (shared.status != BAT_OK)
+        return error_set(error, shared.status, (size_t)shared.fault, 0, "no new point over the edge from point %td: %s",
+                         shared.fault, bat_status_name(shared.status));
+    if (shared.cancelled)
+        return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    return BAT_OK;
+}

@@ -1,0 +1,46 @@
+#ifndef CURVE_CASCADE_H
+#define CURVE_CASCADE_H
+
+#include "curve/kernel.h"
+
+/// @file
+/// Several levels of one kernel at once. Any run of points of the last level depends on a short run of each level before,
+/// so the result is made in chunks that never leave the cache: levels in between are nowhere stored, a chunk is written
+/// once, and chunks are independent of each other (and of the number of threads).
+
+/// Indices begin … end - 1 of the points of one level. They may be negative.
+typedef struct index_range
+{
+    ptrdiff_t begin, end;
+} index_range;
+
+/// Weights that take the points of a level to the limit curve: limit point i is the sum over k of weights[k] p(i + first + k).
+typedef struct snap_stencil
+{
+    double weights[BAT_MASK_MAX];
+    size_t count; ///< 0: leave the points where they are
+    int first;
+} snap_stencil;
+
+/// What to compute.
+typedef struct cascade
+{
+    refine_kernel kernel;
+    size_t levels;
+    index_range result; ///< indices wanted of the last level
+    snap_stencil snap;
+    int threads; ///< 0: as many as OpenMP gives
+    bat_progress progress;
+} cascade;
+
+/// The range of level 0 that the result depends on.
+index_range cascade_support(const cascade *task);
+
+/// Compute task->result into `fine`.
+///
+/// @param root  row 0 is point 0 of level 0; the rows of cascade_support() are there
+/// @param fine  result.end - result.begin rows
+/// @return BAT_OK, BAT_NO_MEMORY, BAT_CANCELLED or what the kernel returned, with the index of the edge of level 0 at fault
+bat_status cascade_run(const cascade *task, const double *root, double *fine, bat_error *error);
+
+#endif

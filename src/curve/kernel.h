@@ -1,0 +1,31 @@
+#ifndef CURVE_KERNEL_H
+#define CURVE_KERNEL_H
+
+#include "batten/curve.h"
+
+/// A subdivision step as the drivers see it: which old points a new one depends on, and the function that makes new points.
+///
+/// New point i depends on the old points from ceil((i - last) / 2) to floor((i - first) / 2), as if it had a mask on the
+/// indices first … last.
+typedef struct refine_kernel refine_kernel;
+struct refine_kernel
+{
+    const bat_space *space;
+    const bat_scheme *scheme;
+    size_t dim;        ///< numbers a point is stored in
+    int first, last;   ///< support of the step, see above
+    double mean_angle; ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
+
+    /// Make the new points 2 j and 2 j + 1 for j = 0 … pairs - 1; row 0 of `points` is old point 0, and rows before and
+    /// behind it are there as the support asks. On failure *fault is the pair at fault.
+    bat_status (*run)(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault);
+};
+
+/// A mask on rows of `dim` numbers.
+refine_kernel kernel_linear(const bat_scheme *scheme, size_t dim);
+/// An angle-based step; the space must be oriented.
+refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme);
+/// A log-exp step.
+refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme);
+
+#endif

@@ -1,0 +1,21 @@
+#ifndef CURVE_POLYGON_H
+#define CURVE_POLYGON_H
+
+#include "batten/curve.h"
+
+/// How an open polygon goes on beyond its ends; what bat_end_rule and the scheme come down to.
+typedef enum polygon_end
+{
+    POLYGON_END_REFLECT, ///< point reflection in the end point
+    POLYGON_END_LINE,    ///< the geodesic through the last two points, evenly spaced
+    POLYGON_END_CUBIC,   ///< the cubic through the last four points, in the tangent space of the end point
+    POLYGON_END_MIRROR   ///< reflection in the perpendicular bisector of the end edge, which continues circles
+} polygon_end;
+
+/// Rows -before … count - 1 + after of a polygon: the points themselves, and beyond them the points of a closed polygon
+/// again or those that the end rule makes. `extended` has before + count + after rows of space->point_dim numbers.
+/// @return BAT_OK, or the status of the space's function that failed, with the index of the end point
+bat_status polygon_extend(const bat_space *space, const double *points, size_t count, bool closed, polygon_end end,
+                          size_t before, size_t after, double *extended, bat_error *error);
+
+#endif

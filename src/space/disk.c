@@ -1,0 +1,143 @@
+#include "space/disk.h"
+#include "batten/space.h"
+#include "space/known.h"
+
+#include <math.h>
+
+// Points are complex numbers z = x + i y. Tangent vectors at p are given in the frame that z -> (z + p) / (1 + conj(p) z)
+// brings from the origin.
+
+static const double TWO_PI = 6.283185307179586476925286766559;
+/// Random points lie in the disk of this hyperbolic radius.
+static const double RANDOM_RADIUS = 3;
+
+static const char *fault(const bat_space *space, const double *point)
+{
+    (void)space;
+    if (!isfinite(point[0]) || !isfinite(point[1]))
+        return "not finite";
+    return fabs(point[0]) < 1 && fabs(point[1]) < 1 && disk_rim(point) > 0 ? NULL : "not inside the unit disk";
+}
+
+static bat_status project(const bat_space *space, const double *coordinates, double *point)
+{
+    if (fault(space, coordinates) != NULL)
+        return BAT_INVALID_POINT;
+    point[0] = coordinates[0];
+    point[1] = coordinates[1];
+    return BAT_OK;
+}
+
+/// sinh(d/2) = |q - p| / sqrt((1 - |p|^2) (1 - |q|^2))
+static double distance(const bat_space *space, const double *p, const double *q)
+{
+    (void)space;
+    return 2 * asinh(hypot(q[0] - p[0], q[1] - p[1]) / sqrt(disk_rim(p) * disk_rim(q)));
+}
+
+static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
+{
+    double w[2], denominator[2];
+    disk_centre(p, q, w, denominator);
+    double length = hypot(w[0], w[1]);
+    double scale = length > 0 ? distance(space, p, q) / length : 0;
+    tangent[0] = scale * w[0];
+    tangent[1] = scale * w[1];
+    return BAT_OK;
+}
+
+static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
+{
+    double length = hypot(tangent[0], tangent[1]);
+    double scale = length > 0 ? tanh(0.5 * length) / length : 0;
+    double z[2] = {scale * tangent[0], scale * tangent[1]};
+    disk_translate(p, z, q);
+    return fault(space, q) == NULL ? BAT_OK : BAT_INVALID_POINT;
+}
+
+/// Seen from p at the origin the geodesic is a diameter and transport along it keeps coordinates; going back turns them by
+/// the argument of the translation's derivative, which is that of D^2 with D = 1 - conj(p) q.
+static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
+                            double *transported)
+{
+    (void)space;
+    double w[2], denominator[2];
+    disk_centre(p, q, w, denominator);
+    double x = denominator[0], y = denominator[1];
+    double norm = x * x + y * y;
+    double cosine = (x * x - y * y) / norm, sine = 2 * x * y / norm;
+    transported[0] = cosine * tangent[0] - sine * tangent[1];
+    transported[1] = sine * tangent[0] + cosine * tangent[1];
+    return BAT_OK;
+}
+
+static double inner(const bat_space *space, const double *p, const double *u, const double *v)
+{
+    (void)space;
+    (void)p;
+    return u[0] * v[0] + u[1] * v[1];
+}
+
+static void random_point(const bat_space *space, bat_random *random, double *point)
+{
+    (void)space;
+    // The area within radius r is proportional to cosh(r) - 1 = 2 sinh(r/2)^2.
+    double sinh_half = sinh(0.5 * RANDOM_RADIUS) * sqrt(bat_random_uniform(random));
+    double radius = sinh_half / sqrt(1 + sinh_half * sinh_half);
+    double angle = TWO_PI * bat_random_uniform(random);
+    point[0] = radius * cos(angle);
+    point[1] = radius * sin(angle);
+}
+
+static double exterior_angle(const bat_space *space, const double *before, const double *p, const double *after)
+{
+    (void)space;
+    double back[2], out[2], denominator[2];
+    disk_centre(p, before, back, denominator);
+    disk_centre(p, after, out, denominator);
+    return atan2(back[1] * out[0] - back[0] * out[1], -back[0] * out[0] - back[1] * out[1]);
+}
+
+/// The right-angled half of the triangle gives tanh(leg) = tanh(e/2) / cos(angle) (the paper's eq. (8) has the leg wrong).
+/// With w = (-p) + q, |w| = tanh(e/2), and the half-argument formula of tanh, the apex is
+/// p + (1 + i t) w / (1 + sqrt(1 - |w|^2 (1 + t^2))), t = tan(angle), the sums being Möbius sums.
+static bat_status apex(const bat_space *space, const double *p, const double *q, double angle, double *point)
+{
+    double w[2], denominator[2];
+    disk_centre(p, q, w, denominator);
+    double slope = tan(angle);
+    double rim_of_w = disk_rim(p) * disk_rim(q) / (denominator[0] * denominator[0] + denominator[1] * denominator[1]);
+    double discriminant = rim_of_w - (w[0] * w[0] + w[1] * w[1]) * slope * slope;
+    if (!(discriminant > 0))
+        return BAT_INVALID_POINT;
+    double scale = 1 / (1 + sqrt(discriminant));
+    double z[2] = {scale * (w[0] - slope * w[1]), scale * (w[1] + slope * w[0])};
+    disk_translate(p, z, point);
+    return fault(space, point) == NULL ? BAT_OK : BAT_INVALID_POINT;
+}
+
+bat_space bat_disk(void)
+{
+    return (bat_space){
+        .name = "disk",
+        .dimension = 2,
+        .point_dim = 2,
+        .tangent_dim = 2,
+        .injectivity = INFINITY,
+        .fault = fault,
+        .project = project,
+        .distance = distance,
+        .log = logarithm,
+        .exp = exponential,
+        .transport = transport,
+        .inner = inner,
+        .random_point = random_point,
+        .exterior_angle = exterior_angle,
+        .apex = apex,
+    };
+}
+
+bool space_is_disk(const bat_space *space)
+{
+    return space->apex == apex;
+}

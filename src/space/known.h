@@ -1,0 +1,13 @@
+#ifndef SPACE_KNOWN_H
+#define SPACE_KNOWN_H
+
+#include "batten/space.h"
+
+/// Whether a space is one that the library made, so that code written for it in closed form applies. A user's space with
+/// the same name is not.
+bool space_is_euclidean(const bat_space *space);
+bool space_is_plane(const bat_space *space);
+bool space_is_sphere(const bat_space *space); ///< S^2
+bool space_is_disk(const bat_space *space);
+
+#endif
