@@ -4,7 +4,7 @@
 #include <string.h>
 
 #if defined(__SSE2__)
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 void *memory_array(size_t count, size_t size)
@@ -20,18 +20,43 @@ void *memory_array(size_t count, size_t size)
     return aligned_alloc(CACHE_LINE, bytes);
 }
 
+#if defined(__SSE2__)
+/// Whole cache lines, `count` a multiple of 8, `to` aligned to 64 bytes.
+__attribute__((target("avx512f"))) static void stream_lines_512(double *restrict to, const double *restrict from, size_t count)
+{
+    for (size_t i = 0; i < count; i += 8)
+        _mm512_stream_pd(to + i, _mm512_loadu_pd(from + i));
+}
+
+static void stream_lines_128(double *restrict to, const double *restrict from, size_t count)
+{
+    for (size_t i = 0; i < count; i += 2)
+        _mm_stream_pd(to + i, _mm_loadu_pd(from + i));
+}
+#endif
+
 void memory_stream(double *restrict to, const double *restrict from, size_t count)
 {
+    size_t done = 0;
 #if defined(__SSE2__)
-    size_t i = 0;
-    for (; i < count && ((uintptr_t)(to + i) & 15) != 0; i++)
-        to[i] = from[i];
-    for (; i + 2 <= count; i += 2)
-        _mm_stream_pd(to + i, _mm_loadu_pd(from + i));
-    for (; i < count; i++)
-        to[i] = from[i];
+    while (done < count && ((uintptr_t)(to + done) & 63) != 0)
+    {
+        to[done] = from[done];
+        done++;
+    }
+    size_t lines = (count - done) / 8 * 8;
+    if (__builtin_cpu_supports("avx512f"))
+        stream_lines_512(to + done, from + done, lines);
+    else
+        stream_lines_128(to + done, from + done, lines);
+    done += lines;
+#endif
+    memcpy(to + done, from + done, (count - done) * sizeof *to);
+}
+
+void memory_stream_end(void)
+{
+#if defined(__SSE2__)
     _mm_sfence();
-#else
-    memcpy(to, from, count * sizeof *to);
 #endif
 }

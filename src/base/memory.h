@@ -17,4 +17,7 @@ void *memory_array(size_t count, size_t size);
 /// Both addresses are multiples of 8.
 void memory_stream(double *restrict to, const double *restrict from, size_t count);
 
+/// Make what memory_stream() wrote visible to other threads.
+void memory_stream_end(void);
+
 #endif

@@ -15,7 +15,9 @@ enum
     /// Levels beyond this overflow any count.
     MOST_LEVELS = 64,
     /// Numbers in a chunk of the last level: with the levels before it, it fits the second-level cache.
-    CHUNK_NUMBERS = 4096,
+    CHUNK_NUMBERS = 16384,
+    /// Numbers written past the caches at a time: they stay in the first-level cache until then.
+    PIECE_NUMBERS = 2048,
     /// A chunk is at least this many times the support of the mask, so that what chunks compute twice stays small.
     CHUNK_SUPPORTS = 16,
     /// Results larger than this many numbers are written past the caches.
@@ -98,12 +100,25 @@ static void snap_rows(const snap_stencil *snap, const double *points, size_t row
             fine[i] += snap->weights[k] * points[i + k * dim];
 }
 
-static void copy_rows(const scratch *s, double *to, const double *from, size_t count)
+/// The last level of a large result, piece by piece from the first-level cache past all caches.
+static bat_status run_streaming(const refine_kernel *kernel, const double *points, size_t pairs, double *piece, double *fine,
+                                size_t *failed)
 {
-    if (s->stream)
-        memory_stream(to, from, count);
-    else
-        memcpy(to, from, count * sizeof *to);
+    size_t dim = kernel->dim;
+    size_t most = PIECE_NUMBERS / (2 * dim) > 0 ? PIECE_NUMBERS / (2 * dim) : 1;
+    for (size_t done = 0; done < pairs; done += most)
+    {
+        size_t count = pairs - done < most ? pairs - done : most;
+        bat_status status = kernel->run(kernel, points + done * dim, count, piece, failed);
+        if (status != BAT_OK)
+        {
+            *failed += done;
+            return status;
+        }
+        memory_stream(fine + 2 * done * dim, piece, 2 * count * dim);
+    }
+    memory_stream_end();
+    return BAT_OK;
 }
 
 /// One chunk of the result, from level 0 through all levels. On failure *fault is the edge of level 0 at fault.
@@ -123,12 +138,13 @@ static bat_status run_chunk(const cascade *task, const double *root, index_range
     {
         index_range pairs = whole_pairs(ranges[level]);
         bool last = level == task->levels && task->snap.count == 0;
-        bool in_place = last && !s->stream && pairs.begin == chunk.begin && pairs.end == chunk.end;
+        bool in_place = last && pairs.begin == chunk.begin && pairs.end == chunk.end;
         double *rows = in_place ? fine : s->rows[level & 1];
         ptrdiff_t first_pair = floor_half(pairs.begin);
-        size_t failed = 0;
-        bat_status status = kernel->run(kernel, points + (first_pair - origin) * (ptrdiff_t)dim,
-                                        (size_t)(pairs.end - pairs.begin) / 2, rows, &failed);
+        size_t count = (size_t)(pairs.end - pairs.begin) / 2, failed = 0;
+        const double *from = points + (first_pair - origin) * (ptrdiff_t)dim;
+        bat_status status = in_place && s->stream ? run_streaming(kernel, from, count, s->rows[level & 1], rows, &failed)
+                                                  : kernel->run(kernel, from, count, rows, &failed);
         if (status != BAT_OK)
         {
             *fault = (first_pair + (ptrdiff_t)failed) >> (level - 1);
@@ -148,7 +164,7 @@ static bat_status run_chunk(const cascade *task, const double *root, index_range
         points = rows;
         origin = chunk.begin;
     }
-    copy_rows(s, fine, points + (chunk.begin - origin) * (ptrdiff_t)dim, count * dim);
+    memcpy(fine, points + (chunk.begin - origin) * (ptrdiff_t)dim, count * dim * sizeof *fine);
     return BAT_OK;
 }
 

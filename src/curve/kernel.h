@@ -3,6 +3,18 @@
 
 #include "batten/curve.h"
 
+/// The coefficients of a mask for new points of one parity: new point 2 j + parity is the sum over k of weights[k] times
+/// old point j + start + k. No weight at either end is zero.
+typedef struct mask_taps
+{
+    double weights[BAT_MASK_MAX];
+    size_t count;
+    ptrdiff_t start;
+} mask_taps;
+
+/// `parity` is 0 or 1.
+mask_taps mask_taps_of(const bat_mask *mask, int parity);
+
 /// A subdivision step as the drivers see it: which old points a new one depends on, and the function that makes new points.
 ///
 /// New point i depends on the old points from ceil((i - last) / 2) to floor((i - first) / 2), as if it had a mask on the
@@ -12,9 +24,10 @@ struct refine_kernel
 {
     const bat_space *space;
     const bat_scheme *scheme;
-    size_t dim;        ///< numbers a point is stored in
-    int first, last;   ///< support of the step, see above
-    double mean_angle; ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
+    size_t dim;          ///< numbers a point is stored in
+    int first, last;     ///< support of the step, see above
+    mask_taps even, odd; ///< of a linear scheme; of a log-exp scheme only the odd ones
+    double mean_angle;   ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
 
     /// Make the new points 2 j and 2 j + 1 for j = 0 … pairs - 1; row 0 of `points` is old point 0, and rows before and
     /// behind it are there as the support asks. On failure *fault is the pair at fault.

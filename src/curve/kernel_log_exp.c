@@ -16,35 +16,10 @@ static const double ANTIPODAL_SQUARED_LENGTH = 1e-28;
 /// Squared length of a tangent vector up to which the polynomials of lanes.h hold.
 static const double SQUARED_PI = 9.8696044010893586188;
 
-/// The odd coefficients: the new vertex over the edge (p_0, p_1) averages p_k with weight a(1 - 2 k), k = low … high.
-typedef struct stencil
-{
-    double weights[BAT_MASK_MAX];
-    int low, high;
-} stencil;
-
-static stencil odd_stencil(const bat_mask *mask)
-{
-    int last = mask->first + (int)mask->count - 1;
-    stencil result = {.low = 0, .high = -1};
-    bool empty = true;
-    for (int index = last; index >= mask->first; index--)
-    {
-        double weight = mask->coefficients[index - mask->first];
-        if ((index & 1) == 0 || (empty && weight == 0))
-            continue;
-        int k = (1 - index) / 2;
-        if (empty)
-            result.low = k;
-        empty = false;
-        result.high = k;
-        result.weights[k - result.low] = weight;
-    }
-    return result;
-}
-
-/// One edge in any space: the weighted mean of logarithms in the tangent space of the base point.
-static bat_status new_vertex(const bat_space *space, const stencil *s, bat_log_exp_base where, const double *p, double *fine)
+/// One edge in any space: the weighted mean of logarithms in the tangent space of the base point. The new vertex over the
+/// edge from p_0 to p_1 averages with the odd coefficients of the mask.
+static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_log_exp_base where, const double *p,
+                             double *fine)
 {
     size_t dim = space->point_dim, tangent_dim = space->tangent_dim;
     double middle[BAT_SPACE_MAX_DIM], tangent[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
@@ -57,15 +32,16 @@ static bat_status new_vertex(const bat_space *space, const stencil *s, bat_log_e
         base = middle;
     }
     memset(sum, 0, tangent_dim * sizeof *sum);
-    for (int k = s->low; k <= s->high; k++)
+    for (size_t k = 0; k < taps->count; k++)
     {
-        if (base == p && k == 0)
+        ptrdiff_t row = taps->start + (ptrdiff_t)k;
+        if (base == p && row == 0)
             continue;
-        bat_status status = space->log(space, base, p + k * (ptrdiff_t)dim, tangent);
+        bat_status status = space->log(space, base, p + row * (ptrdiff_t)dim, tangent);
         if (status != BAT_OK)
             return status;
         for (size_t i = 0; i < tangent_dim; i++)
-            sum[i] += s->weights[k - s->low] * tangent[i];
+            sum[i] += taps->weights[k] * tangent[i];
     }
     return space->exp(space, base, sum, fine);
 }
@@ -73,12 +49,11 @@ static bat_status new_vertex(const bat_space *space, const stencil *s, bat_log_e
 static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
 {
     size_t dim = kernel->dim;
-    stencil s = odd_stencil(&kernel->scheme->mask);
     for (size_t j = 0; j < pairs; j++)
     {
         const double *p = points + j * dim;
         memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
-        bat_status status = new_vertex(kernel->space, &s, kernel->scheme->base, p, fine + (2 * j + 1) * dim);
+        bat_status status = new_vertex(kernel->space, &kernel->odd, kernel->scheme->base, p, fine + (2 * j + 1) * dim);
         if (status != BAT_OK)
         {
             *fault = j;
@@ -165,7 +140,7 @@ static void sphere_exponentials(sphere_block *block, const double *p, size_t edg
 
 static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
 {
-    stencil s = odd_stencil(&kernel->scheme->mask);
+    const mask_taps *taps = &kernel->odd;
     bool midpoint = kernel->scheme->base == BAT_BASE_MIDPOINT;
     sphere_block block;
     for (size_t done = 0; done < pairs; done += BLOCK)
@@ -173,9 +148,12 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
         size_t edges = pairs - done < BLOCK ? pairs - done : BLOCK;
         const double *p = points + 3 * done;
         sphere_bases(&block, p, edges, midpoint);
-        for (int k = s.low; k <= s.high; k++)
-            if (midpoint || k != 0)
-                sphere_add_logs(&block, p + 3 * k, edges, s.weights[k - s.low]);
+        for (size_t k = 0; k < taps->count; k++)
+        {
+            ptrdiff_t row = taps->start + (ptrdiff_t)k;
+            if (midpoint || row != 0)
+                sphere_add_logs(&block, p + 3 * row, edges, taps->weights[k]);
+        }
         sphere_exponentials(&block, p, edges, fine + 6 * done);
         for (size_t j = 0; j < edges; j++)
         {
@@ -197,15 +175,18 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
 
 refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme)
 {
-    stencil s = odd_stencil(&scheme->mask);
+    mask_taps odd = mask_taps_of(&scheme->mask, 1);
     // The stencil always holds the edge's own ends.
-    int low = s.low < 0 ? s.low : 0, high = s.high > 1 ? s.high : 1;
+    int low = odd.start < 0 ? (int)odd.start : 0;
+    int high = (int)odd.start + (int)odd.count - 1;
+    high = high > 1 ? high : 1;
     return (refine_kernel){
         .space = space,
         .scheme = scheme,
         .dim = space->point_dim,
         .first = 1 - 2 * high,
         .last = 1 - 2 * low,
+        .odd = odd,
         .run = space_is_sphere(space) ? run_sphere : run_any,
     };
 }
