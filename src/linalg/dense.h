@@ -1,0 +1,45 @@
+#ifndef LINALG_DENSE_H
+#define LINALG_DENSE_H
+
+#include "batten/base.h"
+
+/// @file
+/// Dense real matrices, row-major and square of side `n` unless said otherwise. Thin calls into BLAS and LAPACK.
+/// Calls that return a status give BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE where LAPACK's iteration did not settle.
+
+/// product = a b
+void dense_multiply(size_t n, const double *a, const double *b, double *product);
+/// result = a x
+void dense_apply(size_t n, const double *a, const double *x, double *result);
+/// The Frobenius norm.
+double dense_norm(size_t n, const double *a);
+
+/// The largest modulus of an eigenvalue, as computed: without any allowance for rounding.
+/// @param scratch room for n (n + 2) numbers
+bat_status dense_spectral_radius(size_t n, const double *a, double *scratch, double *radius, bat_error *error);
+
+/// A number that no spectral radius of a matrix within `distance` of `a` (spectral norm) falls below, rounding included.
+///
+/// The eigenvalues of such a matrix lie in discs about the computed eigenvalues of `a`, of radius n distance / s where s is the
+/// cosine between left and right eigenvector; a connected set of k discs holds k of them (Bauer and Fike; Demmel 1997, theorem
+/// 4.5). Defective eigenvalues get large discs, so they weaken the bound but never spoil it.
+bat_status dense_spectral_radius_below(size_t n, const double *a, double distance, double *bound, bat_error *error);
+
+/// The eigenvalue of largest modulus and its right eigenvector of largest entry 1; `imaginary` is zero for a real one.
+bat_status dense_leading_vector(size_t n, const double *a, double *real, double *imaginary, bat_error *error);
+
+/// All eigenvalues, each with the radius within which rounding may have moved it.
+bat_status dense_eigenvalues(size_t n, const double *a, double *real, double *imaginary, double *radius, bat_error *error);
+
+/// An orthonormal basis of the approximate null space of a - (real + i imaginary) I: the right singular vectors of singular
+/// values up to `tolerance`, at least one and at most `limit`.
+/// @param vectors receives up to `limit` rows of n complex numbers (real part, imaginary part)
+bat_status dense_null_space(size_t n, const double *a, double real, double imaginary, double tolerance, size_t limit,
+                            double *vectors, size_t *count, bat_error *error);
+
+/// The left eigenvector x of `eigenvalue`, which must be simple, with sum constraint_i x_i = 1: the least squares solution of
+/// (a^T - eigenvalue I) x = 0 and the constraint.
+bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const double *constraint, double *vector,
+                             bat_error *error);
+
+#endif

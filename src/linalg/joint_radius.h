@@ -1,0 +1,80 @@
+#ifndef LINALG_JOINT_RADIUS_H
+#define LINALG_JOINT_RADIUS_H
+
+#include "batten/base.h"
+
+/// @file
+/// Proven bounds of the joint spectral radius of a few matrices: the largest growth rate of their products,
+/// lim over k of max |A_1 … A_k|^(1/k) over all choices of the factors.
+
+/// The longest products looked at.
+#define JOINT_RADIUS_MAX_LENGTH 24
+/// Products that tie for the largest growth and are remembered.
+#define JOINT_RADIUS_LEADERS 8
+
+/// `count` square matrices of side `dimension`, one after the other, row-major.
+typedef struct matrix_set
+{
+    size_t dimension;
+    size_t count;
+    double *entries;
+} matrix_set;
+
+bat_status matrix_set_make(size_t dimension, size_t count, matrix_set *set, bat_error *error);
+void matrix_set_free(matrix_set *set);
+static inline double *matrix_set_at(const matrix_set *set, size_t index)
+{
+    return set->entries + index * set->dimension * set->dimension;
+}
+
+/// A product by the indices of its factors, leftmost first.
+typedef struct matrix_word
+{
+    unsigned char letters[JOINT_RADIUS_MAX_LENGTH];
+    size_t length;
+    double growth; ///< (spectral radius)^(1 / length), as computed
+} matrix_word;
+
+typedef struct joint_radius_limits
+{
+    size_t depth;       ///< longest product for the lower bound, twice the rounds of growth for the upper; 1 … 24
+    size_t vertices;    ///< of the polytope
+    double tolerance;   ///< enough when upper <= (1 + tolerance) lower
+    double stop_below;  ///< enough when upper is below this; 0 for never
+    double stop_from;   ///< enough when lower is at least this; HUGE_VAL for never
+    double known_upper; ///< an upper bound found otherwise, or HUGE_VAL
+} joint_radius_limits;
+
+/// lower <= joint spectral radius <= upper, both with an allowance for rounding in them.
+typedef struct joint_radius
+{
+    double lower;
+    double upper;
+    matrix_word leaders[JOINT_RADIUS_LEADERS]; ///< the products that gave `lower`, the first one, and their near ties
+    size_t leader_count;
+    size_t length;   ///< every product up to this length was tried
+    size_t vertices; ///< of the last polytope
+} joint_radius;
+
+/// Bound the joint spectral radius from both sides.
+///
+/// Lower: the spectral radius of every product up to `depth` factors, one for each class of cyclic shifts (Lyndon words),
+/// Daubechies and Lagarias 1992. Upper: a polytope that starts with the leading eigenvectors of the best products and grows by
+/// the images of its vertices, which is its own proof: the joint spectral radius is at most the largest norm of an image of a
+/// vertex (Guglielmi and Protasov 2013). Deeper searches never give wider bounds.
+///
+/// @return BAT_OK, BAT_NO_MEMORY or BAT_NO_CONVERGENCE
+bat_status joint_radius_bound(const matrix_set *set, const joint_radius_limits *limits, joint_radius *result,
+                              bat_error *error);
+
+/// Try to prove that the joint spectral radius of `hull`, and so of every set of matrices between its members, is below
+/// `threshold`, with a polytope that starts at the leading eigenvectors of products of `middle`.
+bat_status joint_radius_prove_below(const matrix_set *hull, const matrix_set *middle, const joint_radius *middle_radius,
+                                    const joint_radius_limits *limits, double threshold, bool *proven, bat_error *error);
+
+/// A lower bound of the spectral radius^(1 / length) of a product for every choice of factors within `distance` (Frobenius
+/// norm) of those of the set.
+bat_status joint_radius_word_below(const matrix_set *set, const matrix_word *word, double distance, double *bound,
+                                   bat_error *error);
+
+#endif

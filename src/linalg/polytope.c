@@ -1,0 +1,234 @@
+#include "linalg/polytope.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <cblas.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// A vertex enters the basis when it improves the objective by more than this share.
+#define PRICE_TOLERANCE 1e-13
+/// Entries of the entering column below this share of its largest are no pivots.
+#define PIVOT_TOLERANCE 1e-10
+/// A residual so many times larger than a fresh basis would leave calls for a fresh basis.
+#define DRIFT_LIMIT 100.0
+
+/// Room within `scratch`, each of `dimension` numbers, then `capacity` prices.
+typedef struct simplex
+{
+    double *coefficient; ///< of the basis vertices: x = sum coefficient_i v_i
+    double *sign;        ///< of each coefficient, kept where it is zero
+    double *dual;        ///< the linear form that is 1 at every sign_i v_i
+    double *column;      ///< the entering vertex in terms of the basis
+    double *price;       ///< the dual at every vertex
+} simplex;
+
+static simplex simplex_of(const polytope *p)
+{
+    const size_t n = p->dimension;
+    return (simplex){.coefficient = p->scratch,
+                     .sign = p->scratch + n,
+                     .dual = p->scratch + 2 * n,
+                     .column = p->scratch + 3 * n,
+                     .price = p->scratch + 4 * n};
+}
+
+/// Return to the basis of the multiples of the unit vectors.
+static void reset_basis(polytope *p)
+{
+    const size_t n = p->dimension;
+    memset(p->inverse, 0, n * n * sizeof *p->inverse);
+    for (size_t i = 0; i < n; ++i)
+    {
+        p->basis[i] = i;
+        p->inverse[i * n + i] = 1.0 / p->vertices[i * n + i];
+    }
+}
+
+bat_status polytope_make(size_t dimension, size_t capacity, double radius, polytope *result, bat_error *error)
+{
+    const size_t n = dimension;
+    if (capacity < n)
+        capacity = n;
+    *result = (polytope){.dimension = n, .count = n, .capacity = capacity};
+    result->vertices = memory_array(capacity * n, sizeof *result->vertices);
+    result->basis = memory_array(n, sizeof *result->basis);
+    result->inverse = memory_array(n * n, sizeof *result->inverse);
+    result->scratch = memory_array(4 * n + capacity, sizeof *result->scratch);
+    if (result->vertices == NULL || result->basis == NULL || result->inverse == NULL || result->scratch == NULL)
+    {
+        polytope_free(result);
+        return error_memory(error, capacity * n * sizeof(double));
+    }
+    memset(result->vertices, 0, n * n * sizeof *result->vertices);
+    for (size_t i = 0; i < n; ++i)
+        result->vertices[i * n + i] = radius;
+    reset_basis(result);
+    return BAT_OK;
+}
+
+void polytope_free(polytope *p)
+{
+    free(p->vertices);
+    free(p->basis);
+    free(p->inverse);
+    free(p->scratch);
+    *p = (polytope){0};
+}
+
+bool polytope_add(polytope *p, const double *vertex)
+{
+    if (p->count == p->capacity)
+        return false;
+    memcpy(p->vertices + p->count * p->dimension, vertex, p->dimension * sizeof *vertex);
+    ++p->count;
+    return true;
+}
+
+/// The vertex whose price has the largest modulus, for the present signs.
+static size_t price_vertices(const polytope *p, const simplex *s)
+{
+    const int n = (int)p->dimension;
+    cblas_dgemv(CblasRowMajor, CblasTrans, n, n, 1.0, p->inverse, n, s->sign, 1, 0.0, s->dual, 1);
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)p->count, n, 1.0, p->vertices, n, s->dual, 1, 0.0, s->price, 1);
+    size_t best = 0;
+    for (size_t v = 1; v < p->count; ++v)
+    {
+        if (fabs(s->price[v]) > fabs(s->price[best]))
+            best = v;
+    }
+    return best;
+}
+
+/// Which basis vertex leaves when vertex `entering` comes in. The objective is convex and piecewise linear along the way; the
+/// walk passes the coefficients that change sign until its slope turns.
+/// @return the position in the basis, or `dimension` when no pivot is safe
+static size_t choose_leaving(const polytope *p, const simplex *s, size_t entering)
+{
+    const size_t n = p->dimension;
+    const double direction = copysign(1.0, s->price[entering]);
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)n, (int)n, direction, p->inverse, (int)n, p->vertices + entering * n, 1,
+                0.0, s->column, 1);
+    double smallest_pivot = 0.0;
+    for (size_t i = 0; i < n; ++i)
+        smallest_pivot = fmax(smallest_pivot, PIVOT_TOLERANCE * fabs(s->column[i]));
+
+    double slope = 1.0 - fabs(s->price[entering]);
+    while (slope < 0.0)
+    {
+        size_t next = n;
+        double nearest = HUGE_VAL;
+        for (size_t i = 0; i < n; ++i)
+        {
+            const double speed = s->sign[i] * s->column[i];
+            if (speed <= smallest_pivot)
+                continue;
+            const double distance = fmax(0.0, s->sign[i] * s->coefficient[i]) / speed;
+            if (distance < nearest)
+            {
+                nearest = distance;
+                next = i;
+            }
+        }
+        if (next == n)
+            return n;
+        slope += 2.0 * fabs(s->column[next]);
+        if (slope >= 0.0)
+            return next;
+        s->sign[next] = -s->sign[next];
+    }
+    return n;
+}
+
+static void pivot(polytope *p, const simplex *s, size_t entering, size_t leaving)
+{
+    const size_t n = p->dimension;
+    double *row = p->inverse + leaving * n;
+    cblas_dscal((int)n, copysign(1.0, s->price[entering]) / s->column[leaving], row, 1);
+    for (size_t i = 0; i < n; ++i)
+    {
+        if (i != leaving)
+            cblas_daxpy((int)n, -copysign(1.0, s->price[entering]) * s->column[i], row, 1, p->inverse + i * n, 1);
+    }
+    p->basis[leaving] = entering;
+}
+
+/// Coefficients of x in the basis, their signs, and the sum of their moduli.
+static double represent(const polytope *p, const double *x, const simplex *s)
+{
+    const int n = (int)p->dimension;
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, n, n, 1.0, p->inverse, n, x, 1, 0.0, s->coefficient, 1);
+    double sum = 0.0;
+    for (size_t i = 0; i < p->dimension; ++i)
+    {
+        s->sign[i] = s->coefficient[i] < 0.0 ? -1.0 : 1.0;
+        sum += fabs(s->coefficient[i]);
+    }
+    return sum;
+}
+
+static double minimize(polytope *p, const double *x, const simplex *s, double enough)
+{
+    const size_t n = p->dimension;
+    const size_t limit = 20 + 8 * n;
+    double sum = represent(p, x, s);
+    for (size_t step = 0; step < limit && sum > enough; ++step)
+    {
+        const size_t entering = price_vertices(p, s);
+        if (fabs(s->price[entering]) <= 1.0 + PRICE_TOLERANCE)
+            break;
+        const size_t leaving = choose_leaving(p, s, entering);
+        if (leaving == n)
+            break;
+        pivot(p, s, entering, leaving);
+        sum = represent(p, x, s);
+    }
+    return sum;
+}
+
+/// The mismatch between x and its representation, and what rounding may hide of it, measured in the norm: each entry is a
+/// multiple of a unit vector, whose norm is at most 1 / radius.
+typedef struct mismatch
+{
+    double residual;
+    double rounding;
+} mismatch;
+
+static mismatch representation_mismatch(const polytope *p, const double *x, const double *uncertainty, const simplex *s)
+{
+    const size_t n = p->dimension;
+    const double share = (double)(n + 4) * DBL_EPSILON;
+    mismatch norm = {0.0, 0.0};
+    for (size_t j = 0; j < n; ++j)
+    {
+        double residual = x[j];
+        double size = fabs(x[j]);
+        for (size_t i = 0; i < n; ++i)
+        {
+            const double term = s->coefficient[i] * p->vertices[p->basis[i] * n + j];
+            residual -= term;
+            size += fabs(term);
+        }
+        const double radius = p->vertices[j * n + j];
+        norm.residual += fabs(residual) / radius;
+        norm.rounding += (share * size + uncertainty[j]) / radius;
+    }
+    return norm;
+}
+
+double polytope_norm(polytope *p, const double *x, const double *uncertainty, double enough)
+{
+    const simplex s = simplex_of(p);
+    double sum = minimize(p, x, &s, enough);
+    mismatch m = representation_mismatch(p, x, uncertainty, &s);
+    if (!(m.residual <= DRIFT_LIMIT * m.rounding))
+    {
+        reset_basis(p);
+        sum = minimize(p, x, &s, enough);
+        m = representation_mismatch(p, x, uncertainty, &s);
+    }
+    return (sum + m.residual + m.rounding) * (1.0 + (double)(p->dimension + 4) * DBL_EPSILON);
+}
