@@ -20,6 +20,28 @@ static const double LANES_HALF_PI = 1.57079632679489661923;
 static const double LANES_PI = 3.14159265358979323846;
 static const double LANES_TAN_PI_8 = 0.41421356237309504880;
 
+/// (atan(r) / r - 1) / r^2 as a function of z = r^2, |r| <= tan(pi/8).
+static inline double lane_atan_tail(double z)
+{
+    double p = -0x1.3a31b1c0fd3b7p-6;
+    p = p * z + 0x1.4162c02b1dda3p-5;
+    p = p * z - 0x1.a0999c632b6edp-5;
+    p = p * z + 0x1.dfe6497e96323p-5;
+    p = p * z - 0x1.10fa77b1a6d57p-4;
+    p = p * z + 0x1.3b1263064f6b9p-4;
+    p = p * z - 0x1.745d0b28a7e37p-4;
+    p = p * z + 0x1.c71c71853d7fap-4;
+    p = p * z - 0x1.2492492436201p-3;
+    p = p * z + 0x1.999999999934cp-3;
+    return p * z - 0x1.5555555555555p-2;
+}
+
+/// atan(sqrt(z)) / sqrt(z) for 0 <= z <= tan(pi/8)^2.
+static inline double lane_atan_over_root(double z)
+{
+    return 1 + z * lane_atan_tail(z);
+}
+
 /// atan2(y, x), and 0 at the origin.
 static inline double lane_atan2(double y, double x)
 {
@@ -32,18 +54,7 @@ static inline double lane_atan2(double y, double x)
     denominator = denominator > 0 ? denominator : 1;
     double r = numerator / denominator;
     double z = r * r;
-    double p = -0x1.3a31b1c0fd3b7p-6;
-    p = p * z + 0x1.4162c02b1dda3p-5;
-    p = p * z - 0x1.a0999c632b6edp-5;
-    p = p * z + 0x1.dfe6497e96323p-5;
-    p = p * z - 0x1.10fa77b1a6d57p-4;
-    p = p * z + 0x1.3b1263064f6b9p-4;
-    p = p * z - 0x1.745d0b28a7e37p-4;
-    p = p * z + 0x1.c71c71853d7fap-4;
-    p = p * z - 0x1.2492492436201p-3;
-    p = p * z + 0x1.999999999934cp-3;
-    p = p * z - 0x1.5555555555555p-2;
-    double angle = r + r * (z * p);
+    double angle = r + r * (z * lane_atan_tail(z));
     angle = upper ? 0.5 * LANES_HALF_PI + angle : angle;
     angle = ay < ax ? angle : LANES_HALF_PI - angle;
     angle = high > 0 ? angle : 0;
