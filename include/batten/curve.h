@@ -28,6 +28,12 @@ BAT_API void bat_curve_free(bat_curve *curve);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
 BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 
+/// The name, for bat_scheme_by_name(), of the scheme to begin with in a space: "angle-4" on the oriented surfaces (plane, sphere,
+/// disk), "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
+BAT_API const char *bat_scheme_name_for_space(const bat_space *space);
+/// The scheme of that name.
+BAT_API bat_scheme bat_scheme_for_space(const bat_space *space);
+
 /// How an open curve goes on beyond its ends, where a rule asks for points that are not there.
 typedef enum bat_end_rule
 {
@@ -35,8 +41,9 @@ typedef enum bat_end_rule
     /// every symmetric mask. Works in every space. The default.
     BAT_END_REFLECT,
     /// By the extrapolation that keeps what the scheme reproduces: the cubic through the last four points (in the tangent
-    /// space of the end point where the space is curved) for linear and log-exp schemes, the last exterior angle and edge
-    /// length repeated for angle-based ones, so that an arc of a circle stays one.
+    /// space of the end point where the space is curved) for interpolatory linear and log-exp schemes, the straight line for
+    /// other linear ones, the mirror image in the perpendicular bisector of the end edge for angle-based ones, so that an
+    /// evenly sampled arc of a circle stays one.
     BAT_END_EXTRAPOLATE,
     /// Not at all: only points whose whole stencil lies inside are made, so that the curve shrinks. Linear schemes only.
     BAT_END_FREE
@@ -77,7 +84,14 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_re
 BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_options *options, bat_curve *fine,
                                     bat_error *error);
 
-/// The same into the caller's arrays: `points` of `capacity` rows, which must be at least bat_curve_refined_count(), and
+/// bat_curve_refine() for many curves, which the threads share.
+///
+/// @param fine         receives `count` curves; all empty on failure
+/// @param failed_curve receives the first curve at fault on failure; may be null
+BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_refine_options *options,
+                                     bat_curve *fine, size_t *failed_curve, bat_error *error);
+
+/// bat_curve_refine() into the caller's arrays: `points` of `capacity` rows, which must be at least bat_curve_refined_count(), and
 /// `channels` (may be null when the curve has none).
 BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
                                          double *channels, size_t capacity, bat_error *error);

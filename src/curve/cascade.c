@@ -2,13 +2,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/threads.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#if defined(_OPENMP)
-#include <omp.h>
-#endif
 
 enum
 {
@@ -43,7 +40,7 @@ static index_range range_before(const refine_kernel *kernel, index_range range)
     return (index_range){floor_half(pairs.begin - kernel->last + 1), floor_half(pairs.end - 1 - kernel->first) + 1};
 }
 
-static index_range with_snap(const snap_stencil *snap, index_range range)
+static index_range with_snap(const bat_stencil *snap, index_range range)
 {
     if (snap->count == 0)
         return range;
@@ -92,7 +89,7 @@ static void scratch_free(scratch *s)
     free(s->rows[1]);
 }
 
-static void snap_rows(const snap_stencil *snap, const double *points, size_t rows, size_t dim, double *fine)
+static void snap_rows(const bat_stencil *snap, const double *points, size_t rows, size_t dim, double *fine)
 {
     memset(fine, 0, rows * dim * sizeof *fine);
     for (size_t k = 0; k < snap->count; k++)
@@ -190,27 +187,6 @@ static void record_failure(shared_state *shared, ptrdiff_t chunk, bat_status sta
     }
 }
 
-static bool is_calling_thread(void)
-{
-#if defined(_OPENMP)
-    return omp_get_thread_num() == 0;
-#else
-    return true;
-#endif
-}
-
-static int thread_count(const cascade *task, ptrdiff_t chunks)
-{
-#if defined(_OPENMP)
-    int threads = task->threads > 0 ? task->threads : omp_get_max_threads();
-    return threads > chunks ? (int)(chunks > 0 ? chunks : 1) : threads;
-#else
-    (void)task;
-    (void)chunks;
-    return 1;
-#endif
-}
-
 static void run_chunks(const cascade *task, const double *root, double *fine, ptrdiff_t chunk, ptrdiff_t chunks,
                        shared_state *shared)
 {
@@ -239,7 +215,7 @@ static void run_chunks(const cascade *task, const double *root, double *fine, pt
         ptrdiff_t done;
 #pragma omp atomic capture
         done = ++shared->done;
-        if (task->progress.report != NULL && is_calling_thread() &&
+        if (task->progress.report != NULL && threads_is_calling() &&
             !task->progress.report(task->progress.context, (double)done / (double)chunks))
         {
 #pragma omp atomic write
@@ -249,6 +225,15 @@ static void run_chunks(const cascade *task, const double *root, double *fine, pt
     scratch_free(&s);
 }
 
+/// The point of level 0 that begins an edge, also where the edge lies beyond an end.
+static size_t point_at_fault(const cascade *task, ptrdiff_t edge)
+{
+    ptrdiff_t count = (ptrdiff_t)task->count;
+    if (task->closed)
+        return (size_t)((edge % count + count) % count);
+    return edge < 0 ? 0 : edge >= count ? task->count - 1 : (size_t)edge;
+}
+
 bat_status cascade_run(const cascade *task, const double *root, double *fine, bat_error *error)
 {
     ptrdiff_t total = task->result.end - task->result.begin;
@@ -256,19 +241,18 @@ bat_status cascade_run(const cascade *task, const double *root, double *fine, ba
     chunk = chunk > total ? total + (total & 1) : chunk;
     ptrdiff_t chunks = total == 0 ? 0 : (total + chunk - 1) / chunk;
     shared_state shared = {.status = BAT_OK, .failed_chunk = PTRDIFF_MAX};
-    int threads = thread_count(task, chunks);
-    if (threads == 1)
-        run_chunks(task, root, fine, chunk, chunks, &shared);
-    else
-    {
+    int threads = threads_for(task->threads, (size_t)chunks);
+    // A team of its own also for one thread: the caller may be in a team already, which must not share these chunks.
 #pragma omp parallel num_threads(threads)
-        run_chunks(task, root, fine, chunk, chunks, &shared);
-    }
+    run_chunks(task, root, fine, chunk, chunks, &shared);
     if (shared.status == BAT_NO_MEMORY)
         return error_memory(error, (size_t)chunk * task->kernel.dim * sizeof(double));
     if (shared.status != BAT_OK)
-        return error_set(error, shared.status, (size_t)shared.fault, 0, "no new point over the edge from point %td: %s",
-                         shared.fault, bat_status_name(shared.status));
+    {
+        size_t point = point_at_fault(task, shared.fault);
+        return error_set(error, shared.status, point, 0, "there is no new point after point %zu (%s)", point,
+                         bat_status_name(shared.status));
+    }
     if (shared.cancelled)
         return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     return BAT_OK;

@@ -1,6 +1,7 @@
 #ifndef CURVE_CASCADE_H
 #define CURVE_CASCADE_H
 
+#include "batten/analysis.h"
 #include "curve/kernel.h"
 
 /// @file
@@ -14,22 +15,16 @@ typedef struct index_range
     ptrdiff_t begin, end;
 } index_range;
 
-/// Weights that take the points of a level to the limit curve: limit point i is the sum over k of weights[k] p(i + first + k).
-typedef struct snap_stencil
-{
-    double weights[BAT_MASK_MAX];
-    size_t count; ///< 0: leave the points where they are
-    int first;
-} snap_stencil;
-
 /// What to compute.
 typedef struct cascade
 {
     refine_kernel kernel;
     size_t levels;
+    size_t count; ///< points of level 0, to name the one at fault
+    bool closed;
     index_range result; ///< indices wanted of the last level
-    snap_stencil snap;
-    int threads; ///< 0: as many as OpenMP gives
+    bat_stencil snap;   ///< moves the points of the last level onto the limit curve; count 0: not at all
+    int threads;        ///< 0: as many as OpenMP gives
     bat_progress progress;
 } cascade;
 

@@ -38,6 +38,8 @@ struct refine_kernel
 refine_kernel kernel_linear(const bat_scheme *scheme, size_t dim);
 /// An angle-based step; the space must be oriented.
 refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme);
+/// The mean absolute exterior angle at the points first … end - 1, 0 when there are none; the rows before and behind are there.
+double kernel_angle_mean(const bat_space *space, const double *points, size_t first, size_t end);
 /// A log-exp step.
 refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme);
 

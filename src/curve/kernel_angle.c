@@ -21,6 +21,9 @@ enum
 static const double ADAPTIVE_SLOPE = -0.5;
 static const double ADAPTIVE_LOW = -0.5, ADAPTIVE_HIGH = 0.1;
 
+/// See disk_insert().
+static const double PARALLEL_SHARE = 0.9;
+
 /// Squared length of p + q below which the points of a sphere count as antipodal.
 static const double ANTIPODAL_SQUARED_LENGTH = 1e-28;
 
@@ -165,8 +168,8 @@ static void sphere_insert(angle_block *block, size_t edges)
     }
 }
 
-/// Eq. (8) corrected; see src/space/disk.c. An insertion angle at which the two sides would not meet (from the angle of
-/// parallelism of half the edge on, cos(angle) = tanh(e/2)) is reduced to half its tangent there.
+/// Eq. (8) corrected; see src/space/disk.c. The two sides meet only below the angle of parallelism of half the edge,
+/// cos(angle) = tanh(e/2); the tangent of the insertion angle is limited to PARALLEL_SHARE of its value there.
 LANES_CLONES
 static void disk_insert(angle_block *block, size_t edges)
 {
@@ -179,7 +182,7 @@ static void disk_insert(angle_block *block, size_t edges)
         double length = w[0] * w[0] + w[1] * w[1];
         double parallel = sqrt(rim / (length > 0 ? length : DBL_MIN));
         double slope = block->slope[j];
-        slope = fabs(slope) > 0.5 * parallel ? copysign(0.5 * parallel, slope) : slope;
+        slope = fabs(slope) > PARALLEL_SHARE * parallel ? copysign(PARALLEL_SHARE * parallel, slope) : slope;
         double scale = 1 / (1 + sqrt(rim - length * slope * slope));
         double z[2] = {scale * (w[0] - slope * w[1]), scale * (w[1] + slope * w[0])}, point[2];
         disk_translate(p, z, point);
@@ -190,7 +193,7 @@ static void disk_insert(angle_block *block, size_t edges)
 }
 
 LANES_CLONES
-static void store_points(const angle_block *block, const double *points, size_t dim, size_t edges, double *fine)
+static void store_points(const angle_block *block, const double *points, size_t dim, size_t edges, double *restrict fine)
 {
     if (dim == 2)
         for (size_t j = 0; j < edges; j++)
@@ -220,9 +223,18 @@ typedef struct surface
     bat_status missing; ///< what it means that a new vertex does not exist
 } surface;
 
-static bat_status run_blocks(const refine_kernel *kernel, const surface *where, const double *points, size_t pairs,
-                             double *fine, size_t *fault)
+static const surface PLANE = {plane_angles, plane_insert, BAT_INVALID_POINT};
+static const surface SPHERE = {sphere_angles, sphere_insert, BAT_CUT_LOCUS};
+static const surface DISK = {disk_angles, disk_insert, BAT_INVALID_POINT};
+
+static const surface *surface_of(const bat_space *space)
 {
+    return space_is_plane(space) ? &PLANE : space_is_sphere(space) ? &SPHERE : space_is_disk(space) ? &DISK : NULL;
+}
+
+static bat_status run_blocks(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
+{
+    const surface *where = surface_of(kernel->space);
     const bat_scheme *scheme = kernel->scheme;
     size_t dim = kernel->dim;
     double sign = scheme->sign == BAT_ANGLE_OUTWARD ? -1 : 1;
@@ -247,21 +259,6 @@ static bat_status run_blocks(const refine_kernel *kernel, const surface *where, 
         store_points(&block, here, dim, edges, fine + 2 * done * dim);
     }
     return BAT_OK;
-}
-
-static bat_status run_plane(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
-{
-    return run_blocks(kernel, &(surface){plane_angles, plane_insert, BAT_INVALID_POINT}, points, pairs, fine, fault);
-}
-
-static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
-{
-    return run_blocks(kernel, &(surface){sphere_angles, sphere_insert, BAT_CUT_LOCUS}, points, pairs, fine, fault);
-}
-
-static bat_status run_disk(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
-{
-    return run_blocks(kernel, &(surface){disk_angles, disk_insert, BAT_INVALID_POINT}, points, pairs, fine, fault);
 }
 
 /// Any other oriented surface, through its own functions.
@@ -300,9 +297,29 @@ refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme)
         .dim = space->point_dim,
         .first = -5,
         .last = 5,
-        .run = space_is_plane(space)    ? run_plane
-               : space_is_sphere(space) ? run_sphere
-               : space_is_disk(space)   ? run_disk
-                                        : run_any,
+        .run = surface_of(space) != NULL ? run_blocks : run_any,
     };
+}
+
+double kernel_angle_mean(const bat_space *space, const double *points, size_t first, size_t end)
+{
+    const surface *where = surface_of(space);
+    size_t dim = space->point_dim;
+    double sum = 0;
+    angle_block block;
+    for (size_t done = first; done < end; done += BLOCK)
+    {
+        size_t count = end - done < BLOCK ? end - done : BLOCK;
+        const double *before = points + done * dim - dim;
+        if (where != NULL)
+        {
+            load_points(&block, before, dim, count + 2);
+            where->angles(&block, count);
+        }
+        for (size_t i = 0; i < count; i++)
+            sum += fabs(where != NULL ? block.angle[i]
+                                      : space->exterior_angle(space, before + i * dim, before + (i + 1) * dim,
+                                                              before + (i + 2) * dim));
+    }
+    return end > first ? sum / (double)(end - first) : 0;
 }

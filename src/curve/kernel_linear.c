@@ -81,20 +81,17 @@ static inline void interleave(const double *restrict even, const double *restric
 
 typedef double vector8 __attribute__((vector_size(64)));
 
-static inline vector8 load8(const double *from)
-{
-    vector8 result;
-    memcpy(&result, from, sizeof result);
-    return result;
-}
-
 /// Four rows of two numbers at once; `count` is a constant where this is inlined.
-static inline vector8 sum_pairs(const double *w, const double *p, size_t count)
+static inline void sum_pairs(const double *w, const double *p, size_t count, vector8 *sum)
 {
-    vector8 sum = w[0] * load8(p);
+    vector8 term;
+    memcpy(&term, p, sizeof term);
+    *sum = w[0] * term;
     for (size_t k = 1; k < count; k++)
-        sum += w[k] * load8(p + 2 * k);
-    return sum;
+    {
+        memcpy(&term, p + 2 * k, sizeof term);
+        *sum += w[k] * term;
+    }
 }
 
 /// Both parities of points of the plane, from registers straight into place, four old points at a time.
@@ -104,8 +101,9 @@ static inline void refine_pairs(const mask_taps *even, const mask_taps *odd, siz
     const double *even_points = points + 2 * even->start, *odd_points = points + 2 * odd->start;
     for (size_t j = 0; j < rows; j += 4)
     {
-        vector8 e = sum_pairs(even->weights, even_points + 2 * j, even_count);
-        vector8 o = sum_pairs(odd->weights, odd_points + 2 * j, odd_count);
+        vector8 e, o;
+        sum_pairs(even->weights, even_points + 2 * j, even_count, &e);
+        sum_pairs(odd->weights, odd_points + 2 * j, odd_count, &o);
         vector8 low = __builtin_shufflevector(e, o, 0, 1, 8, 9, 2, 3, 10, 11);
         vector8 high = __builtin_shufflevector(e, o, 4, 5, 12, 13, 6, 7, 14, 15);
         memcpy(fine + 4 * j, &low, sizeof low);

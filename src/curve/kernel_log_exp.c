@@ -63,111 +63,204 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
     return BAT_OK;
 }
 
-/// One block of edges on the sphere: base points, and the sums of weighted logarithms.
+/// One block of edges on the sphere, coordinate by coordinate: the points that the stencils touch, the base points, the
+/// sums of weighted logarithms, and the new points.
 typedef struct sphere_block
 {
-    double x[BLOCK], y[BLOCK], z[BLOCK];
+    double point_x[BLOCK + BAT_MASK_MAX], point_y[BLOCK + BAT_MASK_MAX], point_z[BLOCK + BAT_MASK_MAX];
+    double base_x[BLOCK], base_y[BLOCK], base_z[BLOCK];
     double sum_x[BLOCK], sum_y[BLOCK], sum_z[BLOCK];
+    double new_x[BLOCK], new_y[BLOCK], new_z[BLOCK];
     double margin[BLOCK]; ///< positive where no point of the stencil is antipodal to the base
     double squared_length[BLOCK];
 } sphere_block;
 
 LANES_CLONES
-static void sphere_bases(sphere_block *block, const double *p, size_t edges, bool midpoint)
+static void sphere_load(sphere_block *block, const double *points, size_t count)
 {
+    for (size_t i = 0; i < count; i++)
+    {
+        block->point_x[i] = points[3 * i];
+        block->point_y[i] = points[3 * i + 1];
+        block->point_z[i] = points[3 * i + 2];
+    }
+}
+
+/// The base of edge j, whose first point is entry j + first of the points.
+LANES_CLONES
+static void sphere_bases(sphere_block *block, size_t first, size_t edges, bool midpoint)
+{
+    const double *x = block->point_x + first, *y = block->point_y + first, *z = block->point_z + first;
     for (size_t j = 0; j < edges; j++)
     {
-        double x = p[3 * j], y = p[3 * j + 1], z = p[3 * j + 2];
-        double mx = x + p[3 * j + 3], my = y + p[3 * j + 4], mz = z + p[3 * j + 5];
+        double mx = x[j] + x[j + 1], my = y[j] + y[j + 1], mz = z[j] + z[j + 1];
         double squared = mx * mx + my * my + mz * mz;
         double inverse = 1 / sqrt(squared > 0 ? squared : 1);
-        block->x[j] = midpoint ? mx * inverse : x;
-        block->y[j] = midpoint ? my * inverse : y;
-        block->z[j] = midpoint ? mz * inverse : z;
+        block->base_x[j] = midpoint ? mx * inverse : x[j];
+        block->base_y[j] = midpoint ? my * inverse : y[j];
+        block->base_z[j] = midpoint ? mz * inverse : z[j];
         block->sum_x[j] = block->sum_y[j] = block->sum_z[j] = 0;
         block->margin[j] = squared - ANTIPODAL_SQUARED_LENGTH;
     }
 }
 
-/// Add weight log_b(q): theta / sin(theta) times the part of q - b orthogonal to b, where with c = |q - b| and s = |q + b|
-/// theta = 2 atan2(c, s) and sin(theta) = c s / 2.
+/// Differences and sums of one point of each stencil, beginning at entry `at`, and the base points.
+static inline void chords(const sphere_block *block, size_t at, size_t j, double *d, double *s)
+{
+    double q[3] = {block->point_x[at + j], block->point_y[at + j], block->point_z[at + j]};
+    double b[3] = {block->base_x[j], block->base_y[j], block->base_z[j]};
+    for (int c = 0; c < 3; c++)
+    {
+        d[c] = q[c] - b[c];
+        s[c] = q[c] + b[c];
+    }
+}
+
+static inline double squared(const double *v)
+{
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+}
+
+/// Whether every point is within pi/4 of its base, so that the tangent of half the angle is below tan(pi/8).
 LANES_CLONES
-static void sphere_add_logs(sphere_block *block, const double *q, size_t edges, double weight)
+static bool sphere_all_near(const sphere_block *block, size_t at, size_t edges)
+{
+    int far = 0;
+    for (size_t j = 0; j < edges; j++)
+    {
+        double d[3], s[3];
+        chords(block, at, j, d, s);
+        far |= squared(d) > LANES_TAN_PI_8 * LANES_TAN_PI_8 * squared(s);
+    }
+    return far == 0;
+}
+
+static inline void add_tangent(sphere_block *block, size_t j, double scale, const double *chord)
+{
+    double x = block->base_x[j], y = block->base_y[j], z = block->base_z[j];
+    double along = chord[0] * x + chord[1] * y + chord[2] * z;
+    block->sum_x[j] += scale * (chord[0] - along * x);
+    block->sum_y[j] += scale * (chord[1] - along * y);
+    block->sum_z[j] += scale * (chord[2] - along * z);
+}
+
+/// Add weight log_b(q): theta / sin(theta) times the part of q - b orthogonal to b, where with c = |q - b| and s = |q + b|
+/// theta = 2 atan2(c, s) and sin(theta) = c s / 2. Near the antipode q + b has the same orthogonal part and loses less.
+LANES_CLONES
+static void sphere_add_logs(sphere_block *block, size_t at, size_t edges, double weight)
 {
     for (size_t j = 0; j < edges; j++)
     {
-        double x = block->x[j], y = block->y[j], z = block->z[j];
-        double dx = q[3 * j] - x, dy = q[3 * j + 1] - y, dz = q[3 * j + 2] - z;
-        double sx = q[3 * j] + x, sy = q[3 * j + 1] + y, sz = q[3 * j + 2] + z;
-        double difference = dx * dx + dy * dy + dz * dz, sum = sx * sx + sy * sy + sz * sz;
-        // Near the antipode the sum has the same orthogonal part as the difference and loses less.
+        double d[3], s[3];
+        chords(block, at, j, d, s);
+        double difference = squared(d), sum = squared(s);
         bool near = difference < sum;
-        double ox = near ? dx : sx, oy = near ? dy : sy, oz = near ? dz : sz;
-        double along = ox * x + oy * y + oz * z;
-        double c = sqrt(difference), s = sqrt(sum);
-        double product = c * s;
-        double scale = weight * (product > 0 ? 4 * lane_atan2(c, s) / product : 1);
-        block->sum_x[j] += scale * (ox - along * x);
-        block->sum_y[j] += scale * (oy - along * y);
-        block->sum_z[j] += scale * (oz - along * z);
+        double chord[3] = {near ? d[0] : s[0], near ? d[1] : s[1], near ? d[2] : s[2]};
+        double c = sqrt(difference), r = sqrt(sum), product = c * r;
+        add_tangent(block, j, weight * (product > 0 ? 4 * lane_atan2(c, r) / product : 1), chord);
         double margin = sum - ANTIPODAL_SQUARED_LENGTH;
         block->margin[j] = margin < block->margin[j] ? margin : block->margin[j];
     }
 }
 
-/// exp of the sums, brought back to unit length.
+/// The same within pi/4, where theta / sin(theta) = 4 / s^2 times atan(t) / t at t^2 = c^2 / s^2 needs no root.
 LANES_CLONES
-static void sphere_exponentials(sphere_block *block, const double *p, size_t edges, double *fine)
+static void sphere_add_near_logs(sphere_block *block, size_t at, size_t edges, double weight)
+{
+    for (size_t j = 0; j < edges; j++)
+    {
+        double d[3], s[3];
+        chords(block, at, j, d, s);
+        double inverse = 1 / squared(s);
+        add_tangent(block, j, 4 * weight * inverse * lane_atan_over_root(squared(d) * inverse), d);
+    }
+}
+
+/// exp of the sums, brought back to unit length, in their place.
+LANES_CLONES
+static void sphere_exponentials(sphere_block *block, size_t edges)
 {
     for (size_t j = 0; j < edges; j++)
     {
         double x = block->sum_x[j], y = block->sum_y[j], z = block->sum_z[j];
-        double squared = x * x + y * y + z * z;
-        double cosine = lane_cos_root(squared), ratio = lane_sinc_root(squared);
-        x = cosine * block->x[j] + ratio * x;
-        y = cosine * block->y[j] + ratio * y;
-        z = cosine * block->z[j] + ratio * z;
+        double length = x * x + y * y + z * z;
+        double cosine = lane_cos_root(length), ratio = lane_sinc_root(length);
+        x = cosine * block->base_x[j] + ratio * x;
+        y = cosine * block->base_y[j] + ratio * y;
+        z = cosine * block->base_z[j] + ratio * z;
         double inverse = 1 / sqrt(x * x + y * y + z * z);
-        fine[6 * j] = p[3 * j];
-        fine[6 * j + 1] = p[3 * j + 1];
-        fine[6 * j + 2] = p[3 * j + 2];
-        fine[6 * j + 3] = x * inverse;
-        fine[6 * j + 4] = y * inverse;
-        fine[6 * j + 5] = z * inverse;
-        block->squared_length[j] = squared;
+        block->new_x[j] = x * inverse;
+        block->new_y[j] = y * inverse;
+        block->new_z[j] = z * inverse;
+        block->squared_length[j] = length;
     }
+}
+
+/// Old points, whose first is entry `first`, and new ones in turn.
+LANES_CLONES
+static void sphere_store(const sphere_block *block, size_t first, size_t edges, double *restrict fine)
+{
+    for (size_t j = 0; j < edges; j++)
+    {
+        fine[6 * j] = block->point_x[first + j];
+        fine[6 * j + 1] = block->point_y[first + j];
+        fine[6 * j + 2] = block->point_z[first + j];
+        fine[6 * j + 3] = block->new_x[j];
+        fine[6 * j + 4] = block->new_y[j];
+        fine[6 * j + 5] = block->new_z[j];
+    }
+}
+
+/// Vectors too long for the polynomials, and points without a logarithm.
+static bat_status sphere_finish(const refine_kernel *kernel, const sphere_block *block, size_t edges, double *fine,
+                                size_t *fault)
+{
+    for (size_t j = 0; j < edges; j++)
+    {
+        if (!(block->margin[j] > 0))
+        {
+            *fault = j;
+            return BAT_CUT_LOCUS;
+        }
+        if (block->squared_length[j] > SQUARED_PI)
+        {
+            double tangent[3] = {block->sum_x[j], block->sum_y[j], block->sum_z[j]};
+            double base[3] = {block->base_x[j], block->base_y[j], block->base_z[j]};
+            (void)kernel->space->exp(kernel->space, base, tangent, fine + 6 * j + 3);
+        }
+    }
+    return BAT_OK;
 }
 
 static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
 {
     const mask_taps *taps = &kernel->odd;
     bool midpoint = kernel->scheme->base == BAT_BASE_MIDPOINT;
+    ptrdiff_t low = (1 - kernel->last) / 2, high = (1 - kernel->first) / 2;
+    size_t first = (size_t)-low;
     sphere_block block;
     for (size_t done = 0; done < pairs; done += BLOCK)
     {
         size_t edges = pairs - done < BLOCK ? pairs - done : BLOCK;
-        const double *p = points + 3 * done;
-        sphere_bases(&block, p, edges, midpoint);
+        sphere_load(&block, points + 3 * ((ptrdiff_t)done + low), edges + (size_t)(high - low));
+        sphere_bases(&block, first, edges, midpoint);
         for (size_t k = 0; k < taps->count; k++)
         {
-            ptrdiff_t row = taps->start + (ptrdiff_t)k;
-            if (midpoint || row != 0)
-                sphere_add_logs(&block, p + 3 * row, edges, taps->weights[k]);
+            size_t at = (size_t)(taps->start - low) + k;
+            if (!midpoint && at == first)
+                continue;
+            if (sphere_all_near(&block, at, edges))
+                sphere_add_near_logs(&block, at, edges, taps->weights[k]);
+            else
+                sphere_add_logs(&block, at, edges, taps->weights[k]);
         }
-        sphere_exponentials(&block, p, edges, fine + 6 * done);
-        for (size_t j = 0; j < edges; j++)
+        sphere_exponentials(&block, edges);
+        sphere_store(&block, first, edges, fine + 6 * done);
+        bat_status status = sphere_finish(kernel, &block, edges, fine + 6 * done, fault);
+        if (status != BAT_OK)
         {
-            if (!(block.margin[j] > 0))
-            {
-                *fault = done + j;
-                return BAT_CUT_LOCUS;
-            }
-            if (block.squared_length[j] > SQUARED_PI)
-            {
-                double tangent[3] = {block.sum_x[j], block.sum_y[j], block.sum_z[j]};
-                double base[3] = {block.x[j], block.y[j], block.z[j]};
-                kernel->space->exp(kernel->space, base, tangent, fine + 6 * (done + j) + 3);
-            }
+            *fault += done;
+            return status;
         }
     }
     return BAT_OK;

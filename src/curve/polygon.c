@@ -86,28 +86,24 @@ static bat_status point_beyond(const bat_space *space, polygon_end rule, const d
     }
 }
 
-static void wrap(const double *points, size_t count, size_t dim, size_t before, size_t after, double *extended)
+static void wrap(double *points, size_t count, size_t dim, size_t before, size_t after)
 {
-    size_t rows = before + count + after;
-    size_t source = (count - before % count) % count;
-    for (size_t row = 0; row < rows; row++)
-    {
-        memcpy(extended + row * dim, points + source * dim, dim * sizeof *points);
-        source = source + 1 == count ? 0 : source + 1;
-    }
+    for (size_t i = 0; i < after; i++)
+        memcpy(points + (count + i) * dim, points + (i % count) * dim, dim * sizeof *points);
+    for (size_t i = 1; i <= before; i++)
+        memcpy(points - i * dim, points + (count - 1 - (i - 1) % count) * dim, dim * sizeof *points);
 }
 
-bat_status polygon_extend(const bat_space *space, const double *points, size_t count, bool closed, polygon_end end,
-                          size_t before, size_t after, double *extended, bat_error *error)
+bat_status polygon_extend(const bat_space *space, double *points, size_t count, bool closed, polygon_end end, size_t before,
+                          size_t after, bat_error *error)
 {
     size_t dim = space->point_dim;
     if (closed)
     {
-        wrap(points, count, dim, before, after, extended);
+        wrap(points, count, dim, before, after);
         return BAT_OK;
     }
-    double *first = extended + before * dim, *last = first + (count - 1) * dim;
-    memcpy(first, points, count * dim * sizeof *points);
+    double *last = points + (count - 1) * dim;
     // Both sides in step: a short polygon's far points on one side are made from new points on the other.
     ptrdiff_t step = (ptrdiff_t)dim;
     for (size_t distance = 1; distance <= before || distance <= after; distance++)
@@ -115,7 +111,7 @@ bat_status polygon_extend(const bat_space *space, const double *points, size_t c
         bat_status status = BAT_OK;
         size_t at = 0;
         if (distance <= before)
-            status = point_beyond(space, end, first, step, count, distance, first - (ptrdiff_t)distance * step);
+            status = point_beyond(space, end, points, step, count, distance, points - (ptrdiff_t)distance * step);
         if (status == BAT_OK && distance <= after)
         {
             at = count - 1;

@@ -1,5 +1,4 @@
-#include "batten/scheme.h"
-bat_status bat_mask_limit_stencil(const bat_mask*, bat_mask*, bat_error*);
+#include "batten/analysis.h"
 #include "batten/curve.h"
 
 #include "base/error.h"
@@ -20,6 +19,20 @@ enum
 };
 
 static const double FOUR_POINT_WEIGHT = 1.0 / 16.0;
+
+const char *bat_scheme_name_for_space(const bat_space *space)
+{
+    if (space->exterior_angle != NULL && space->apex != NULL)
+        return "angle-4";
+    return space_is_euclidean(space) ? "four-point" : "log-exp-4";
+}
+
+bat_scheme bat_scheme_for_space(const bat_space *space)
+{
+    bat_scheme scheme;
+    (void)bat_scheme_by_name(bat_scheme_name_for_space(space), &scheme, NULL);
+    return scheme;
+}
 
 bat_refine_options bat_refine_defaults(void)
 {
@@ -170,119 +183,128 @@ static bat_scheme channel_scheme(const bat_scheme *scheme)
     return bat_scheme_linear(scheme->kind == BAT_SCHEME_ANGLE ? bat_mask_four_point(FOUR_POINT_WEIGHT) : scheme->mask);
 }
 
-static bat_status snap_of(const bat_refine_options *options, const bat_scheme *scheme, snap_stencil *snap, bat_error *error)
+/// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
+typedef struct padded_rows
 {
-    snap->count = 0;
-    if (!options->snap)
-        return BAT_OK;
-    bat_mask stencil;
-    bat_status status = bat_mask_limit_stencil(&scheme->mask, &stencil, error);
-    if (status != BAT_OK)
-        return status;
-    memcpy(snap->weights, stencil.coefficients, stencil.count * sizeof *snap->weights);
-    snap->count = stencil.count;
-    snap->first = stencil.first;
+    const bat_space *space;
+    double *buffer, *rows; ///< row 0 is `rows`
+    size_t before, count, after;
+    bool closed;
+} padded_rows;
+
+/// Room for `count` rows and for those that `task` reads around them.
+static bat_status padded_make(const bat_space *space, const cascade *task, size_t count, bool closed, padded_rows *padded,
+                              bat_error *error)
+{
+    index_range support = cascade_support(task);
+    *padded = (padded_rows){.space = space, .count = count, .closed = closed};
+    padded->before = support.begin < 0 ? (size_t)-support.begin : 0;
+    padded->after = support.end > (ptrdiff_t)count ? (size_t)support.end - count : 0;
+    size_t rows = padded->before + count + padded->after;
+    padded->buffer = memory_array(rows, space->point_dim * sizeof *padded->buffer);
+    if (padded->buffer == NULL)
+        return error_memory(error, rows * space->point_dim * sizeof *padded->buffer);
+    padded->rows = padded->buffer + padded->before * space->point_dim;
     return BAT_OK;
 }
 
-/// The mean absolute exterior angle of a polygon, over the vertices that have one.
-static double mean_angle(const bat_space *space, const double *points, size_t count, bool closed)
+/// Refine rows by the levels of `task`, whose result goes to `fine`.
+static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_scheme *scheme, bat_end_rule ends,
+                                double *fine, bat_error *error)
 {
-    size_t dim = space->point_dim, first = closed ? 0 : 1, end = closed ? count : count - 1;
-    if (end <= first)
-        return 0;
-    double sum = 0;
-    for (size_t i = first; i < end; i++)
-        sum += fabs(space->exterior_angle(space, points + (i == 0 ? count - 1 : i - 1) * dim, points + i * dim,
-                                          points + (i + 1 == count ? 0 : i + 1) * dim));
-    return sum / (double)(end - first);
+    bat_status status = polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end_of(scheme, ends),
+                                       coarse->before, coarse->after, error);
+    if (status != BAT_OK)
+        return status;
+    size_t first = coarse->closed ? 0 : 1, end = coarse->closed ? coarse->count : coarse->count - 1;
+    if (scheme->kind == BAT_SCHEME_ANGLE && scheme->adaptive)
+        task->kernel.mean_angle = kernel_angle_mean(coarse->space, coarse->rows, first, end);
+    return cascade_run(task, coarse->rows, fine, error);
 }
 
-/// Rows of one kind, points or channels, that are refined together.
-typedef struct rows
+static cascade make_task(const bat_space *space, const bat_scheme *scheme, const bat_refine_options *options, size_t count,
+                         bool closed)
 {
-    const bat_space *space;
-    const double *values;
-    size_t count;
-    bool closed;
-} rows;
-
-/// `levels` levels at once, from rows to the layout's rows.
-static bat_status refine_rows(const rows *coarse, const bat_scheme *scheme, const bat_refine_options *options, size_t levels,
-                              const layout *shape, double *fine, bat_error *error)
-{
-    size_t dim = coarse->space->point_dim, count = coarse->count;
-    cascade task = {
-        .kernel = kernel_of(coarse->space, scheme),
-        .levels = levels,
-        .result = shape->points,
+    return (cascade){
+        .kernel = kernel_of(space, scheme),
+        .count = count,
+        .closed = closed,
         .threads = options->threads,
         .progress = options->progress,
     };
-    if (scheme->adaptive)
-        task.kernel.mean_angle = mean_angle(coarse->space, coarse->values, count, coarse->closed);
-    bat_status status = snap_of(options, scheme, &task.snap, error);
-    if (status != BAT_OK)
-        return status;
-    index_range support = cascade_support(&task);
-    size_t before = support.begin < 0 ? (size_t)-support.begin : 0;
-    size_t after = support.end > (ptrdiff_t)count ? (size_t)support.end - count : 0;
-    double *extended = memory_array((before + count + after) * dim, sizeof *extended);
-    if (extended == NULL)
-        return error_memory(error, (before + count + after) * dim * sizeof *extended);
-    status = polygon_extend(coarse->space, coarse->values, count, coarse->closed, end_of(scheme, options->ends), before,
-                            after, extended, error);
+}
+
+/// All levels at once, from rows to the layout's rows.
+static bat_status refine_rows(const bat_space *space, const double *rows, const bat_curve *coarse, const bat_scheme *scheme,
+                              const bat_refine_options *options, const layout *shape, double *fine, bat_error *error)
+{
+    size_t dim = space->point_dim, count = coarse->count;
+    cascade task = make_task(space, scheme, options, count, coarse->closed);
+    task.levels = options->levels;
+    task.result = shape->points;
+    bat_status status = options->snap ? bat_mask_limit_stencil(&scheme->mask, &task.snap, error) : BAT_OK;
+    padded_rows padded = {0};
     if (status == BAT_OK)
-        status = cascade_run(&task, extended + before * dim, fine + (shape->ends_added ? dim : 0), error);
-    free(extended);
+        status = padded_make(space, &task, count, coarse->closed, &padded, error);
+    if (status == BAT_OK)
+    {
+        memcpy(padded.rows, rows, count * dim * sizeof *rows);
+        status = refine_padded(&padded, &task, scheme, options->ends, fine + (shape->ends_added ? dim : 0), error);
+    }
+    free(padded.buffer);
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
     bool keep_ends = !coarse->closed && options->ends == BAT_END_REFLECT && scheme->kind == BAT_SCHEME_LINEAR &&
                      bat_mask_is_symmetric(&scheme->mask);
     if (status == BAT_OK && (shape->ends_added || keep_ends))
     {
-        memcpy(fine, coarse->values, dim * sizeof *fine);
-        memcpy(fine + (shape->count - 1) * dim, coarse->values + (count - 1) * dim, dim * sizeof *fine);
+        memcpy(fine, rows, dim * sizeof *fine);
+        memcpy(fine + (shape->count - 1) * dim, rows + (count - 1) * dim, dim * sizeof *fine);
     }
     return status;
 }
 
-/// Level after level, for a rule that looks at the whole polygon of each. `fine` receives the last; those before it
-/// alternate between the front of `fine` and `half`, which has room for half of it.
-static bat_status refine_level_by_level(const bat_curve *coarse, const bat_refine_options *options, double *fine,
-                                        double *half, bat_error *error)
+/// One level of a whole polygon of `count` points.
+static cascade one_level(const bat_curve *coarse, const bat_refine_options *options, size_t count)
 {
-    rows now = {coarse->space, coarse->points, coarse->count, coarse->closed};
-    for (size_t level = 1; level <= options->levels; level++)
+    cascade task = make_task(coarse->space, &options->scheme, options, count, coarse->closed);
+    task.levels = 1;
+    task.result = (index_range){0, (ptrdiff_t)(coarse->closed ? 2 * count : 2 * count - 1)};
+    return task;
+}
+
+/// Level after level, for a rule that looks at the whole polygon of each.
+static bat_status refine_level_by_level(const bat_curve *coarse, const bat_refine_options *options, double *fine,
+                                        bat_error *error)
+{
+    const bat_space *space = coarse->space;
+    padded_rows now;
+    cascade task = one_level(coarse, options, coarse->count);
+    bat_status status = padded_make(space, &task, coarse->count, coarse->closed, &now, error);
+    if (status == BAT_OK)
+        memcpy(now.rows, coarse->points, coarse->count * space->point_dim * sizeof *now.rows);
+    for (size_t level = 1; level <= options->levels && status == BAT_OK; level++)
     {
-        bool last_parity = ((options->levels - level) & 1) == 0;
-        double *target = last_parity ? fine : half;
-        size_t edges = now.closed ? now.count : now.count - 1;
-        layout shape = {.count = 2 * edges + (now.closed ? 0 : 1)};
-        shape.points = (index_range){0, (ptrdiff_t)shape.count};
-        bat_status status = refine_rows(&now, &options->scheme, options, 1, &shape, target, error);
-        if (status != BAT_OK)
-            return status;
-        now.values = target;
-        now.count = shape.count;
+        size_t count = (size_t)task.result.end;
+        cascade next_task = one_level(coarse, options, count);
+        padded_rows next = {.rows = fine};
+        if (level < options->levels)
+            status = padded_make(space, &next_task, count, coarse->closed, &next, error);
+        if (status == BAT_OK)
+            status = refine_padded(&now, &task, &options->scheme, options->ends, next.rows, error);
+        free(now.buffer);
+        now = next;
+        task = next_task;
     }
-    return BAT_OK;
+    free(now.buffer);
+    return status;
 }
 
 static bat_status refine_points(const bat_curve *coarse, const bat_refine_options *options, const layout *shape,
                                 double *fine, bat_error *error)
 {
-    if (options->scheme.kind != BAT_SCHEME_ANGLE || !options->scheme.adaptive || options->levels == 0)
-    {
-        rows points = {coarse->space, coarse->points, coarse->count, coarse->closed};
-        return refine_rows(&points, &options->scheme, options, options->levels, shape, fine, error);
-    }
-    size_t numbers = (shape->count / 2 + 1) * coarse->space->point_dim;
-    double *half = memory_array(numbers, sizeof *half);
-    if (half == NULL)
-        return error_memory(error, numbers * sizeof *half);
-    bat_status status = refine_level_by_level(coarse, options, fine, half, error);
-    free(half);
-    return status;
+    if (options->scheme.kind == BAT_SCHEME_ANGLE && options->scheme.adaptive && options->levels > 0)
+        return refine_level_by_level(coarse, options, fine, error);
+    return refine_rows(coarse->space, coarse->points, coarse, &options->scheme, options, shape, fine, error);
 }
 
 static bat_status refine_channels(const bat_curve *coarse, const bat_refine_options *options, const layout *shape,
@@ -290,8 +312,7 @@ static bat_status refine_channels(const bat_curve *coarse, const bat_refine_opti
 {
     bat_space space = bat_euclidean(coarse->channel_count);
     bat_scheme scheme = channel_scheme(&options->scheme);
-    rows values = {&space, coarse->channels, coarse->count, coarse->closed};
-    return refine_rows(&values, &scheme, options, options->levels, shape, fine, error);
+    return refine_rows(&space, coarse->channels, coarse, &scheme, options, shape, fine, error);
 }
 
 /// Everything that can be said before anything is computed.
@@ -320,6 +341,15 @@ bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_opt
     return status;
 }
 
+static bat_status fill(const bat_curve *coarse, const bat_refine_options *options, const layout *shape, double *points,
+                       double *channels, bat_error *error)
+{
+    bat_status status = refine_points(coarse, options, shape, points, error);
+    if (status == BAT_OK && coarse->channel_count > 0 && channels != NULL)
+        status = refine_channels(coarse, options, shape, channels, error);
+    return status;
+}
+
 bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
                                  double *channels, size_t capacity, bat_error *error)
 {
@@ -327,36 +357,32 @@ bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_optio
     options = options != NULL ? options : &defaults;
     layout shape;
     bat_status status = prepare(coarse, options, &shape, error);
-    if (status == BAT_OK && capacity < shape.count)
-        status = error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, there is room for %zu",
-                           shape.count, capacity);
-    if (status == BAT_OK)
-        status = refine_points(coarse, options, &shape, points, error);
-    if (status == BAT_OK && coarse->channel_count > 0 && channels != NULL)
-        status = refine_channels(coarse, options, &shape, channels, error);
-    return status;
+    if (status != BAT_OK)
+        return status;
+    if (capacity < shape.count)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, there is room for %zu",
+                         shape.count, capacity);
+    return fill(coarse, options, &shape, points, channels, error);
 }
 
 bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_options *options, bat_curve *fine, bat_error *error)
 {
     bat_refine_options defaults = bat_refine_defaults();
     options = options != NULL ? options : &defaults;
-    size_t count = 0;
-    bat_status status = bat_curve_refined_count(coarse, options, &count, error);
+    layout shape;
+    bat_status status = prepare(coarse, options, &shape, error);
     if (status != BAT_OK)
         return status;
+    size_t channel_count = coarse->channel_count, row = coarse->space->point_dim * sizeof(double);
     bat_curve result = {
-        .space = coarse->space, .count = count, .closed = coarse->closed, .channel_count = coarse->channel_count};
-    size_t numbers;
-    if (size_multiply_overflows(count, coarse->space->point_dim, &numbers))
-        return error_memory(error, SIZE_MAX);
-    result.points = memory_array(numbers, sizeof *result.points);
-    if (coarse->channel_count > 0)
-        result.channels = memory_array(count, coarse->channel_count * sizeof *result.channels);
-    if (result.points == NULL || (coarse->channel_count > 0 && result.channels == NULL))
-        status = error_memory(error, numbers * sizeof *result.points);
-    if (status == BAT_OK)
-        status = bat_curve_refine_into(coarse, options, result.points, result.channels, count, error);
+        .space = coarse->space, .count = shape.count, .closed = coarse->closed, .channel_count = channel_count};
+    result.points = memory_array(shape.count, row);
+    if (channel_count > 0)
+        result.channels = memory_array(shape.count, channel_count * sizeof *result.channels);
+    if (result.points == NULL || (channel_count > 0 && result.channels == NULL))
+        status = error_memory(error, shape.count * row);
+    else
+        status = fill(coarse, options, &shape, result.points, result.channels, error);
     if (status != BAT_OK)
     {
         bat_curve_free(&result);

@@ -1,0 +1,34 @@
+#ifndef BASE_THREADS_H
+#define BASE_THREADS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
+
+/// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0, and no more than pieces.
+static inline int threads_for(int wanted, size_t work)
+{
+#if defined(_OPENMP)
+    int threads = wanted > 0 ? wanted : omp_get_max_threads();
+    return (size_t)threads > work ? (int)(work > 0 ? work : 1) : threads;
+#else
+    (void)wanted;
+    (void)work;
+    return 1;
+#endif
+}
+
+/// Whether this is the thread that made the call, the one that may report progress.
+static inline bool threads_is_calling(void)
+{
+#if defined(_OPENMP)
+    return omp_get_thread_num() == 0;
+#else
+    return true;
+#endif
+}
+
+#endif
