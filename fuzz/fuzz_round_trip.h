@@ -1,0 +1,64 @@
+#ifndef FUZZ_ROUND_TRIP_H
+#define FUZZ_ROUND_TRIP_H
+
+#include "batten/file.h"
+
+#include <stdlib.h>
+
+/// The promise was broken: stop, so that the fuzzer keeps the input.
+#define PROMISE(condition)                                                                                                  \
+    do                                                                                                                      \
+    {                                                                                                                       \
+        if (!(condition))                                                                                                   \
+            abort();                                                                                                        \
+    } while (0)
+
+/// Whether curves that went through a file have the same shape as before. Where the meridian of 180 degrees may have cut lines or
+/// joined holes to their outlines, it is enough that there are any.
+static inline void compare_counts(const bat_curve_set *before, const bat_curve_set *after, bool may_cut)
+{
+    PROMISE(after->count > 0);
+    if (may_cut)
+        return;
+    PROMISE(after->count == before->count);
+    for (size_t i = 0; i < before->count; i++)
+    {
+        PROMISE(after->curves[i].count == before->curves[i].count);
+        PROMISE(after->curves[i].closed == before->curves[i].closed);
+        PROMISE(after->curves[i].channel_count == before->curves[i].channel_count);
+    }
+}
+
+/// Read a text in a format; what is read can be written, and what is written can be read again.
+static inline void round_trip(const uint8_t *data, size_t size, bat_file_format format, const char *space, bool project)
+{
+    bat_read_options reading = bat_read_defaults();
+    reading.format = format;
+    reading.space = space;
+    reading.project = project;
+    reading.threads = 1;
+    bat_curve_set set = {0};
+    bat_error error = {0};
+    bat_status status = bat_curves_read_memory((const char *)data, size, &reading, &set, &error);
+    PROMISE(status == error.status);
+    if (status != BAT_OK)
+        return;
+    bat_write_options writing = bat_write_defaults();
+    writing.threads = 1;
+    char *text = NULL;
+    size_t text_size = 0;
+    status = bat_curves_write_memory(&set, &writing, &text, &text_size, &error);
+    if (status == BAT_OK)
+    {
+        bat_curve_set back = {0};
+        PROMISE(bat_curves_read_memory(text, text_size, &reading, &back, &error) == BAT_OK);
+        compare_counts(&set, &back, format == BAT_FORMAT_GEOJSON && set.space->point_dim == 3);
+        free(text);
+        bat_curve_set_free(&back);
+    }
+    else
+        PROMISE(status == BAT_UNSUPPORTED);
+    bat_curve_set_free(&set);
+}
+
+#endif

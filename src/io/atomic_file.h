@@ -1,0 +1,39 @@
+#ifndef IO_ATOMIC_FILE_H
+#define IO_ATOMIC_FILE_H
+
+#include "batten/base.h"
+
+#include <stdio.h>
+
+/// A file that appears whole or not at all. It is written under another name in the same folder, and a rename puts it in
+/// place; until then an existing file is untouched. Links are followed. What is no regular file (a pipe, a device) is written
+/// directly. "-" is standard output.
+///
+///     atomic_file file;
+///     bat_status status = atomic_file_begin(path, &file, error);
+///     if (status != BAT_OK)
+///         return status;
+///     status = write_something(file.stream, error);
+///     return atomic_file_end(&file, status, error);
+typedef struct atomic_file
+{
+    FILE *stream;    ///< write here
+    char *temporary; ///< the name it is written under, for a library that wants a path; null when written directly
+    char *target;    ///< where it goes in the end
+} atomic_file;
+
+/// Open a file for writing.
+/// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY; on failure nothing is left behind
+bat_status atomic_file_begin(const char *path, atomic_file *file, bat_error *error);
+
+/// Finish writing and put the file in its place. When that fails, the file is abandoned.
+/// @return BAT_OK or BAT_FILE_ACCESS
+bat_status atomic_file_commit(atomic_file *file, bat_error *error);
+
+/// Remove what was written. Does nothing after a commit.
+void atomic_file_abandon(atomic_file *file);
+
+/// Commit when `status` is BAT_OK, else abandon and hand the status back.
+bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *error);
+
+#endif
