@@ -1,0 +1,61 @@
+#ifndef DRAW_SCENE_H
+#define DRAW_SCENE_H
+
+#include "batten/picture.h"
+#include "draw/comb.h"
+
+/// @file
+/// What the panels of a picture show, before there is paper.
+
+/// What a panel shows of its space. The panels of a row share theirs unless asked otherwise.
+typedef struct scene_frame
+{
+    double low[2], high[2];         ///< flat spaces: the range of u and v
+    double box_low[3], box_high[3]; ///< R^3: the range of the coordinates
+    double longitude, latitude;     ///< globe: its middle
+    double comb_scale;              ///< 0 for no comb
+} scene_frame;
+
+typedef struct scene_panel
+{
+    const bat_picture_panel *source;
+    view_space space;
+    size_t point_dim;
+    comb *combs; ///< one a layer, empty but for curves; null without combs
+    scene_frame frame;
+} scene_panel;
+
+typedef struct scene
+{
+    const bat_picture_options *options;
+    scene_panel *panels;
+    size_t count;
+    size_t columns;
+    size_t rows;
+} scene;
+
+/// Check everything, measure everything. Release it with scene_free().
+bat_status scene_make(const bat_picture_panel *panels, size_t count, const bat_picture_options *options, scene *made,
+                      bat_error *error);
+void scene_free(scene *made);
+
+/// Check what pictures and charts share: size, resolution, title.
+bat_status scene_check_options(const bat_picture_options *options, bat_error *error);
+/// The number of panels in a row for `count` panels when the caller leaves it open.
+size_t scene_columns(const bat_picture_options *options, size_t count);
+
+/// Whether anything of a layer is drawn.
+bool scene_layer_shown(const bat_picture_layer *layer, const bat_picture_options *options);
+/// The palette's index for layer `index` of a panel.
+int scene_colour(const bat_picture_panel *panel, size_t index);
+
+/// A corner of the box of R^3, its bits choosing the high coordinates.
+static inline void scene_corner(const scene_frame *frame, unsigned corner, double *point)
+{
+    for (unsigned k = 0; k < 3; k++)
+    {
+        point[k] = (corner >> k & 1u) != 0 ? frame->box_high[k] : frame->box_low[k];
+    }
+}
+
+#endif
