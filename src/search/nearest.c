@@ -1,0 +1,276 @@
+#include "search/nearest.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "search/select.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Nodes are numbered as in a heap: node 1 holds all items, the children of node n are 2 n and 2 n + 1. A node's items are
+// consecutive in leaf order; its first child holds the lower half of them.
+
+enum
+{
+    ROOT = 1,
+    LEAF_ITEMS = 8,
+    MOST_DEPTH = 64
+};
+
+static size_t middle_of(size_t begin, size_t end)
+{
+    return begin + (end - begin) / 2;
+}
+
+/// Numbers that store one item.
+static size_t item_size(const nearest_tree *tree)
+{
+    return tree->dim * (size_t)tree->kind;
+}
+
+static double *box_of(const nearest_tree *tree, size_t node)
+{
+    return tree->boxes + node * 2 * tree->dim;
+}
+
+void nearest_free(nearest_tree *tree)
+{
+    free(tree->coordinates);
+    free(tree->weights);
+    free(tree->items);
+    free(tree->boxes);
+    free(tree->least_weights);
+    free(tree->least_items);
+    *tree = (nearest_tree){0};
+}
+
+/// What building needs: the caller's arrays, and scratch that holds the items in the order reached so far with their keys.
+typedef struct builder
+{
+    nearest_tree *tree;
+    const double *coordinates, *weights;
+    keyed *entries;
+} builder;
+
+/// Fill in what a node knows of its items begin … end - 1.
+static void describe(const builder *build, size_t node, size_t begin, size_t end)
+{
+    const nearest_tree *tree = build->tree;
+    size_t dim = tree->dim, size = item_size(tree);
+    double *low = box_of(tree, node), *high = low + dim, least_weight = INFINITY;
+    size_t least_item = BAT_NO_INDEX;
+    for (size_t axis = 0; axis < dim; axis++)
+    {
+        low[axis] = INFINITY;
+        high[axis] = -INFINITY;
+    }
+    for (size_t i = begin; i < end; i++)
+    {
+        size_t item = build->entries[i].item;
+        const double *row = build->coordinates + item * size;
+        for (size_t corner = 0; corner < size; corner += dim)
+            for (size_t axis = 0; axis < dim; axis++)
+            {
+                low[axis] = fmin(low[axis], row[corner + axis]);
+                high[axis] = fmax(high[axis], row[corner + axis]);
+            }
+        least_item = item < least_item ? item : least_item;
+        if (tree->weights != NULL)
+            least_weight = fmin(least_weight, build->weights[item]);
+    }
+    tree->least_items[node] = least_item;
+    if (tree->weights != NULL)
+        tree->least_weights[node] = least_weight;
+}
+
+/// Order items begin … end - 1 below a node: halve them across the longest side of the box until a leaf holds few.
+static void arrange(const builder *build, size_t node, size_t begin, size_t end)
+{
+    describe(build, node, begin, end);
+    if (end - begin <= LEAF_ITEMS)
+        return;
+    size_t dim = build->tree->dim, size = item_size(build->tree), widest = 0;
+    const double *low = box_of(build->tree, node), *high = low + dim;
+    for (size_t axis = 1; axis < dim; axis++)
+        if (high[axis] - low[axis] > high[widest] - low[widest])
+            widest = axis;
+    for (size_t i = begin; i < end; i++)
+    {
+        const double *row = build->coordinates + build->entries[i].item * size;
+        build->entries[i].key = row[widest] * 0.5 + row[size - dim + widest] * 0.5;
+    }
+    size_t middle = middle_of(begin, end);
+    select_nth(build->entries + begin, end - begin, middle - begin);
+    arrange(build, 2 * node, begin, middle);
+    arrange(build, 2 * node + 1, middle, end);
+}
+
+/// Heap numbers up to the deepest level that `count` items need.
+static size_t node_capacity(size_t count)
+{
+    size_t leaves = 1;
+    for (size_t largest = count; largest > LEAF_ITEMS; largest = largest / 2 + largest % 2)
+        leaves *= 2;
+    return 2 * leaves;
+}
+
+static bool allocate(nearest_tree *tree, bool weighted)
+{
+    size_t row, box, nodes = node_capacity(tree->count);
+    if (size_multiply_overflows(item_size(tree), sizeof(double), &row) ||
+        size_multiply_overflows(2 * tree->dim, sizeof(double), &box))
+        return false;
+    tree->coordinates = memory_array(tree->count, row);
+    tree->items = memory_array(tree->count, sizeof *tree->items);
+    tree->boxes = memory_array(nodes, box);
+    tree->least_items = memory_array(nodes, sizeof *tree->least_items);
+    if (weighted)
+    {
+        tree->weights = memory_array(tree->count, sizeof *tree->weights);
+        tree->least_weights = memory_array(nodes, sizeof *tree->least_weights);
+    }
+    return tree->coordinates != NULL && tree->items != NULL && tree->boxes != NULL && tree->least_items != NULL &&
+           (!weighted || (tree->weights != NULL && tree->least_weights != NULL));
+}
+
+bat_status nearest_build(nearest_kind kind, const double *coordinates, const double *weights, size_t count, size_t dim,
+                         nearest_tree *tree, bat_error *error)
+{
+    nearest_tree made = {.kind = kind, .count = count, .dim = dim};
+    builder build = {&made, coordinates, weights, memory_array(count, sizeof(keyed))};
+    if (!allocate(&made, weights != NULL) || build.entries == NULL)
+    {
+        nearest_free(&made);
+        free(build.entries);
+        return error_memory(error, count * (sizeof(keyed) + item_size(&made) * sizeof(double)));
+    }
+    for (size_t i = 0; i < count; i++)
+        build.entries[i] = (keyed){0, i};
+    arrange(&build, ROOT, 0, count);
+    size_t size = item_size(&made);
+    for (size_t i = 0; i < count; i++)
+    {
+        size_t item = made.items[i] = build.entries[i].item;
+        memcpy(made.coordinates + i * size, coordinates + item * size, size * sizeof *coordinates);
+        if (weights != NULL)
+            made.weights[i] = weights[item];
+    }
+    free(build.entries);
+    *tree = made;
+    return BAT_OK;
+}
+
+static inline double point_distance(const double *p, const double *q, size_t dim)
+{
+    double sum = 0;
+    for (size_t axis = 0; axis < dim; axis++)
+    {
+        double difference = p[axis] - q[axis];
+        sum += difference * difference;
+    }
+    return sum;
+}
+
+/// From `point` to the segment from `a` to `b`.
+static inline double segment_distance(const double *a, const double *b, const double *point, size_t dim)
+{
+    double along = 0, squared = 0;
+    for (size_t axis = 0; axis < dim; axis++)
+    {
+        double side = b[axis] - a[axis];
+        along += (point[axis] - a[axis]) * side;
+        squared += side * side;
+    }
+    if (!(along > 0))
+        return point_distance(a, point, dim);
+    if (along >= squared)
+        return point_distance(b, point, dim);
+    double share = along / squared, sum = 0;
+    for (size_t axis = 0; axis < dim; axis++)
+    {
+        double difference = (point[axis] - a[axis]) - share * (b[axis] - a[axis]);
+        sum += difference * difference;
+    }
+    return sum;
+}
+
+/// No item of the node is nearer than this. Every rounding here is no greater than its like in point_distance().
+static inline double box_distance(const nearest_tree *tree, size_t node, const double *point, size_t dim)
+{
+    const double *low = tree->boxes + node * 2 * dim, *high = low + dim;
+    double sum = 0;
+    for (size_t axis = 0; axis < dim; axis++)
+    {
+        double below = low[axis] - point[axis], above = point[axis] - high[axis];
+        double gap = below > above ? below : above;
+        gap = gap > 0 ? gap : 0;
+        sum += gap * gap;
+    }
+    return tree->weights == NULL ? sum : sum * tree->least_weights[node];
+}
+
+/// A node that waits to be searched.
+typedef struct visit
+{
+    size_t node, begin, end;
+    double bound;
+} visit;
+
+static inline bool can_improve(const nearest_tree *tree, const visit *next, const nearest_hit *best)
+{
+    return next->bound < best->distance || (next->bound == best->distance && tree->least_items[next->node] < best->item);
+}
+
+static inline void search_leaf(const nearest_tree *tree, const visit *leaf, const double *point, size_t dim,
+                               nearest_hit *best)
+{
+    for (size_t i = leaf->begin; i < leaf->end; i++)
+    {
+        const double *row = tree->coordinates + i * dim * (size_t)tree->kind;
+        double distance =
+            tree->kind == NEAREST_POINTS ? point_distance(row, point, dim) : segment_distance(row, row + dim, point, dim);
+        if (tree->weights != NULL)
+            distance *= tree->weights[i];
+        if (distance < best->distance || (distance == best->distance && tree->items[i] < best->item))
+            *best = (nearest_hit){tree->items[i], distance};
+    }
+}
+
+/// Depth first, the nearer child first. Inlined with a constant `dim`, its loops over axes unroll.
+static inline __attribute__((always_inline)) nearest_hit search(const nearest_tree *tree, const double *point, size_t dim)
+{
+    nearest_hit best = {BAT_NO_INDEX, INFINITY};
+    visit waiting[MOST_DEPTH];
+    size_t top = 0;
+    waiting[top++] = (visit){ROOT, 0, tree->count, 0};
+    while (top > 0)
+    {
+        visit here = waiting[--top];
+        while (can_improve(tree, &here, &best) && here.end - here.begin > LEAF_ITEMS)
+        {
+            size_t middle = middle_of(here.begin, here.end), child = 2 * here.node;
+            visit lower = {child, here.begin, middle, box_distance(tree, child, point, dim)};
+            visit upper = {child + 1, middle, here.end, box_distance(tree, child + 1, point, dim)};
+            bool lower_first = lower.bound <= upper.bound;
+            here = lower_first ? lower : upper;
+            waiting[top++] = lower_first ? upper : lower;
+        }
+        if (can_improve(tree, &here, &best))
+            search_leaf(tree, &here, point, dim, &best);
+    }
+    return best;
+}
+
+nearest_hit nearest_find(const nearest_tree *tree, const double *point)
+{
+    switch (tree->dim)
+    {
+    case 2:
+        return search(tree, point, 2);
+    case 3:
+        return search(tree, point, 3);
+    default:
+        return search(tree, point, tree->dim);
+    }
+}
