@@ -1,0 +1,52 @@
+#ifndef BATTEN_TENSION_TABLE_H
+#define BATTEN_TENSION_TABLE_H
+
+#include "batten/measure.h"
+#include "batten/tension_data.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Tables 1 and 5 of Ugail and Howard (2026), computed anew for every scheme that needs no learning, with both signs of the
+/// insertion angle.
+
+/// One row: a method in a space, over a set of curves.
+typedef struct bat_tension_row
+{
+    const char *space;  ///< "plane", "sphere" or "disk"
+    const char *method; ///< "four-point-printed", … see docs/tension.md
+    double tension;     ///< mu of an angle-based method, NaN for others
+    bat_summary mean_nn;
+    bat_summary hausdorff;
+    bat_summary bending;
+    bat_summary g1;
+    double published_mean_nn; ///< the paper's figures for this method; NaN where it has none
+    double published_bending;
+    double published_g1;
+} bat_tension_row;
+
+/// The methods in each space.
+#define BAT_TENSION_METHODS 10
+/// Rows of table 1: every method in the three spaces.
+#define BAT_TENSION_TABLE1_ROWS (3 * BAT_TENSION_METHODS)
+
+/// The levels that all figures are taken at.
+#define BAT_TENSION_LEVELS 5
+
+/// Refine every published validation curve by every method and measure the result against its truth (section 7.1).
+///
+/// The oracles search the tension from -0.5 to 0.05 in steps of 0.025 for the least mean of mean_nn, as the paper does; the
+/// adaptive heuristics take theirs as mu*.
+///
+/// @param rows receives BAT_TENSION_TABLE1_ROWS rows: plane, sphere, disk
+/// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY
+BAT_API bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error);
+
+/// The same for the ground track of section 8: its 16 control points against its 520 points.
+///
+/// @param rows receives BAT_TENSION_METHODS rows
+BAT_API bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error);
+
+BAT_C_END
+
+#endif

@@ -1,0 +1,289 @@
+#include "batten/tension_table.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/// Section 7.1: the grid of the oracle. (The text counts 21 values; from -0.5 to 0.05 in steps of 0.025 there are 23.)
+static const double GRID_LOW = -0.5, GRID_STEP = 0.025;
+enum
+{
+    GRID_COUNT = 23
+};
+
+/// The control polygons and truths of one space.
+typedef struct case_set
+{
+    const bat_space *space;
+    const char *name;
+    bat_curve *control, *truth;
+    size_t count;
+} case_set;
+
+/// What is measured on every refined curve, in the order of `numbers`.
+enum
+{
+    MEAN_NN,
+    HAUSDORFF,
+    BENDING,
+    G1,
+    MEASURES
+};
+
+static bat_status measure_one(const bat_curve *control, const bat_curve *truth, const bat_scheme *scheme, double *numbers,
+                              size_t stride, bat_error *error)
+{
+    bat_refine_options refine = bat_refine_defaults();
+    refine.scheme = *scheme;
+    refine.levels = BAT_TENSION_LEVELS;
+    refine.threads = 1;
+    bat_measure_options measure = bat_measure_defaults();
+    measure.threads = 1;
+    bat_curve fine;
+    bat_curve_distance distance;
+    bat_fairness fairness;
+    bat_status status = bat_curve_refine(control, &refine, &fine, error);
+    if (status != BAT_OK)
+        return status;
+    status = bat_curve_compare(&fine, truth, &measure, &distance, error);
+    if (status == BAT_OK)
+        status = bat_curve_fairness(&fine, &measure, &fairness, error);
+    bat_curve_free(&fine);
+    if (status != BAT_OK)
+        return status;
+    numbers[MEAN_NN * stride] = distance.mean_nn;
+    numbers[HAUSDORFF * stride] = distance.hausdorff;
+    numbers[BENDING * stride] = fairness.bending;
+    numbers[G1 * stride] = fairness.g1;
+    return BAT_OK;
+}
+
+/// One method on all curves of a set: `numbers` receives MEASURES runs of set->count.
+static bat_status measure_set(const case_set *set, const bat_scheme *scheme, int threads, double *numbers, bat_error *error)
+{
+    bat_status first_status = BAT_OK;
+    size_t failed = SIZE_MAX;
+    threads = threads_for(threads, set->count);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t i = 0; i < set->count; i++)
+    {
+        bat_error own;
+        bat_status status = measure_one(&set->control[i], &set->truth[i], scheme, numbers + i, set->count, &own);
+        if (status != BAT_OK)
+        {
+#pragma omp critical(tension_table_failure)
+            if (i < failed)
+            {
+                failed = i;
+                first_status = error_set(error, status, own.index, 0, "%s curve %zu: %.180s", set->name, i, own.text);
+            }
+        }
+    }
+    return first_status;
+}
+
+/// Where the computation of a table stands.
+typedef struct table_state
+{
+    double *numbers; ///< of one method on one set
+    int threads;
+    bat_progress progress;
+    size_t done, total; ///< methods measured
+    bat_error *error;
+} table_state;
+
+static bat_status step(table_state *state, const case_set *set, const bat_scheme *scheme)
+{
+    bat_status status = measure_set(set, scheme, state->threads, state->numbers, state->error);
+    state->done++;
+    if (status == BAT_OK && state->progress.report != NULL &&
+        !state->progress.report(state->progress.context, (double)state->done / (double)state->total))
+        return error_set(state->error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    return status;
+}
+
+static bat_status fill_row(table_state *state, const case_set *set, const char *method, const bat_scheme *scheme,
+                           bat_tension_row *row)
+{
+    bat_status status = step(state, set, scheme);
+    *row = (bat_tension_row){.space = set->name,
+                             .method = method,
+                             .tension = scheme->kind == BAT_SCHEME_ANGLE ? scheme->tension : NAN,
+                             .published_mean_nn = NAN,
+                             .published_bending = NAN,
+                             .published_g1 = NAN};
+    bat_summary *summaries[MEASURES] = {&row->mean_nn, &row->hausdorff, &row->bending, &row->g1};
+    for (size_t m = 0; m < MEASURES && status == BAT_OK; m++)
+        status = bat_summarize(state->numbers + m * set->count, set->count, summaries[m], state->error);
+    return status;
+}
+
+static bat_scheme angle(double tension, bat_angle_sign sign, bool adaptive)
+{
+    bat_scheme scheme = bat_scheme_angle(tension);
+    scheme.sign = sign;
+    scheme.adaptive = adaptive;
+    return scheme;
+}
+
+/// The tension of the grid with the least mean of mean_nn.
+static bat_status search_tension(table_state *state, const case_set *set, bat_angle_sign sign, double *best)
+{
+    double least = INFINITY;
+    for (int i = 0; i < GRID_COUNT; i++)
+    {
+        bat_scheme scheme = angle(GRID_LOW + i * GRID_STEP, sign, false);
+        bat_summary mean_nn;
+        bat_status status = step(state, set, &scheme);
+        if (status == BAT_OK)
+            status = bat_summarize(state->numbers + MEAN_NN * set->count, set->count, &mean_nn, state->error);
+        if (status != BAT_OK)
+            return status;
+        if (mean_nn.mean < least)
+        {
+            least = mean_nn.mean;
+            *best = scheme.tension;
+        }
+    }
+    return BAT_OK;
+}
+
+static bat_status fill_rows(table_state *state, const case_set *set, bat_tension_row *rows)
+{
+    double best_printed = 0, best_outward = 0;
+    bat_status status = search_tension(state, set, BAT_ANGLE_PRINTED, &best_printed);
+    if (status == BAT_OK)
+        status = search_tension(state, set, BAT_ANGLE_OUTWARD, &best_outward);
+    const struct
+    {
+        const char *method;
+        bat_scheme scheme;
+    } methods[BAT_TENSION_METHODS] = {
+        {"four-point-printed", angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_PRINTED, false)},
+        {"six-point-printed", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_PRINTED, false)},
+        {"four-point-outward", angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_OUTWARD, false)},
+        {"six-point-outward", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_OUTWARD, false)},
+        {"log-exp-4", bat_scheme_log_exp(bat_mask_four_point(1.0 / 16))},
+        {"log-exp-6", bat_scheme_log_exp(bat_mask_six_point(BAT_SIX_POINT_WEIGHT))},
+        {"oracle-printed", angle(best_printed, BAT_ANGLE_PRINTED, false)},
+        {"oracle-outward", angle(best_outward, BAT_ANGLE_OUTWARD, false)},
+        {"adaptive-heuristic-printed", angle(best_printed, BAT_ANGLE_PRINTED, true)},
+        {"adaptive-heuristic", angle(best_outward, BAT_ANGLE_OUTWARD, true)},
+    };
+    for (int m = 0; m < BAT_TENSION_METHODS && status == BAT_OK; m++)
+        status = fill_row(state, set, methods[m].method, &methods[m].scheme, &rows[m]);
+    return status;
+}
+
+/// The paper's figures for one method, in the order of fill_rows().
+typedef struct published
+{
+    size_t method;
+    double mean_nn, bending, g1;
+} published;
+
+static void set_published(bat_tension_row *rows, const published *figures, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_tension_row *row = &rows[figures[i].method];
+        row->published_mean_nn = figures[i].mean_nn;
+        row->published_bending = figures[i].bending;
+        row->published_g1 = figures[i].g1;
+    }
+}
+
+enum
+{
+    PUBLISHED_ROWS = 6
+};
+
+/// Table 1, plane, sphere, disk: four-point, six-point, log-exp 4, log-exp 6, best fixed tension, adaptive heuristic.
+static const published TABLE1[BAT_TENSION_SPACE_COUNT][PUBLISHED_ROWS] = {
+    {{0, 0.03538, 1477.5, 2.655},
+     {1, 0.03623, 2355.3, 2.824},
+     {4, 0.00971, 2025.7, 0.496},
+     {5, 0.00884, 2788.4, 0.359},
+     {6, 0.03525, 1374.1, 2.630},
+     {8, 0.02481, 682, 1.48}},
+    {{0, 0.06082, 517.4, 2.144},
+     {1, 0.06471, 782.0, 2.289},
+     {4, 0.03971, 1369.3, 0.512},
+     {5, 0.04000, 1298.5, 0.410},
+     {6, 0.06015, 475.3, 2.139},
+     {8, 0.05344, 242, 1.22}},
+    {{0, 0.02937, 23195.5, 2.758},
+     {1, 0.02939, 25074.4, 2.912},
+     {4, 0.00436, 1591.1, 0.309},
+     {5, 0.00338, 735.8, 0.205},
+     {6, 0.02937, 23428.4, 2.792},
+     {8, 0.01824, 19641, 1.53}},
+};
+
+/// Table 5; what it calls Hausdorff is the mean nearest-neighbour distance.
+static const published TABLE5[] = {{0, 0.00414, 129.6, 2.235}, {1, 0.00529, 253.6, 2.906}};
+
+static bat_status state_make(table_state *state, size_t most_curves, size_t sets)
+{
+    state->total = sets * (2 * GRID_COUNT + BAT_TENSION_METHODS);
+    state->numbers = memory_array(MEASURES * most_curves, sizeof *state->numbers);
+    return state->numbers != NULL ? BAT_OK : error_memory(state->error, MEASURES * most_curves * sizeof *state->numbers);
+}
+
+static bat_status fill_space(table_state *state, const bat_tension_set *set, const bat_space *space, bat_tension_row *rows)
+{
+    bat_curve *curves = memory_array(2 * set->count, sizeof *curves);
+    if (curves == NULL)
+        return error_memory(state->error, 2 * set->count * sizeof *curves);
+    case_set cases = {
+        .space = space, .name = space->name, .control = curves, .truth = curves + set->count, .count = set->count};
+    for (size_t i = 0; i < set->count; i++)
+    {
+        cases.control[i] = bat_tension_control(set, i, space);
+        cases.truth[i] = bat_tension_truth(set, i, space);
+    }
+    bat_status status = fill_rows(state, &cases, rows);
+    free(curves);
+    return status;
+}
+
+bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+{
+    const bat_space spaces[BAT_TENSION_SPACE_COUNT] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
+    bat_tension_data data;
+    bat_status status = bat_tension_data_make(&data, error);
+    if (status != BAT_OK)
+        return status;
+    table_state state = {.threads = threads, .progress = progress, .error = error};
+    status = state_make(&state, BAT_TENSION_CURVES, BAT_TENSION_SPACE_COUNT);
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
+    {
+        status = fill_space(&state, &data.validation[s], &spaces[s], rows + s * BAT_TENSION_METHODS);
+        set_published(rows + s * BAT_TENSION_METHODS, TABLE1[s], PUBLISHED_ROWS);
+    }
+    free(state.numbers);
+    bat_tension_data_free(&data);
+    return status;
+}
+
+bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+{
+    bat_space sphere = bat_sphere(2);
+    bat_curve truth, control;
+    bat_status status = bat_tension_iss_track(&sphere, &truth, &control, error);
+    if (status != BAT_OK)
+        return status;
+    table_state state = {.threads = threads, .progress = progress, .error = error};
+    status = state_make(&state, 1, 1);
+    case_set cases = {.space = &sphere, .name = sphere.name, .control = &control, .truth = &truth, .count = 1};
+    if (status == BAT_OK)
+        status = fill_rows(&state, &cases, rows);
+    set_published(rows, TABLE5, sizeof TABLE5 / sizeof TABLE5[0]);
+    free(state.numbers);
+    bat_curve_free(&truth);
+    bat_curve_free(&control);
+    return status;
+}
