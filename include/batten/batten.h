@@ -4,9 +4,16 @@
 /// @file
 /// Everything batten offers.
 
+#include "batten/analysis.h"
 #include "batten/base.h"
 #include "batten/curve.h"
+#include "batten/file.h"
+#include "batten/measure.h"
+#include "batten/picture.h"
 #include "batten/scheme.h"
+#include "batten/shapes.h"
 #include "batten/space.h"
+#include "batten/tension_data.h"
+#include "batten/tension_table.h"
 
 #endif

@@ -1,0 +1,190 @@
+#include "analyze.h"
+
+#include "arguments.h"
+#include "report.h"
+#include "verbs.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// The longest name of a scheme with its settings.
+#define SCHEME_SIZE 512
+#define PARAMETER_SIZE 32
+
+static const option_spec OPTIONS[] = {
+    {"depth", 0, "N", "try products of N difference matrices, 1 to 24; more gives tighter bounds; default: 12"},
+    {"sweep", 0, "NAME=A:B", "find where the limit is C^k as the scheme's setting NAME goes from A to B"},
+    {"smoothness", 0, "K", "the k of C^k for --sweep; default: 1"},
+    {"tolerance", 0, "T", "the shortest interval of --sweep that is looked into; default: (B - A) / 32768"},
+    {"json", 0, NULL, "print one JSON object"},
+    {NULL, 0, NULL, NULL},
+};
+
+static const verb_spec SPEC = {
+    .usage = "batten analyze SCHEME [options]",
+    .summary = "What a linear scheme does in the limit: symbol, local matrix and eigenvalues, limit stencils, polynomials,\n"
+               "convergence and smoothness with proven bounds. `batten list schemes` names the schemes.",
+    .options = OPTIONS,
+    .least_positional = 1,
+    .most_positional = 1,
+};
+
+/// A family of schemes: a name with settings, and one more setting that varies.
+typedef struct named_family
+{
+    const char *scheme;
+    char parameter[PARAMETER_SIZE];
+} named_family;
+
+/// Whether the report on standard output got through.
+static int finish_report(void)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return EXIT_DONE;
+    return report_failure(NULL, &(bat_error){.text = "standard output cannot be written"});
+}
+
+static int check_linear(const arguments *given, const bat_scheme *scheme)
+{
+    return scheme->kind == BAT_SCHEME_LINEAR
+               ? EXIT_DONE
+               : usage_error(given, "'%s' is not linear: it has no mask", given->positional[0]);
+}
+
+static bat_status family_member(const named_family *family, double value, bat_scheme *scheme, bat_error *error)
+{
+    char name[SCHEME_SIZE];
+    const char separator = strchr(family->scheme, ':') != NULL ? ',' : ':';
+    const int length = snprintf(name, sizeof name, "%s%c%s=%.17g", family->scheme, separator, family->parameter, value);
+    if (length >= 0 && (size_t)length < sizeof name)
+        return bat_scheme_by_name(name, scheme, error);
+    if (error != NULL)
+        *error = (bat_error){.status = BAT_INVALID_ARGUMENT, .text = "the name of the scheme is too long"};
+    return BAT_INVALID_ARGUMENT;
+}
+
+/// An empty mask, which the sweep refuses, stands for a member that does not exist.
+static bat_mask family_mask(void *context, double value)
+{
+    bat_scheme scheme;
+    return family_member(context, value, &scheme, NULL) == BAT_OK ? scheme.mask : (bat_mask){0};
+}
+
+static bool read_number(const char *text, char **end, double *number)
+{
+    errno = 0;
+    *number = strtod(text, end);
+    return *end != text && errno == 0 && isfinite(*number);
+}
+
+/// NAME=A:B
+static bool read_sweep(const char *text, named_family *family, bat_sweep_options *options)
+{
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || equals == text || equals - text >= PARAMETER_SIZE)
+        return false;
+    memcpy(family->parameter, text, (size_t)(equals - text));
+    family->parameter[equals - text] = '\0';
+    char *end;
+    return read_number(equals + 1, &end, &options->begin) && *end == ':' && read_number(end + 1, &end, &options->end) &&
+           *end == '\0';
+}
+
+/// The options of a sweep, and both its ends tried.
+static int read_sweep_options(const arguments *given, const bat_analysis_options *analysis, named_family *family,
+                              bat_sweep_options *options)
+{
+    long smoothness;
+    *options = bat_sweep_defaults();
+    options->analysis = *analysis;
+    family->scheme = given->positional[0];
+    if (!read_sweep(argument(given, "sweep"), family, options))
+        return usage_error(given, "--sweep takes NAME=A:B, as in w=0:0.25, not '%s'", argument(given, "sweep"));
+    if (!argument_whole(given, "smoothness", 0, 30, 1, &smoothness) ||
+        !argument_number(given, "tolerance", 0.0, &options->tolerance))
+        return EXIT_BAD_USAGE;
+    options->smoothness = (size_t)smoothness;
+    const double ends[] = {options->begin, options->end};
+    for (size_t i = 0; i < 2; ++i)
+    {
+        bat_scheme scheme;
+        bat_error error;
+        if (family_member(family, ends[i], &scheme, &error) != BAT_OK)
+            return usage_error(given, "%s", error.text);
+        const int code = check_linear(given, &scheme);
+        if (code != EXIT_DONE)
+            return code;
+    }
+    return EXIT_DONE;
+}
+
+static int run_sweep(const arguments *given, const bat_analysis_options *analysis)
+{
+    named_family family;
+    bat_sweep_options options;
+    int code = read_sweep_options(given, analysis, &family, &options);
+    if (code != EXIT_DONE)
+        return code;
+    bat_interval *intervals;
+    size_t count;
+    bat_error error;
+    options.progress = report_progress("analyze");
+    const bat_status status = bat_mask_sweep(family_mask, &family, &options, &intervals, &count, &error);
+    report_progress_end();
+    if (status != BAT_OK)
+        return report_failure(NULL, &error);
+    const analyze_sweep sweep = {family.parameter, options.smoothness, intervals, count};
+    if (argument_flag(given, "json"))
+        code = report_json(analyze_sweep_json(family.scheme, &sweep));
+    else
+    {
+        analyze_report_sweep(stdout, family.scheme, &sweep);
+        code = finish_report();
+    }
+    free(intervals);
+    return code;
+}
+
+static int run_analysis(const arguments *given, const bat_analysis_options *options)
+{
+    const char *name = given->positional[0];
+    bat_scheme scheme;
+    bat_error error;
+    if (bat_scheme_by_name(name, &scheme, &error) != BAT_OK)
+        return usage_error(given, "%s", error.text);
+    int code = check_linear(given, &scheme);
+    if (code != EXIT_DONE)
+        return code;
+    bat_analysis analysis;
+    if (bat_mask_analyze(&scheme.mask, options, &analysis, &error) != BAT_OK)
+        return report_failure(NULL, &error);
+    if (argument_flag(given, "json"))
+        code = report_json(analyze_json(name, &analysis));
+    else
+    {
+        analyze_report(stdout, name, &analysis);
+        code = finish_report();
+    }
+    bat_analysis_free(&analysis);
+    return code;
+}
+
+int verb_analyze(int argc, char **argv)
+{
+    arguments given;
+    int code;
+    if (!arguments_read(&SPEC, argc, argv, &given, &code))
+        return code;
+    bat_analysis_options options = bat_analysis_defaults();
+    long depth;
+    if (!argument_whole(&given, "depth", 1, BAT_ANALYSIS_MAX_DEPTH, (long)options.depth, &depth))
+        return EXIT_BAD_USAGE;
+    options.depth = (size_t)depth;
+    if (argument(&given, "sweep") != NULL)
+        return run_sweep(&given, &options);
+    if (argument(&given, "smoothness") != NULL || argument(&given, "tolerance") != NULL)
+        return usage_error(&given, "--smoothness and --tolerance go with --sweep");
+    return run_analysis(&given, &options);
+}

@@ -1,0 +1,95 @@
+#include "verbs.h"
+
+#include "arguments.h"
+#include "report.h"
+#include "reproduce.h"
+
+#include "batten/batten.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const option_spec OPTIONS[] = {
+    {"json", 0, NULL, "print one JSON object"},
+    {NULL, 0, NULL, NULL},
+};
+
+static const verb_spec SPEC = {
+    .usage = "batten list schemes|spaces|results [--json]",
+    .summary = "The names that the other verbs take.",
+    .options = OPTIONS,
+    .least_positional = 1,
+    .most_positional = 1,
+};
+
+static const struct
+{
+    const char *name, *summary;
+} SPACES[] = {
+    {"plane", "R^2"},
+    {"euclidean", "R^n, n from the file"},
+    {"sphere", "unit vectors, or longitude and latitude in degrees; S^2, or S^n from the file"},
+    {"disk", "the hyperbolic plane as the Poincaré disk, points of length below 1"},
+};
+
+/// One row of a list: its name, settings (may be null) and summary.
+typedef bool (*row_function)(size_t index, const char **name, const char **settings, const char **summary);
+
+static bool space_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    if (index >= sizeof SPACES / sizeof SPACES[0])
+        return false;
+    *name = SPACES[index].name;
+    *settings = NULL;
+    *summary = SPACES[index].summary;
+    return true;
+}
+
+static bool result_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    *settings = NULL;
+    return reproduce_row(index, name, summary);
+}
+
+static int print_rows(const char *what, row_function row, bool as_json)
+{
+    json_t *array = json_array();
+    const char *name, *settings, *summary;
+    for (size_t i = 0; row(i, &name, &settings, &summary); i++)
+    {
+        if (as_json)
+        {
+            json_t *object = json_pack("{s:s, s:s}", "name", name, "summary", summary);
+            if (settings != NULL)
+                (void)json_object_set_new(object, "settings", json_string(settings));
+            (void)json_array_append_new(array, object);
+        }
+        else
+        {
+            (void)printf("%-16s %s\n", name, summary);
+            if (settings != NULL && settings[0] != '\0')
+                (void)printf("%-16s settings: %s\n", "", settings);
+        }
+    }
+    if (as_json)
+        return report_json(json_pack("{s:o}", what, array));
+    json_decref(array);
+    return EXIT_DONE;
+}
+
+int verb_list(int argc, char **argv)
+{
+    arguments given;
+    int code;
+    if (!arguments_read(&SPEC, argc, argv, &given, &code))
+        return code;
+    const char *what = given.positional[0];
+    bool as_json = argument_flag(&given, "json");
+    if (strcmp(what, "schemes") == 0)
+        return print_rows(what, bat_scheme_list, as_json);
+    if (strcmp(what, "spaces") == 0)
+        return print_rows(what, space_row, as_json);
+    if (strcmp(what, "results") == 0)
+        return print_rows(what, result_row, as_json);
+    return usage_error(&given, "there is no list of '%s'", what);
+}

@@ -1,0 +1,57 @@
+#include "verbs.h"
+
+#include "arguments.h"
+#include "report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct
+{
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} VERBS[] = {
+    {"curve", verb_curve, "refine the curves of a file, to a file and a picture"},
+    {"measure", verb_measure, "how far two curves are apart, and how fair each is"},
+    {"analyze", verb_analyze, "what a linear scheme does in the limit, with proven bounds"},
+    {"reproduce", verb_reproduce, "published tables and figures beside ours"},
+    {"list", verb_list, "the schemes, spaces and published results"},
+};
+enum
+{
+    VERB_COUNT = sizeof VERBS / sizeof VERBS[0]
+};
+
+static void print_overview(FILE *to)
+{
+    (void)fputs("batten turns coarse geometry into fair geometry.\n\nusage: batten VERB [arguments]\n\n", to);
+    for (int i = 0; i < VERB_COUNT; i++)
+        (void)fprintf(to, "  %-10s %s\n", VERBS[i].name, VERBS[i].summary);
+    (void)fputs("\n`batten VERB --help` explains a verb; `batten --version` prints the version.\n", to);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2)
+    {
+        print_overview(stderr);
+        return EXIT_BAD_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
+    {
+        print_overview(stdout);
+        return EXIT_DONE;
+    }
+    if (strcmp(argv[1], "--version") == 0)
+    {
+        (void)printf("batten %s\n", bat_version());
+        return EXIT_DONE;
+    }
+    report_catch_interrupt();
+    for (int i = 0; i < VERB_COUNT; i++)
+        if (strcmp(argv[1], VERBS[i].name) == 0)
+            return VERBS[i].run(argc - 1, argv + 1);
+    (void)fprintf(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", argv[1]);
+    return EXIT_BAD_USAGE;
+}
