@@ -1,0 +1,121 @@
+#!/bin/sh
+# Every verb on bad input: exit code 1 (2 for a bad command line), one line on standard error that begins with "batten: " and names
+# the place, nothing written, and a file that was there stays. Usage: bad-input.sh BATTEN
+set -u
+batten=$1
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+failures=0
+
+fail()
+{
+    echo "FAILED: $1"
+    sed 's/^/    /' stderr
+    failures=$((failures + 1))
+}
+
+# refused CODE PATTERN ARGUMENTS…: the program must end with CODE and say one line (two with the usage) that matches PATTERN.
+refused()
+{
+    code=$1 pattern=$2
+    shift 2
+    echo untouched > out.csv
+    rm -f out.png
+    "$batten" "$@" > stdout 2> stderr < /dev/null
+    got=$?
+    lines=$(wc -l < stderr)
+    [ $got -eq "$code" ] || fail "exit code $got instead of $code: batten $*"
+    [ "$lines" -eq "$code" ] || fail "$lines lines on standard error: batten $*"
+    head -n 1 stderr | grep -q '^batten: ' || fail "no 'batten: ' in front: batten $*"
+    grep -Eq "$pattern" stderr || fail "the message does not match '$pattern': batten $*"
+    [ "$(cat out.csv)" = untouched ] || fail "the output was touched: batten $*"
+    [ ! -e out.png ] || fail "a picture was written: batten $*"
+    [ -z "$(ls | grep -Ev '^(stdout|stderr|out\.csv|.*\.in.*)$')" ] || fail "files are left: $(ls): batten $*"
+    [ ! -s stdout ] || fail "something on standard output: batten $*"
+}
+
+curve()
+{
+    refused 1 "$1" curve "$2" -o out.csv --picture out.png ${3:+--space "$3"}
+}
+
+printf '0,0\n1,0\nnan,1\n' > nan.in.csv
+printf '0,0\n1,0\n1,inf\n' > inf.in.csv
+printf '0,0\n1,0\n1\n' > short.in.csv
+printf '0,0\n1,0\n1,x\n' > word.in.csv
+printf '0,0\n1,0\n1e999,1\n' > overflow.in.csv
+printf '0,0\n1,0\n1,0\n2,0\n' > repeated.in.csv
+printf '1,0,0\n0,1,0\n0,-1,0\n' > antipodal.in.csv
+printf '1,0,0\n0,2,0\n' > long.in.csv
+printf '0,0\n0.5,0\n1,0\n' > rim.in.csv
+printf '0,0\n' > one.in.csv
+: > empty.in.csv
+printf '# nothing\n\n' > comments.in.csv
+printf '{"type":"FeatureCollection","features":[]}' > none.in.geojson
+printf '{"type":"LineString","coordinates":[[0,0],[1,1]' > cut.in.geojson
+printf '{"type":"LineString","coordinates":[[0,0],[1,"a"]]}' > text.in.geojson
+printf '{"type":"LineString","coordinates":[[0,0],[0,95]]}' > latitude.in.geojson
+printf '{"type":"LineString","coordinates":[[0,0],[180,0]]}' > antipodal.in.geojson
+printf '{"type":"LineString","coordinates":[[0,0],[0,0],[1,1]]}' > repeated.in.geojson
+printf '{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1]]]}' > unclosed.in.geojson
+printf 'v 0 0 0\nv 1 0 0\nl 1 3\n' > index.in.obj
+printf 'v 0 0 0\nv 1 0 0\n' > noline.in.obj
+printf 'v 0 0\xff 0\nl 1 1\n' > bytes.in.obj
+
+curve 'nan\.in\.csv:3: ' nan.in.csv
+curve 'inf\.in\.csv:3: ' inf.in.csv
+curve 'short\.in\.csv:3: ' short.in.csv
+curve 'word\.in\.csv:3: ' word.in.csv
+curve 'overflow\.in\.csv:3: ' overflow.in.csv
+curve 'repeated\.in\.csv:3: point 2 repeats' repeated.in.csv
+curve 'antipodal\.in\.csv:3: .*antipodal' antipodal.in.csv sphere
+curve 'long\.in\.csv:2: .*unit length' long.in.csv sphere
+curve 'rim\.in\.csv:3: .*disk' rim.in.csv disk
+curve 'one\.in\.csv: ' one.in.csv
+curve 'empty\.in\.csv: ' empty.in.csv
+curve 'comments\.in\.csv:2: ' comments.in.csv
+curve 'none\.in\.geojson: ' none.in.geojson
+curve 'cut\.in\.geojson:1: ' cut.in.geojson
+curve 'text\.in\.geojson.*position 1' text.in.geojson
+curve 'latitude\.in\.geojson.*position 1' latitude.in.geojson
+curve 'antipodal\.in\.geojson.*antipodal' antipodal.in.geojson
+curve 'repeated\.in\.geojson.*repeats' repeated.in.geojson
+curve 'unclosed\.in\.geojson' unclosed.in.geojson
+curve 'index\.in\.obj:3: ' index.in.obj
+curve 'noline\.in\.obj:2: ' noline.in.obj
+curve 'bytes\.in\.obj:1: ' bytes.in.obj
+curve 'missing\.in\.csv: ' missing.in.csv
+curve '/: ' /
+printf '0,0\n1,0\n1,1\n' > good.in.csv
+printf "0,0\n0.5,0\n0.5,0.5\n" > small.in.csv
+refused 1 'points' curve good.in.csv --levels 60 -o out.csv
+refused 1 'points' curve good.in.csv --levels 44 -o out.csv
+refused 1 'no/such/folder' curve good.in.csv -o no/such/folder/out.csv
+refused 1 'out\.gif' curve good.in.csv --picture out.gif
+refused 1 'linear scheme' curve small.in.csv --space disk --scheme chaikin -o out.csv
+refused 1 'missing' curve good.in.csv --truth missing.in.csv -o out.csv
+refused 2 'one argument too many' curve good.in.csv other -o out.csv
+refused 2 'missing' curve
+refused 2 'no option' curve good.in.csv --level 3
+refused 2 'needs a value' curve good.in.csv --levels
+refused 2 'whole number' curve good.in.csv --levels 2.5
+refused 2 'whole number' curve good.in.csv --levels -1
+refused 2 'no scheme' curve good.in.csv --scheme spline
+refused 2 'no setting' curve good.in.csv --scheme chaikin:w=1
+refused 2 'exclude' curve good.in.csv --closed --open
+refused 2 'given twice' curve good.in.csv --levels 2 --levels 3
+refused 2 'one of' curve good.in.csv --ends none
+refused 2 'json' curve good.in.csv --json
+refused 1 'there is no space' curve good.in.csv --space torus -o out.csv
+refused 1 'missing' measure missing.in.csv good.in.csv
+refused 1 'cannot be compared|coordinates' measure good.in.csv antipodal.in.csv
+refused 2 'missing' measure
+refused 2 'no result' reproduce table99
+refused 2 'no list' list things
+refused 2 'no scheme' analyze spline
+refused 2 'linear|mask' analyze angle-4
+refused 1 'even|odd|sum' analyze mask:1,1,1,1
+
+[ $failures -eq 0 ] && echo "all bad input is refused"
+[ $failures -eq 0 ]
