@@ -135,7 +135,7 @@ static bool read_job(const arguments *given, job *j)
     long levels, threads, precision;
     if (!argument_whole(given, "levels", 0, MOST_LEVELS, (long)j->refine.levels, &levels) ||
         !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
-        !argument_whole(given, "precision", 0, 15, j->write.precision, &precision) || !read_choices(given, j) ||
+        !argument_whole(given, "precision", 0, 12, j->write.precision, &precision) || !read_choices(given, j) ||
         !read_panels(given, j))
         return false;
     j->refine.levels = (size_t)levels;
@@ -269,47 +269,36 @@ typedef struct totals
 {
     size_t points;
     double length, bending, g1;
-    bool measured;
 } totals;
 
-static totals total(const bat_curve_set *set)
+static bat_status total(const bat_curve_set *set, int threads, totals *sum, bat_error *error)
 {
-    totals sum = {.measured = true};
-    for (size_t i = 0; i < set->count; i++)
+    bat_measure_options options = bat_measure_defaults();
+    options.threads = threads;
+    bat_fairness *fairness = calloc(set->count, sizeof *fairness);
+    *sum = (totals){0};
+    bat_status status =
+        fairness == NULL ? BAT_NO_MEMORY : bat_curves_fairness(set->curves, set->count, &options, fairness, NULL, error);
+    for (size_t i = 0; i < set->count && status == BAT_OK; i++)
     {
-        const bat_curve *curve = &set->curves[i];
-        bat_fairness fairness;
-        sum.points += curve->count;
-        size_t edges = curve->closed ? curve->count : curve->count - 1, dim = curve->space->point_dim;
-        for (size_t e = 0; e < edges; e++)
-            sum.length += curve->space->distance(curve->space, curve->points + e * dim,
-                                                 curve->points + (e + 1 == curve->count ? 0 : e + 1) * dim);
-        sum.measured = sum.measured && bat_curve_fairness(curve, NULL, &fairness, NULL) == BAT_OK;
-        if (!sum.measured)
-            continue;
-        sum.bending += fairness.bending / (double)set->count;
-        sum.g1 = fairness.g1 > sum.g1 ? fairness.g1 : sum.g1;
+        sum->points += set->curves[i].count;
+        sum->length += fairness[i].length;
+        sum->bending += fairness[i].bending / (double)set->count;
+        sum->g1 = fairness[i].g1 > sum->g1 ? fairness[i].g1 : sum->g1;
     }
-    return sum;
+    free(fairness);
+    return status;
 }
 
 static json_t *totals_json(const totals *t)
 {
-    json_t *object = json_pack("{s:I, s:f}", "points", (json_int_t)t->points, "length", t->length);
-    if (t->measured)
-    {
-        (void)json_object_set_new(object, "bending", json_real(t->bending));
-        (void)json_object_set_new(object, "g1", json_real(t->g1));
-    }
-    return object;
+    return json_pack("{s:I, s:f, s:f, s:f}", "points", (json_int_t)t->points, "length", t->length, "bending", t->bending,
+                     "g1", t->g1);
 }
 
 static void print_totals(const char *name, const totals *t)
 {
-    (void)printf("%-8s %10zu %12.6g", name, t->points, t->length);
-    if (t->measured)
-        (void)printf(" %14.6g %16.6g", t->bending, t->g1);
-    (void)printf("\n");
+    (void)printf("%-8s %10zu %12.6g %14.6g %16.6g\n", name, t->points, t->length, t->bending, t->g1);
 }
 
 /// "on the sphere", "in R^3".
@@ -324,10 +313,12 @@ static const char *place_of(const bat_space *space, char *text, size_t size)
 
 static int report(const job *j, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine)
 {
-    totals before = total(coarse), after = total(fine);
+    totals before, after;
     bat_curve_distance distance;
     bool compared = truth != NULL && fine->count == 1 && truth->count == 1;
-    bat_error error;
+    bat_error error = {.text = "out of memory"};
+    if (total(coarse, j->read.threads, &before, &error) != BAT_OK || total(fine, j->read.threads, &after, &error) != BAT_OK)
+        return report_failure(j->input, &error);
     if (compared && bat_curve_compare(&fine->curves[0], &truth->curves[0], NULL, &distance, &error) != BAT_OK)
         return report_failure(j->truth, &error);
     if (!j->json)

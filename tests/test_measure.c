@@ -309,6 +309,7 @@ static void regular_polygons_have_the_fairness_of_trigonometry(void **state)
             bat_curve polygon = regular_polygon(&spaces[s], n, coordinate);
             bat_fairness fairness = fairness_of(&polygon);
             check_relative(fairness.g1, angle, 1e-8);
+            check_relative(fairness.length, (double)n * edge, 1e-8);
             check_relative(fairness.bending, pow(angle / edge, 2), 1e-8);
             bat_fairness published;
             check_status(bat_curve_fairness(&polygon, NULL, &published, NULL), BAT_OK);
@@ -357,13 +358,38 @@ static void ends_of_open_curves_do_not_count(void **state)
     bat_curve curve = {.space = &plane, .points = corner, .count = 4};
     check_near(fairness_of(&curve).g1, PI / 2, 1e-15);
     check_near(fairness_of(&curve).bending, PI * PI / 16, 1e-15);
+    check_near(fairness_of(&curve).length, 6, 0);
     curve.count = 2;
     check_near(fairness_of(&curve).bending, 0, 0);
     curve.closed = true; // there and back
     check_near(fairness_of(&curve).g1, PI, 0);
+    check_near(fairness_of(&curve).length, 4, 0);
     check_near(fairness_of(&curve).bending, PI * PI / 4, 1e-15);
     curve.count = 1;
     check_near(fairness_of(&curve).g1, 0, 0);
+}
+
+static void sets_are_measured_curve_by_curve(void **state)
+{
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    double good[] = {0, 0, 1, 0, 1, 1}, bad[] = {0, 0, NAN, 0, 1, 1};
+    bat_curve curves[40];
+    bat_fairness fairness[40];
+    for (int i = 0; i < 40; i++)
+        curves[i] = (bat_curve){.space = &plane, .points = good, .count = i % 2 == 0 ? 3 : 2};
+    check_status(bat_curves_fairness(curves, 40, NULL, fairness, NULL, NULL), BAT_OK);
+    for (int i = 0; i < 40; i++)
+    {
+        check_near(fairness[i].length, i % 2 == 0 ? 2 : 1, 0);
+        check_near(fairness[i].g1, i % 2 == 0 ? PI / 2 : 0, 1e-15);
+    }
+    curves[33].points = curves[17].points = bad;
+    size_t failed = 0;
+    bat_error error;
+    check_status(bat_curves_fairness(curves, 40, NULL, fairness, &failed, &error), BAT_INVALID_POINT);
+    assert_int_equal(failed, 17);
+    assert_int_equal(error.index, 1);
 }
 
 static void repeated_points_are_passed_over(void **state)
@@ -393,7 +419,7 @@ static void fairness_refuses_bad_input(void **state)
     bat_space sphere = bat_sphere(2);
     double points[] = {1, 0, 0, 0, 1, 0, 0, -1, 0};
     bat_curve curve = {.space = &sphere, .points = points, .count = 3};
-    bat_fairness untouched = {-7, -7}, fairness = untouched;
+    bat_fairness untouched = {-7, -7, -7}, fairness = untouched;
     bat_error error;
     check_status(bat_curve_fairness(&curve, NULL, &fairness, &error), BAT_CUT_LOCUS);
     assert_int_equal(error.index, 2);
@@ -449,6 +475,7 @@ int main(void)
         cmocka_unit_test(more_dimensions_agree_with_two),
         cmocka_unit_test(small_angles_keep_their_digits),
         cmocka_unit_test(ends_of_open_curves_do_not_count),
+        cmocka_unit_test(sets_are_measured_curve_by_curve),
         cmocka_unit_test(repeated_points_are_passed_over),
         cmocka_unit_test(fairness_refuses_bad_input),
         cmocka_unit_test(summaries),

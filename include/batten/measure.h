@@ -57,6 +57,7 @@ typedef struct bat_fairness
 {
     double bending; ///< mean over the vertices of (exterior angle / (mean length of the two edges + offset))^2 (eq. 5)
     double g1;      ///< largest absolute exterior angle, radians (eq. 4)
+    double length;  ///< sum of the edges' lengths
 } bat_fairness;
 
 /// Measure the fairness of a curve. Angles and lengths are the space's own; where it has no signed angles (above dimension 2)
@@ -69,6 +70,12 @@ typedef struct bat_fairness
 /// @return BAT_OK; BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS (antipodal neighbours), with the index of the point
 BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_measure_options *options, bat_fairness *fairness,
                                       bat_error *error);
+
+/// bat_curve_fairness() for many curves, which the threads share.
+/// @param fairness     receives `count` results
+/// @param failed_curve receives the first curve at fault on failure; may be null
+BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_measure_options *options,
+                                       bat_fairness *fairness, size_t *failed_curve, bat_error *error);
 
 /// A set of numbers in a few.
 typedef struct bat_summary

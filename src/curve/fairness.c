@@ -1,6 +1,7 @@
 #include "batten/measure.h"
 
 #include "base/error.h"
+#include "base/threads.h"
 
 #include <math.h>
 
@@ -50,6 +51,7 @@ typedef struct walk
     double length_before; ///< of the edge between them
     size_t angles;        ///< vertices that had an angle
     double bending, g1;   ///< sum and maximum over them
+    double length;        ///< of all edges so far
 } walk;
 
 static bat_status edge_length(const bat_curve *curve, size_t i, size_t next, double *length, bat_error *error)
@@ -68,6 +70,7 @@ static bat_status walk_to(walk *walker, const bat_curve *curve, size_t next, dou
     bat_status status = edge_length(curve, walker->here, next, &length, error);
     if (status != BAT_OK || length == 0)
         return status;
+    walker->length += length;
     if (walker->length_before > 0)
     {
         status =
@@ -107,11 +110,37 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_measure_options 
         status = walk_to(&walker, curve, i, offset, error);
     if (curve->closed && status == BAT_OK)
         status = walk_to(&walker, curve, 0, offset, error);
+    double total = walker.length;
     if (curve->closed && status == BAT_OK)
         status = walk_to(&walker, curve, second_vertex(curve), offset, error);
     if (status != BAT_OK)
         return status;
     double angles = walker.angles > 0 ? (double)walker.angles : 1;
-    *fairness = (bat_fairness){.bending = walker.bending / angles, .g1 = walker.g1};
+    *fairness = (bat_fairness){.bending = walker.bending / angles, .g1 = walker.g1, .length = total};
     return BAT_OK;
+}
+
+bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_measure_options *options,
+                               bat_fairness *fairness, size_t *failed_curve, bat_error *error)
+{
+    bat_status first_status = BAT_OK;
+    size_t failed = SIZE_MAX;
+    int threads = threads_for(options == NULL ? 0 : options->threads, count);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) if (threads > 1)
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_error own;
+        bat_status status = bat_curve_fairness(&curves[i], options, &fairness[i], &own);
+        if (status == BAT_OK)
+            continue;
+#pragma omp critical(fairness_failure)
+        if (i < failed)
+        {
+            failed = i;
+            first_status = error_set(error, status, own.index, 0, "%s", own.text);
+        }
+    }
+    if (failed_curve != NULL && first_status != BAT_OK)
+        *failed_curve = failed;
+    return first_status;
 }
