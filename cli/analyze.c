@@ -4,6 +4,8 @@
 #include "report.h"
 #include "verbs.h"
 
+#include "batten/picture.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,12 +14,15 @@
 /// The longest name of a scheme with its settings.
 #define SCHEME_SIZE 512
 #define PARAMETER_SIZE 32
+/// Samples of the basic limit function drawn: 2^DRAWN_LEVEL for each unit.
+#define DRAWN_LEVEL 9
 
 static const option_spec OPTIONS[] = {
     {"depth", 0, "N", "try products of N difference matrices, 1 to 24; more gives tighter bounds; default: 12"},
     {"sweep", 0, "NAME=A:B", "find where the limit is C^k as the scheme's setting NAME goes from A to B"},
     {"smoothness", 0, "K", "the k of C^k for --sweep; default: 1"},
     {"tolerance", 0, "T", "the shortest interval of --sweep that is looked into; default: (B - A) / 32768"},
+    {"picture", 0, "FILE", "draw the basic limit function to FILE: .svg, .png or .pdf"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
@@ -147,6 +152,33 @@ static int run_sweep(const arguments *given, const bat_analysis_options *analysi
     return code;
 }
 
+/// The basic limit function over its support.
+static int draw_basis(const char *path, const char *name, const bat_mask *mask)
+{
+    bat_basis basis;
+    bat_error error = {.text = "out of memory"};
+    if (bat_mask_basis(mask, DRAWN_LEVEL, &basis, &error) != BAT_OK)
+        return report_failure(NULL, &error);
+    double *parameters = calloc(basis.count, sizeof *parameters);
+    bat_status status = parameters == NULL ? BAT_NO_MEMORY : BAT_OK;
+    for (size_t i = 0; i < basis.count && status == BAT_OK; ++i)
+        parameters[i] = basis.first + ldexp((double)i, -DRAWN_LEVEL);
+    if (status == BAT_OK)
+    {
+        const bat_chart_series series = {.x = parameters, .y = basis.values, .count = basis.count};
+        bat_chart chart = bat_chart_defaults();
+        chart.series = &series;
+        chart.series_count = 1;
+        chart.title = name;
+        chart.x_label = "parameter";
+        chart.y_label = "basic limit function";
+        status = bat_chart_write(path, &chart, 1, NULL, &error);
+    }
+    free(parameters);
+    bat_basis_free(&basis);
+    return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
+}
+
 static int run_analysis(const arguments *given, const bat_analysis_options *options)
 {
     const char *name = given->positional[0];
@@ -155,6 +187,10 @@ static int run_analysis(const arguments *given, const bat_analysis_options *opti
     if (bat_scheme_by_name(name, &scheme, &error) != BAT_OK)
         return usage_error(given, "%s", error.text);
     int code = check_linear(given, &scheme);
+    if (code != EXIT_DONE)
+        return code;
+    if (argument(given, "picture") != NULL)
+        code = draw_basis(argument(given, "picture"), name, &scheme.mask);
     if (code != EXIT_DONE)
         return code;
     bat_analysis analysis;
@@ -182,6 +218,8 @@ int verb_analyze(int argc, char **argv)
     if (!argument_whole(&given, "depth", 1, BAT_ANALYSIS_MAX_DEPTH, (long)options.depth, &depth))
         return EXIT_BAD_USAGE;
     options.depth = (size_t)depth;
+    if (argument(&given, "sweep") != NULL && argument(&given, "picture") != NULL)
+        return usage_error(&given, "--picture does not go with --sweep");
     if (argument(&given, "sweep") != NULL)
         return run_sweep(&given, &options);
     if (argument(&given, "smoothness") != NULL || argument(&given, "tolerance") != NULL)

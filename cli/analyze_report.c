@@ -280,7 +280,7 @@ static double round_up(double number)
 static void print_bounds(FILE *out, double lower, double upper)
 {
     if (lower == upper)
-        fprintf(out, "%.9g exactly", lower);
+        fprintf(out, "%.9g, both bounds", lower);
     else if (isfinite(upper))
         fprintf(out, "at least %.10g, at most %.10g", round_down(lower), round_up(upper));
     else
@@ -295,7 +295,7 @@ static void report_convergence(FILE *out, const bat_analysis *analysis)
                                                    : "undecided; try a larger --depth");
     fprintf(out, "  differences of order %zu grow by a factor per level ", analysis->multiplicity);
     if (analysis->radius_lower == analysis->radius_upper)
-        fprintf(out, "of %.12g exactly\n", analysis->radius_lower);
+        fprintf(out, "of %.12g, both bounds\n", analysis->radius_lower);
     else
         fprintf(out, "between %.14g and %.14g\n", analysis->radius_lower, analysis->radius_upper);
     fprintf(out,

@@ -32,6 +32,7 @@ static const option_spec OPTIONS[] = {
     {"project", 0, NULL, "move points that are off their space onto it"},
     {"picture", 0, "FILE", "draw to FILE: .svg, .png or .pdf"},
     {"truth", 0, "FILE", "a curve to compare with and to draw"},
+    {"best-tension", 0, NULL, "angle-based: search the tension that brings the result nearest to the truth"},
     {"panel", 0, "K,K,…", "draw these levels side by side"},
     {"projection", 0, "NAME", "draw the sphere as globe (default), map or both"},
     {"comb", 0, NULL, "draw the curvature comb"},
@@ -65,7 +66,7 @@ typedef struct job
     bat_picture_options draw;
     size_t panels[MOST_PANELS];
     size_t panel_count;
-    bool json, quiet;
+    bool best_tension, json, quiet;
 } job;
 
 static bool read_panels(const arguments *given, job *j)
@@ -129,6 +130,7 @@ static bool read_job(const arguments *given, job *j)
         .refine = bat_refine_defaults(),
         .scheme = argument(given, "scheme"),
         .draw = bat_picture_defaults(),
+        .best_tension = argument_flag(given, "best-tension"),
         .json = argument_flag(given, "json"),
         .quiet = argument_flag(given, "quiet"),
     };
@@ -145,6 +147,11 @@ static bool read_job(const arguments *given, job *j)
     j->read.space = argument(given, "space");
     j->read.project = argument_flag(given, "project");
     j->draw.comb = argument_flag(given, "comb");
+    if (j->best_tension && j->truth == NULL)
+    {
+        (void)usage_error(given, "--best-tension needs --truth FILE");
+        return false;
+    }
     if (j->output == NULL && j->picture == NULL)
         j->output = "-";
     bool to_standard_output = j->output != NULL && strcmp(j->output, "-") == 0;
@@ -342,6 +349,23 @@ static int report(const job *j, const bat_curve_set *coarse, const bat_curve_set
     return report_json(object);
 }
 
+/// Replace the tension of the scheme by the best for this truth; `name` receives the scheme's new name.
+static int choose_tension(job *j, const bat_curve_set *coarse, const bat_curve_set *truth, char *name, size_t size)
+{
+    bat_scheme *scheme = &j->refine.scheme;
+    bat_error error = {.text = "--best-tension needs an angle-based scheme, and as many true curves as given ones"};
+    if (scheme->kind != BAT_SCHEME_ANGLE || coarse->count != truth->count)
+        return report_failure(j->input, &error);
+    bat_status status = bat_tension_search(coarse->curves, truth->curves, coarse->count, scheme->sign, j->refine.levels,
+                                           j->refine.threads, report_progress("searching"), &scheme->tension, &error);
+    report_progress_end();
+    if (status != BAT_OK)
+        return report_failure(j->input, &error);
+    (void)snprintf(name, size, "angle:mu=%.3f%s", scheme->tension, scheme->sign == BAT_ANGLE_PRINTED ? ",sign=printed" : "");
+    j->scheme = name;
+    return EXIT_DONE;
+}
+
 static int run(const job *j, const bat_curve_set *coarse, const bat_curve_set *truth)
 {
     bat_curve_set fine = {0};
@@ -370,6 +394,7 @@ int verb_curve(int argc, char **argv)
         return EXIT_BAD_USAGE;
     bat_curve_set coarse = {0}, truth = {0};
     bat_error error;
+    code = EXIT_DONE;
     if (bat_curves_read(j.input, &j.read, &coarse, &error) != BAT_OK)
         return report_failure(j.input, &error);
     if (j.scheme == NULL)
@@ -381,7 +406,10 @@ int verb_curve(int argc, char **argv)
     read_truth.format = BAT_FORMAT_AUTO;
     if (j.truth != NULL && bat_curves_read(j.truth, &read_truth, &truth, &error) != BAT_OK)
         code = report_failure(j.truth, &error);
-    else
+    char name[48];
+    if (code == EXIT_DONE && j.best_tension)
+        code = choose_tension(&j, &coarse, &truth, name, sizeof name);
+    if (code == EXIT_DONE)
         code = run(&j, &coarse, j.truth != NULL ? &truth : NULL);
     bat_curve_set_free(&coarse);
     bat_curve_set_free(&truth);

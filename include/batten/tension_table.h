@@ -10,6 +10,16 @@ BAT_C_BEGIN
 /// Tables 1 and 5 of Ugail and Howard (2026), computed anew for every scheme that needs no learning, with both signs of the
 /// insertion angle.
 
+/// Search the tension of the angle-based schemes, from -0.5 to 0.05 in steps of 0.025, whose refined curves are nearest to
+/// their truths: the least mean, over the curves, of the mean nearest-neighbour distance after `levels` levels (the "oracle" of
+/// section 7.1).
+///
+/// @param coarse,truth `count` curves each, at least 1
+/// @param tension      receives the best
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_CANCELLED, BAT_NO_MEMORY or what refining or comparing returned
+BAT_API bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, size_t count, bat_angle_sign sign,
+                                      size_t levels, int threads, bat_progress progress, double *tension, bat_error *error);
+
 /// One row: a method in a space, over a set of curves.
 typedef struct bat_tension_row
 {

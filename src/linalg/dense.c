@@ -113,7 +113,7 @@ bat_status dense_spectral_radius_below(size_t n, const double *a, double distanc
     if (status != BAT_OK)
         return status;
 
-    // Merge discs that touch: label[i] is the least modulus over the connected set that disc i belongs to.
+    // least[i] becomes the least modulus over the connected set of discs that disc i belongs to.
     double *radius = system.cosine;
     double *least = system.right;
     const double total = distance + rounding_distance(n, a);

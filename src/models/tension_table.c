@@ -11,16 +11,17 @@
 static const double GRID_LOW = -0.5, GRID_STEP = 0.025;
 enum
 {
-    GRID_COUNT = 23
+    GRID_COUNT = 23,
+    /// Methods measured for the rows of one set, the two searches included.
+    STEPS_A_SET = 2 * GRID_COUNT + BAT_TENSION_METHODS,
 };
 
-/// The control polygons and truths of one space.
+/// The control polygons and truths of one space, and how often they are refined.
 typedef struct case_set
 {
-    const bat_space *space;
     const char *name;
-    bat_curve *control, *truth;
-    size_t count;
+    const bat_curve *control, *truth;
+    size_t count, levels;
 } case_set;
 
 /// What is measured on every refined curve, in the order of `numbers`.
@@ -33,31 +34,31 @@ enum
     MEASURES
 };
 
-static bat_status measure_one(const bat_curve *control, const bat_curve *truth, const bat_scheme *scheme, double *numbers,
-                              size_t stride, bat_error *error)
+/// One method on one curve of a set: the measures go to numbers[i], numbers[i + set->count], …
+static bat_status measure_one(const case_set *set, size_t i, const bat_scheme *scheme, double *numbers, bat_error *error)
 {
     bat_refine_options refine = bat_refine_defaults();
     refine.scheme = *scheme;
-    refine.levels = BAT_TENSION_LEVELS;
+    refine.levels = set->levels;
     refine.threads = 1;
     bat_measure_options measure = bat_measure_defaults();
     measure.threads = 1;
     bat_curve fine;
     bat_curve_distance distance;
     bat_fairness fairness;
-    bat_status status = bat_curve_refine(control, &refine, &fine, error);
+    bat_status status = bat_curve_refine(&set->control[i], &refine, &fine, error);
     if (status != BAT_OK)
         return status;
-    status = bat_curve_compare(&fine, truth, &measure, &distance, error);
+    status = bat_curve_compare(&fine, &set->truth[i], &measure, &distance, error);
     if (status == BAT_OK)
         status = bat_curve_fairness(&fine, &measure, &fairness, error);
     bat_curve_free(&fine);
     if (status != BAT_OK)
         return status;
-    numbers[MEAN_NN * stride] = distance.mean_nn;
-    numbers[HAUSDORFF * stride] = distance.hausdorff;
-    numbers[BENDING * stride] = fairness.bending;
-    numbers[G1 * stride] = fairness.g1;
+    numbers[MEAN_NN * set->count + i] = distance.mean_nn;
+    numbers[HAUSDORFF * set->count + i] = distance.hausdorff;
+    numbers[BENDING * set->count + i] = fairness.bending;
+    numbers[G1 * set->count + i] = fairness.g1;
     return BAT_OK;
 }
 
@@ -71,7 +72,7 @@ static bat_status measure_set(const case_set *set, const bat_scheme *scheme, int
     for (size_t i = 0; i < set->count; i++)
     {
         bat_error own;
-        bat_status status = measure_one(&set->control[i], &set->truth[i], scheme, numbers + i, set->count, &own);
+        bat_status status = measure_one(set, i, scheme, numbers, &own);
         if (status != BAT_OK)
         {
 #pragma omp critical(tension_table_failure)
@@ -226,9 +227,9 @@ static const published TABLE1[BAT_TENSION_SPACE_COUNT][PUBLISHED_ROWS] = {
 /// Table 5; what it calls Hausdorff is the mean nearest-neighbour distance.
 static const published TABLE5[] = {{0, 0.00414, 129.6, 2.235}, {1, 0.00529, 253.6, 2.906}};
 
-static bat_status state_make(table_state *state, size_t most_curves, size_t sets)
+static bat_status state_make(table_state *state, size_t most_curves, size_t steps)
 {
-    state->total = sets * (2 * GRID_COUNT + BAT_TENSION_METHODS);
+    state->total = steps;
     state->numbers = memory_array(MEASURES * most_curves, sizeof *state->numbers);
     return state->numbers != NULL ? BAT_OK : error_memory(state->error, MEASURES * most_curves * sizeof *state->numbers);
 }
@@ -238,13 +239,12 @@ static bat_status fill_space(table_state *state, const bat_tension_set *set, con
     bat_curve *curves = memory_array(2 * set->count, sizeof *curves);
     if (curves == NULL)
         return error_memory(state->error, 2 * set->count * sizeof *curves);
-    case_set cases = {
-        .space = space, .name = space->name, .control = curves, .truth = curves + set->count, .count = set->count};
     for (size_t i = 0; i < set->count; i++)
     {
-        cases.control[i] = bat_tension_control(set, i, space);
-        cases.truth[i] = bat_tension_truth(set, i, space);
+        curves[i] = bat_tension_control(set, i, space);
+        curves[set->count + i] = bat_tension_truth(set, i, space);
     }
+    case_set cases = {space->name, curves, curves + set->count, set->count, BAT_TENSION_LEVELS};
     bat_status status = fill_rows(state, &cases, rows);
     free(curves);
     return status;
@@ -258,7 +258,7 @@ bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress p
     if (status != BAT_OK)
         return status;
     table_state state = {.threads = threads, .progress = progress, .error = error};
-    status = state_make(&state, BAT_TENSION_CURVES, BAT_TENSION_SPACE_COUNT);
+    status = state_make(&state, BAT_TENSION_CURVES, BAT_TENSION_SPACE_COUNT * STEPS_A_SET);
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
     {
         status = fill_space(&state, &data.validation[s], &spaces[s], rows + s * BAT_TENSION_METHODS);
@@ -277,13 +277,30 @@ bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress p
     if (status != BAT_OK)
         return status;
     table_state state = {.threads = threads, .progress = progress, .error = error};
-    status = state_make(&state, 1, 1);
-    case_set cases = {.space = &sphere, .name = sphere.name, .control = &control, .truth = &truth, .count = 1};
+    status = state_make(&state, 1, STEPS_A_SET);
+    case_set cases = {sphere.name, &control, &truth, 1, BAT_TENSION_LEVELS};
     if (status == BAT_OK)
         status = fill_rows(&state, &cases, rows);
     set_published(rows, TABLE5, sizeof TABLE5 / sizeof TABLE5[0]);
     free(state.numbers);
     bat_curve_free(&truth);
     bat_curve_free(&control);
+    return status;
+}
+
+bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, size_t count, bat_angle_sign sign,
+                              size_t levels, int threads, bat_progress progress, double *tension, bat_error *error)
+{
+    if (count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to search the tension with");
+    table_state state = {.threads = threads, .progress = progress, .error = error};
+    bat_status status = state_make(&state, count, GRID_COUNT);
+    case_set cases = {coarse->space->name, coarse, truth, count, levels};
+    double best = 0;
+    if (status == BAT_OK)
+        status = search_tension(&state, &cases, sign, &best);
+    if (status == BAT_OK)
+        *tension = best;
+    free(state.numbers);
     return status;
 }
