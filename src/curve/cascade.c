@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/shared_work.h"
 #include "base/threads.h"
 
 #include <stdlib.h>
@@ -165,66 +166,6 @@ static bat_status run_chunk(const cascade *task, const double *root, index_range
     return BAT_OK;
 }
 
-/// What the threads share while they work on chunks.
-typedef struct shared_state
-{
-    bat_status status;
-    ptrdiff_t failed_chunk; ///< the first that failed; no other beyond it is begun
-    ptrdiff_t fault;
-    ptrdiff_t done;
-    bool cancelled;
-} shared_state;
-
-static void record_failure(shared_state *shared, ptrdiff_t chunk, bat_status status, ptrdiff_t fault)
-{
-#pragma omp critical(cascade_failure)
-    if (shared->status == BAT_OK || chunk < shared->failed_chunk)
-    {
-        shared->status = status;
-        shared->fault = fault;
-#pragma omp atomic write
-        shared->failed_chunk = chunk;
-    }
-}
-
-static void run_chunks(const cascade *task, const double *root, double *fine, ptrdiff_t chunk, ptrdiff_t chunks,
-                       shared_state *shared)
-{
-    size_t dim = task->kernel.dim;
-    size_t total = (size_t)(task->result.end - task->result.begin);
-    scratch s = {.stream = total * dim > STREAM_NUMBERS};
-    if (!scratch_make(task, (size_t)chunk, &s))
-        record_failure(shared, -1, BAT_NO_MEMORY, 0);
-#pragma omp for schedule(dynamic)
-    for (ptrdiff_t i = 0; i < chunks; i++)
-    {
-        ptrdiff_t failed;
-        bool cancelled;
-#pragma omp atomic read
-        failed = shared->failed_chunk;
-#pragma omp atomic read
-        cancelled = shared->cancelled;
-        if (cancelled || i > failed)
-            continue;
-        index_range range = {task->result.begin + i * chunk, task->result.begin + (i + 1) * chunk};
-        range.end = range.end > task->result.end ? task->result.end : range.end;
-        ptrdiff_t fault = 0;
-        bat_status status = run_chunk(task, root, range, &s, fine + (size_t)(i * chunk) * dim, &fault);
-        if (status != BAT_OK)
-            record_failure(shared, i, status, fault);
-        ptrdiff_t done;
-#pragma omp atomic capture
-        done = ++shared->done;
-        if (task->progress.report != NULL && threads_is_calling() &&
-            !task->progress.report(task->progress.context, (double)done / (double)chunks))
-        {
-#pragma omp atomic write
-            shared->cancelled = true;
-        }
-    }
-    scratch_free(&s);
-}
-
 /// The point of level 0 that begins an edge, also where the edge lies beyond an end.
 static size_t point_at_fault(const cascade *task, ptrdiff_t edge)
 {
@@ -234,26 +175,44 @@ static size_t point_at_fault(const cascade *task, ptrdiff_t edge)
     return edge < 0 ? 0 : edge >= count ? task->count - 1 : (size_t)edge;
 }
 
+static void run_chunks(const cascade *task, const double *root, double *fine, ptrdiff_t chunk, shared_work *work)
+{
+    size_t dim = task->kernel.dim;
+    size_t total = (size_t)(task->result.end - task->result.begin);
+    scratch s = {.stream = total * dim > STREAM_NUMBERS};
+    bool ready = scratch_make(task, (size_t)chunk, &s);
+#pragma omp for schedule(dynamic)
+    for (size_t i = 0; i < work->total; i++)
+    {
+        if (!shared_work_wants(work, i))
+            continue;
+        bat_error error;
+        bat_status status = ready ? BAT_OK : error_memory(&error, (size_t)chunk * dim * sizeof(double));
+        index_range range = {task->result.begin + (ptrdiff_t)i * chunk, task->result.begin + (ptrdiff_t)(i + 1) * chunk};
+        range.end = range.end > task->result.end ? task->result.end : range.end;
+        ptrdiff_t fault = 0;
+        if (ready)
+            status = run_chunk(task, root, range, &s, fine + i * (size_t)chunk * dim, &fault);
+        if (ready && status != BAT_OK)
+        {
+            size_t point = point_at_fault(task, fault);
+            (void)error_set(&error, status, point, 0, "there is no new point after point %zu (%s)", point,
+                            bat_status_name(status));
+        }
+        shared_work_finish(work, i, status, &error);
+    }
+    scratch_free(&s);
+}
+
 bat_status cascade_run(const cascade *task, const double *root, double *fine, bat_error *error)
 {
     ptrdiff_t total = task->result.end - task->result.begin;
     ptrdiff_t chunk = chunk_rows(task);
     chunk = chunk > total ? total + (total & 1) : chunk;
-    ptrdiff_t chunks = total == 0 ? 0 : (total + chunk - 1) / chunk;
-    shared_state shared = {.status = BAT_OK, .failed_chunk = PTRDIFF_MAX};
-    int threads = threads_for(task->threads, (size_t)chunks);
+    shared_work work = shared_work_make(total == 0 ? 0 : (size_t)((total + chunk - 1) / chunk), task->progress);
+    int threads = threads_for(task->threads, work.total);
     // A team of its own also for one thread: the caller may be in a team already, which must not share these chunks.
 #pragma omp parallel num_threads(threads)
-    run_chunks(task, root, fine, chunk, chunks, &shared);
-    if (shared.status == BAT_NO_MEMORY)
-        return error_memory(error, (size_t)chunk * task->kernel.dim * sizeof(double));
-    if (shared.status != BAT_OK)
-    {
-        size_t point = point_at_fault(task, shared.fault);
-        return error_set(error, shared.status, point, 0, "there is no new point after point %zu (%s)", point,
-                         bat_status_name(shared.status));
-    }
-    if (shared.cancelled)
-        return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
-    return BAT_OK;
+    run_chunks(task, root, fine, chunk, &work);
+    return shared_work_end(&work, error);
 }

@@ -1,6 +1,7 @@
 #include "batten/measure.h"
 
 #include "base/error.h"
+#include "base/shared_work.h"
 #include "base/threads.h"
 
 #include <math.h>
@@ -123,24 +124,18 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_measure_options 
 bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_measure_options *options,
                                bat_fairness *fairness, size_t *failed_curve, bat_error *error)
 {
-    bat_status first_status = BAT_OK;
-    size_t failed = SIZE_MAX;
+    shared_work work = shared_work_make(count, (bat_progress){0});
     int threads = threads_for(options == NULL ? 0 : options->threads, count);
 #pragma omp parallel for schedule(dynamic, 16) num_threads(threads) if (threads > 1)
     for (size_t i = 0; i < count; i++)
     {
+        if (!shared_work_wants(&work, i))
+            continue;
         bat_error own;
         bat_status status = bat_curve_fairness(&curves[i], options, &fairness[i], &own);
-        if (status == BAT_OK)
-            continue;
-#pragma omp critical(fairness_failure)
-        if (i < failed)
-        {
-            failed = i;
-            first_status = error_set(error, status, own.index, 0, "%s", own.text);
-        }
+        shared_work_finish(&work, i, status, &own);
     }
-    if (failed_curve != NULL && first_status != BAT_OK)
-        *failed_curve = failed;
-    return first_status;
+    if (failed_curve != NULL && work.failed < count)
+        *failed_curve = work.failed;
+    return shared_work_end(&work, error);
 }

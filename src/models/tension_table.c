@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/shared_work.h"
 #include "base/threads.h"
 
 #include <math.h>
@@ -65,25 +66,22 @@ static bat_status measure_one(const case_set *set, size_t i, const bat_scheme *s
 /// One method on all curves of a set: `numbers` receives MEASURES runs of set->count.
 static bat_status measure_set(const case_set *set, const bat_scheme *scheme, int threads, double *numbers, bat_error *error)
 {
-    bat_status first_status = BAT_OK;
-    size_t failed = SIZE_MAX;
+    shared_work work = shared_work_make(set->count, (bat_progress){0});
     threads = threads_for(threads, set->count);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (size_t i = 0; i < set->count; i++)
     {
+        if (!shared_work_wants(&work, i))
+            continue;
         bat_error own;
         bat_status status = measure_one(set, i, scheme, numbers, &own);
-        if (status != BAT_OK)
-        {
-#pragma omp critical(tension_table_failure)
-            if (i < failed)
-            {
-                failed = i;
-                first_status = error_set(error, status, own.index, 0, "%s curve %zu: %.180s", set->name, i, own.text);
-            }
-        }
+        shared_work_finish(&work, i, status, &own);
     }
-    return first_status;
+    bat_error first;
+    bat_status status = shared_work_end(&work, &first);
+    if (status != BAT_OK)
+        return error_set(error, status, first.index, 0, "%s curve %zu: %.180s", set->name, work.failed, first.text);
+    return BAT_OK;
 }
 
 /// Where the computation of a table stands.
