@@ -1,0 +1,67 @@
+# The short way to everything. CMake does the work; what is here only calls it.
+#
+#   make            build the library, the program and the tests       (build/release)
+#   make demo       turn real input into pictures and a table          (out)
+#   make test       build and run the tests
+#   make bench      build and run the benchmarks
+#   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer
+#   make fuzz       every fuzzer for FUZZ_SECONDS
+#   make style      check the format and run clang-tidy; `make format` formats
+#   make install    to PREFIX, below DESTDIR
+#   make clean      remove what was built
+
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+PREFIX ?= /usr/local
+FUZZ_SECONDS ?= 60
+OUT ?= out
+
+configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; exit 1; }; }
+# The make that CMake starts is its own, with its own number of jobs.
+compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
+test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
+
+.PHONY: all demo test bench sanitize fuzz style format install clean dependencies ci-dependencies
+
+all: dependencies
+	@$(call configure,release) && $(call compile,release)
+
+demo: all
+	@scripts/demo build/release/batten $(OUT)
+
+test: all
+	@$(call test,release)
+
+bench: all
+	@for program in build/release/bench/bench_*; do if [ -x $$program ]; then $$program || exit 1; fi; done
+
+sanitize: dependencies
+	@$(call configure,sanitize) && $(call compile,sanitize)
+	@$(call test,sanitize)
+
+fuzz: ci-dependencies
+	@$(call configure,fuzz) && $(call compile,fuzz) --target fuzzers
+	@scripts/run-fuzzers build/fuzz $(FUZZ_SECONDS) $(JOBS)
+
+style: ci-dependencies
+	@$(call configure,clang)
+	@scripts/check-style build/clang $(JOBS)
+
+format: ci-dependencies
+	@scripts/list-sources | xargs clang-format -i
+
+# An existing build is not rebuilt here, so that root need not build.
+install:
+	@test -x build/release/batten || $(MAKE) --no-print-directory all
+	@DESTDIR='$(DESTDIR)' cmake --install build/release --prefix '$(PREFIX)'
+	@[ -n '$(DESTDIR)' ] || [ "$$(id -u)" -ne 0 ] || ldconfig
+
+clean:
+	@rm -rf build out
+
+dependencies:
+	@scripts/install-deps
+	@mkdir -p build
+
+ci-dependencies:
+	@scripts/install-deps ci
+	@mkdir -p build
