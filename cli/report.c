@@ -8,7 +8,7 @@
 
 static volatile sig_atomic_t interrupted;
 
-int report_failure(const char *file, const bat_error *error)
+int(report_failure)(const char *file, const bat_error *error)
 {
     (void)fputs("batten: ", stderr);
     if (file != NULL)

@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-bat_status error_set(bat_error *error, bat_status status, size_t index, size_t line, const char *format, ...)
+bat_status(error_set)(bat_error *error, bat_status status, size_t index, size_t line, const char *format, ...)
 {
     if (error != NULL)
     {
@@ -18,7 +18,7 @@ bat_status error_set(bat_error *error, bat_status status, size_t index, size_t l
     return status;
 }
 
-bat_status error_memory(bat_error *error, size_t size)
+bat_status(error_memory)(bat_error *error, size_t size)
 {
     return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory (%zu bytes wanted)", size);
 }

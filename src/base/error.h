@@ -11,4 +11,10 @@ bat_status error_set(bat_error *error, bat_status status, size_t index, size_t l
 /// error_set() for a failed allocation of `size` bytes.
 bat_status error_memory(bat_error *error, size_t size);
 
+#if defined(__clang_analyzer__)
+// Tells the static analyzer, which does not see the bodies, which status comes back.
+#define error_set(error, status, ...) ((void)error_set(error, status, __VA_ARGS__), (status))
+#define error_memory(error, size) ((void)error_memory(error, size), BAT_NO_MEMORY)
+#endif
+
 #endif

@@ -22,7 +22,8 @@ void *memory_array(size_t count, size_t size)
 
 #if defined(__SSE2__)
 /// Whole cache lines, `count` a multiple of 8, `to` aligned to 64 bytes.
-__attribute__((target("avx512f"))) static void stream_lines_512(double *restrict to, const double *restrict from, size_t count)
+__attribute__((target("avx512f"))) static void stream_lines_512(double *restrict to, const double *restrict from,
+                                                                size_t count)
 {
     for (size_t i = 0; i < count; i += 8)
         _mm512_stream_pd(to + i, _mm512_loadu_pd(from + i));

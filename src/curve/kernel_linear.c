@@ -74,7 +74,9 @@ static inline void interleave(const double *restrict even, const double *restric
     for (size_t j = 0; j < rows; j++)
         for (size_t c = 0; c < dim; c++)
         {
+            // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): sum_rows() has written rows * dim numbers
             fine[2 * j * dim + c] = even[j * dim + c];
+            // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): the same
             fine[(2 * j + 1) * dim + c] = odd[j * dim + c];
         }
 }

@@ -101,7 +101,8 @@ double legend_height(cairo_t *cairo, const legend_item *items, size_t count, dou
     double widest;
     measure(cairo, items, count, width, &sum, &widest);
     size_t columns = columns_of(sum, widest, count, width);
-    return ROW * (double)((count + columns - 1) / columns);
+    size_t rows = (count + columns - 1) / columns;
+    return ROW * (double)rows;
 }
 
 static void draw_sample(cairo_t *cairo, const legend_item *item, double x, double y)
@@ -154,10 +155,10 @@ void legend_draw(cairo_t *cairo, const legend_item *items, size_t count, double 
     double left = x + 0.5 * (width - total);
     for (size_t i = 0; i < count; i++)
     {
-        size_t column = i % columns;
+        size_t row = i / columns, column = i % columns;
         double wide = one_row ? item_width(cairo, &items[i], width) : widest;
         left = column == 0 ? x + 0.5 * (width - total) : left;
-        draw_item(cairo, &items[i], left, y + ROW * ((double)(i / columns) + 0.5), wide);
+        draw_item(cairo, &items[i], left, y + ROW * ((double)row + 0.5), wide);
         left += wide + ITEM_GAP;
     }
 }

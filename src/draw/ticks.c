@@ -83,6 +83,7 @@ tick_list ticks_logarithmic(double low, double high, double wanted)
     {
         for (size_t k = 0; k < share_count; k++)
         {
+            // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): shares has share_count numbers
             double value = shares[k] * pow(10.0, i);
             bool whole = k == 0 && fmod(fabs(i), every) == 0.0;
             if (value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9))

@@ -71,7 +71,7 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
 static char *write_number(char *out, const csv_layout *layout, const double *point, const double *channels,
                           degree_units units, size_t place)
 {
-    if (place >= layout->coordinate_count)
+    if (channels != NULL && place >= layout->coordinate_count)
         return number_write(out, channels[place - layout->coordinate_count]);
     if (layout->degrees)
         return number_write_fixed(out, place == 0 ? units.longitude : units.latitude, layout->decimals);
@@ -119,7 +119,7 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
 
 bat_status csv_write(const bat_curve_set *set, const bat_write_options *options, text_sink *sink, bat_error *error)
 {
-    csv_layout layout;
+    csv_layout layout = {0};
     bat_status status = choose_layout(set, options, &layout, error);
     row_blocks blocks;
     if (status == BAT_OK)

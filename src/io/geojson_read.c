@@ -203,7 +203,7 @@ bat_status geojson_read(const file_text *text, const bat_read_options *options, 
     bat_file_attributes *attributes = status == BAT_OK ? attributes_new(BAT_FORMAT_GEOJSON) : NULL;
     if (status == BAT_OK && attributes == NULL)
         status = error_memory(error, sizeof *attributes);
-    if (status != BAT_OK)
+    if (attributes == NULL)
     {
         geojson_reader_free(&reader);
         return status;

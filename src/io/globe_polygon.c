@@ -173,12 +173,14 @@ static void trace_ring(const degree_grid *grid, border *edge, size_t chain, glob
         add_chain(edge, chain, backward, begin, rings);
         follow_border(grid, edge, &chain, &backward, begin, rings);
     }
+    if (rings->failed || rings->positions == NULL)
+        return;
     size_t last = rings->position_count - 1;
-    if (!rings->failed && last > begin && same_place(rings->positions[begin], rings->positions[last]))
+    if (last > begin && same_place(rings->positions[begin], rings->positions[last]))
         rings->position_count--;
     // A part without area keeps as many positions as a ring must have.
     while (!rings->failed && rings->position_count - begin < 3)
-        globe_lines_add(rings, rings->positions[rings->position_count - 1]);
+        globe_lines_add(rings, rings->positions[begin]);
     globe_lines_end(rings);
 }
 
