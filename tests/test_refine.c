@@ -1,34 +1,4 @@
-#include "check.h"
-
-#include "batten/curve.h"
-
-static const double PI = 3.14159265358979323846;
-
-static bat_scheme scheme(const char *name)
-{
-    bat_scheme result;
-    bat_error error;
-    if (bat_scheme_by_name(name, &result, &error) != BAT_OK)
-        fail_msg("%s: %s", name, error.text);
-    return result;
-}
-
-static bat_refine_options options(const char *name, size_t levels)
-{
-    bat_refine_options result = bat_refine_defaults();
-    result.scheme = scheme(name);
-    result.levels = levels;
-    return result;
-}
-
-static bat_curve refined(const bat_curve *coarse, const bat_refine_options *how)
-{
-    bat_curve fine = {0};
-    bat_error error;
-    if (bat_curve_refine(coarse, how, &fine, &error) != BAT_OK)
-        fail_msg("%s", error.text);
-    return fine;
-}
+#include "refine_helpers.h"
 
 static double *random_points(bat_random *random, size_t count)
 {
@@ -363,184 +333,6 @@ static void snapped_lane_riesenfeld_points_lie_on_the_b_spline(void **state)
     }
 }
 
-/// A space with the same functions under other addresses takes the general code instead of the vector code.
-static bat_status own_apex(const bat_space *space, const double *p, const double *q, double angle, double *point)
-{
-    const bat_space *real = space->parameters;
-    return real->apex(real, p, q, angle, point);
-}
-
-static void vector_code_agrees_with_the_spaces(void **state)
-{
-    (void)state;
-    bat_space known[3] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
-    const char *names[] = {"angle-4", "angle-6:sign=printed", "angle-4:adaptive=1", "log-exp-4", "log-exp-6:base=midpoint"};
-    bat_random random = bat_random_seed(7);
-    for (int k = 0; k < 3; k++)
-        for (size_t s = 0; s < 5; s++)
-        {
-            bat_space own = known[k];
-            own.apex = own_apex;
-            own.parameters = &known[k];
-            double points[3 * 40], v[3];
-            own.random_point(&own, &random, points);
-            for (size_t i = 1, d = own.point_dim; i < 40; i++)
-            {
-                do
-                    own.random_point(&own, &random, points + i * d);
-                while (own.log(&own, points + (i - 1) * d, points + i * d, v) != BAT_OK);
-                for (size_t c = 0; c < d; c++)
-                    v[c] *= k == 2 ? 0.1 : 0.4; // in the disk, short of the angle of parallelism
-                check_status(own.exp(&own, points + (i - 1) * d, v, points + i * d), BAT_OK);
-            }
-            bat_curve a = {.space = &known[k], .points = points, .count = 40}, b = a;
-            b.space = &own;
-            bat_refine_options how = options(names[s], 2);
-            bat_curve fine_a = {0}, fine_b = {0};
-            check_status(bat_curve_refine(&b, &how, &fine_b, NULL), BAT_OK);
-            check_status(bat_curve_refine(&a, &how, &fine_a, NULL), BAT_OK);
-            for (size_t i = 0; i < fine_a.count * own.point_dim; i++)
-                check_near(fine_a.points[i], fine_b.points[i], 1e-12);
-            bat_curve_free(&fine_a);
-            bat_curve_free(&fine_b);
-        }
-}
-
-/// Rotating the sphere, turning and scaling the plane, translating the disk: before or after makes no difference.
-static void isometries_commute_with_refinement(void **state)
-{
-    (void)state;
-    bat_space sphere = bat_sphere(2), plane = bat_euclidean(2), disk = bat_disk();
-    const char *names[] = {"angle-4", "angle-6", "angle-6:adaptive=1", "log-exp-4", "log-exp-6"};
-    for (size_t s = 0; s < 5; s++)
-    {
-        double round[30], turned[30], flat[20], moved[20], bent[20], shifted[20];
-        double c = cos(0.7), n = sin(0.7), step[2] = {0.4, -0.3};
-        for (int i = 0; i < 10; i++)
-        {
-            double t = 2 * PI * i / 10, v[3] = {cos(t), sin(t), 0.5 * sin(2 * t)}, *p = round + 3 * i;
-            check_status(sphere.project(&sphere, v, p), BAT_OK);
-            double r[3] = {c * p[0] - n * p[2], p[1], n * p[0] + c * p[2]};
-            memcpy(turned + 3 * i, r, sizeof r);
-            double *f = flat + 2 * i, *b = bent + 2 * i;
-            f[0] = (1 + 0.3 * cos(3 * t)) * cos(t);
-            f[1] = (1 + 0.3 * cos(3 * t)) * sin(t);
-            moved[2 * i] = 5 * (c * f[0] - n * f[1]) + 1;
-            moved[2 * i + 1] = 5 * (n * f[0] + c * f[1]) - 2;
-            b[0] = 0.5 * f[0];
-            b[1] = 0.5 * f[1];
-            double origin[2] = {0, 0}, tangent[2];
-            check_status(disk.log(&disk, origin, b, tangent), BAT_OK);
-            check_status(disk.exp(&disk, step, tangent, shifted + 2 * i), BAT_OK);
-        }
-        bat_refine_options how = options(names[s], 4);
-        bat_curve a = {.space = &sphere, .points = round, .count = 10, .closed = true}, b = a;
-        b.points = turned;
-        bat_curve fine_a = refined(&a, &how), fine_b = refined(&b, &how);
-        for (size_t i = 0; i < fine_a.count; i++)
-        {
-            const double *p = fine_a.points + 3 * i, *q = fine_b.points + 3 * i;
-            check_near(q[0], c * p[0] - n * p[2], 1e-13);
-            check_near(q[1], p[1], 1e-13);
-            check_near(q[2], n * p[0] + c * p[2], 1e-13);
-        }
-        bat_curve_free(&fine_a);
-        bat_curve_free(&fine_b);
-        a = (bat_curve){.space = &plane, .points = flat, .count = 10, .closed = true};
-        b = a;
-        b.points = moved;
-        fine_a = refined(&a, &how);
-        fine_b = refined(&b, &how);
-        for (size_t i = 0; i < fine_a.count; i++)
-        {
-            const double *p = fine_a.points + 2 * i, *q = fine_b.points + 2 * i;
-            check_near(q[0], 5 * (c * p[0] - n * p[1]) + 1, 1e-12);
-            check_near(q[1], 5 * (n * p[0] + c * p[1]) - 2, 1e-12);
-        }
-        bat_curve_free(&fine_a);
-        bat_curve_free(&fine_b);
-        a = (bat_curve){.space = &disk, .points = bent, .count = 10, .closed = true};
-        b = a;
-        b.points = shifted;
-        fine_a = refined(&a, &how);
-        fine_b = refined(&b, &how);
-        for (size_t i = 0; i < fine_a.count; i++)
-        {
-            double origin[2] = {0, 0}, tangent[2], expected[2];
-            check_status(disk.log(&disk, origin, fine_a.points + 2 * i, tangent), BAT_OK);
-            check_status(disk.exp(&disk, step, tangent, expected), BAT_OK);
-            check_near(disk.distance(&disk, expected, fine_b.points + 2 * i), 0, 1e-12);
-        }
-        bat_curve_free(&fine_a);
-        bat_curve_free(&fine_b);
-    }
-}
-
-static void reversal_reverses(void **state)
-{
-    (void)state;
-    const char *names[] = {"chaikin", "four-point",         "lane-riesenfeld:order=4",
-                           "angle-4", "angle-6:adaptive=1", "log-exp-4:base=midpoint"};
-    bat_space plane = bat_euclidean(2), sphere = bat_sphere(2);
-    for (size_t s = 0; s < 6; s++)
-        for (int open = 0; open < 2; open++)
-        {
-            bool curved = s >= 3;
-            double forward[36], backward[36];
-            const bat_space *space = curved ? &sphere : &plane;
-            size_t dim = space->point_dim;
-            for (size_t i = 0; i < 12; i++)
-            {
-                double t = 0.5 * (double)i, v[3] = {cos(t), sin(t) + 0.1 * t, 0.4 * sin(2 * t)};
-                check_status(space->project(space, v, forward + i * dim), BAT_OK);
-                memcpy(backward + (11 - i) * dim, forward + i * dim, dim * sizeof(double));
-            }
-            bat_curve a = {.space = space, .points = forward, .count = 12, .closed = !open}, b = a;
-            b.points = backward;
-            bat_refine_options how = options(names[s], 3);
-            bat_curve fine_a = refined(&a, &how), fine_b = refined(&b, &how);
-            // Old point j becomes point 11 - j; a closed curve's new points follow, counted from the mask's centre.
-            ptrdiff_t n = (ptrdiff_t)fine_a.count;
-            bool dual = how.scheme.kind == BAT_SCHEME_LINEAR && how.scheme.mask.count % 2 == 0;
-            ptrdiff_t sum = open ? n - 1 : 11 * 8 - (dual ? 7 : 0);
-            for (ptrdiff_t i = 0; i < n; i++)
-            {
-                ptrdiff_t j = ((sum - i) % n + n) % n;
-                for (size_t c = 0; c < dim; c++)
-                    check_near(fine_a.points[(size_t)i * dim + c], fine_b.points[(size_t)j * dim + c], 1e-13);
-            }
-            bat_curve_free(&fine_a);
-            bat_curve_free(&fine_b);
-        }
-}
-
-static void great_circles_stay_great_circles(void **state)
-{
-    (void)state;
-    bat_space sphere3 = bat_sphere(3), sphere = bat_sphere(2);
-    const char *names[] = {"log-exp-4", "log-exp-6:base=midpoint", "angle-4", "angle-6"};
-    for (size_t s = 0; s < 4; s++)
-    {
-        const bat_space *space = s < 2 ? &sphere3 : &sphere;
-        double points[4 * 5];
-        for (size_t i = 0; i < 5; i++)
-        {
-            double t = 0.9 * (double)i, v[4] = {0.6 * cos(t), sin(t), 0.8 * cos(t), 0};
-            memcpy(points + i * space->point_dim, v, space->point_dim * sizeof(double));
-        }
-        bat_curve coarse = {.space = space, .points = points, .count = 5};
-        bat_refine_options how = options(names[s], 5);
-        bat_curve fine = refined(&coarse, &how);
-        for (size_t i = 0; i < fine.count; i++)
-        {
-            const double *p = fine.points + i * space->point_dim;
-            check_near(0.8 * p[0] - 0.6 * p[2], 0, 1e-14);
-            check_near(atan2(p[1], p[0] / 0.6), remainder(0.9 * (double)i / 32, 2 * PI), 1e-13);
-        }
-        bat_curve_free(&fine);
-    }
-}
-
 static void short_and_long_way_ends_work_on_the_sphere(void **state)
 {
     (void)state;
@@ -586,6 +378,169 @@ static void channels_ride_along(void **state)
     assert_int_equal(error.index, 2);
 }
 
+static void zeros_around_a_mask_change_nothing(void **state)
+{
+    (void)state;
+    const char *pairs[][2] = {{"mask:1/4,3/4,3/4,1/4@-2", "mask:0,1/4,3/4,3/4,1/4@-3"},
+                              {"mask:1/4,3/4,3/4,1/4@-2", "mask:1/4,3/4,3/4,1/4,0,0,0@-2"},
+                              {"mask:1/2,1,1/2@-1", "mask:0,0,0,1/2,1,1/2,0@-4"}};
+    bat_space plane = bat_euclidean(2);
+    double points[] = {0, 0, 1, 2, 3, 1, 4, 4, 6, 3};
+    for (size_t p = 0; p < 3; p++)
+        for (int rule = BAT_END_REFLECT; rule <= BAT_END_FREE; rule++)
+            for (int closed = 0; closed < 2; closed++)
+            {
+                bat_curve coarse = {.space = &plane, .points = points, .count = 5, .closed = closed};
+                bat_refine_options bare = options(pairs[p][0], 2), padded = options(pairs[p][1], 2);
+                bare.ends = padded.ends = (bat_end_rule)rule;
+                bat_curve a = refined(&coarse, &bare), b = refined(&coarse, &padded);
+                assert_int_equal(a.count, b.count);
+                assert_memory_equal(a.points, b.points, 2 * a.count * sizeof(double));
+                bat_curve_free(&a);
+                bat_curve_free(&b);
+            }
+}
+
+/// The cubic spline with data t^2 is t^2 + 1/3; points whose limit stencil reaches beyond the ends are not made.
+static void free_ends_know_only_what_is_given(void **state)
+{
+    (void)state;
+    bat_space line = bat_euclidean(2);
+    double points[] = {0, 0, 1, 1, 2, 4, 3, 9, 4, 16};
+    bat_curve coarse = {.space = &line, .points = points, .count = 5};
+    bat_refine_options how = options("lane-riesenfeld:order=3", 1);
+    how.ends = BAT_END_FREE;
+    how.snap = true;
+    bat_curve fine = refined(&coarse, &how);
+    assert_true(fine.count >= 3);
+    for (size_t i = 0; i < fine.count; i++)
+        check_near(fine.points[2 * i + 1], fine.points[2 * i] * fine.points[2 * i] + 1.0 / 3, 1e-14);
+    bat_curve_free(&fine);
+}
+
+static void scale_does_not_matter_until_numbers_end(void **state)
+{
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    const char *names[] = {"angle-4", "angle-6:adaptive=1", "four-point"};
+    double star[] = {1, 0, 0.3, 0.4, 0, 1, -0.5, 0.4, -1, 0, -0.2, -0.3, 0, -1, 0.6, -0.5};
+    for (size_t s = 0; s < 3; s++)
+    {
+        bat_refine_options how = options(names[s], 3);
+        bat_curve coarse = {.space = &plane, .points = star, .count = 8, .closed = true};
+        bat_curve expected = refined(&coarse, &how);
+        const int exponents[] = {-900, -500, 500, 900};
+        for (size_t e = 0; e < 4; e++)
+        {
+            double scaled[16];
+            for (int i = 0; i < 16; i++)
+                scaled[i] = ldexp(star[i], exponents[e]);
+            coarse.points = scaled;
+            bat_curve fine = refined(&coarse, &how);
+            for (size_t i = 0; i < 2 * fine.count; i++)
+                check_near(ldexp(fine.points[i], -exponents[e]), expected.points[i], 1e-15);
+            bat_curve_free(&fine);
+        }
+        bat_curve_free(&expected);
+    }
+    // Beyond the largest double there is no result, and none is claimed.
+    double huge[] = {1.5e308, 0, 0, 1.5e308, -1.5e308, 0, 0, -1.5e308};
+    bat_curve coarse = {.space = &plane, .points = huge, .count = 4, .closed = true}, fine;
+    bat_refine_options how = options("four-point:w=3", 4);
+    check_status(bat_curve_refine(&coarse, &how, &fine, NULL), BAT_INVALID_POINT);
+    how = options("angle-4", 2);
+    check_status(bat_curve_refine(&coarse, &how, &fine, NULL), BAT_INVALID_POINT);
+}
+
+static void the_defaults_fit_every_space(void **state)
+{
+    (void)state;
+    bat_space spaces[] = {bat_euclidean(1), bat_euclidean(2), bat_euclidean(3), bat_sphere(2), bat_sphere(3), bat_disk()};
+    bat_random random = bat_random_seed(31);
+    for (size_t s = 0; s < 6; s++)
+    {
+        double points[4 * 5];
+        for (size_t i = 0; i < 5; i++)
+            spaces[s].random_point(&spaces[s], &random, points + i * spaces[s].point_dim);
+        bat_curve coarse = {.space = &spaces[s], .points = points, .count = 5, .closed = true};
+        bat_curve fine = refined(&coarse, NULL), fines[1];
+        assert_int_equal(fine.count, 5 << 5);
+        check_status(bat_curves_refine(&coarse, 1, NULL, fines, NULL, NULL), BAT_OK);
+        assert_memory_equal(fine.points, fines[0].points, fine.count * spaces[s].point_dim * sizeof(double));
+        bat_curve_free(&fine);
+        bat_curve_free(&fines[0]);
+    }
+}
+
+/// A user's flat torus has our exponential but its own logarithm: it is not ours.
+static bat_status torus_log(const bat_space *space, const double *p, const double *q, double *tangent)
+{
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        tangent[i] = remainder(q[i] - p[i], 1);
+    return BAT_OK;
+}
+
+static void a_copy_of_a_space_with_another_function_is_another_space(void **state)
+{
+    (void)state;
+    bat_space torus = bat_euclidean(2);
+    torus.log = torus_log;
+    torus.geodesic = NULL;
+    torus.exterior_angle = NULL;
+    torus.apex = NULL;
+    double points[] = {0.8, 0.1, 0.95, 0.1, 0.1, 0.1, 0.25, 0.1};
+    bat_curve coarse = {.space = &torus, .points = points, .count = 4}, fine;
+    assert_string_equal(bat_scheme_name_for_space(&torus), "log-exp-4");
+    bat_refine_options how = options("four-point", 1);
+    check_status(bat_curve_refine(&coarse, &how, &fine, NULL), BAT_UNSUPPORTED);
+    fine = refined(&coarse, NULL);
+    for (size_t i = 0; i < fine.count; i++)
+        check_near(fine.points[2 * i + 1], 0.1, 1e-15);
+    check_near(remainder(fine.points[2 * 48] - 1.025, 1), 0, 1e-3); // across the seam, not back over the middle
+    bat_curve_free(&fine);
+}
+
+/// Records what it hears and never stops.
+static bool listen(void *context, double fraction)
+{
+    double *heard = context; // the last, and whether it ever fell
+    if (!(fraction >= heard[0] && fraction <= 1))
+        heard[1] = 1;
+    heard[0] = fraction;
+    return true;
+}
+
+static void progress_goes_from_0_to_1(void **state)
+{
+    (void)state;
+    bat_space sphere = bat_sphere(2);
+    double points[3 * 8], heights[8];
+    for (int i = 0; i < 8; i++)
+    {
+        double t = 2 * PI * i / 8, v[3] = {cos(t), sin(t), 0.3 * cos(2 * t)};
+        check_status(sphere.project(&sphere, v, points + 3 * i), BAT_OK);
+        heights[i] = i;
+    }
+    bat_curve coarse[3] = {
+        {.space = &sphere, .points = points, .count = 8, .closed = true, .channels = heights, .channel_count = 1}};
+    coarse[1] = coarse[2] = coarse[0];
+    const char *names[] = {"angle-4", "angle-4:adaptive=1", "log-exp-4"};
+    for (size_t s = 0; s < 3; s++)
+        for (int threads = 1; threads <= 2; threads++)
+        {
+            double heard[2] = {0, 0};
+            bat_curve fine[3];
+            bat_refine_options how = options(names[s], 12);
+            how.threads = threads;
+            how.progress = (bat_progress){listen, heard};
+            check_status(bat_curves_refine(coarse, 3, &how, fine, NULL, NULL), BAT_OK);
+            check_near(heard[0], 1, 1e-12);
+            check_near(heard[1], 0, 0);
+            for (int i = 0; i < 3; i++)
+                bat_curve_free(&fine[i]);
+        }
+}
+
 static bool stop_at_once(void *context, double fraction)
 {
     *(double *)context = fraction;
@@ -628,6 +583,11 @@ static void bad_input_is_refused(void **state)
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_TOO_LARGE);
     how.levels = 45;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_TOO_LARGE);
+    how.scheme.mask.first = 128;
+    how.levels = 55;
+    how.max_points = SIZE_MAX;
+    size_t count;
+    check_status(bat_curve_refined_count(&curve, &how, &count, &error), BAT_TOO_LARGE);
     how = options("four-point", 1);
     how.ends = BAT_END_FREE;
     curve.count = 2;
@@ -643,6 +603,19 @@ static void bad_input_is_refused(void **state)
     curve.space = &sphere;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_UNSUPPORTED);
     how = options("angle-4", 2);
+    how.ends = (bat_end_rule)7;
+    check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
+    how = options("angle-4", 2);
+    how.scheme.sign = (bat_angle_sign)9;
+    curve.space = &plane;
+    check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
+    how.scheme.sign = BAT_ANGLE_OUTWARD;
+    how.scheme.tension = 1e308;
+    check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
+    how = options("angle-4", 2);
+    curve.channel_count = 1; // and no channels
+    check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
+    curve.channel_count = 0;
     curve.space = &solid;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_UNSUPPORTED);
     how = options("log-exp-4", 2);
@@ -666,52 +639,6 @@ static void bad_input_is_refused(void **state)
     assert_int_equal(fine.count, 77);
 }
 
-static void scheme_names_are_read_strictly(void **state)
-{
-    (void)state;
-    const char *bad[] = {"",
-                         "chaikins",
-                         "chaikin:w=1",
-                         "four-point:w=",
-                         "four-point:w=x",
-                         "four-point:w=1x",
-                         "four-point:w",
-                         "corner-cutting:r=0.8,s=0.2",
-                         "lane-riesenfeld:order=0",
-                         "lane-riesenfeld:order=2.5",
-                         "lane-riesenfeld:order=127",
-                         "angle-4:sign=inward",
-                         "angle-4:mu=1",
-                         "log-exp-4:base=edge",
-                         "mask:",
-                         "mask:1,",
-                         "mask:1,x",
-                         "mask:1/0",
-                         "mask:1,1@a",
-                         "mask:1,1@999999999999999999999",
-                         "mask:1,1@0z",
-                         "four-point:w=nan",
-                         "angle:mu=1/0"};
-    bat_scheme result;
-    bat_error error;
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
-    {
-        error.text[0] = '\0';
-        if (bat_scheme_by_name(bad[i], &result, &error) == BAT_OK)
-            fail_msg("'%s' was accepted", bad[i]);
-        assert_true(error.text[0] != '\0');
-    }
-    assert_true(scheme("angle:mu=-1/8,sign=printed").tension == -0.125);
-    assert_int_equal(scheme("angle:mu=-1/8,sign=printed").sign, BAT_ANGLE_PRINTED);
-    assert_int_equal(scheme("log-exp-6:base=midpoint").base, BAT_BASE_MIDPOINT);
-    assert_int_equal(scheme("mask:1/4,3/4,3/4,1/4").mask.first, -2);
-    const char *name, *settings, *summary;
-    size_t listed = 0;
-    while (bat_scheme_list(listed, &name, &settings, &summary))
-        listed++;
-    assert_int_equal(listed, 11);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -723,14 +650,15 @@ int main(void)
         cmocka_unit_test(polynomials_are_reproduced),
         cmocka_unit_test(circles_are_reproduced_by_outward_angles),
         cmocka_unit_test(snapped_lane_riesenfeld_points_lie_on_the_b_spline),
-        cmocka_unit_test(vector_code_agrees_with_the_spaces),
-        cmocka_unit_test(isometries_commute_with_refinement),
-        cmocka_unit_test(reversal_reverses),
-        cmocka_unit_test(great_circles_stay_great_circles),
         cmocka_unit_test(short_and_long_way_ends_work_on_the_sphere),
         cmocka_unit_test(channels_ride_along),
+        cmocka_unit_test(zeros_around_a_mask_change_nothing),
+        cmocka_unit_test(free_ends_know_only_what_is_given),
+        cmocka_unit_test(scale_does_not_matter_until_numbers_end),
+        cmocka_unit_test(the_defaults_fit_every_space),
+        cmocka_unit_test(a_copy_of_a_space_with_another_function_is_another_space),
+        cmocka_unit_test(progress_goes_from_0_to_1),
         cmocka_unit_test(bad_input_is_refused),
-        cmocka_unit_test(scheme_names_are_read_strictly),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

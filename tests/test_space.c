@@ -141,6 +141,34 @@ static void disk_is_accurate_near_the_rim(void **state)
     }
 }
 
+/// Between points near the rim, on the same side and on opposite ones, to what the coordinates of the ends allow.
+static void disk_geodesics_reach_their_ends(void **state)
+{
+    (void)state;
+    bat_space disk = bat_disk();
+    bat_random random = bat_random_seed(8);
+    for (int trial = 0; trial < 2000; trial++)
+    {
+        double radius = 15 * bat_random_uniform(&random), p[2], q[2], r[2], v[2];
+        double a = 6.283185307179586 * bat_random_uniform(&random), b = 6.283185307179586 * bat_random_uniform(&random);
+        b = trial % 4 == 0 ? a + 1e-6 * b : b;
+        p[0] = tanh(radius / 2) * cos(a), p[1] = tanh(radius / 2) * sin(a);
+        q[0] = tanh(radius / 2) * cos(b), q[1] = tanh(radius / 2) * sin(b);
+        double unit = disk_rounding(p) + 1e-15, d = disk.distance(&disk, p, q), share = bat_random_uniform(&random);
+        check_status(bat_space_geodesic(&disk, p, q, 1, r), BAT_OK);
+        check_near(disk.distance(&disk, r, q), 0, 4 * unit);
+        check_status(bat_space_geodesic(&disk, p, q, 0, r), BAT_OK);
+        check_near(disk.distance(&disk, r, p), 0, 4 * unit);
+        check_status(bat_space_geodesic(&disk, p, q, share, r), BAT_OK);
+        check_near(disk.distance(&disk, p, r), share * d, 16 * unit * (1 + d));
+        check_near(disk.distance(&disk, r, q), (1 - share) * d, 16 * unit * (1 + d));
+        // exp keeps the length of the tangent however far it goes
+        check_status(disk.log(&disk, p, q, v), BAT_OK);
+        check_status(disk.exp(&disk, p, v, r), BAT_OK);
+        check_near(disk.distance(&disk, p, r), d, 16 * unit * (1 + d));
+    }
+}
+
 static void cut_locus_is_a_status(void **state)
 {
     (void)state;
@@ -268,6 +296,7 @@ int main(void)
         cmocka_unit_test(disk_meets_reference),
         cmocka_unit_test(identities_hold),
         cmocka_unit_test(disk_is_accurate_near_the_rim),
+        cmocka_unit_test(disk_geodesics_reach_their_ends),
         cmocka_unit_test(cut_locus_is_a_status),
         cmocka_unit_test(points_outside_are_found),
         cmocka_unit_test(oriented_surfaces_turn_left),

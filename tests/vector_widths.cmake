@@ -35,7 +35,9 @@ foreach(architecture x86-64 x86-64-v3 x86-64-v4)
   # Without __gnu_linux__ base/lanes.h makes no clones.
   target_compile_options(cloned_${label} PRIVATE -march=${architecture} -U__gnu_linux__)
 
-  batten_test(refine_${label} test_refine.c $<TARGET_OBJECTS:cloned_${label}>)
+  foreach(name refine refine_invariance)
+    batten_test(${name}_${label} test_${name}.c $<TARGET_OBJECTS:cloned_${label}>)
+  endforeach()
   add_executable(refine_digest_${label} refine_digest.c $<TARGET_OBJECTS:cloned_${label}>)
   target_link_libraries(refine_digest_${label} PRIVATE batten_internal)
   add_test(NAME same_bytes_${label} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/same-output $<TARGET_FILE:refine_digest>

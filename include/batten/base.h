@@ -74,7 +74,7 @@ typedef struct bat_progress
 } bat_progress;
 
 /// A stream of pseudo-random numbers (xoshiro256++ of Blackman and Vigna, seeded through splitmix64). The same seed gives
-/// the same numbers on every machine.
+/// the same bits and uniform numbers on every machine; normal ones may differ in the last digit.
 typedef struct bat_random
 {
     uint64_t state[4];

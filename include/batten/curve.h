@@ -52,12 +52,12 @@ typedef enum bat_end_rule
 /// How to refine. Begin with bat_refine_defaults().
 typedef struct bat_refine_options
 {
-    bat_scheme scheme;     ///< default: the angle-based four-point scheme, outward
-    size_t levels;         ///< default 5
-    bat_end_rule ends;     ///< open curves; default BAT_END_REFLECT
-    bool snap;             ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
-    size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default 2^40
-    int threads;           ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_scheme scheme; ///< default: the angle-based four-point scheme, outward, for the plane, sphere and disk
+    size_t levels;     ///< default 5
+    bat_end_rule ends; ///< open curves; default BAT_END_REFLECT
+    bool snap;         ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
+    size_t max_points; ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
+    int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it; default 0
     bat_progress progress; ///< default: none
 } bat_refine_options;
 
@@ -67,7 +67,7 @@ BAT_API bat_refine_options bat_refine_defaults(void);
 /// The number of points that refining gives: count * 2^levels for a closed curve; for an open one
 /// (count - 1) * 2^levels + 1 where the refined curve has a vertex at the ends' parameters (masks of odd length, all
 /// interpolatory schemes), else (count - 1) * 2^levels + 2, the ends themselves included. With BAT_END_FREE fewer.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_TOO_LARGE
+/// @return as bat_curve_refine(), but for BAT_NO_MEMORY and BAT_CANCELLED
 BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_options *options, size_t *count,
                                            bat_error *error);
 
@@ -76,7 +76,8 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_re
 /// Memory beyond the result is at most as much again; linear schemes need next to none.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
-/// @param options what bat_refine_defaults() gives, changed as wanted; null for the defaults
+/// @param options what bat_refine_defaults() gives, changed as wanted; null for the defaults with the space's own scheme, as
+///                bat_scheme_for_space() gives it
 /// @param fine    receives the refined curve; release it with bat_curve_free()
 /// @param error   receives what went wrong and at which point; may be null
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
@@ -88,11 +89,13 @@ BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_op
 ///
 /// @param fine         receives `count` curves; all empty on failure
 /// @param failed_curve receives the first curve at fault on failure; may be null
+/// @return as bat_curve_refine()
 BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_refine_options *options,
                                      bat_curve *fine, size_t *failed_curve, bat_error *error);
 
 /// bat_curve_refine() into the caller's arrays: `points` of `capacity` rows, which must be at least bat_curve_refined_count(), and
-/// `channels` (may be null when the curve has none).
+/// `channels` (may be null when they are not wanted).
+/// @return as bat_curve_refine()
 BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
                                          double *channels, size_t capacity, bat_error *error);
 

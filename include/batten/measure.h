@@ -1,6 +1,7 @@
 #ifndef BATTEN_MEASURE_H
 #define BATTEN_MEASURE_H
 
+#include "batten/analysis.h"
 #include "batten/curve.h"
 
 BAT_C_BEGIN
@@ -23,7 +24,8 @@ typedef struct bat_measure_options
     bool to_segments;
     /// Added to the mean edge length in the bending energy, in the unit of the space; 0 or more. Default BAT_BENDING_OFFSET.
     double bending_offset;
-    int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    int threads;           ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress; ///< of comparisons and of sets; default: none
 } bat_measure_options;
 
 /// The options' default values.
@@ -42,15 +44,26 @@ typedef struct bat_curve_distance
     size_t farthest_back;   ///< the point of the second curve where hausdorff_back is reached, the first such
 } bat_curve_distance;
 
-/// Measure how near the first curve is to the second and back, in O(n log n).
+/// Measure how near the first curve is to the second and back, in O(n log n). Coordinates may have any size up to DBL_MAX / 2,
+/// however small: squares neither overflow nor underflow on the way.
 ///
 /// @param first, second at least one point each, in the same space when distances are geodesic, else with the same number of
 ///                      coordinates
 /// @param options       null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT (no points, spaces that differ); BAT_INVALID_POINT (not finite, or for geodesic distances
-///         not in the space) with its index; BAT_UNSUPPORTED (geodesic distances to edges) or BAT_NO_MEMORY
+/// @return BAT_OK; BAT_INVALID_ARGUMENT (no points, spaces that differ); BAT_INVALID_POINT (a coordinate not finite or beyond
+///         DBL_MAX / 2, for geodesic distances a point not in the space, or one whose distance a double cannot hold) with its
+///         index; BAT_UNSUPPORTED (geodesic distances to edges), BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched on
+///         failure
 BAT_API bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, const bat_measure_options *options,
                                      bat_curve_distance *distance, bat_error *error);
+
+/// bat_curve_compare() of first[i] with second[i] for many pairs. Threads share the pairs, or the points of each where there are
+/// few pairs.
+/// @param distances    receives `count` results; some of them on failure
+/// @param failed_curve receives the first pair at fault on failure, and is untouched when cancelled; may be null
+BAT_API bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, size_t count,
+                                      const bat_measure_options *options, bat_curve_distance *distances,
+                                      size_t *failed_curve, bat_error *error);
 
 /// How fair a curve is.
 typedef struct bat_fairness

@@ -37,6 +37,8 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 
 /// The largest insertion angle of the angle-based schemes, pi/4 - 0.02 (Ugail and Howard 2026, Theorem 1).
 #define BAT_ANGLE_LIMIT 0.76539816339744830962
+/// The weight of the four-point scheme that reproduces cubic polynomials.
+#define BAT_FOUR_POINT_WEIGHT (1.0 / 16.0)
 /// Weissman's weight of the six-point scheme that reproduces quintic polynomials.
 #define BAT_SIX_POINT_WEIGHT (3.0 / 256.0)
 /// The tension of the angle-based four-point and six-point schemes (Ugail and Howard 2026, section 3.4).

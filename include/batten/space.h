@@ -30,7 +30,8 @@ struct bat_space
 
     /// Null when `point` belongs to the space, else a few words that say why not ("not of unit length").
     const char *(*fault)(const bat_space *space, const double *point);
-    /// The nearest point of the space in the coordinates' own metric; removes rounding and input error.
+    /// The nearest point of the space in the coordinates' own metric; removes rounding and input error. `coordinates` and
+    /// `point` may be the same.
     /// BAT_INVALID_POINT where there is none (the origin, for a sphere).
     bat_status (*project)(const bat_space *space, const double *coordinates, double *point);
     /// Geodesic distance.

@@ -55,5 +55,10 @@ bat_status shared_work_end(const shared_work *work, bat_error *error)
             *error = work->error;
         return work->status;
     }
-    return work->cancelled ? error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped") : BAT_OK;
+    if (work->cancelled)
+        return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    // Another thread may have done the last piece; a wish to stop comes too late.
+    if (work->progress.report != NULL)
+        (void)work->progress.report(work->progress.context, 1);
+    return BAT_OK;
 }

@@ -24,7 +24,7 @@ bool shared_work_wants(const shared_work *work, size_t piece);
 /// thread.
 void shared_work_finish(shared_work *work, size_t piece, bat_status status, const bat_error *error);
 
-/// How all ended, once the threads have joined: BAT_OK, the first failure, or BAT_CANCELLED.
+/// How all ended, once the threads have joined: BAT_OK, the first failure, or BAT_CANCELLED. Reports the end.
 bat_status shared_work_end(const shared_work *work, bat_error *error);
 
 #endif

@@ -8,11 +8,20 @@
 #include <omp.h>
 #endif
 
-/// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0, and no more than pieces.
+enum
+{
+    /// More threads than this are never made, unless the machine has more processors: they would gain nothing.
+    THREADS_LIMIT = 64
+};
+
+/// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0 or below, and no more than
+/// pieces.
 static inline int threads_for(int wanted, size_t work)
 {
 #if defined(_OPENMP)
     int threads = wanted > 0 ? wanted : omp_get_max_threads();
+    int limit = omp_get_num_procs() > THREADS_LIMIT ? omp_get_num_procs() : THREADS_LIMIT;
+    threads = threads > limit ? limit : threads;
     return (size_t)threads > work ? (int)(work > 0 ? work : 1) : threads;
 #else
     (void)wanted;

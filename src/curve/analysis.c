@@ -81,7 +81,7 @@ static void describe_product(const joint_radius *radius, bat_analysis *analysis)
     analysis->radius_upper = radius->upper;
     analysis->depth = radius->length;
     const matrix_word *word = &radius->leaders[0];
-    for (size_t t = 0; radius->leader_count > 0 && t < word->length; ++t)
+    for (size_t t = 0; radius->leader_count > 0 && t < word->length; t++)
         analysis->product[t] = (char)('0' + word->letters[t]);
 }
 
@@ -138,7 +138,7 @@ static bat_status describe_limits(const mask_symbol *symbol, bat_analysis *analy
 /// Whether the local matrix has a Jordan block at 2^-order: then differences of that order shrink like k 2^(-order k) only.
 static bool is_defective_at(const bat_analysis *analysis, size_t order)
 {
-    for (size_t e = 0; e < analysis->eigenvalue_count; ++e)
+    for (size_t e = 0; e < analysis->eigenvalue_count; e++)
     {
         const bat_eigenvalue *value = &analysis->eigenvalues[e];
         if (value->real == ldexp(1.0, -(int)order) && value->imaginary == 0.0)

@@ -26,7 +26,7 @@ typedef struct disc
 static bat_status collect_discs(const mask_symbol *symbol, size_t size, disc *discs, bat_error *error)
 {
     const size_t known = symbol->multiplicity < size ? symbol->multiplicity : size;
-    for (size_t i = 0; i < known; ++i)
+    for (size_t i = 0; i < known; i++)
         discs[i] = (disc){.real = exp2(-(double)i), .exact = true, .group = i};
     const size_t rest = size - known;
     if (rest == 0)
@@ -39,7 +39,7 @@ static bat_status collect_discs(const mask_symbol *symbol, size_t size, disc *di
     double *radius = imaginary + rest;
     limit_matrix(&symbol->quotient, memory);
     const bat_status status = dense_eigenvalues(rest, memory, real, imaginary, radius, error);
-    for (size_t i = 0; i < rest && status == BAT_OK; ++i)
+    for (size_t i = 0; i < rest && status == BAT_OK; i++)
         discs[known + i] = (disc){real[i], imaginary[i], radius[i], false, known + i};
     free(memory);
     return status;
@@ -51,9 +51,9 @@ static void group_discs(disc *discs, size_t count)
     for (bool changed = true; changed;)
     {
         changed = false;
-        for (size_t i = 0; i < count; ++i)
+        for (size_t i = 0; i < count; i++)
         {
-            for (size_t j = 0; j < count; ++j)
+            for (size_t j = 0; j < count; j++)
             {
                 const double gap = hypot(discs[i].real - discs[j].real, discs[i].imaginary - discs[j].imaginary);
                 const bool touch = gap <= discs[i].radius + discs[j].radius;
@@ -75,7 +75,7 @@ static bat_eigenvalue eigenvalue_of_group(const disc *discs, size_t count, size_
     double radius = 0.0;
     size_t exact_count = 0;
     size_t exact = 0;
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; i++)
     {
         if (discs[i].group != group)
             continue;
@@ -120,7 +120,7 @@ static void normalize(double *vector, size_t size)
 {
     size_t largest = 0;
     double modulus = 0.0;
-    for (size_t i = 0; i < size; ++i)
+    for (size_t i = 0; i < size; i++)
     {
         const double candidate = hypot(vector[2 * i], vector[2 * i + 1]);
         if (candidate >= modulus * (1.0 - 1e-9))
@@ -131,7 +131,7 @@ static void normalize(double *vector, size_t size)
     }
     const double cosine = vector[2 * largest] / (modulus * modulus);
     const double sine = -vector[2 * largest + 1] / (modulus * modulus);
-    for (size_t i = 0; i < size; ++i)
+    for (size_t i = 0; i < size; i++)
     {
         const double real = vector[2 * i];
         const double imaginary = vector[2 * i + 1];
@@ -148,7 +148,7 @@ static bat_status find_vectors(bat_analysis *analysis, bat_error *error)
     const size_t size = analysis->matrix_size;
     const double tolerance = NULL_TOLERANCE * dense_norm(size, analysis->matrix);
     size_t row = 0;
-    for (size_t e = 0; e < analysis->eigenvalue_count; ++e)
+    for (size_t e = 0; e < analysis->eigenvalue_count; e++)
     {
         bat_eigenvalue *value = &analysis->eigenvalues[e];
         value->vector = row;
@@ -157,7 +157,7 @@ static bat_status find_vectors(bat_analysis *analysis, bat_error *error)
                              analysis->eigenvectors + 2 * size * row, &value->vector_count, error);
         if (status != BAT_OK)
             return status;
-        for (size_t v = 0; v < value->vector_count; ++v)
+        for (size_t v = 0; v < value->vector_count; v++)
             normalize(analysis->eigenvectors + 2 * size * row++, size);
     }
     return BAT_OK;
@@ -176,7 +176,7 @@ bat_status limit_eigenvalues(const mask_symbol *symbol, bat_analysis *analysis, 
         return status;
     group_discs(discs, size);
     analysis->eigenvalue_count = 0;
-    for (size_t group = 0; group < size; ++group)
+    for (size_t group = 0; group < size; group++)
     {
         if (discs[group].group == group)
             analysis->eigenvalues[analysis->eigenvalue_count++] = eigenvalue_of_group(discs, size, group);

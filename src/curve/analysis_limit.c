@@ -14,9 +14,9 @@ void limit_matrix(const bat_mask *mask, double *matrix)
 {
     const ptrdiff_t size = (ptrdiff_t)limit_matrix_size(mask);
     const ptrdiff_t first = limit_matrix_first(mask);
-    for (ptrdiff_t row = 0; row < size; ++row)
+    for (ptrdiff_t row = 0; row < size; row++)
     {
-        for (ptrdiff_t column = 0; column < size; ++column)
+        for (ptrdiff_t column = 0; column < size; column++)
         {
             const ptrdiff_t index = (first + row) - 2 * (first + column) - mask->first;
             matrix[row * size + column] = index >= 0 && index < (ptrdiff_t)mask->count ? mask->coefficients[index] : 0.0;
@@ -32,12 +32,12 @@ void limit_matrix(const bat_mask *mask, double *matrix)
 static void clean_stencil(bat_stencil *stencil, double rounding)
 {
     double largest = 0.0;
-    for (size_t k = 0; k < stencil->count; ++k)
+    for (size_t k = 0; k < stencil->count; k++)
         largest = fmax(largest, fabs(stencil->weights[k]));
     const double tolerance = rounding * DBL_EPSILON * (double)stencil->count * largest;
     size_t begin = stencil->count;
     size_t end = 0;
-    for (size_t k = 0; k < stencil->count; ++k)
+    for (size_t k = 0; k < stencil->count; k++)
     {
         if (fabs(stencil->weights[k]) <= tolerance)
             stencil->weights[k] = 0.0;
@@ -58,9 +58,9 @@ static void clean_stencil(bat_stencil *stencil, double rounding)
 static void scale_to_sum_one(bat_stencil *stencil)
 {
     double sum = 0.0;
-    for (size_t k = 0; k < stencil->count; ++k)
+    for (size_t k = 0; k < stencil->count; k++)
         sum += stencil->weights[k];
-    for (size_t k = 0; k < stencil->count; ++k)
+    for (size_t k = 0; k < stencil->count; k++)
         stencil->weights[k] /= sum;
 }
 
@@ -75,7 +75,7 @@ static bat_status left_stencil(const bat_mask *mask, double eigenvalue, bool aga
         return error_memory(error, size * size * sizeof *matrix);
     limit_matrix(mask, matrix);
     double constraint[BAT_MASK_MAX];
-    for (size_t i = 0; i < size; ++i)
+    for (size_t i = 0; i < size; i++)
         constraint[i] = against_index ? (double)i - 0.5 * (double)(size - 1) : 1.0;
     const bat_status status = dense_left_vector(size, matrix, eigenvalue, constraint, stencil->weights, error);
     free(matrix);
@@ -115,10 +115,10 @@ static void prepend_digit(const bat_mask *mask, unsigned digit, double *values)
 {
     const ptrdiff_t size = (ptrdiff_t)mask->count - 1;
     double next[BAT_MASK_MAX];
-    for (ptrdiff_t k = 0; k < size; ++k)
+    for (ptrdiff_t k = 0; k < size; k++)
     {
         next[k] = 0.0;
-        for (ptrdiff_t l = 0; l < size; ++l)
+        for (ptrdiff_t l = 0; l < size; l++)
         {
             const ptrdiff_t index = 2 * k - l + (ptrdiff_t)digit;
             if (index >= 0 && index <= size)
@@ -146,9 +146,9 @@ void limit_vertex(const mask_symbol *symbol, const bat_stencil *point, bat_stenc
 
     // phi(t + k) for k = first … last - 1 and t = 0, then t with the binary digits of the fraction, the last digit first.
     double values[BAT_MASK_MAX];
-    for (size_t k = 0; k < size; ++k)
+    for (size_t k = 0; k < size; k++)
         values[k] = weight_at(point, -(mask->first + (int)k));
-    for (size_t digit = 0; digit < DIGITS && fraction != 0; ++digit)
+    for (size_t digit = 0; digit < DIGITS && fraction != 0; digit++)
     {
         const uint64_t low = fraction & (((uint64_t)1 << (digit + 1)) - 1);
         if (low != 0)
@@ -157,7 +157,7 @@ void limit_vertex(const mask_symbol *symbol, const bat_stencil *point, bat_stenc
 
     // The limit at i + shift weighs point i + m by phi(shift - m), and shift - m = t + k for m = whole - k.
     *stencil = (bat_stencil){.count = size, .first = (int)whole - symbol->last + 1};
-    for (size_t m = 0; m < size; ++m)
+    for (size_t m = 0; m < size; m++)
         stencil->weights[m] = values[size - 1 - m];
     clean_stencil(stencil, POINT_ROUNDING);
     scale_to_sum_one(stencil);
@@ -198,7 +198,7 @@ static void refine_basis(const bat_mask *mask, size_t level, const double *value
     const size_t step = (size_t)1 << level;
     const size_t count = (mask->count - 1) * step + 1;
     const size_t finer_count = 2 * count - 1;
-    for (size_t g = 0; g < finer_count; ++g)
+    for (size_t g = 0; g < finer_count; g++)
     {
         if (g % 2 == 0)
         {
@@ -206,7 +206,7 @@ static void refine_basis(const bat_mask *mask, size_t level, const double *value
             continue;
         }
         double sum = 0.0;
-        for (size_t k = 0; k < mask->count && k * step <= g; ++k)
+        for (size_t k = 0; k < mask->count && k * step <= g; k++)
         {
             if (g - k * step < count)
                 sum += mask->coefficients[k] * values[g - k * step];
@@ -235,9 +235,9 @@ bat_status bat_mask_basis(const bat_mask *mask, size_t level, bat_basis *basis, 
         free(finer);
         return error_memory(error, 2 * count * sizeof *values);
     }
-    for (size_t k = 0; k <= degree; ++k)
+    for (size_t k = 0; k <= degree; k++)
         values[k] = weight_at(&point, -(symbol.mask.first + (int)k));
-    for (size_t done = 0; done < level; ++done)
+    for (size_t done = 0; done < level; done++)
     {
         refine_basis(&symbol.mask, done, values, finer);
         double *swap = values;

@@ -15,11 +15,11 @@ void smoothness_matrices(const bat_mask *mask, double *matrices)
 {
     const size_t n = smoothness_dimension(mask);
     const ptrdiff_t degree = (ptrdiff_t)mask->count - 1;
-    for (ptrdiff_t parity = 0; parity < 2; ++parity)
+    for (ptrdiff_t parity = 0; parity < 2; parity++)
     {
-        for (size_t row = 0; row < n; ++row)
+        for (size_t row = 0; row < n; row++)
         {
-            for (size_t column = 0; column < n; ++column)
+            for (size_t column = 0; column < n; column++)
             {
                 const ptrdiff_t index = (ptrdiff_t)row - 2 * (ptrdiff_t)column + degree - parity;
                 matrices[((size_t)parity * n + row) * n + column] =
@@ -33,7 +33,7 @@ void smoothness_matrices(const bat_mask *mask, double *matrices)
 static double operator_norm(const double *coefficients, size_t count, size_t arity)
 {
     double norm = 0.0;
-    for (size_t residue = 0; residue < arity && residue < count; ++residue)
+    for (size_t residue = 0; residue < arity && residue < count; residue++)
     {
         double sum = 0.0;
         for (size_t i = residue; i < count; i += arity)
@@ -85,11 +85,11 @@ static bool iterated_mask_step(iterated_mask *iterated)
     if (count > ITERATED_LIMIT)
         return false;
     memset(iterated->next, 0, count * sizeof *iterated->next);
-    for (size_t k = 0; k < iterated->mask->count; ++k)
+    for (size_t k = 0; k < iterated->mask->count; k++)
     {
         const double factor = iterated->mask->coefficients[k];
         double *target = iterated->next + k * iterated->arity;
-        for (size_t i = 0; i < iterated->count; ++i)
+        for (size_t i = 0; i < iterated->count; i++)
             target[i] += factor * iterated->coefficients[i];
     }
     double *swap = iterated->coefficients;
@@ -114,7 +114,7 @@ static bat_status iterated_norm(const bat_mask *mask, size_t depth, double *best
     if (status != BAT_OK)
         return status;
     *best = HUGE_VAL;
-    for (size_t steps = 1; steps <= depth && iterated_mask_step(&iterated); ++steps)
+    for (size_t steps = 1; steps <= depth && iterated_mask_step(&iterated); steps++)
     {
         const double norm = operator_norm(iterated.coefficients, iterated.count, iterated.arity);
         const double bound = norm + (steps == 1 ? 0.0 : iterated_mask_rounding(&iterated, steps));
@@ -132,7 +132,7 @@ bat_status smoothness_is_bounded(const bat_mask *mask, double factor, size_t dep
         return status;
     *bounded = false;
     double power = 1.0;
-    for (size_t steps = 1; steps <= depth && !*bounded && iterated_mask_step(&iterated); ++steps)
+    for (size_t steps = 1; steps <= depth && !*bounded && iterated_mask_step(&iterated); steps++)
     {
         power *= factor;
         *bounded =

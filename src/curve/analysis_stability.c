@@ -27,7 +27,7 @@ static double least_modulus(const bat_mask *q, size_t cell, double distance)
     double imaginary = 0.0;
     double size = 0.0;
     double slope = 0.0;
-    for (size_t k = 0; k < q->count; ++k)
+    for (size_t k = 0; k < q->count; k++)
     {
         real += q->coefficients[k] * cos((double)k * angle);
         imaginary += q->coefficients[k] * sin((double)k * angle);
@@ -39,7 +39,7 @@ static double least_modulus(const bat_mask *q, size_t cell, double distance)
 
 static bool has_symmetric_zeros(const bool *may_vanish)
 {
-    for (size_t cell = 0; cell < CELLS / 2; ++cell)
+    for (size_t cell = 0; cell < CELLS / 2; cell++)
     {
         if (may_vanish[cell] && may_vanish[cell + CELLS / 2])
             return true;
@@ -55,7 +55,7 @@ static bool keeps_company(const bool *alive, size_t cell)
     const size_t before[2] = {cell / 2, cell / 2 + CELLS / 2};
     bool has_after = false;
     bool has_before = false;
-    for (size_t i = 0; i < 2; ++i)
+    for (size_t i = 0; i < 2; i++)
     {
         has_after = has_after || (after[i] != cell && alive[after[i]]);
         has_before = has_before || (before[i] != cell && alive[before[i]]);
@@ -68,7 +68,7 @@ static bool has_cycle(bool *alive)
     for (bool changed = true; changed;)
     {
         changed = false;
-        for (size_t cell = 0; cell < CELLS; ++cell)
+        for (size_t cell = 0; cell < CELLS; cell++)
         {
             if (alive[cell] && !keeps_company(alive, cell))
             {
@@ -77,7 +77,7 @@ static bool has_cycle(bool *alive)
             }
         }
     }
-    for (size_t cell = 0; cell < CELLS; ++cell)
+    for (size_t cell = 0; cell < CELLS; cell++)
     {
         if (alive[cell])
             return true;
@@ -89,9 +89,9 @@ bool smoothness_is_stable(const bat_mask *quotient, double distance)
 {
     bool may_vanish[CELLS];
     bool alive[CELLS];
-    for (size_t cell = 0; cell < CELLS; ++cell)
+    for (size_t cell = 0; cell < CELLS; cell++)
         may_vanish[cell] = least_modulus(quotient, cell, distance) <= 0.0;
-    for (size_t cell = 0; cell < CELLS; ++cell)
+    for (size_t cell = 0; cell < CELLS; cell++)
         alive[cell] = may_vanish[(cell + CELLS / 2) % CELLS];
     return !has_symmetric_zeros(may_vanish) && !has_cycle(alive);
 }

@@ -79,11 +79,11 @@ static bat_status check_affine(const sweep *s, const bat_mask *begin, const bat_
     const double from = s->options->begin;
     const double length = s->options->end - from;
     bool affine = same_support(begin, end);
-    for (size_t i = 0; affine && i < sizeof shares / sizeof *shares; ++i)
+    for (size_t i = 0; affine && i < sizeof shares / sizeof *shares; i++)
     {
         const bat_mask mask = s->family(s->context, from + shares[i] * length);
         affine = same_support(&mask, begin);
-        for (size_t k = 0; affine && k < mask.count; ++k)
+        for (size_t k = 0; affine && k < mask.count; k++)
         {
             const double expected = (1.0 - shares[i]) * begin->coefficients[k] + shares[i] * end->coefficients[k];
             const double size = 1.0 + fabs(begin->coefficients[k]) + fabs(end->coefficients[k]);
@@ -108,7 +108,7 @@ static bat_mask quotient_at(const sweep *s, double parameter, size_t order)
 static double mask_distance(const bat_mask *a, const bat_mask *b)
 {
     double sum = 0.0;
-    for (size_t k = 0; k < a->count; ++k)
+    for (size_t k = 0; k < a->count; k++)
         sum += fabs(a->coefficients[k] - b->coefficients[k]);
     return sum;
 }
@@ -141,7 +141,7 @@ static bat_status interval_matrices_make(const sweep *s, double begin, double en
     const bat_status status = matrix_set_make(n, 6, &m->all, s->error);
     if (status != BAT_OK)
         return status;
-    for (size_t i = 0; i < 3; ++i)
+    for (size_t i = 0; i < 3; i++)
         smoothness_matrices(&masks[i], matrix_set_at(&m->all, 2 * i));
     m->ends = (matrix_set){n, 4, matrix_set_at(&m->all, 0)};
     m->middle = (matrix_set){n, 2, matrix_set_at(&m->all, 4)};
@@ -153,10 +153,10 @@ static double largest_distance(const interval_matrices *m)
 {
     const size_t square = m->all.dimension * m->all.dimension;
     double largest = 0.0;
-    for (size_t e = 0; e < 4; ++e)
+    for (size_t e = 0; e < 4; e++)
     {
         double sum = 0.0;
-        for (size_t i = 0; i < square; ++i)
+        for (size_t i = 0; i < square; i++)
         {
             const double difference = matrix_set_at(&m->ends, e)[i] - matrix_set_at(&m->middle, e % 2)[i];
             sum += difference * difference;
@@ -266,7 +266,7 @@ static bat_status judge_parts(sweep *s, double begin, double end)
 /// Take intervals shorter than the tolerance that touch an undecided one into it: splinters help nobody.
 static void join_splinters(sweep *s)
 {
-    for (size_t i = 0; i < s->count; ++i)
+    for (size_t i = 0; i < s->count; i++)
     {
         bat_interval *interval = &s->intervals[i];
         const bool is_splinter = interval->begin < interval->end && interval->end - interval->begin < s->tolerance;
@@ -277,7 +277,7 @@ static void join_splinters(sweep *s)
     }
     const size_t count = s->count;
     s->count = 0;
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; i++)
     {
         const bat_interval interval = s->intervals[i];
         (void)append(s, interval.begin, interval.end, interval.verdict);
@@ -305,10 +305,10 @@ static bat_status judge_point(sweep *s, double parameter)
 static double derivative_at_minus_one(const bat_mask *mask, size_t j)
 {
     double sum = 0.0;
-    for (size_t k = 0; k < mask->count; ++k)
+    for (size_t k = 0; k < mask->count; k++)
     {
         double term = (k % 2 == 0 ? 1.0 : -1.0) * mask->coefficients[k];
-        for (size_t i = 0; i < j; ++i)
+        for (size_t i = 0; i < j; i++)
             term *= ((double)k - (double)i) / (double)(i + 1);
         sum += term;
     }

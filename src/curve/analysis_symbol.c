@@ -1,6 +1,7 @@
 #include "curve/analysis_symbol.h"
 
 #include "base/error.h"
+#include "curve/mask.h"
 
 #include <float.h>
 #include <math.h>
@@ -10,38 +11,18 @@
 #define COEFFICIENT_ROUNDING (16.0 * DBL_EPSILON)
 
 /// The largest coefficient that can be analysed; beyond it sums of 1 would drown in rounding.
-#define COEFFICIENT_LIMIT 1e6
-
-static bat_status check_coefficients(const bat_mask *mask, bat_error *error)
-{
-    if (mask->count < 1 || mask->count > BAT_MASK_MAX)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a mask has 1 to %d coefficients, not %zu",
-                         BAT_MASK_MAX, mask->count);
-    for (size_t k = 0; k < mask->count; ++k)
-    {
-        if (!isfinite(mask->coefficients[k]))
-            return error_set(error, BAT_INVALID_ARGUMENT, k, 0, "coefficient %zu of the mask is not a finite number", k);
-        if (fabs(mask->coefficients[k]) > COEFFICIENT_LIMIT)
-            return error_set(error, BAT_INVALID_ARGUMENT, k, 0, "coefficient %zu of the mask, %g, is beyond %g", k,
-                             mask->coefficients[k], COEFFICIENT_LIMIT);
-    }
-    if (mask->first < -SYMBOL_INDEX_LIMIT || mask->first > SYMBOL_INDEX_LIMIT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the first index of a mask lies in -%d … %d, not %d",
-                         SYMBOL_INDEX_LIMIT, SYMBOL_INDEX_LIMIT, mask->first);
-    return BAT_OK;
-}
 
 /// Constants are reproduced when the coefficients of even index sum to 1, and those of odd index too.
 static bat_status check_sums(const bat_mask *mask, bat_error *error)
 {
     double sums[2] = {0.0, 0.0};
     double size = 1.0;
-    for (size_t k = 0; k < mask->count; ++k)
+    for (size_t k = 0; k < mask->count; k++)
     {
         sums[(unsigned)(mask->first + (int)k) % 2] += mask->coefficients[k];
         size += fabs(mask->coefficients[k]);
     }
-    for (size_t parity = 0; parity < 2; ++parity)
+    for (size_t parity = 0; parity < 2; parity++)
     {
         if (!(fabs(sums[parity] - 1.0) <= 4.0 * COEFFICIENT_ROUNDING * size))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
@@ -49,20 +30,6 @@ static bat_status check_sums(const bat_mask *mask, bat_error *error)
                              sums[parity]);
     }
     return BAT_OK;
-}
-
-static bat_mask trim_zeros(const bat_mask *mask)
-{
-    size_t begin = 0;
-    size_t end = mask->count;
-    while (begin < end && mask->coefficients[begin] == 0.0)
-        ++begin;
-    while (end > begin && mask->coefficients[end - 1] == 0.0)
-        --end;
-    bat_mask trimmed = {.count = end - begin, .first = mask->first + (int)begin};
-    for (size_t k = 0; k < trimmed.count; ++k)
-        trimmed.coefficients[k] = mask->coefficients[begin + k];
-    return trimmed;
 }
 
 static void multiply_by_factor(bat_mask *mask)
@@ -76,11 +43,11 @@ static void multiply_by_factor(bat_mask *mask)
 /// polynomial, from the high end (step -1) of the mask.
 static void divide_series(const double *start, ptrdiff_t step, size_t n, size_t count, double *series)
 {
-    for (size_t k = 0; k < count; ++k)
+    for (size_t k = 0; k < count; k++)
         series[k] = start[(ptrdiff_t)k * step];
-    for (size_t division = 0; division < n; ++division)
+    for (size_t division = 0; division < n; division++)
     {
-        for (size_t k = 1; k < count; ++k)
+        for (size_t k = 1; k < count; k++)
             series[k] -= series[k - 1];
     }
 }
@@ -93,21 +60,21 @@ bool symbol_divide(const bat_mask *mask, size_t n, bat_mask *quotient, double *r
     double series[BAT_MASK_MAX];
     divide_series(mask->coefficients, 1, n, lower, quotient->coefficients);
     divide_series(mask->coefficients + mask->count - 1, -1, n, upper, series);
-    for (size_t k = 0; k < upper; ++k)
+    for (size_t k = 0; k < upper; k++)
         quotient->coefficients[quotient->count - 1 - k] = series[k];
 
     bat_mask product = *quotient;
     bat_mask size = *quotient;
-    for (size_t k = 0; k < size.count; ++k)
+    for (size_t k = 0; k < size.count; k++)
         size.coefficients[k] = fabs(size.coefficients[k]);
-    for (size_t factor = 0; factor < n; ++factor)
+    for (size_t factor = 0; factor < n; factor++)
     {
         multiply_by_factor(&product);
         multiply_by_factor(&size);
     }
     const double tolerance = COEFFICIENT_ROUNDING + 2.0 * (double)n * DBL_EPSILON;
     *remainder = 0.0;
-    for (size_t k = 0; k < mask->count; ++k)
+    for (size_t k = 0; k < mask->count; k++)
     {
         const double difference = fabs(mask->coefficients[k] - product.coefficients[k]);
         *remainder = fmax(*remainder, difference);
@@ -119,16 +86,16 @@ bool symbol_divide(const bat_mask *mask, size_t n, bat_mask *quotient, double *r
 
 bat_status symbol_make(const bat_mask *mask, mask_symbol *result, bat_error *error)
 {
-    bat_status status = check_coefficients(mask, error);
+    bat_status status = mask_check(mask, error);
     if (status == BAT_OK)
         status = check_sums(mask, error);
     if (status != BAT_OK)
         return status;
 
-    *result = (mask_symbol){.mask = trim_zeros(mask)};
+    *result = (mask_symbol){.mask = mask_trimmed(mask)};
     const bat_mask *trimmed = &result->mask;
     result->last = trimmed->first + (int)trimmed->count - 1;
-    for (size_t k = 0; k < trimmed->count; ++k)
+    for (size_t k = 0; k < trimmed->count; k++)
         result->shift += 0.5 * (trimmed->first + (int)k) * trimmed->coefficients[k];
     // check_sums() has seen a(-1) = 0, so one factor is there even where this test is a little stricter.
     result->multiplicity = trimmed->count - 1;
@@ -140,7 +107,7 @@ bat_status symbol_make(const bat_mask *mask, mask_symbol *result, bat_error *err
 bat_mask symbol_difference(const mask_symbol *symbol, size_t order)
 {
     bat_mask mask = symbol->quotient;
-    for (size_t factor = order; factor < symbol->multiplicity; ++factor)
+    for (size_t factor = order; factor < symbol->multiplicity; factor++)
         multiply_by_factor(&mask);
     return mask;
 }
@@ -149,7 +116,7 @@ bat_mask symbol_difference(const mask_symbol *symbol, size_t order)
 static double binomial(double x, size_t n)
 {
     double product = 1.0;
-    for (size_t j = 0; j < n; ++j)
+    for (size_t j = 0; j < n; j++)
         product *= (x - (double)j) / (double)(j + 1);
     return product;
 }
@@ -159,11 +126,11 @@ size_t symbol_reproduction_degree(const mask_symbol *symbol)
     // Both sides are divided by k! and indices are counted from the middle of the mask, which changes neither condition.
     const double middle = round(symbol->shift);
     size_t degree = 0;
-    for (size_t k = 1; k < symbol->multiplicity; ++k)
+    for (size_t k = 1; k < symbol->multiplicity; k++)
     {
         double moment = 0.0;
         double size = 0.0;
-        for (size_t i = 0; i < symbol->mask.count; ++i)
+        for (size_t i = 0; i < symbol->mask.count; i++)
         {
             const double term = symbol->mask.coefficients[i] * binomial(symbol->mask.first + (double)i - middle, k);
             moment += term;

@@ -3,9 +3,6 @@
 
 #include "batten/scheme.h"
 
-/// The largest |first| of a mask that can be analysed; beyond it indices would lose digits.
-#define SYMBOL_INDEX_LIMIT 1000000
-
 /// A checked mask without zeros at its ends, and what its Laurent polynomial a(z) = sum a(k) z^k says.
 typedef struct mask_symbol
 {

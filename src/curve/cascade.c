@@ -10,8 +10,6 @@
 
 enum
 {
-    /// Levels beyond this overflow any count.
-    MOST_LEVELS = 64,
     /// Numbers in a chunk of the last level: with the levels before it, it fits the second-level cache.
     CHUNK_NUMBERS = 16384,
     /// Numbers written past the caches at a time: they stay in the first-level cache until then.
@@ -125,7 +123,7 @@ static bat_status run_chunk(const cascade *task, const double *root, index_range
 {
     const refine_kernel *kernel = &task->kernel;
     size_t dim = kernel->dim;
-    index_range ranges[MOST_LEVELS + 1];
+    index_range ranges[CASCADE_MOST_LEVELS + 1];
     ranges[task->levels] = with_snap(&task->snap, chunk);
     for (size_t level = task->levels; level > 0; level--)
         ranges[level - 1] = range_before(kernel, ranges[level]);

@@ -35,6 +35,9 @@ bat_status bat_curve_check(const bat_curve *curve, bat_error *error)
     if (curve->count < least)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s curve needs at least %zu points, not %zu",
                          curve->closed ? "a closed" : "an open", least, curve->count);
+    if (curve->channel_count > BAT_SPACE_MAX_DIM || (curve->channel_count > 0 && curve->channels == NULL))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "a curve carries up to %d channels, and has their values", BAT_SPACE_MAX_DIM);
     bat_status status = bat_space_check(curve->space, curve->points, curve->count, error);
     for (size_t i = 0; i + 1 < curve->count && status == BAT_OK; i++)
         status = check_edge(curve, i, i + 1, error);

@@ -2,18 +2,7 @@
 #define CURVE_KERNEL_H
 
 #include "batten/curve.h"
-
-/// The coefficients of a mask for new points of one parity: new point 2 j + parity is the sum over k of weights[k] times
-/// old point j + start + k. No weight at either end is zero.
-typedef struct mask_taps
-{
-    double weights[BAT_MASK_MAX];
-    size_t count;
-    ptrdiff_t start;
-} mask_taps;
-
-/// `parity` is 0 or 1.
-mask_taps mask_taps_of(const bat_mask *mask, int parity);
+#include "curve/mask.h"
 
 /// A subdivision step as the drivers see it: which old points a new one depends on, and the function that makes new points.
 ///
@@ -27,7 +16,8 @@ struct refine_kernel
     size_t dim;          ///< numbers a point is stored in
     int first, last;     ///< support of the step, see above
     mask_taps even, odd; ///< of a linear scheme; of a log-exp scheme only the odd ones
-    double mean_angle;   ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
+    double scale; ///< angle-based: a power of two that brings coordinates near 1, so that no product of chords overflows
+    double mean_angle; ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
 
     /// Make the new points 2 j and 2 j + 1 for j = 0 … pairs - 1; row 0 of `points` is old point 0, and rows before and
     /// behind it are there as the support asks. On failure *fault is the pair at fault.
@@ -39,7 +29,8 @@ refine_kernel kernel_linear(const bat_scheme *scheme, size_t dim);
 /// An angle-based step; the space must be oriented.
 refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme);
 /// The mean absolute exterior angle at the points first … end - 1, 0 when there are none; the rows before and behind are there.
-double kernel_angle_mean(const bat_space *space, const double *points, size_t first, size_t end);
+/// The kernel knows its scale.
+double kernel_angle_mean(const refine_kernel *kernel, const double *points, size_t first, size_t end);
 /// A log-exp step.
 refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme);
 

@@ -3,6 +3,7 @@
 #include "base/lanes.h"
 #include "space/disk.h"
 #include "space/known.h"
+#include "space/sphere.h"
 
 #include <float.h>
 #include <string.h>
@@ -23,9 +24,6 @@ static const double ADAPTIVE_LOW = -0.5, ADAPTIVE_HIGH = 0.1;
 
 /// See disk_insert().
 static const double PARALLEL_SHARE = 0.9;
-
-/// Squared length of p + q below which the points of a sphere count as antipodal.
-static const double ANTIPODAL_SQUARED_LENGTH = 1e-28;
 
 /// One block: vertex i of the block is entry i + 2 of the coordinate arrays; its exterior angle is entry i + 1 of `angle`.
 typedef struct angle_block
@@ -55,23 +53,24 @@ static void load_points(angle_block *block, const double *points, size_t dim, si
         }
 }
 
-/// Eq. (1).
+/// Eq. (1). The scale is a power of two, which changes no angle.
 LANES_CLONES
-static void plane_angles(angle_block *block, size_t count)
+static void plane_angles(angle_block *block, size_t count, double scale)
 {
     const double *x = block->x, *y = block->y;
     for (size_t i = 0; i < count; i++)
     {
-        double ax = x[i + 1] - x[i], ay = y[i + 1] - y[i];
-        double bx = x[i + 2] - x[i + 1], by = y[i + 2] - y[i + 1];
+        double ax = scale * (x[i + 1] - x[i]), ay = scale * (y[i + 1] - y[i]);
+        double bx = scale * (x[i + 2] - x[i + 1]), by = scale * (y[i + 2] - y[i + 1]);
         block->angle[i] = lane_atan2(ax * by - ay * bx, ax * bx + ay * by);
     }
 }
 
 /// sin ~ det(p, a, b), cos ~ <a, b> - <a, p> <b, p> with the chords a = p - before, b = after - p.
 LANES_CLONES
-static void sphere_angles(angle_block *block, size_t count)
+static void sphere_angles(angle_block *block, size_t count, double scale)
 {
+    (void)scale;
     const double *x = block->x, *y = block->y, *z = block->z;
     for (size_t i = 0; i < count; i++)
     {
@@ -86,8 +85,9 @@ static void sphere_angles(angle_block *block, size_t count)
 
 /// With p moved to the origin, the angle from -w(before) to w(after).
 LANES_CLONES
-static void disk_angles(angle_block *block, size_t count)
+static void disk_angles(angle_block *block, size_t count, double scale)
 {
+    (void)scale;
     const double *x = block->x, *y = block->y;
     for (size_t i = 0; i < count; i++)
     {
@@ -142,7 +142,8 @@ static void plane_insert(angle_block *block, size_t edges)
         double ex = x[j + 1] - x[j], ey = y[j + 1] - y[j], slope = block->slope[j];
         block->new_x[j] = x[j] + 0.5 * (ex - slope * ey);
         block->new_y[j] = y[j] + 0.5 * (ey + slope * ex);
-        block->margin[j] = 1;
+        // 1, or NaN where the new vertex is not finite
+        block->margin[j] = 1 + 0 * (block->new_x[j] + block->new_y[j]);
     }
 }
 
@@ -164,7 +165,7 @@ static void sphere_insert(angle_block *block, size_t edges)
         block->new_x[j] = nx * inverse;
         block->new_y[j] = ny * inverse;
         block->new_z[j] = nz * inverse;
-        block->margin[j] = sx * sx + sy * sy + sz * sz - ANTIPODAL_SQUARED_LENGTH;
+        block->margin[j] = sx * sx + sy * sy + sz * sz - SPHERE_ANTIPODAL_SQUARED_LENGTH;
     }
 }
 
@@ -218,7 +219,7 @@ static void store_points(const angle_block *block, const double *points, size_t 
 /// What differs between the oriented surfaces that have vector code.
 typedef struct surface
 {
-    void (*angles)(angle_block *block, size_t count);
+    void (*angles)(angle_block *block, size_t count, double scale);
     void (*insert)(angle_block *block, size_t edges);
     bat_status missing; ///< what it means that a new vertex does not exist
 } surface;
@@ -244,7 +245,7 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
         size_t edges = pairs - done < BLOCK ? pairs - done : BLOCK;
         const double *here = points + done * dim;
         load_points(&block, here - 2 * dim, dim, edges + 5);
-        where->angles(&block, edges + 3);
+        where->angles(&block, edges + 3, kernel->scale);
         if (scheme->adaptive)
             adaptive_slopes(&block, edges, scheme->tension, sign, kernel->mean_angle);
         else
@@ -301,8 +302,9 @@ refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme)
     };
 }
 
-double kernel_angle_mean(const bat_space *space, const double *points, size_t first, size_t end)
+double kernel_angle_mean(const refine_kernel *kernel, const double *points, size_t first, size_t end)
 {
+    const bat_space *space = kernel->space;
     const surface *where = surface_of(space);
     size_t dim = space->point_dim;
     double sum = 0;
@@ -314,7 +316,7 @@ double kernel_angle_mean(const bat_space *space, const double *points, size_t fi
         if (where != NULL)
         {
             load_points(&block, before, dim, count + 2);
-            where->angles(&block, count);
+            where->angles(&block, count, kernel->scale);
         }
         for (size_t i = 0; i < count; i++)
             sum += fabs(where != NULL ? block.angle[i]

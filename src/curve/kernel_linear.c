@@ -10,25 +10,6 @@ enum
     BLOCK = 512
 };
 
-/// New point 2 j + parity is the sum over m of a(2 m + parity) times old point j - m.
-mask_taps mask_taps_of(const bat_mask *mask, int parity)
-{
-    mask_taps taps = {.count = 0};
-    int last = mask->first + (int)mask->count - 1;
-    for (int index = last; index >= mask->first; index--)
-    {
-        double weight = mask->coefficients[index - mask->first];
-        if (((index - parity) & 1) != 0 || (weight == 0 && taps.count == 0))
-            continue;
-        if (taps.count == 0)
-            taps.start = -(index - parity) / 2;
-        taps.weights[taps.count++] = weight;
-    }
-    while (taps.count > 0 && taps.weights[taps.count - 1] == 0)
-        taps.count--;
-    return taps;
-}
-
 /// block = sum of shifted rows; the common short sums are written out so that a block is written once.
 static inline void sum_rows(const mask_taps *t, size_t dim, const double *restrict points, size_t count,
                             double *restrict block)
@@ -197,13 +178,14 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
 
 refine_kernel kernel_linear(const bat_scheme *scheme, size_t dim)
 {
+    bat_mask mask = mask_trimmed(&scheme->mask);
     return (refine_kernel){
         .scheme = scheme,
         .dim = dim,
-        .first = scheme->mask.first,
-        .last = scheme->mask.first + (int)scheme->mask.count - 1,
-        .even = mask_taps_of(&scheme->mask, 0),
-        .odd = mask_taps_of(&scheme->mask, 1),
+        .first = mask.first,
+        .last = mask.first + (int)mask.count - 1,
+        .even = mask_taps_of(&mask, 0),
+        .odd = mask_taps_of(&mask, 1),
         .run = run,
     };
 }

@@ -2,6 +2,7 @@
 
 #include "base/lanes.h"
 #include "space/known.h"
+#include "space/sphere.h"
 
 #include <string.h>
 
@@ -11,8 +12,6 @@ enum
     BLOCK = 128
 };
 
-/// Squared length of p + q below which two points of the sphere count as antipodal.
-static const double ANTIPODAL_SQUARED_LENGTH = 1e-28;
 /// Squared length of a tangent vector up to which the polynomials of lanes.h hold.
 static const double SQUARED_PI = 9.8696044010893586188;
 
@@ -100,7 +99,7 @@ static void sphere_bases(sphere_block *block, size_t first, size_t edges, bool m
         block->base_y[j] = midpoint ? my * inverse : y[j];
         block->base_z[j] = midpoint ? mz * inverse : z[j];
         block->sum_x[j] = block->sum_y[j] = block->sum_z[j] = 0;
-        block->margin[j] = squared - ANTIPODAL_SQUARED_LENGTH;
+        block->margin[j] = squared - SPHERE_ANTIPODAL_SQUARED_LENGTH;
     }
 }
 
@@ -158,7 +157,7 @@ static void sphere_add_logs(sphere_block *block, size_t at, size_t edges, double
         double chord[3] = {near ? d[0] : s[0], near ? d[1] : s[1], near ? d[2] : s[2]};
         double c = sqrt(difference), r = sqrt(sum), product = c * r;
         add_tangent(block, j, weight * (product > 0 ? 4 * lane_atan2(c, r) / product : 1), chord);
-        double margin = sum - ANTIPODAL_SQUARED_LENGTH;
+        double margin = sum - SPHERE_ANTIPODAL_SQUARED_LENGTH;
         block->margin[j] = margin < block->margin[j] ? margin : block->margin[j];
     }
 }
@@ -222,11 +221,16 @@ static bat_status sphere_finish(const refine_kernel *kernel, const sphere_block 
             *fault = j;
             return BAT_CUT_LOCUS;
         }
-        if (block->squared_length[j] > SQUARED_PI)
+        if (!(block->squared_length[j] <= SQUARED_PI))
         {
             double tangent[3] = {block->sum_x[j], block->sum_y[j], block->sum_z[j]};
             double base[3] = {block->base_x[j], block->base_y[j], block->base_z[j]};
-            (void)kernel->space->exp(kernel->space, base, tangent, fine + 6 * j + 3);
+            bat_status status = kernel->space->exp(kernel->space, base, tangent, fine + 6 * j + 3);
+            if (status != BAT_OK)
+            {
+                *fault = j;
+                return status;
+            }
         }
     }
     return BAT_OK;

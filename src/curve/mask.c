@@ -1,4 +1,6 @@
-#include "batten/scheme.h"
+#include "curve/mask.h"
+
+#include "base/error.h"
 
 #include <float.h>
 #include <math.h>
@@ -12,6 +14,61 @@ static void mask_support(const bat_mask *mask, size_t *begin, size_t *end)
         ++*begin;
     while (*begin < *end && mask->coefficients[*end - 1] == 0.0)
         --*end;
+}
+
+/// Larger coefficients or indices are a mistake; with these, sums and index arithmetic are safe.
+static const double COEFFICIENT_LIMIT = 1e6;
+enum
+{
+    INDEX_LIMIT = 1000000
+};
+
+bat_status mask_check(const bat_mask *mask, bat_error *error)
+{
+    if (mask->count < 1 || mask->count > BAT_MASK_MAX)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a mask has 1 to %d coefficients, not %zu",
+                         BAT_MASK_MAX, mask->count);
+    for (size_t k = 0; k < mask->count; k++)
+    {
+        if (!isfinite(mask->coefficients[k]))
+            return error_set(error, BAT_INVALID_ARGUMENT, k, 0, "coefficient %zu of the mask is not a finite number", k);
+        if (fabs(mask->coefficients[k]) > COEFFICIENT_LIMIT)
+            return error_set(error, BAT_INVALID_ARGUMENT, k, 0, "coefficient %zu of the mask, %g, is beyond %g", k,
+                             mask->coefficients[k], COEFFICIENT_LIMIT);
+    }
+    if (mask->first < -INDEX_LIMIT || mask->first > INDEX_LIMIT)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the first index of a mask lies in -%d … %d, not %d",
+                         INDEX_LIMIT, INDEX_LIMIT, mask->first);
+    return BAT_OK;
+}
+
+bat_mask mask_trimmed(const bat_mask *mask)
+{
+    size_t begin, end;
+    mask_support(mask, &begin, &end);
+    bat_mask trimmed = {.count = end - begin, .first = mask->first + (int)begin};
+    for (size_t k = 0; k < trimmed.count; k++)
+        trimmed.coefficients[k] = mask->coefficients[begin + k];
+    return trimmed;
+}
+
+/// New point 2 j + parity is the sum over m of a(2 m + parity) times old point j - m.
+mask_taps mask_taps_of(const bat_mask *mask, int parity)
+{
+    mask_taps taps = {.count = 0};
+    int last = mask->first + (int)mask->count - 1;
+    for (int index = last; index >= mask->first; index--)
+    {
+        double weight = mask->coefficients[index - mask->first];
+        if (((index - parity) & 1) != 0 || (weight == 0 && taps.count == 0))
+            continue;
+        if (taps.count == 0)
+            taps.start = -(index - parity) / 2;
+        taps.weights[taps.count++] = weight;
+    }
+    while (taps.count > 0 && taps.weights[taps.count - 1] == 0)
+        taps.count--;
+    return taps;
 }
 
 bat_mask bat_mask_chaikin(void)
@@ -45,7 +102,7 @@ bat_mask bat_mask_lane_riesenfeld(size_t order)
         order = BAT_MASK_MAX - 2;
 
     bat_mask mask = {.coefficients = {1.0, 1.0}, .count = 2};
-    for (size_t averaging = 0; averaging < order; ++averaging)
+    for (size_t averaging = 0; averaging < order; averaging++)
     {
         for (size_t k = mask.count; k > 0; --k)
             mask.coefficients[k] = 0.5 * (mask.coefficients[k] + mask.coefficients[k - 1]);
@@ -61,7 +118,7 @@ bool bat_mask_is_interpolatory(const bat_mask *mask)
     size_t begin, end;
     mask_support(mask, &begin, &end);
     bool has_one = false;
-    for (size_t k = begin; k < end; ++k)
+    for (size_t k = begin; k < end; k++)
     {
         const long long index = (long long)mask->first + (long long)k;
         if (index % 2 != 0)
@@ -81,10 +138,10 @@ bool bat_mask_is_symmetric(const bat_mask *mask)
     if (begin == end)
         return false;
     double largest = 0.0;
-    for (size_t k = begin; k < end; ++k)
+    for (size_t k = begin; k < end; k++)
         largest = fmax(largest, fabs(mask->coefficients[k]));
     const double tolerance = 4.0 * DBL_EPSILON * largest;
-    for (size_t k = begin; k < end; ++k)
+    for (size_t k = begin; k < end; k++)
     {
         // Written so that a NaN is not symmetric.
         if (!(fabs(mask->coefficients[k] - mask->coefficients[begin + end - 1 - k]) <= tolerance))

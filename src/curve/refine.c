@@ -1,172 +1,15 @@
-#include "batten/analysis.h"
 #include "batten/curve.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/cascade.h"
+#include "base/progress.h"
+#include "curve/plan.h"
 #include "curve/polygon.h"
 #include "space/known.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum
-{
-    /// More levels than this overflow size_t from any number of points.
-    MOST_LEVELS = 60
-};
-
-static const double FOUR_POINT_WEIGHT = 1.0 / 16.0;
-
-const char *bat_scheme_name_for_space(const bat_space *space)
-{
-    if (space->exterior_angle != NULL && space->apex != NULL)
-        return "angle-4";
-    return space_is_euclidean(space) ? "four-point" : "log-exp-4";
-}
-
-bat_scheme bat_scheme_for_space(const bat_space *space)
-{
-    bat_scheme scheme;
-    (void)bat_scheme_by_name(bat_scheme_name_for_space(space), &scheme, NULL);
-    return scheme;
-}
-
-bat_refine_options bat_refine_defaults(void)
-{
-    return (bat_refine_options){
-        .scheme = bat_scheme_angle(BAT_TENSION_FOUR_POINT),
-        .levels = 5,
-        .ends = BAT_END_REFLECT,
-        .max_points = (size_t)1 << 40,
-    };
-}
-
-/// Which indices of the last level make the refined curve, and whether the coarse end points are put around them.
-typedef struct layout
-{
-    index_range points;
-    bool ends_added;
-    size_t count; ///< rows of the refined curve
-} layout;
-
-/// A mask has a vertex where its centre is whole: new point i lies at (i - centre) / 2 in units of old indices. `first` and
-/// `last` sum to twice the centre.
-static int doubled_centre(const refine_kernel *kernel)
-{
-    return kernel->first + kernel->last;
-}
-
-/// The points of the last level whose whole stencils lie inside 0 … count - 1.
-static index_range free_range(const refine_kernel *kernel, size_t levels, size_t count)
-{
-    ptrdiff_t low = 0, high = (ptrdiff_t)count - 1;
-    for (size_t level = 0; level < levels && low <= high; level++)
-    {
-        low = 2 * low + kernel->last - 1;
-        high = 2 * high + kernel->first + 1;
-    }
-    return (index_range){low, high + 1};
-}
-
-/// The points of the last level at parameters from 0 to count - 1. After k levels point i lies at
-/// i / 2^k - centre (1 - 1 / 2^k), so the first is the smallest i >= centre (2^k - 1).
-static index_range range_between_ends(const refine_kernel *kernel, size_t levels, size_t count)
-{
-    ptrdiff_t doubled = doubled_centre(kernel) * (((ptrdiff_t)1 << levels) - 1);
-    ptrdiff_t begin = (doubled + (doubled & 1)) / 2;
-    ptrdiff_t length = (ptrdiff_t)(count - 1) << levels;
-    return (index_range){begin, begin + length + ((doubled & 1) == 0 ? 1 : 0)};
-}
-
-static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, const bat_refine_options *options,
-                          layout *result, bat_error *error)
-{
-    size_t count = coarse->count, levels = options->levels, limit;
-    // Room for the indices themselves and for what lies beyond the ends.
-    size_t most = (size_t)PTRDIFF_MAX / 4 / sizeof(double) / (kernel->dim > 0 ? kernel->dim : 1);
-    limit = options->max_points < most ? options->max_points : most;
-    if (levels > MOST_LEVELS || count > limit >> levels)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points refined %zu times are more than %zu points",
-                         count, levels, limit);
-    *result = (layout){.points = {0, (ptrdiff_t)(count << levels)}};
-    if (!coarse->closed && options->ends == BAT_END_FREE)
-        result->points = free_range(kernel, levels, count);
-    else if (!coarse->closed)
-    {
-        result->points = range_between_ends(kernel, levels, count);
-        result->ends_added = levels > 0 && (doubled_centre(kernel) & 1) != 0;
-    }
-    ptrdiff_t length = result->points.end - result->points.begin;
-    if (length < 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "nothing is left of %zu points after %zu levels without a rule for the ends", count, levels);
-    result->count = (size_t)length + (result->ends_added ? 2 : 0);
-    if (result->count > limit)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, more than %zu",
-                         result->count, limit);
-    return BAT_OK;
-}
-
-static bat_status check_mask(const bat_mask *mask, bool interpolatory, bat_error *error)
-{
-    if (mask->count < 1 || mask->count > BAT_MASK_MAX)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a mask has 1 to %d coefficients, not %zu",
-                         BAT_MASK_MAX, mask->count);
-    if (mask->first < -BAT_MASK_MAX || mask->first > BAT_MASK_MAX)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mask's first index %d is not within %d of 0",
-                         mask->first, BAT_MASK_MAX);
-    for (size_t i = 0; i < mask->count; i++)
-        if (!isfinite(mask->coefficients[i]))
-            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "coefficient %zu of the mask is not finite", i);
-    if (interpolatory && !bat_mask_is_interpolatory(mask))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a log-exp scheme needs the mask of an interpolatory one");
-    return BAT_OK;
-}
-
-static bat_status check_options(const bat_space *space, const bat_refine_options *options, bat_error *error)
-{
-    const bat_scheme *scheme = &options->scheme;
-    if (scheme->kind != BAT_SCHEME_LINEAR && (options->snap || options->ends == BAT_END_FREE))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
-                         options->snap ? "be moved to their limit" : "leave the ends free");
-    switch (scheme->kind)
-    {
-    case BAT_SCHEME_LINEAR:
-        if (!space_is_euclidean(space))
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4", space->name);
-        return check_mask(&scheme->mask, false, error);
-    case BAT_SCHEME_ANGLE:
-        if (space->exterior_angle == NULL || space->apex == NULL)
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
-                             "dimension %zu; try log-exp-4",
-                             space->name, space->dimension);
-        if (!isfinite(scheme->tension))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the tension is not finite");
-        return BAT_OK;
-    case BAT_SCHEME_LOG_EXP:
-        return check_mask(&scheme->mask, true, error);
-    }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no scheme of kind %d", (int)scheme->kind);
-}
-
-static refine_kernel kernel_of(const bat_space *space, const bat_scheme *scheme)
-{
-    switch (scheme->kind)
-    {
-    case BAT_SCHEME_ANGLE:
-        return kernel_angle(space, scheme);
-    case BAT_SCHEME_LOG_EXP:
-        return kernel_log_exp(space, scheme);
-    case BAT_SCHEME_LINEAR:
-    default:
-        return kernel_linear(scheme, space->point_dim);
-    }
-}
 
 static polygon_end end_of(const bat_scheme *scheme, bat_end_rule rule)
 {
@@ -180,7 +23,7 @@ static polygon_end end_of(const bat_scheme *scheme, bat_end_rule rule)
 /// What a curve's channels are refined by: the scheme's own mask, or the four-point mask beside an angle-based scheme.
 static bat_scheme channel_scheme(const bat_scheme *scheme)
 {
-    return bat_scheme_linear(scheme->kind == BAT_SCHEME_ANGLE ? bat_mask_four_point(FOUR_POINT_WEIGHT) : scheme->mask);
+    return bat_scheme_linear(scheme->kind == BAT_SCHEME_ANGLE ? bat_mask_four_point(BAT_FOUR_POINT_WEIGHT) : scheme->mask);
 }
 
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
@@ -208,6 +51,36 @@ static bat_status padded_make(const bat_space *space, const cascade *task, size_
     return BAT_OK;
 }
 
+/// The largest absolute value among numbers.
+static double largest_of(const double *values, size_t count)
+{
+    double largest = 0;
+    for (size_t i = 0; i < count; i++)
+        largest = fmax(largest, fabs(values[i]));
+    return largest;
+}
+
+/// A power of two that brings the numbers near 1.
+static double scale_for(double largest)
+{
+    enum
+    {
+        MOST_EXPONENT = 1000
+    };
+    int exponent = largest > 0 && isfinite(largest) ? -ilogb(largest) : 0;
+    exponent = exponent > MOST_EXPONENT ? MOST_EXPONENT : exponent < -MOST_EXPONENT ? -MOST_EXPONENT : exponent;
+    return ldexp(1, exponent);
+}
+
+/// What an angle-based kernel wants to know of the whole polygon.
+static void inform_kernel(const padded_rows *coarse, const bat_scheme *scheme, refine_kernel *kernel)
+{
+    size_t first = coarse->closed ? 0 : 1, end = coarse->closed ? coarse->count : coarse->count - 1;
+    kernel->scale = scale_for(largest_of(coarse->rows, coarse->count * coarse->space->point_dim));
+    if (scheme->adaptive)
+        kernel->mean_angle = kernel_angle_mean(kernel, coarse->rows, first, end);
+}
+
 /// Refine rows by the levels of `task`, whose result goes to `fine`.
 static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_scheme *scheme, bat_end_rule ends,
                                 double *fine, bat_error *error)
@@ -216,9 +89,8 @@ static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_sc
                                        coarse->before, coarse->after, error);
     if (status != BAT_OK)
         return status;
-    size_t first = coarse->closed ? 0 : 1, end = coarse->closed ? coarse->count : coarse->count - 1;
-    if (scheme->kind == BAT_SCHEME_ANGLE && scheme->adaptive)
-        task->kernel.mean_angle = kernel_angle_mean(coarse->space, coarse->rows, first, end);
+    if (scheme->kind == BAT_SCHEME_ANGLE)
+        inform_kernel(coarse, scheme, &task->kernel);
     return cascade_run(task, coarse->rows, fine, error);
 }
 
@@ -226,40 +98,70 @@ static cascade make_task(const bat_space *space, const bat_scheme *scheme, const
                          bool closed)
 {
     return (cascade){
-        .kernel = kernel_of(space, scheme),
+        .kernel = kernel_for(space, scheme),
         .count = count,
         .closed = closed,
         .threads = options->threads,
-        .progress = options->progress,
     };
 }
 
-/// All levels at once, from rows to the layout's rows.
-static bat_status refine_rows(const bat_space *space, const double *rows, const bat_curve *coarse, const bat_scheme *scheme,
-                              const bat_refine_options *options, const layout *shape, double *fine, bat_error *error)
+/// Whether a mask can take numbers of this size out of the range of doubles. A bound, not an estimate.
+static bool may_overflow(const bat_mask *mask, size_t levels, double largest)
 {
+    double sum = 0;
+    for (size_t k = 0; k < mask->count; k++)
+        sum += fabs(mask->coefficients[k]);
+    return !isfinite(largest * pow(fmax(sum, 1), (double)levels + 1));
+}
+
+/// The result of a linear scheme is looked through only where it may hold what is not finite.
+static bat_status check_overflow(const padded_rows *coarse, const bat_scheme *scheme, const refine_plan *plan,
+                                 const double *fine, bat_error *error)
+{
+    size_t dim = coarse->space->point_dim, rows = coarse->before + coarse->count + coarse->after;
+    if (scheme->kind != BAT_SCHEME_LINEAR ||
+        !may_overflow(&scheme->mask, plan->options.levels, largest_of(coarse->buffer, rows * dim)))
+        return BAT_OK;
+    for (size_t i = 0; i < plan->count; i++)
+        for (size_t c = 0; c < dim; c++)
+            if (!isfinite(fine[i * dim + c]))
+            {
+                size_t point = i >> plan->options.levels;
+                return error_set(error, BAT_INVALID_POINT, point, 0, "new points after point %zu are too large for doubles",
+                                 point);
+            }
+    return BAT_OK;
+}
+
+/// All levels at once, from rows to the plan's rows.
+static bat_status refine_rows(const bat_space *space, const double *rows, const bat_curve *coarse, const bat_scheme *scheme,
+                              const refine_plan *plan, bat_progress progress, double *fine, bat_error *error)
+{
+    const bat_refine_options *options = &plan->options;
     size_t dim = space->point_dim, count = coarse->count;
     cascade task = make_task(space, scheme, options, count, coarse->closed);
     task.levels = options->levels;
-    task.result = shape->points;
-    bat_status status = options->snap ? bat_mask_limit_stencil(&scheme->mask, &task.snap, error) : BAT_OK;
-    padded_rows padded = {0};
-    if (status == BAT_OK)
-        status = padded_make(space, &task, count, coarse->closed, &padded, error);
+    task.result = plan->points;
+    task.snap = plan->snap;
+    task.progress = progress;
+    padded_rows padded;
+    bat_status status = padded_make(space, &task, count, coarse->closed, &padded, error);
     if (status == BAT_OK)
     {
         memcpy(padded.rows, rows, count * dim * sizeof *rows);
-        status = refine_padded(&padded, &task, scheme, options->ends, fine + (shape->ends_added ? dim : 0), error);
+        status = refine_padded(&padded, &task, scheme, options->ends, fine + (plan->ends_added ? dim : 0), error);
     }
-    free(padded.buffer);
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
     bool keep_ends = !coarse->closed && options->ends == BAT_END_REFLECT && scheme->kind == BAT_SCHEME_LINEAR &&
                      bat_mask_is_symmetric(&scheme->mask);
-    if (status == BAT_OK && (shape->ends_added || keep_ends))
+    if (status == BAT_OK && (plan->ends_added || keep_ends))
     {
         memcpy(fine, rows, dim * sizeof *fine);
-        memcpy(fine + (shape->count - 1) * dim, rows + (count - 1) * dim, dim * sizeof *fine);
+        memcpy(fine + (plan->count - 1) * dim, rows + (count - 1) * dim, dim * sizeof *fine);
     }
+    if (status == BAT_OK)
+        status = check_overflow(&padded, scheme, plan, fine, error);
+    free(padded.buffer);
     return status;
 }
 
@@ -272,23 +174,27 @@ static cascade one_level(const bat_curve *coarse, const bat_refine_options *opti
     return task;
 }
 
-/// Level after level, for a rule that looks at the whole polygon of each.
-static bat_status refine_level_by_level(const bat_curve *coarse, const bat_refine_options *options, double *fine,
-                                        bat_error *error)
+/// Level after level, for a rule that looks at the whole polygon of each. A level costs twice the one before.
+static bat_status refine_level_by_level(const bat_curve *coarse, const refine_plan *plan, bat_progress progress,
+                                        double *fine, bat_error *error)
 {
     const bat_space *space = coarse->space;
+    const bat_refine_options *options = &plan->options;
+    double cost = ldexp(1, (int)options->levels) - 1;
     padded_rows now;
     cascade task = one_level(coarse, options, coarse->count);
     bat_status status = padded_make(space, &task, coarse->count, coarse->closed, &now, error);
     if (status == BAT_OK)
         memcpy(now.rows, coarse->points, coarse->count * space->point_dim * sizeof *now.rows);
-    for (size_t level = 1; level <= options->levels && status == BAT_OK; level++)
+    for (size_t level = 0; level < options->levels && status == BAT_OK; level++)
     {
         size_t count = (size_t)task.result.end;
         cascade next_task = one_level(coarse, options, count);
         padded_rows next = {.rows = fine};
-        if (level < options->levels)
+        if (level + 1 < options->levels)
             status = padded_make(space, &next_task, count, coarse->closed, &next, error);
+        progress_part part = {progress, (ldexp(1, (int)level) - 1) / cost, ldexp(1, (int)level) / cost};
+        task.progress = progress_of_part(&part);
         if (status == BAT_OK)
             status = refine_padded(&now, &task, &options->scheme, options->ends, next.rows, error);
         free(now.buffer);
@@ -299,90 +205,76 @@ static bat_status refine_level_by_level(const bat_curve *coarse, const bat_refin
     return status;
 }
 
-static bat_status refine_points(const bat_curve *coarse, const bat_refine_options *options, const layout *shape,
-                                double *fine, bat_error *error)
+static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
+                                bat_error *error)
 {
-    if (options->scheme.kind == BAT_SCHEME_ANGLE && options->scheme.adaptive && options->levels > 0)
-        return refine_level_by_level(coarse, options, fine, error);
-    return refine_rows(coarse->space, coarse->points, coarse, &options->scheme, options, shape, fine, error);
+    const bat_scheme *scheme = &plan->options.scheme;
+    if (scheme->kind == BAT_SCHEME_ANGLE && scheme->adaptive && plan->options.levels > 0)
+        return refine_level_by_level(coarse, plan, progress, fine, error);
+    return refine_rows(coarse->space, coarse->points, coarse, scheme, plan, progress, fine, error);
 }
 
-static bat_status refine_channels(const bat_curve *coarse, const bat_refine_options *options, const layout *shape,
-                                  double *fine, bat_error *error)
+static bat_status refine_channels(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
+                                  bat_error *error)
 {
     bat_space space = bat_euclidean(coarse->channel_count);
-    bat_scheme scheme = channel_scheme(&options->scheme);
-    return refine_rows(&space, coarse->channels, coarse, &scheme, options, shape, fine, error);
+    bat_scheme scheme = channel_scheme(&plan->options.scheme);
+    return refine_rows(&space, coarse->channels, coarse, &scheme, plan, progress, fine, error);
 }
 
-/// Everything that can be said before anything is computed.
-static bat_status prepare(const bat_curve *coarse, const bat_refine_options *options, layout *shape, bat_error *error)
+/// Points first, then channels; progress by the numbers made.
+static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
+                            bat_error *error)
 {
-    bat_status status = check_options(coarse->space, options, error);
-    if (status == BAT_OK && coarse->channel_count > BAT_SPACE_MAX_DIM)
-        status = error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu channels are more than %d", coarse->channel_count,
-                           BAT_SPACE_MAX_DIM);
-    if (status == BAT_OK)
-        status = bat_curve_check(coarse, error);
-    if (status != BAT_OK)
-        return status;
-    refine_kernel kernel = kernel_of(coarse->space, &options->scheme);
-    return lay_out(&kernel, coarse, options, shape, error);
+    bool has_channels = coarse->channel_count > 0 && channels != NULL;
+    double point_dim = (double)coarse->space->point_dim;
+    double share = has_channels ? point_dim / (point_dim + (double)coarse->channel_count) : 1;
+    progress_part parts[2] = {{plan->options.progress, 0, share}, {plan->options.progress, share, 1 - share}};
+    bat_status status = refine_points(coarse, plan, progress_of_part(&parts[0]), points, error);
+    if (status == BAT_OK && has_channels)
+        status = refine_channels(coarse, plan, progress_of_part(&parts[1]), channels, error);
+    return status;
 }
 
 bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_options *options, size_t *count,
                                    bat_error *error)
 {
-    bat_refine_options defaults = bat_refine_defaults();
-    layout shape;
-    bat_status status = prepare(coarse, options != NULL ? options : &defaults, &shape, error);
+    refine_plan plan;
+    bat_status status = refine_plan_make(coarse, options, &plan, error);
     if (status == BAT_OK)
-        *count = shape.count;
-    return status;
-}
-
-static bat_status fill(const bat_curve *coarse, const bat_refine_options *options, const layout *shape, double *points,
-                       double *channels, bat_error *error)
-{
-    bat_status status = refine_points(coarse, options, shape, points, error);
-    if (status == BAT_OK && coarse->channel_count > 0 && channels != NULL)
-        status = refine_channels(coarse, options, shape, channels, error);
+        *count = plan.count;
     return status;
 }
 
 bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
                                  double *channels, size_t capacity, bat_error *error)
 {
-    bat_refine_options defaults = bat_refine_defaults();
-    options = options != NULL ? options : &defaults;
-    layout shape;
-    bat_status status = prepare(coarse, options, &shape, error);
+    refine_plan plan;
+    bat_status status = refine_plan_make(coarse, options, &plan, error);
     if (status != BAT_OK)
         return status;
-    if (capacity < shape.count)
+    if (capacity < plan.count)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, there is room for %zu",
-                         shape.count, capacity);
-    return fill(coarse, options, &shape, points, channels, error);
+                         plan.count, capacity);
+    return carry_out(coarse, &plan, points, channels, error);
 }
 
 bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_options *options, bat_curve *fine, bat_error *error)
 {
-    bat_refine_options defaults = bat_refine_defaults();
-    options = options != NULL ? options : &defaults;
-    layout shape;
-    bat_status status = prepare(coarse, options, &shape, error);
+    refine_plan plan;
+    bat_status status = refine_plan_make(coarse, options, &plan, error);
     if (status != BAT_OK)
         return status;
     size_t channel_count = coarse->channel_count, row = coarse->space->point_dim * sizeof(double);
     bat_curve result = {
-        .space = coarse->space, .count = shape.count, .closed = coarse->closed, .channel_count = channel_count};
-    result.points = memory_array(shape.count, row);
+        .space = coarse->space, .count = plan.count, .closed = coarse->closed, .channel_count = channel_count};
+    result.points = memory_array(plan.count, row);
     if (channel_count > 0)
-        result.channels = memory_array(shape.count, channel_count * sizeof *result.channels);
+        result.channels = memory_array(plan.count, channel_count * sizeof *result.channels);
     if (result.points == NULL || (channel_count > 0 && result.channels == NULL))
-        status = error_memory(error, shape.count * row);
+        status = error_memory(error, plan.count * row);
     else
-        status = fill(coarse, options, &shape, result.points, result.channels, error);
+        status = carry_out(coarse, &plan, result.points, result.channels, error);
     if (status != BAT_OK)
     {
         bat_curve_free(&result);

@@ -1,38 +1,79 @@
 #include "batten/curve.h"
 
+#include "base/error.h"
+#include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
+
+enum
+{
+    /// From this many curves a thread on, each thread refines whole curves; of fewer, the threads share each one's points.
+    MANY = 4
+};
+
+static bat_refine_options options_for(const bat_curve *curve, const bat_refine_options *options)
+{
+    bat_refine_options how = options != NULL ? *options : bat_refine_defaults();
+    if (options == NULL)
+        how.scheme = bat_scheme_for_space(curve->space);
+    return how;
+}
+
+static void refine_many(const bat_curve *coarse, const bat_refine_options *options, int threads, bat_curve *fine,
+                        shared_work *work)
+{
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t i = 0; i < work->total; i++)
+    {
+        if (!shared_work_wants(work, i))
+            continue;
+        bat_error error;
+        bat_refine_options how = options_for(&coarse[i], options);
+        how.threads = 1;
+        how.progress = (bat_progress){0};
+        bat_status status = bat_curve_refine(&coarse[i], &how, &fine[i], &error);
+        shared_work_finish(work, i, status, &error);
+    }
+}
+
+/// One after the other, each reporting its part of the whole.
+static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_refine_options *options, bat_curve *fine,
+                             size_t *failed, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        bat_refine_options how = options_for(&coarse[i], options);
+        progress_part part = {how.progress, (double)i / (double)count, 1 / (double)count};
+        how.progress = progress_of_part(&part);
+        status = bat_curve_refine(&coarse[i], &how, &fine[i], error);
+        *failed = i;
+    }
+    return status;
+}
 
 bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_refine_options *options, bat_curve *fine,
                              size_t *failed_curve, bat_error *error)
 {
-    bat_refine_options how = options != NULL ? *options : bat_refine_defaults();
-    // Of one curve the points are shared by threads, of several the curves.
-    bool alone = count == 1;
-    shared_work work = shared_work_make(count, alone ? (bat_progress){0} : how.progress);
-    int threads = threads_for(how.threads, count);
-    if (!alone)
-    {
-        how.progress = (bat_progress){0};
-        how.threads = 1;
-    }
+    int threads = threads_for(options != NULL ? options->threads : 0, SIZE_MAX);
+    size_t failed = 0;
+    bat_status status;
     for (size_t i = 0; i < count; i++)
         fine[i] = (bat_curve){.space = coarse[i].space};
-#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) if (threads > 1)
-    for (size_t i = 0; i < count; i++)
+    if (count < MANY * (size_t)threads)
+        status = refine_few(coarse, count, options, fine, &failed, error);
+    else
     {
-        if (!shared_work_wants(&work, i))
-            continue;
-        bat_error own;
-        bat_status status = bat_curve_refine(coarse + i, &how, fine + i, &own);
-        shared_work_finish(&work, i, status, &own);
+        shared_work work = shared_work_make(count, options != NULL ? options->progress : (bat_progress){0});
+        refine_many(coarse, options, threads, fine, &work);
+        status = shared_work_end(&work, error);
+        failed = work.failed;
     }
-    bat_status status = shared_work_end(&work, error);
     if (status == BAT_OK)
         return BAT_OK;
     for (size_t i = 0; i < count; i++)
-        bat_curve_free(fine + i);
-    if (failed_curve != NULL && work.failed < count)
-        *failed_curve = work.failed;
+        bat_curve_free(&fine[i]);
+    if (failed_curve != NULL && status != BAT_CANCELLED)
+        *failed_curve = failed;
     return status;
 }

@@ -25,7 +25,8 @@ bat_scheme bat_scheme_log_exp(bat_mask mask)
 /// The settings that a scheme's name may carry, with their values before the text is read.
 typedef struct settings
 {
-    double w, r, s, mu, order, adaptive;
+    double w, r, s, mu, order;
+    bool adaptive;
     bat_angle_sign sign;
     bat_log_exp_base base;
 } settings;
@@ -68,7 +69,7 @@ static bat_scheme make_angle(const settings *s)
 {
     bat_scheme scheme = bat_scheme_angle(s->mu);
     scheme.sign = s->sign;
-    scheme.adaptive = s->adaptive != 0;
+    scheme.adaptive = s->adaptive;
     return scheme;
 }
 
@@ -89,7 +90,7 @@ static bat_scheme make_log_exp_6(const settings *s)
 static const entry ENTRIES[] = {
     {"chaikin", "", "corner cutting at 1/4 and 3/4, the quadratic B-spline; R^n", {.w = 0}, make_chaikin},
     {"corner-cutting", "r=0.25,s=0.75", "corner cutting at r and s; R^n", {.r = 0.25, .s = 0.75}, make_corner_cutting},
-    {"four-point", "w=0.0625", "interpolates, C1, reproduces cubics; R^n", {.w = 1.0 / 16}, make_four_point},
+    {"four-point", "w=0.0625", "interpolates, C1, reproduces cubics; R^n", {.w = BAT_FOUR_POINT_WEIGHT}, make_four_point},
     {"six-point", "w=0.01171875", "interpolates, C2, reproduces quintics; R^n", {.w = BAT_SIX_POINT_WEIGHT}, make_six_point},
     {"lane-riesenfeld", "order=3", "the B-spline of degree `order`; R^n", {.order = 3}, make_lane_riesenfeld},
     {"mask", "a,b,c,…@first", "any mask, coefficients as numbers or fractions; R^n", {.w = 0}, NULL},
@@ -111,7 +112,7 @@ static const entry ENTRIES[] = {
     {"log-exp-4",
      "w=0.0625,base=vertex",
      "the four-point scheme in tangent spaces; any space",
-     {.w = 1.0 / 16},
+     {.w = BAT_FOUR_POINT_WEIGHT},
      make_log_exp_4},
     {"log-exp-6",
      "w=0.01171875,base=vertex",
@@ -151,7 +152,7 @@ static bool read_number(const char **text, double *value)
     }
     *text = end;
     *value = numerator / denominator;
-    return true;
+    return isfinite(*value);
 }
 
 /// "1/4,3/4,3/4,1/4@-2"
@@ -163,7 +164,8 @@ static bat_status read_mask(const char *text, bat_scheme *scheme, bat_error *err
     {
         double value;
         if (mask.count == BAT_MASK_MAX)
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a mask has at most %d coefficients", BAT_MASK_MAX);
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a mask has at most %d coefficients",
+                             BAT_MASK_MAX);
         if (!read_number(&at, &value))
             return error_set(error, BAT_INVALID_ARGUMENT, mask.count, 0, "coefficient %zu of the mask '%s' is not a number",
                              mask.count, text);
@@ -192,56 +194,64 @@ static bool takes(const entry *e, const char *key, size_t length)
 {
     for (const char *item = e->settings; item != NULL && *item != '\0'; item = strchr(item, ','))
     {
-        item += *item == ',';
+        item += *item == ',' ? 1 : 0;
         if (strncmp(item, key, length) == 0 && item[length] == '=')
             return true;
     }
     return false;
 }
 
-static bool read_word(const char *value, size_t length, const char *zero, const char *one, int *chosen)
+/// Whether `length` characters are the word.
+static bool is_word(const char *text, size_t length, const char *word)
 {
-    bool is_zero = strlen(zero) == length && strncmp(value, zero, length) == 0;
-    bool is_one = strlen(one) == length && strncmp(value, one, length) == 0;
-    *chosen = is_one;
-    return is_zero || is_one;
+    return strlen(word) == length && strncmp(text, word, length) == 0;
 }
 
-/// One item `key=value`; *text moves behind it.
-static bool read_setting(const char *key, size_t key_length, const char **text, settings *s)
+/// One of two words: 0 for the first, 1 for the second, -1 for neither.
+static int read_word(const char *text, size_t length, const char *first, const char *second)
 {
-    const char *value = *text;
-    size_t length = strcspn(value, ",");
-    int chosen = 0;
-    if (key_length == 4 && strncmp(key, "sign", 4) == 0)
+    return is_word(text, length, first) ? 0 : is_word(text, length, second) ? 1 : -1;
+}
+
+/// The value of one item, `length` characters long.
+static bool read_setting(const char *key, size_t key_length, const char *value, size_t length, settings *s)
+{
+    int chosen = -1;
+    if (is_word(key, key_length, "sign"))
     {
-        bool known = read_word(value, length, "outward", "printed", &chosen);
-        s->sign = chosen ? BAT_ANGLE_PRINTED : BAT_ANGLE_OUTWARD;
-        *text = value + length;
-        return known;
+        chosen = read_word(value, length, "outward", "printed");
+        s->sign = chosen == 1 ? BAT_ANGLE_PRINTED : BAT_ANGLE_OUTWARD;
+        return chosen >= 0;
     }
-    if (key_length == 4 && strncmp(key, "base", 4) == 0)
+    if (is_word(key, key_length, "base"))
     {
-        bool known = read_word(value, length, "vertex", "midpoint", &chosen);
-        s->base = chosen ? BAT_BASE_MIDPOINT : BAT_BASE_VERTEX;
-        *text = value + length;
-        return known;
+        chosen = read_word(value, length, "vertex", "midpoint");
+        s->base = chosen == 1 ? BAT_BASE_MIDPOINT : BAT_BASE_VERTEX;
+        return chosen >= 0;
+    }
+    if (is_word(key, key_length, "adaptive"))
+    {
+        chosen = read_word(value, length, "0", "1");
+        s->adaptive = chosen == 1;
+        return chosen >= 0;
     }
     const struct
     {
         const char *key;
         double *value;
-    } numbers[] = {{"w", &s->w},   {"r", &s->r},         {"s", &s->s},
-                   {"mu", &s->mu}, {"order", &s->order}, {"adaptive", &s->adaptive}};
+    } numbers[] = {{"w", &s->w}, {"r", &s->r}, {"s", &s->s}, {"mu", &s->mu}, {"order", &s->order}};
+    const char *end = value;
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-        if (strlen(numbers[i].key) == key_length && strncmp(key, numbers[i].key, key_length) == 0)
-            return read_number(text, numbers[i].value) && *text == value + length;
+        if (is_word(key, key_length, numbers[i].key))
+            return read_number(&end, numbers[i].value) && end == value + length;
     return false;
 }
 
+/// "key=value,key=value"
 static bat_status read_settings(const entry *e, const char *text, settings *s, bat_error *error)
 {
-    while (*text != '\0')
+    bool more = *text != '\0';
+    while (more)
     {
         size_t key_length = strcspn(text, "=,");
         const char *key = text;
@@ -249,12 +259,14 @@ static bat_status read_settings(const entry *e, const char *text, settings *s, b
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                              "the scheme %s has no setting '%.*s'; it takes: %s", e->name, (int)key_length, key,
                              e->settings[0] != '\0' ? e->settings : "none");
-        text += key_length + 1;
-        if (!read_setting(key, key_length, &text, s))
+        const char *value = text + key_length + 1;
+        size_t length = strcspn(value, ",");
+        if (!read_setting(key, key_length, value, length, s))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, key, e->name,
-                             (int)strcspn(text, ","), text);
-        text += *text == ',';
+                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, key, e->name, (int)length,
+                             value);
+        more = value[length] == ',';
+        text = value + length + 1;
     }
     return BAT_OK;
 }

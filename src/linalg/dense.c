@@ -51,7 +51,7 @@ bat_status dense_spectral_radius(size_t n, const double *a, double *scratch, dou
     if (status != BAT_OK)
         return status;
     *radius = 0.0;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
         *radius = fmax(*radius, hypot(real[i], imaginary[i]));
     return BAT_OK;
 }
@@ -117,7 +117,7 @@ bat_status dense_spectral_radius_below(size_t n, const double *a, double distanc
     double *radius = system.cosine;
     double *least = system.right;
     const double total = distance + rounding_distance(n, a);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         radius[i] = disc_radius(n, total, radius[i]);
         least[i] = fmax(0.0, hypot(system.real[i], system.imaginary[i]) - radius[i]);
@@ -125,9 +125,9 @@ bat_status dense_spectral_radius_below(size_t n, const double *a, double distanc
     for (bool changed = true; changed;)
     {
         changed = false;
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; i++)
         {
-            for (size_t j = 0; j < n; ++j)
+            for (size_t j = 0; j < n; j++)
             {
                 const double gap = hypot(system.real[i] - system.real[j], system.imaginary[i] - system.imaginary[j]);
                 if (least[j] < least[i] && gap <= radius[i] + radius[j])
@@ -139,7 +139,7 @@ bat_status dense_spectral_radius_below(size_t n, const double *a, double distanc
         }
     }
     *bound = 0.0;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
         *bound = fmax(*bound, least[i]);
     free(system.memory);
     return BAT_OK;
@@ -150,7 +150,7 @@ static void normalize_complex(size_t n, double *real, double *imaginary)
 {
     size_t largest = 0;
     double modulus = 0.0;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         const double candidate = hypot(real[i], imaginary[i]);
         if (candidate >= modulus * (1.0 - 1e-9))
@@ -164,7 +164,7 @@ static void normalize_complex(size_t n, double *real, double *imaginary)
         return;
     const double cosine = real[largest] / square;
     const double sine = -imaginary[largest] / square;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         const double x = real[i];
         real[i] = cosine * x - sine * imaginary[i];
@@ -179,13 +179,13 @@ bat_status dense_leading_vector(size_t n, const double *a, double *real, double 
     if (status != BAT_OK)
         return status;
     size_t leading = 0;
-    for (size_t i = 1; i < n; ++i)
+    for (size_t i = 1; i < n; i++)
     {
         if (hypot(system.real[i], system.imaginary[i]) > hypot(system.real[leading], system.imaginary[leading]))
             leading = i;
     }
     const bool is_complex = system.imaginary[leading] != 0.0;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         real[i] = system.right[i * n + leading];
         imaginary[i] = is_complex ? system.right[i * n + leading + 1] : 0.0;
@@ -202,7 +202,7 @@ bat_status dense_eigenvalues(size_t n, const double *a, double *real, double *im
     if (status != BAT_OK)
         return status;
     const double distance = rounding_distance(n, a);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         real[i] = system.real[i];
         imaginary[i] = system.imaginary[i];
@@ -224,7 +224,7 @@ bat_status dense_null_space(size_t n, const double *a, double real, double imagi
     double *adjoint = shifted + 2 * n * n;
     double *singular = adjoint + 2 * n * n;
     double *superdiagonal = singular + n;
-    for (size_t i = 0; i < n * n; ++i)
+    for (size_t i = 0; i < n * n; i++)
     {
         const bool diagonal = i % (n + 1) == 0;
         shifted[2 * i] = a[i] - (diagonal ? real : 0.0);
@@ -240,7 +240,7 @@ bat_status dense_null_space(size_t n, const double *a, double real, double imagi
     {
         const double *row = adjoint + 2 * n * (n - 1 - *count);
         double *vector = vectors + 2 * n * *count;
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; i++)
         {
             vector[2 * i] = row[2 * i];
             vector[2 * i + 1] = -row[2 * i + 1];
@@ -259,9 +259,9 @@ bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const
     if (memory == NULL)
         return error_memory(error, numbers * sizeof *memory);
     double *right = memory + (n + 1) * n;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
-        for (size_t j = 0; j < n; ++j)
+        for (size_t j = 0; j < n; j++)
             memory[i * n + j] = a[j * n + i] - (i == j ? eigenvalue : 0.0);
         right[i] = 0.0;
     }

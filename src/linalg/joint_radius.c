@@ -45,10 +45,10 @@ static void off_diagonal_sums(const matrix_set *set, size_t i, double *row, doub
 {
     const size_t n = set->dimension;
     *row = *column = 0.0;
-    for (size_t m = 0; m < set->count; ++m)
+    for (size_t m = 0; m < set->count; m++)
     {
         const double *a = matrix_set_at(set, m);
-        for (size_t j = 0; j < n; ++j)
+        for (size_t j = 0; j < n; j++)
         {
             if (j == i)
                 continue;
@@ -67,9 +67,9 @@ static void balance(matrix_set *set)
         SWEEPS = 10
     };
     const size_t n = set->dimension;
-    for (size_t sweep = 0; sweep < SWEEPS; ++sweep)
+    for (size_t sweep = 0; sweep < SWEEPS; sweep++)
     {
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; i++)
         {
             double row, column;
             off_diagonal_sums(set, i, &row, &column);
@@ -78,10 +78,10 @@ static void balance(matrix_set *set)
             const double factor = exp2(round(0.5 * log2(row / column)));
             if (factor == 1.0 || !isfinite(factor))
                 continue;
-            for (size_t m = 0; m < set->count; ++m)
+            for (size_t m = 0; m < set->count; m++)
             {
                 double *a = matrix_set_at(set, m);
-                for (size_t j = 0; j < n; ++j)
+                for (size_t j = 0; j < n; j++)
                 {
                     a[j * n + i] *= factor;
                     a[i * n + j] /= factor;
@@ -97,12 +97,12 @@ static double scale_to_unit(matrix_set *set)
 {
     const size_t n = set->dimension;
     double largest = 0.0;
-    for (size_t m = 0; m < set->count; ++m)
+    for (size_t m = 0; m < set->count; m++)
         largest = fmax(largest, dense_norm(n, matrix_set_at(set, m)));
     if (largest == 0.0)
         return 1.0;
     const double scale = exp2(round(log2(largest)));
-    for (size_t i = 0; i < set->count * n * n; ++i)
+    for (size_t i = 0; i < set->count * n * n; i++)
         set->entries[i] /= scale;
     return scale;
 }
@@ -178,7 +178,7 @@ static bat_status visit_lyndon_words(word_search *search, size_t position, size_
         return period == search->length ? visit_word(search) : BAT_OK;
     const unsigned char first = position == 0 ? 0 : search->word.letters[position - period];
     bat_status status = BAT_OK;
-    for (size_t letter = first; letter < search->set->count && status == BAT_OK; ++letter)
+    for (size_t letter = first; letter < search->set->count && status == BAT_OK; letter++)
     {
         search->word.letters[position] = (unsigned char)letter;
         extend_product(search, position);
@@ -248,7 +248,7 @@ static bat_status grow_at_lower_bound(bound_search *search, bool is_new, size_t 
         status = start_growth(set, set, result, result->lower, 2, vertices, &search->growth, error);
         search->growing = status == BAT_OK;
     }
-    for (size_t round = 0; round < ROUNDS_PER_DEPTH && status == BAT_OK && !search->closed && !search->growth.full; ++round)
+    for (size_t round = 0; round < ROUNDS_PER_DEPTH && status == BAT_OK && !search->closed && !search->growth.full; round++)
     {
         double bound;
         status = polytope_growth_round(&search->growth, &bound, &search->closed, error);
@@ -342,7 +342,7 @@ static bat_status bound_scaled(const matrix_set *set, const joint_radius_limits 
 
     bound_search search = {.words = {.set = set, .result = result, .error = error}, .excess = FIRST_EXCESS};
     bat_status status = search_memory(&search, limits->depth, error);
-    for (size_t depth = 1; depth <= limits->depth && status == BAT_OK && !is_enough(result, &scaled); ++depth)
+    for (size_t depth = 1; depth <= limits->depth && status == BAT_OK && !is_enough(result, &scaled); depth++)
         status = deepen(&search, depth, &scaled, error);
     if (search.growing)
         polytope_growth_free(&search.growth);
@@ -356,7 +356,7 @@ static bat_status bound_scaled(const matrix_set *set, const joint_radius_limits 
 static void bound_numbers(const matrix_set *set, joint_radius *result)
 {
     *result = (joint_radius){.length = 1, .leader_count = 1, .leaders = {{.length = 1}}};
-    for (size_t m = 0; m < set->count; ++m)
+    for (size_t m = 0; m < set->count; m++)
     {
         if (fabs(set->entries[m]) <= result->upper)
             continue;
@@ -385,7 +385,7 @@ bat_status joint_radius_bound(const matrix_set *set, const joint_radius_limits *
     matrix_set_free(&copy);
     result->lower *= scale;
     result->upper *= scale;
-    for (size_t l = 0; l < result->leader_count; ++l)
+    for (size_t l = 0; l < result->leader_count; l++)
         result->leaders[l].growth *= scale;
     return status;
 }
@@ -404,7 +404,7 @@ static bat_status grow_below(const matrix_set *hull, const matrix_set *middle, c
         return status;
     bool closed = false;
     *proven = false;
-    for (size_t round = 0; round < ROUNDS_PER_DEPTH * limits->depth && !closed && !growth.full && !*proven; ++round)
+    for (size_t round = 0; round < ROUNDS_PER_DEPTH * limits->depth && !closed && !growth.full && !*proven; round++)
     {
         double bound;
         status = polytope_growth_round(&growth, &bound, &closed, error);
@@ -445,7 +445,7 @@ bat_status joint_radius_word_below(const matrix_set *set, const matrix_word *wor
     double *next = memory + n * n;
     memcpy(product, matrix_set_at(set, word->letters[0]), n * n * sizeof *product);
     double error_norm = distance;
-    for (size_t t = 1; t < word->length; ++t)
+    for (size_t t = 1; t < word->length; t++)
     {
         const double *factor = matrix_set_at(set, word->letters[t]);
         const double size = dense_norm(n, product);

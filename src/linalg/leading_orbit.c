@@ -13,7 +13,7 @@ static void multiply_word(const matrix_set *set, const matrix_word *word, double
 {
     const size_t n = set->dimension;
     memcpy(product, matrix_set_at(set, word->letters[0]), n * n * sizeof *product);
-    for (size_t t = 1; t < word->length; ++t)
+    for (size_t t = 1; t < word->length; t++)
     {
         dense_multiply(n, product, matrix_set_at(set, word->letters[t]), other);
         memcpy(product, other, n * n * sizeof *product);
@@ -24,11 +24,11 @@ static void multiply_word(const matrix_set *set, const matrix_word *word, double
 static void follow(const matrix_set *set, const matrix_word *word, double rate, double *vector)
 {
     const size_t n = set->dimension;
-    for (size_t step = 1; step < word->length; ++step)
+    for (size_t step = 1; step < word->length; step++)
     {
         double *image = vector + step * n;
         dense_apply(n, matrix_set_at(set, word->letters[word->length - step]), image - n, image);
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; i++)
             image[i] /= rate;
     }
 }
@@ -50,14 +50,14 @@ static bat_status word_orbits(const matrix_set *set, const matrix_word *word, do
     if (status != BAT_OK)
         return status;
     bool is_complex = false;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
         is_complex = is_complex || imaginary[i] != 0.0;
     *count = 0;
-    for (size_t phase = 0; phase < (is_complex ? phases : 1); ++phase)
+    for (size_t phase = 0; phase < (is_complex ? phases : 1); phase++)
     {
         const double angle = pi * (double)phase / (double)phases;
         double *row = rows + *count * n;
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; i++)
             row[i] = cos(angle) * real[i] + sin(angle) * imaginary[i];
         follow(set, word, rate, row);
         *count += word->length;
@@ -70,13 +70,13 @@ bat_status leading_orbits(const matrix_set *set, const joint_radius *radius, dou
 {
     const size_t n = set->dimension;
     size_t rows = 0;
-    for (size_t l = 0; l < radius->leader_count; ++l)
+    for (size_t l = 0; l < radius->leader_count; l++)
         rows += phases * radius->leaders[l].length;
     *count = 0;
     *vectors = memory_array(rows * n, sizeof **vectors);
     double *memory = memory_array(2 * n * (n + 1), sizeof *memory);
     bat_status status = *vectors != NULL && memory != NULL ? BAT_OK : error_memory(error, rows * n * sizeof **vectors);
-    for (size_t l = 0; l < radius->leader_count && status == BAT_OK; ++l)
+    for (size_t l = 0; l < radius->leader_count && status == BAT_OK; l++)
     {
         size_t more;
         status = word_orbits(set, &radius->leaders[l], rate, phases, memory, *vectors + *count * n, &more, error);

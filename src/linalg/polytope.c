@@ -41,7 +41,7 @@ static void reset_basis(polytope *p)
 {
     const size_t n = p->dimension;
     memset(p->inverse, 0, n * n * sizeof *p->inverse);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         p->basis[i] = i;
         p->inverse[i * n + i] = 1.0 / p->vertices[i * n + i];
@@ -64,7 +64,7 @@ bat_status polytope_make(size_t dimension, size_t capacity, double radius, polyt
         return error_memory(error, capacity * n * sizeof(double));
     }
     memset(result->vertices, 0, n * n * sizeof *result->vertices);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
         result->vertices[i * n + i] = radius;
     reset_basis(result);
     return BAT_OK;
@@ -95,7 +95,7 @@ static size_t price_vertices(const polytope *p, const simplex *s)
     cblas_dgemv(CblasRowMajor, CblasTrans, n, n, 1.0, p->inverse, n, s->sign, 1, 0.0, s->dual, 1);
     cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)p->count, n, 1.0, p->vertices, n, s->dual, 1, 0.0, s->price, 1);
     size_t best = 0;
-    for (size_t v = 1; v < p->count; ++v)
+    for (size_t v = 1; v < p->count; v++)
     {
         if (fabs(s->price[v]) > fabs(s->price[best]))
             best = v;
@@ -113,7 +113,7 @@ static size_t choose_leaving(const polytope *p, const simplex *s, size_t enterin
     cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)n, (int)n, direction, p->inverse, (int)n, p->vertices + entering * n, 1,
                 0.0, s->column, 1);
     double smallest_pivot = 0.0;
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
         smallest_pivot = fmax(smallest_pivot, PIVOT_TOLERANCE * fabs(s->column[i]));
 
     double slope = 1.0 - fabs(s->price[entering]);
@@ -121,7 +121,7 @@ static size_t choose_leaving(const polytope *p, const simplex *s, size_t enterin
     {
         size_t next = n;
         double nearest = HUGE_VAL;
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; i++)
         {
             const double speed = s->sign[i] * s->column[i];
             if (speed <= smallest_pivot)
@@ -148,7 +148,7 @@ static void pivot(polytope *p, const simplex *s, size_t entering, size_t leaving
     const size_t n = p->dimension;
     double *row = p->inverse + leaving * n;
     cblas_dscal((int)n, copysign(1.0, s->price[entering]) / s->column[leaving], row, 1);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         if (i != leaving)
             cblas_daxpy((int)n, -copysign(1.0, s->price[entering]) * s->column[i], row, 1, p->inverse + i * n, 1);
@@ -162,7 +162,7 @@ static double represent(const polytope *p, const double *x, const simplex *s)
     const int n = (int)p->dimension;
     cblas_dgemv(CblasRowMajor, CblasNoTrans, n, n, 1.0, p->inverse, n, x, 1, 0.0, s->coefficient, 1);
     double sum = 0.0;
-    for (size_t i = 0; i < p->dimension; ++i)
+    for (size_t i = 0; i < p->dimension; i++)
     {
         s->sign[i] = s->coefficient[i] < 0.0 ? -1.0 : 1.0;
         sum += fabs(s->coefficient[i]);
@@ -175,7 +175,7 @@ static double minimize(polytope *p, const double *x, const simplex *s, double en
     const size_t n = p->dimension;
     const size_t limit = 20 + 8 * n;
     double sum = represent(p, x, s);
-    for (size_t step = 0; step < limit && sum > enough; ++step)
+    for (size_t step = 0; step < limit && sum > enough; step++)
     {
         const size_t entering = price_vertices(p, s);
         if (fabs(s->price[entering]) <= 1.0 + PRICE_TOLERANCE)
@@ -202,11 +202,11 @@ static mismatch representation_mismatch(const polytope *p, const double *x, cons
     const size_t n = p->dimension;
     const double share = (double)(n + 4) * DBL_EPSILON;
     mismatch norm = {0.0, 0.0};
-    for (size_t j = 0; j < n; ++j)
+    for (size_t j = 0; j < n; j++)
     {
         double residual = x[j];
         double size = fabs(x[j]);
-        for (size_t i = 0; i < n; ++i)
+        for (size_t i = 0; i < n; i++)
         {
             const double term = s->coefficient[i] * p->vertices[p->basis[i] * n + j];
             residual -= term;

@@ -21,7 +21,7 @@ bat_status polytope_growth_make(const matrix_set *set, double rate, const double
     if (capacity < n + seed_count)
         capacity = n + seed_count;
     const bat_status status = polytope_make(n, capacity, UNIT_RADIUS, &growth->hull, error);
-    for (size_t i = 0; status == BAT_OK && i < seed_count; ++i)
+    for (size_t i = 0; status == BAT_OK && i < seed_count; i++)
         polytope_add(&growth->hull, seeds + i * n);
     return status;
 }
@@ -51,11 +51,11 @@ static int compare_images(const void *left, const void *right)
 static void map_vertex(size_t n, const double *matrix, const double *vertex, double rate, double *mapped,
                        double *uncertainty)
 {
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; i++)
     {
         double sum = 0.0;
         double size = 0.0;
-        for (size_t j = 0; j < n; ++j)
+        for (size_t j = 0; j < n; j++)
         {
             const double term = matrix[i * n + j] * vertex[j];
             sum += term;
@@ -71,7 +71,7 @@ static void measure_images(polytope_growth *growth, size_t vertex_count, image *
 {
     const matrix_set *set = growth->set;
     const size_t n = set->dimension;
-    for (size_t index = 0; index < vertex_count * set->count; ++index)
+    for (size_t index = 0; index < vertex_count * set->count; index++)
     {
         const double *vertex = growth->hull.vertices + (growth->frontier + index / set->count) * n;
         double *mapped = vectors + 2 * index * n;
@@ -84,7 +84,7 @@ static void measure_images(polytope_growth *growth, size_t vertex_count, image *
 static void add_images(polytope_growth *growth, const image *images, size_t count, const double *vectors)
 {
     const size_t n = growth->set->dimension;
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; i++)
     {
         if (images[i].norm <= INSIDE)
         {

@@ -165,7 +165,7 @@ static bat_status fill_rows(table_state *state, const case_set *set, bat_tension
         {"six-point-printed", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_PRINTED, false)},
         {"four-point-outward", angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_OUTWARD, false)},
         {"six-point-outward", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_OUTWARD, false)},
-        {"log-exp-4", bat_scheme_log_exp(bat_mask_four_point(1.0 / 16))},
+        {"log-exp-4", bat_scheme_log_exp(bat_mask_four_point(BAT_FOUR_POINT_WEIGHT))},
         {"log-exp-6", bat_scheme_log_exp(bat_mask_six_point(BAT_SIX_POINT_WEIGHT))},
         {"oracle-printed", angle(best_printed, BAT_ANGLE_PRINTED, false)},
         {"oracle-outward", angle(best_outward, BAT_ANGLE_OUTWARD, false)},

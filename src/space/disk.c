@@ -1,8 +1,7 @@
 #include "space/disk.h"
 #include "batten/space.h"
-#include "space/known.h"
-
 #include <math.h>
+#include <stdbool.h>
 
 // Points are complex numbers z = x + i y. Tangent vectors at p are given in the frame that z -> (z + p) / (1 + conj(p) z)
 // brings from the origin.
@@ -46,13 +45,48 @@ static bat_status logarithm(const bat_space *space, const double *p, const doubl
     return BAT_OK;
 }
 
+/// Steps up to this length go by the Möbius sum, which loses nothing to cancellation when they are short.
+static const double SHORT_STEP = 1;
+
+/// A long step, with the unit tangent u, s = 1 - tanh(r/2) = 2 / (e^r + 1) and A = p + u: the Möbius sum p + (1 - s) u is
+/// (A - s u) / (u conj(A) - s conj(p) u), in which the distance from the rim is kept to full relative accuracy.
+static void long_step(const double *p, const double *u, double length, double *q)
+{
+    double s = 2 / (exp(length) + 1);
+    double a[2] = {p[0] + u[0], p[1] + u[1]};
+    double numerator[2] = {a[0] - s * u[0], a[1] - s * u[1]};
+    double re = (u[0] * a[0] + u[1] * a[1]) - s * (p[0] * u[0] + p[1] * u[1]);
+    double im = (u[1] * a[0] - u[0] * a[1]) - s * (p[0] * u[1] - p[1] * u[0]);
+    double norm = re * re + im * im;
+    q[0] = (numerator[0] * re + numerator[1] * im) / norm;
+    q[1] = (numerator[1] * re - numerator[0] * im) / norm;
+}
+
 static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
 {
     double length = hypot(tangent[0], tangent[1]);
-    double scale = length > 0 ? tanh(0.5 * length) / length : 0;
-    double z[2] = {scale * tangent[0], scale * tangent[1]};
-    disk_translate(p, z, q);
+    double unit[2] = {length > 0 ? tangent[0] / length : 0, length > 0 ? tangent[1] / length : 0};
+    if (length > SHORT_STEP)
+        long_step(p, unit, length, q);
+    else
+    {
+        double scale = tanh(0.5 * length);
+        double z[2] = {scale * unit[0], scale * unit[1]};
+        disk_translate(p, z, q);
+    }
     return fault(space, q) == NULL ? BAT_OK : BAT_INVALID_POINT;
+}
+
+/// From the nearer end: an error of the direction grows like the exponential of the distance gone.
+static bat_status geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
+{
+    bool from_q = t > 0.5;
+    const double *base = from_q ? q : p;
+    double tangent[2], share = from_q ? 1 - t : t;
+    (void)logarithm(space, base, from_q ? p : q, tangent);
+    tangent[0] *= share;
+    tangent[1] *= share;
+    return exponential(space, base, tangent, point);
 }
 
 /// Seen from p at the origin the geodesic is a diameter and transport along it keeps coordinates; going back turns them by
@@ -132,12 +166,8 @@ bat_space bat_disk(void)
         .transport = transport,
         .inner = inner,
         .random_point = random_point,
+        .geodesic = geodesic,
         .exterior_angle = exterior_angle,
         .apex = apex,
     };
-}
-
-bool space_is_disk(const bat_space *space)
-{
-    return space->apex == apex;
 }

@@ -1,7 +1,5 @@
 #include "batten/space.h"
 
-#include "space/known.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -125,14 +123,4 @@ bat_space bat_euclidean(size_t n)
         .exterior_angle = plane ? plane_exterior_angle : NULL,
         .apex = plane ? plane_apex : NULL,
     };
-}
-
-bool space_is_euclidean(const bat_space *space)
-{
-    return space->exp == exponential;
-}
-
-bool space_is_plane(const bat_space *space)
-{
-    return space->apex == plane_apex;
 }

@@ -1,13 +1,11 @@
 #include "batten/space.h"
 
-#include "space/known.h"
+#include "space/sphere.h"
 
 #include <math.h>
 
 /// How far the squared length of a stored point may be from 1.
 static const double SQUARED_LENGTH_TOLERANCE = 2e-9;
-/// Two points whose sum is shorter than this are antipodal: the direction between them is lost in rounding.
-static const double ANTIPODAL_LENGTH = 1e-14;
 
 static double dot(size_t n, const double *u, const double *v)
 {
@@ -31,9 +29,10 @@ static double length_of_sum(size_t n, const double *p, const double *q, double s
 
 static const char *fault(const bat_space *space, const double *point)
 {
+    for (size_t i = 0; i < space->point_dim; i++)
+        if (!isfinite(point[i]))
+            return "not finite";
     double squared_length = dot(space->point_dim, point, point);
-    if (!isfinite(squared_length))
-        return "not finite";
     return fabs(squared_length - 1) <= SQUARED_LENGTH_TOLERANCE ? NULL : "not of unit length";
 }
 
@@ -71,7 +70,7 @@ static bat_status logarithm(const bat_space *space, const double *p, const doubl
     size_t n = space->point_dim;
     double difference = length_of_sum(n, q, p, -1);
     double sum = length_of_sum(n, q, p, 1);
-    if (sum < ANTIPODAL_LENGTH)
+    if (sum < SPHERE_ANTIPODAL_LENGTH)
         return BAT_CUT_LOCUS;
     double sign = difference < sum ? -1 : 1;
     for (size_t i = 0; i < n; i++)
@@ -109,7 +108,7 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
 {
     size_t n = space->point_dim;
     double sum = length_of_sum(n, q, p, 1);
-    if (sum < ANTIPODAL_LENGTH)
+    if (sum < SPHERE_ANTIPODAL_LENGTH)
         return BAT_CUT_LOCUS;
     double along = 0;
     for (size_t i = 0; i < n; i++)
@@ -162,7 +161,7 @@ static double exterior_angle(const bat_space *space, const double *before, const
 static bat_status apex(const bat_space *space, const double *p, const double *q, double angle, double *point)
 {
     double chord[3], normal[3];
-    if (length_of_sum(3, p, q, 1) < ANTIPODAL_LENGTH)
+    if (length_of_sum(3, p, q, 1) < SPHERE_ANTIPODAL_LENGTH)
         return BAT_CUT_LOCUS;
     for (int i = 0; i < 3; i++)
         chord[i] = q[i] - p[i];
@@ -194,9 +193,4 @@ bat_space bat_sphere(size_t n)
         .exterior_angle = oriented ? exterior_angle : NULL,
         .apex = oriented ? apex : NULL,
     };
-}
-
-bool space_is_sphere(const bat_space *space)
-{
-    return space->apex == apex;
 }

@@ -1,0 +1,25 @@
+#ifndef BASE_PROGRESS_H
+#define BASE_PROGRESS_H
+
+#include "batten/base.h"
+
+/// One part of a longer piece of work: what it reports from 0 to 1 becomes begin to begin + length of the whole.
+typedef struct progress_part
+{
+    bat_progress whole;
+    double begin, length;
+} progress_part;
+
+static inline bool progress_part_report(void *context, double fraction)
+{
+    const progress_part *part = context;
+    return part->whole.report(part->whole.context, part->begin + part->length * fraction);
+}
+
+/// The progress to hand to the part, which must outlive it. Silent when the whole is.
+static inline bat_progress progress_of_part(progress_part *part)
+{
+    return part->whole.report == NULL ? (bat_progress){0} : (bat_progress){progress_part_report, part};
+}
+
+#endif

@@ -1,0 +1,26 @@
+#ifndef CURVE_MASK_H
+#define CURVE_MASK_H
+
+#include "batten/scheme.h"
+
+/// Whether a mask can be worked with: 1 to BAT_MASK_MAX finite coefficients of moderate size, not all zero, a first index of
+/// moderate size.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT with the coefficient at fault
+bat_status mask_check(const bat_mask *mask, bat_error *error);
+
+/// The same mask without zeros at its ends; empty when all are zero.
+bat_mask mask_trimmed(const bat_mask *mask);
+
+/// The coefficients of a mask for new points of one parity: new point 2 j + parity is the sum over k of weights[k] times
+/// old point j + start + k. No weight at either end is zero.
+typedef struct mask_taps
+{
+    double weights[BAT_MASK_MAX];
+    size_t count;
+    ptrdiff_t start;
+} mask_taps;
+
+/// `parity` is 0 or 1.
+mask_taps mask_taps_of(const bat_mask *mask, int parity);
+
+#endif

@@ -1,0 +1,181 @@
+#include "curve/plan.h"
+
+#include "base/error.h"
+#include "space/known.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+/// A larger tension is a mistake.
+static const double TENSION_LIMIT = 1e6;
+
+const char *bat_scheme_name_for_space(const bat_space *space)
+{
+    if (space->exterior_angle != NULL && space->apex != NULL)
+        return "angle-4";
+    return space_is_euclidean(space) ? "four-point" : "log-exp-4";
+}
+
+bat_scheme bat_scheme_for_space(const bat_space *space)
+{
+    bat_scheme scheme;
+    (void)bat_scheme_by_name(bat_scheme_name_for_space(space), &scheme, NULL);
+    return scheme;
+}
+
+bat_refine_options bat_refine_defaults(void)
+{
+    return (bat_refine_options){
+        .scheme = bat_scheme_angle(BAT_TENSION_FOUR_POINT),
+        .levels = 5,
+        .ends = BAT_END_REFLECT,
+        .max_points = SIZE_MAX >> 24,
+    };
+}
+
+refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme)
+{
+    switch (scheme->kind)
+    {
+    case BAT_SCHEME_ANGLE:
+        return kernel_angle(space, scheme);
+    case BAT_SCHEME_LOG_EXP:
+        return kernel_log_exp(space, scheme);
+    case BAT_SCHEME_LINEAR:
+    default:
+        return kernel_linear(scheme, space->point_dim);
+    }
+}
+
+static bat_status check_mask(const bat_mask *mask, bool interpolatory, bat_error *error)
+{
+    bat_status status = mask_check(mask, error);
+    if (status != BAT_OK)
+        return status;
+    if (mask_trimmed(mask).count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "all coefficients of the mask are zero");
+    if (interpolatory && !bat_mask_is_interpolatory(mask))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a log-exp scheme needs the mask of an interpolatory one");
+    return BAT_OK;
+}
+
+static bat_status check_options(const bat_space *space, const bat_refine_options *options, bat_error *error)
+{
+    const bat_scheme *scheme = &options->scheme;
+    if (options->ends < BAT_END_REFLECT || options->ends > BAT_END_FREE)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no end rule %d", (int)options->ends);
+    if (scheme->kind != BAT_SCHEME_LINEAR && (options->snap || options->ends == BAT_END_FREE))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
+                         options->snap ? "be moved to their limit" : "leave the ends free");
+    switch (scheme->kind)
+    {
+    case BAT_SCHEME_LINEAR:
+        if (!space_is_euclidean(space))
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                             "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4", space->name);
+        return check_mask(&scheme->mask, false, error);
+    case BAT_SCHEME_ANGLE:
+        if (space->exterior_angle == NULL || space->apex == NULL)
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                             "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
+                             "dimension %zu; try log-exp-4",
+                             space->name, space->dimension);
+        if (!(fabs(scheme->tension) <= TENSION_LIMIT))
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the tension %g is not within %g of 0",
+                             scheme->tension, TENSION_LIMIT);
+        if (scheme->sign != BAT_ANGLE_OUTWARD && scheme->sign != BAT_ANGLE_PRINTED)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no sign %d", (int)scheme->sign);
+        return BAT_OK;
+    case BAT_SCHEME_LOG_EXP:
+        if (scheme->base != BAT_BASE_VERTEX && scheme->base != BAT_BASE_MIDPOINT)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no base %d", (int)scheme->base);
+        return check_mask(&scheme->mask, true, error);
+    }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no scheme of kind %d", (int)scheme->kind);
+}
+
+/// A mask has a vertex where its centre is whole: new point i lies at (i - centre) / 2 in units of old indices. `first` and
+/// `last` sum to twice the centre.
+static int doubled_centre(const refine_kernel *kernel)
+{
+    return kernel->first + kernel->last;
+}
+
+/// The points of the last level whose whole stencils lie inside 0 … count - 1, that of the limit included.
+static index_range free_range(const refine_kernel *kernel, const bat_stencil *snap, size_t levels, size_t count)
+{
+    ptrdiff_t low = 0, high = (ptrdiff_t)count - 1;
+    for (size_t level = 0; level < levels && low <= high; level++)
+    {
+        low = 2 * low + kernel->last - 1;
+        high = 2 * high + kernel->first + 1;
+    }
+    if (snap->count > 0)
+    {
+        low -= snap->first;
+        high -= snap->first + (ptrdiff_t)snap->count - 1;
+    }
+    return (index_range){low, high + 1};
+}
+
+/// The points of the last level at parameters from 0 to count - 1. After k levels point i lies at
+/// i / 2^k - centre (1 - 1 / 2^k), so the first is the smallest i >= centre (2^k - 1).
+static index_range range_between_ends(const refine_kernel *kernel, size_t levels, size_t count)
+{
+    ptrdiff_t doubled = doubled_centre(kernel) * (((ptrdiff_t)1 << levels) - 1);
+    ptrdiff_t begin = (doubled + (doubled & 1)) / 2;
+    ptrdiff_t length = (ptrdiff_t)(count - 1) << levels;
+    return (index_range){begin, begin + length + ((doubled & 1) == 0 ? 1 : 0)};
+}
+
+/// Whether indices, bytes and the caller's limit leave room for `count` points refined `levels` times.
+static bool has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit)
+{
+    size_t support = (size_t)abs(kernel->first) + (size_t)abs(kernel->last);
+    size_t most = (size_t)PTRDIFF_MAX / 8 / sizeof(double) / kernel->dim;
+    return levels <= CASCADE_MOST_LEVELS && count <= limit >> levels && count <= SIZE_MAX - support &&
+           count + support <= most >> levels;
+}
+
+static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, refine_plan *plan, bat_error *error)
+{
+    const bat_refine_options *options = &plan->options;
+    size_t count = coarse->count, levels = options->levels;
+    if (!has_room(kernel, count, levels, options->max_points))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                         "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
+    plan->points = (index_range){0, (ptrdiff_t)(count << levels)};
+    if (!coarse->closed && options->ends == BAT_END_FREE)
+        plan->points = free_range(kernel, &plan->snap, levels, count);
+    else if (!coarse->closed)
+    {
+        plan->points = range_between_ends(kernel, levels, count);
+        plan->ends_added = levels > 0 && (doubled_centre(kernel) & 1) != 0;
+    }
+    ptrdiff_t length = plan->points.end - plan->points.begin;
+    if (length < 1)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "nothing is left of %zu points after %zu levels without a rule for the ends", count, levels);
+    plan->count = (size_t)length + (plan->ends_added ? 2 : 0);
+    if (plan->count > options->max_points)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, more than %zu",
+                         plan->count, options->max_points);
+    return BAT_OK;
+}
+
+bat_status refine_plan_make(const bat_curve *coarse, const bat_refine_options *options, refine_plan *plan, bat_error *error)
+{
+    *plan = (refine_plan){.options = options != NULL ? *options : bat_refine_defaults()};
+    if (options == NULL)
+        plan->options.scheme = bat_scheme_for_space(coarse->space);
+    bat_status status = check_options(coarse->space, &plan->options, error);
+    if (status == BAT_OK)
+        status = bat_curve_check(coarse, error);
+    if (status == BAT_OK && plan->options.snap)
+        status = bat_mask_limit_stencil(&plan->options.scheme.mask, &plan->snap, error);
+    if (status != BAT_OK)
+        return status;
+    refine_kernel kernel = kernel_for(coarse->space, &plan->options.scheme);
+    return lay_out(&kernel, coarse, plan, error);
+}

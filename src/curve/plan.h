@@ -1,0 +1,23 @@
+#ifndef CURVE_PLAN_H
+#define CURVE_PLAN_H
+
+#include "curve/cascade.h"
+
+/// What refining a curve comes down to, known before anything is computed.
+typedef struct refine_plan
+{
+    bat_refine_options options;
+    bat_stencil snap;   ///< count 0 when points stay where they are
+    index_range points; ///< the indices of the last level that make the refined curve
+    bool ends_added;    ///< the coarse end points are put around them
+    size_t count;       ///< rows of the refined curve
+} refine_plan;
+
+/// Check a curve and the options (null for the defaults with the space's own scheme) and lay out the result.
+/// @return as bat_curve_refined_count()
+bat_status refine_plan_make(const bat_curve *coarse, const bat_refine_options *options, refine_plan *plan, bat_error *error);
+
+/// The kernel of a scheme in a space that it is made for.
+refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme);
+
+#endif

@@ -1,0 +1,33 @@
+#include "space/known.h"
+
+static bool is_same(const bat_space *a, const bat_space *b)
+{
+    return a->dimension == b->dimension && a->point_dim == b->point_dim && a->tangent_dim == b->tangent_dim &&
+           a->parameters == b->parameters && a->fault == b->fault && a->project == b->project &&
+           a->distance == b->distance && a->log == b->log && a->exp == b->exp && a->transport == b->transport &&
+           a->inner == b->inner && a->geodesic == b->geodesic && a->exterior_angle == b->exterior_angle &&
+           a->apex == b->apex;
+}
+
+bool space_is_euclidean(const bat_space *space)
+{
+    bat_space ours = bat_euclidean(space->dimension);
+    return is_same(space, &ours);
+}
+
+bool space_is_plane(const bat_space *space)
+{
+    return space->dimension == 2 && space_is_euclidean(space);
+}
+
+bool space_is_sphere(const bat_space *space)
+{
+    bat_space ours = bat_sphere(2);
+    return is_same(space, &ours);
+}
+
+bool space_is_disk(const bat_space *space)
+{
+    bat_space ours = bat_disk();
+    return is_same(space, &ours);
+}
