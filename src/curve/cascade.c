@@ -11,7 +11,7 @@
 enum
 {
     /// Numbers in a chunk of the last level: with the levels before it, it fits the second-level cache.
-    CHUNK_NUMBERS = 16384,
+    CHUNK_NUMBERS = 32768,
     /// Numbers written past the caches at a time: they stay in the first-level cache until then.
     PIECE_NUMBERS = 2048,
     /// A chunk is at least this many times the support of the mask, so that what chunks compute twice stays small.
