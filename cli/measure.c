@@ -7,13 +7,22 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MOST_THREADS = 1024
+};
 
 static const option_spec OPTIONS[] = {
     {"geodesic", 0, NULL, "geodesic distances; default: straight ones between coordinates, as published"},
     {"to-segments", 0, NULL, "distances to the other curve's edges instead of its points"},
     {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the files imply"},
+    {"from", 0, "FORMAT", "csv, geojson or obj; default: by the files' endings"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
+    {"project", 0, NULL, "move points that are off their space onto it"},
+    {"threads", 0, "N", "default: all"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
@@ -21,7 +30,8 @@ static const option_spec OPTIONS[] = {
 static const verb_spec SPEC = {
     .usage = "batten measure A [B] [options]",
     .summary =
-        "How fair the curves of A are (bending energy, largest exterior angle), and how far they are from those of B:\n"
+        "How fair the curves of A and B are (bending energy, largest exterior angle), and how far they are from each "
+        "other:\n"
         "nearest-neighbour and Hausdorff distances, curve i of A with curve i of B. Files of several curves give the\n"
         "mean and the median over the curves.",
     .options = OPTIONS,
@@ -29,128 +39,232 @@ static const verb_spec SPEC = {
     .most_positional = 2,
 };
 
-/// The numbers measured for every curve; each gets a row in the report.
-enum
+/// What is measured of a set of curves, one result each.
+typedef enum measured
 {
-    MEAN_NN,
-    MEAN_NN_BACK,
-    MEAN_SYMMETRIC,
-    HAUSDORFF,
-    BENDING,
-    G1,
-    MEASURES
-};
+    FAIRNESS_OF_A,
+    FAIRNESS_OF_B,
+    DISTANCE,
+    MEASURED
+} measured;
 
+/// The rows of the report, and where their numbers are.
 static const struct
 {
     const char *key, *name;
-} NAMES[MEASURES] = {
-    {"mean_nn", "mean nearest neighbour, A to B"},
-    {"mean_nn_back", "mean nearest neighbour, B to A"},
-    {"mean_symmetric", "mean nearest neighbour, both ways"},
-    {"hausdorff", "Hausdorff distance"},
-    {"bending", "bending energy of A"},
-    {"g1", "largest exterior angle of A"},
+    measured in;
+    size_t offset;
+} ROWS[] = {
+    {"mean_nn", "mean nearest neighbour, A to B", DISTANCE, offsetof(bat_curve_distance, mean_nn)},
+    {"mean_nn_back", "mean nearest neighbour, B to A", DISTANCE, offsetof(bat_curve_distance, mean_nn_back)},
+    {"mean_symmetric", "mean nearest neighbour, both ways", DISTANCE, offsetof(bat_curve_distance, mean_symmetric)},
+    {"hausdorff_there", "greatest nearest neighbour, A to B", DISTANCE, offsetof(bat_curve_distance, hausdorff_there)},
+    {"hausdorff_back", "greatest nearest neighbour, B to A", DISTANCE, offsetof(bat_curve_distance, hausdorff_back)},
+    {"hausdorff", "Hausdorff distance", DISTANCE, offsetof(bat_curve_distance, hausdorff)},
+    {"bending", "bending energy of A", FAIRNESS_OF_A, offsetof(bat_fairness, bending)},
+    {"g1", "largest exterior angle of A", FAIRNESS_OF_A, offsetof(bat_fairness, g1)},
+    {"bending_b", "bending energy of B", FAIRNESS_OF_B, offsetof(bat_fairness, bending)},
+    {"g1_b", "largest exterior angle of B", FAIRNESS_OF_B, offsetof(bat_fairness, g1)},
 };
 
-static int measure_curve(const char *const *paths, const bat_curve *a, const bat_curve *b,
-                         const bat_measure_options *options, double *const *values, size_t at)
+/// What the command line asks for.
+typedef struct measure_job
 {
-    bat_error error;
-    bat_fairness fairness;
-    if (bat_curve_fairness(a, options, &fairness, &error) != BAT_OK)
-        return report_failure(paths[0], &error);
-    values[BENDING][at] = fairness.bending;
-    values[G1][at] = fairness.g1;
-    if (b == NULL)
-        return EXIT_DONE;
-    bat_curve_distance distance;
-    if (bat_curve_compare(a, b, options, &distance, &error) != BAT_OK)
-        return report_failure(paths[1], &error);
-    values[MEAN_NN][at] = distance.mean_nn;
-    values[MEAN_NN_BACK][at] = distance.mean_nn_back;
-    values[MEAN_SYMMETRIC][at] = distance.mean_symmetric;
-    values[HAUSDORFF][at] = distance.hausdorff;
-    return EXIT_DONE;
+    const char *paths[2]; ///< the second null when there is only A
+    bat_read_options read;
+    bat_measure_options measure;
+    bool json;
+} measure_job;
+
+/// The results of all curves.
+typedef struct results
+{
+    size_t count;
+    bat_fairness *fairness[2]; ///< of A and B
+    bat_curve_distance *distances;
+} results;
+
+static double result_of(const results *all, size_t row, size_t curve)
+{
+    const char *const base[MEASURED] = {(const char *)&all->fairness[0][curve], (const char *)&all->fairness[1][curve],
+                                        (const char *)&all->distances[curve]};
+    double value;
+    memcpy(&value, base[ROWS[row].in] + ROWS[row].offset, sizeof value);
+    return value;
 }
 
-static int report(double *const *values, size_t count, bool compared, bool as_json)
+static void print_row(size_t row, const bat_summary *summary)
 {
-    json_t *object = json_pack("{s:I}", "curves", (json_int_t)count);
-    if (!as_json && count > 1)
-        (void)printf("%-36s %14s %14s\n", "", "mean", "median");
-    for (int m = compared ? 0 : BENDING; m < MEASURES; m++)
+    (void)printf("%-36s %14.8g", ROWS[row].name, summary->mean);
+    if (summary->count > 1)
+        (void)printf(" %14.8g", summary->median);
+    (void)printf("\n");
+}
+
+/// Print the rows that were measured, or put them into `object` where it is not null.
+static bat_status summarize(const results *all, bool compared, json_t *object, bat_error *error)
+{
+    double *values = calloc(all->count, sizeof *values);
+    bat_status status = values != NULL ? BAT_OK : BAT_NO_MEMORY;
+    for (size_t row = 0; row < sizeof ROWS / sizeof ROWS[0] && status == BAT_OK; row++)
     {
+        if (!compared && ROWS[row].in != FAIRNESS_OF_A)
+            continue;
+        for (size_t i = 0; i < all->count; i++)
+            values[i] = result_of(all, row, i);
         bat_summary summary;
-        bat_error error;
-        if (bat_summarize(values[m], count, &summary, &error) != BAT_OK)
-        {
-            json_decref(object);
-            return report_failure(NULL, &error);
-        }
-        if (as_json)
-            (void)json_object_set_new(object, NAMES[m].key,
-                                      json_pack("{s:f, s:f}", "mean", summary.mean, "median", summary.median));
-        else if (count == 1)
-            (void)printf("%-36s %14.8g\n", NAMES[m].name, summary.mean);
-        else
-            (void)printf("%-36s %14.8g %14.8g\n", NAMES[m].name, summary.mean, summary.median);
+        status = bat_summarize(values, all->count, &summary, error);
+        if (status != BAT_OK)
+            break;
+        if (object == NULL)
+            print_row(row, &summary);
+        else if (json_object_set_new(object, ROWS[row].key,
+                                     json_pack("{s:o, s:o}", "mean", report_number(summary.mean), "median",
+                                               report_number(summary.median))) != 0)
+            status = BAT_NO_MEMORY;
     }
-    if (as_json)
+    free(values);
+    return status;
+}
+
+static int report(const results *all, bool compared, bool as_json)
+{
+    json_t *object = as_json ? json_pack("{s:I}", "curves", (json_int_t)all->count) : NULL;
+    if (as_json && object == NULL)
+        return report_json(NULL);
+    if (!as_json && all->count > 1)
+        (void)printf("%-36s %14s %14s\n", "", "mean", "median");
+    bat_error error = {.text = "out of memory"};
+    bat_status status = summarize(all, compared, object, &error);
+    if (status == BAT_OK && as_json)
         return report_json(object);
     json_decref(object);
-    return EXIT_DONE;
+    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
 }
 
-static int measure_sets(const char *const *paths, const bat_curve_set *a, const bat_curve_set *b,
-                        const bat_measure_options *options, bool as_json)
+/// Say which curve of a file is at fault.
+static int report_curve(const char *path, const bat_curve_set *set, size_t curve, bat_error *error)
 {
-    if (b != NULL && a->count != b->count)
+    bat_error named = *error;
+    if (error->index != BAT_NO_INDEX && curve < set->count)
+        named.line = bat_curve_set_line(set, curve, error->index);
+    if (set->count > 1 && curve < set->count)
+        (void)snprintf(named.text, sizeof named.text, "curve %zu: %.200s", curve, error->text);
+    return report_failure(path, &named);
+}
+
+static int measure_fairness(const char *path, const bat_curve_set *set, const bat_measure_options *options,
+                            bat_fairness *fairness)
+{
+    bat_error error;
+    size_t failed = BAT_NO_INDEX;
+    bat_measure_options how = *options;
+    how.progress = report_progress("measuring fairness");
+    bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, &failed, &error);
+    report_progress_end();
+    return status == BAT_OK ? EXIT_DONE : report_curve(path, set, failed, &error);
+}
+
+static int measure_distances(const bat_curve_set *a, const bat_curve_set *b, const bat_measure_options *options,
+                             bat_curve_distance *distances)
+{
+    bat_error error;
+    size_t failed = BAT_NO_INDEX;
+    bat_measure_options how = *options;
+    how.progress = report_progress("measuring distances");
+    bat_status status = bat_curves_compare(a->curves, b->curves, a->count, &how, distances, &failed, &error);
+    report_progress_end();
+    if (status == BAT_OK)
+        return EXIT_DONE;
+    // The message says of which curve, so that no file is blamed for the other.
+    error.index = BAT_NO_INDEX;
+    return report_curve(NULL, b, failed, &error);
+}
+
+static int measure_sets(const measure_job *job, const bat_curve_set *a, const bat_curve_set *b)
+{
+    bool compared = job->paths[1] != NULL;
+    if (compared && a->count != b->count)
     {
-        bat_error error;
+        bat_error error = {.line = 0};
         (void)snprintf(error.text, sizeof error.text, "%zu curves cannot be compared with the %zu of %s", b->count, a->count,
-                       paths[0]);
-        error.line = 0;
-        return report_failure(paths[1], &error);
+                       job->paths[0]);
+        return report_failure(job->paths[1], &error);
     }
-    double *numbers = calloc(MEASURES * a->count, sizeof *numbers), *values[MEASURES];
-    if (numbers == NULL)
-        return report_failure(NULL, &(bat_error){.text = "out of memory"});
-    for (size_t m = 0; m < MEASURES; m++)
-        values[m] = numbers + m * a->count;
+    results all = {
+        .count = a->count,
+        .fairness = {calloc(a->count, sizeof *all.fairness[0]), calloc(a->count, sizeof *all.fairness[1])},
+        .distances = calloc(a->count, sizeof *all.distances),
+    };
     int code = EXIT_DONE;
-    for (size_t i = 0; i < a->count && code == EXIT_DONE; i++)
-        code = measure_curve(paths, &a->curves[i], b != NULL ? &b->curves[i] : NULL, options, values, i);
+    if (all.fairness[0] == NULL || all.fairness[1] == NULL || all.distances == NULL)
+        code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     if (code == EXIT_DONE)
-        code = report(values, a->count, b != NULL, as_json);
-    free(numbers);
+        code = measure_fairness(job->paths[0], a, &job->measure, all.fairness[0]);
+    if (code == EXIT_DONE && compared)
+        code = measure_distances(a, b, &job->measure, all.distances);
+    if (code == EXIT_DONE && compared)
+        code = measure_fairness(job->paths[1], b, &job->measure, all.fairness[1]);
+    if (code == EXIT_DONE)
+        code = report(&all, compared, job->json);
+    free(all.fairness[0]);
+    free(all.fairness[1]);
+    free(all.distances);
     return code;
+}
+
+static int read_and_measure(const measure_job *job)
+{
+    bat_curve_set sets[2] = {{0}, {0}};
+    bat_error error;
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
+        if (bat_curves_read(job->paths[i], &job->read, &sets[i], &error) != BAT_OK)
+            code = report_failure(job->paths[i], &error);
+    if (code == EXIT_DONE)
+        code = measure_sets(job, &sets[0], &sets[1]);
+    bat_curve_set_free(&sets[0]);
+    bat_curve_set_free(&sets[1]);
+    return code;
+}
+
+static bool read_job(const arguments *given, measure_job *job)
+{
+    bat_error error;
+    long threads;
+    *job =
+        (measure_job){.read = bat_read_defaults(), .measure = bat_measure_defaults(), .json = argument_flag(given, "json")};
+    for (size_t i = 0; i < given->positional_count; i++)
+        job->paths[i] = given->positional[i];
+    job->read.space = argument(given, "space");
+    job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
+    job->read.project = argument_flag(given, "project");
+    job->measure.geodesic = argument_flag(given, "geodesic");
+    job->measure.to_segments = argument_flag(given, "to-segments");
+    if (!argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads))
+        return false;
+    job->read.threads = job->measure.threads = (int)threads;
+    const char *format = argument(given, "from");
+    const char *fault = NULL;
+    if (format != NULL && bat_file_format_by_name(format, &job->read.format, &error) != BAT_OK)
+        fault = error.text;
+    else if (argument_flag(given, "closed") && argument_flag(given, "open"))
+        fault = "--closed and --open exclude each other";
+    else if (job->measure.geodesic && job->measure.to_segments)
+        fault = "--geodesic and --to-segments exclude each other";
+    else if (job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments))
+        fault = "--geodesic and --to-segments need a second file to measure the distance from";
+    if (fault != NULL)
+        (void)usage_error(given, "%s", fault);
+    return fault == NULL;
 }
 
 int verb_measure(int argc, char **argv)
 {
     arguments given;
     int code;
+    measure_job job;
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
-    if (argument_flag(&given, "closed") && argument_flag(&given, "open"))
-        return usage_error(&given, "--closed and --open exclude each other");
-    bat_read_options read = bat_read_defaults();
-    read.space = argument(&given, "space");
-    read.closed = argument_flag(&given, "closed") ? 1 : argument_flag(&given, "open") ? 0 : -1;
-    bat_measure_options options = bat_measure_defaults();
-    options.geodesic = argument_flag(&given, "geodesic");
-    options.to_segments = argument_flag(&given, "to-segments");
-    bool two = given.positional_count == 2;
-    bat_curve_set a = {0}, b = {0};
-    bat_error error;
-    if (bat_curves_read(given.positional[0], &read, &a, &error) != BAT_OK)
-        code = report_failure(given.positional[0], &error);
-    else if (two && bat_curves_read(given.positional[1], &read, &b, &error) != BAT_OK)
-        code = report_failure(given.positional[1], &error);
-    else
-        code = measure_sets(given.positional, &a, two ? &b : NULL, &options, argument_flag(&given, "json"));
-    bat_curve_set_free(&a);
-    bat_curve_set_free(&b);
-    return code;
+    return read_job(&given, &job) ? read_and_measure(&job) : EXIT_BAD_USAGE;
 }

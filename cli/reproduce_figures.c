@@ -46,64 +46,6 @@ static double now(void)
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-/// The squared distance of a point from the edge from a to b, which differ.
-static double squared_edge_distance(const double *p, const double *a, const double *b)
-{
-    double ux = b[0] - a[0], uy = b[1] - a[1], vx = p[0] - a[0], vy = p[1] - a[1];
-    double share = (ux * vx + uy * vy) / (ux * ux + uy * uy);
-    share = share < 0 ? 0 : share > 1 ? 1 : share;
-    double x = vx - share * ux, y = vy - share * uy;
-    return x * x + y * y;
-}
-
-/// The greatest distance of a fine curve's vertices from the edges of the coarse curve that it refines. Only the edges at the
-/// vertex's own place along the curve are looked at.
-static double chord_distance(const bat_curve *coarse, const bat_curve *fine)
-{
-    const long reach = 2;
-    long count = (long)coarse->count;
-    double greatest = 0;
-    for (size_t i = 0; i < fine->count; i++)
-    {
-        double nearest = INFINITY;
-        long at = (long)(i * coarse->count / fine->count);
-        for (long edge = at - reach; edge <= at + reach; edge++)
-        {
-            if (!coarse->closed && (edge < 0 || edge >= count - 1))
-                continue;
-            long begin = (edge + count) % count;
-            double distance = squared_edge_distance(fine->points + 2 * i, coarse->points + 2 * begin,
-                                                    coarse->points + 2 * ((begin + 1) % count));
-            nearest = distance < nearest ? distance : nearest;
-        }
-        greatest = nearest > greatest ? nearest : greatest;
-    }
-    return sqrt(greatest);
-}
-
-/// The greatest distance of a refined curve's vertices from the limits that the stencil takes them to; without those of an
-/// open curve whose stencils reach its end points.
-static double limit_distance(const bat_curve *curve, const bat_stencil *stencil)
-{
-    long count = (long)curve->count, first = stencil->first, last = first + (long)stencil->count - 1;
-    long begin = curve->closed ? 0 : 1 - (first < 0 ? first : 0);
-    long end = curve->closed ? count : count - 1 - (last > 0 ? last : 0);
-    double greatest = 0;
-    for (long i = begin; i < end; i++)
-    {
-        double x = 0, y = 0;
-        for (long k = 0; k < (long)stencil->count; k++)
-        {
-            long j = i + first + k;
-            j = j < 0 ? j + count : j >= count ? j - count : j;
-            x += stencil->weights[k] * (curve->points[2 * j] - curve->points[2 * i]);
-            y += stencil->weights[k] * (curve->points[2 * j + 1] - curve->points[2 * i + 1]);
-        }
-        greatest = fmax(greatest, x * x + y * y);
-    }
-    return sqrt(greatest);
-}
-
 static bat_status refine_outlines(figure *f, const bat_space *plane, size_t panel, const bat_scheme *scheme,
                                   bat_error *error)
 {
@@ -124,17 +66,36 @@ static bat_status refine_outlines(figure *f, const bat_space *plane, size_t pane
     return status;
 }
 
-static void figure_measure(figure *f, const bat_stencil *stencil)
+/// The distances of outline `o`, into those of the figure where they are greater.
+static bat_status measure_outline(figure *f, size_t o, const bat_stencil *stencil, bat_error *error)
 {
-    for (size_t o = 0; o < f->shape->outline_count; o++)
+    const bat_curve *middle = &f->curves[MIDDLE][o], *last = &f->curves[LAST][o];
+    bat_measure_options how = bat_measure_defaults();
+    how.progress = report_progress(f->name);
+    double chord, middle_off_limit, last_off_limit;
+    bat_status status = bat_curve_chord_distance(middle, last, &how, &chord, error);
+    if (status == BAT_OK)
+        status = bat_curve_limit_distance(middle, stencil, &how, &middle_off_limit, error);
+    if (status == BAT_OK)
+        status = bat_curve_limit_distance(last, stencil, &how, &last_off_limit, error);
+    if (status != BAT_OK)
+        return status;
+    f->chord = fmax(f->chord, chord);
+    f->middle_off_limit = fmax(f->middle_off_limit, middle_off_limit);
+    f->last_off_limit = fmax(f->last_off_limit, last_off_limit);
+    return BAT_OK;
+}
+
+static bat_status figure_measure(figure *f, const bat_stencil *stencil, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t o = 0; o < f->shape->outline_count && status == BAT_OK; o++)
     {
-        const bat_curve *middle = &f->curves[MIDDLE][o], *last = &f->curves[LAST][o];
         f->vertices += f->curves[0][o].count;
-        f->points += last->count;
-        f->chord = fmax(f->chord, chord_distance(middle, last));
-        f->middle_off_limit = fmax(f->middle_off_limit, limit_distance(middle, stencil));
-        f->last_off_limit = fmax(f->last_off_limit, limit_distance(last, stencil));
+        f->points += f->curves[LAST][o].count;
+        status = measure_outline(f, o, stencil, error);
     }
+    return status;
 }
 
 static bat_status figure_make(const bat_shape *shape, const bat_shape_figure *study, const bat_space *plane, figure *f,
@@ -154,9 +115,7 @@ static bat_status figure_make(const bat_shape *shape, const bat_shape_figure *st
         status = refine_outlines(f, plane, panel, &scheme, error);
         f->seconds = now() - begin;
     }
-    if (status == BAT_OK)
-        figure_measure(f, &stencil);
-    return status;
+    return status == BAT_OK ? figure_measure(f, &stencil, error) : status;
 }
 
 static void figure_free(figure *f)
@@ -234,9 +193,9 @@ static int reproduce_figure(const bat_shape *shape, const bat_shape_figure *stud
     bat_status status = figure_make(shape, study, &plane, &f, &error);
     report_progress_end();
     int code = status == BAT_OK ? figure_draw(&f, folder) : report_failure(shape->name, &error);
-    if (code == EXIT_DONE && array != NULL)
-        (void)json_array_append_new(array, figure_json(&f));
-    else if (code == EXIT_DONE)
+    if (code == EXIT_DONE && array != NULL && json_array_append_new(array, figure_json(&f)) != 0)
+        code = report_failure(NULL, &(bat_error){.text = "out of memory"});
+    else if (code == EXIT_DONE && array == NULL)
         print_figure(&f);
     figure_free(&f);
     return code;
@@ -246,14 +205,15 @@ int reproduce_curve_figures(const char *folder, bool as_json)
 {
     json_t *array = as_json ? json_array() : NULL;
     int code = EXIT_DONE;
+    if (as_json && array == NULL)
+        return report_json(NULL);
     if (!as_json)
         print_head();
     for (size_t s = 0; s < bat_shape_count() && code == EXIT_DONE; s++)
     {
         const bat_shape *shape = bat_shape_at(s);
         for (size_t k = 0; k < shape->figure_count && code == EXIT_DONE; k++)
-            code = report_interrupted() ? report_failure(NULL, &(bat_error){.text = "stopped"})
-                                        : reproduce_figure(shape, &shape->figures[k], folder, array);
+            code = reproduce_figure(shape, &shape->figures[k], folder, array);
     }
     if (code == EXIT_DONE && as_json)
         return report_json(json_pack("{s:o}", "figures", array));

@@ -29,7 +29,7 @@ static double squared(const double *p, const double *q, size_t dim)
     return sum;
 }
 
-/// The definition: the first of the least products of squared distance and weight.
+/// The definition: the first of the least products of squared distance and weight, and its root.
 static nearest_hit search_all(const double *rows, const double *weights, size_t count, size_t dim, const double *point)
 {
     nearest_hit best = {BAT_NO_INDEX, INFINITY};
@@ -39,6 +39,7 @@ static nearest_hit search_all(const double *rows, const double *weights, size_t 
         if (distance < best.distance)
             best = (nearest_hit){i, distance};
     }
+    best.distance = sqrt(best.distance);
     return best;
 }
 
@@ -125,7 +126,8 @@ static void points_on_a_line_and_far_away(void **state)
         rows[3 * i] = (double)i;
     nearest_tree tree;
     check_status(nearest_build(NEAREST_POINTS, rows, NULL, 300, 3, &tree, NULL), BAT_OK);
-    assert_int_equal(nearest_find(&tree, points).item, 0); // the squares overflow, and all are as far
+    assert_int_equal(nearest_find(&tree, points).item, 0); // all are as far, to rounding
+    check_relative(nearest_find(&tree, points).distance, 1e300, 0);
     assert_int_equal(nearest_find(&tree, points + 3).item, 0);
     assert_int_equal(nearest_find(&tree, points + 6).item, 149);
     assert_int_equal(nearest_find(&tree, points + 9).item, 150);
@@ -176,15 +178,71 @@ static void finds_the_nearest_segment(void **state)
             double least = INFINITY;
             for (size_t s = 0; s < 60; s++)
                 least = fmin(least, sampled_distance(ends + 2 * s * dim, dim, points + i * dim));
-            assert_true(found.distance <= least + 1e-14);
-            check_near(sqrt(found.distance), sqrt(least), 5e-3);
-            check_near(sqrt(sampled_distance(ends + 2 * found.item * dim, dim, points + i * dim)), sqrt(found.distance),
-                       5e-3);
+            assert_true(found.distance <= sqrt(least) + 1e-14);
+            check_near(found.distance, sqrt(least), 5e-3);
+            check_near(sqrt(sampled_distance(ends + 2 * found.item * dim, dim, points + i * dim)), found.distance, 5e-3);
         }
         nearest_free(&tree);
         free(ends);
         free(points);
     }
+}
+
+/// Powers of two change no digit, neither of the distance nor of the choice, as far as the coordinates do not underflow.
+static void no_scale_changes_a_digit(void **state)
+{
+    (void)state;
+    const int exponents[] = {1018, 700, 300, -300, -700, -950};
+    bat_random random = bat_random_seed(7);
+    for (size_t dim = 1; dim <= 4; dim++)
+        for (size_t kind = NEAREST_POINTS; kind <= NEAREST_SEGMENTS; kind++)
+            for (size_t e = 0; e < sizeof exponents / sizeof *exponents; e++)
+            {
+                double scaled[100 * 8], *rows = random_rows(&random, 100, 8), *points = random_rows(&random, 50, dim);
+                for (size_t i = 0; i < 100 * 8; i++)
+                    scaled[i] = ldexp(rows[i], exponents[e]);
+                nearest_tree plain, tree;
+                check_status(nearest_build((nearest_kind)kind, rows, NULL, 100, dim, &plain, NULL), BAT_OK);
+                check_status(nearest_build((nearest_kind)kind, scaled, NULL, 100, dim, &tree, NULL), BAT_OK);
+                for (size_t i = 0; i < 50; i++)
+                {
+                    nearest_hit expected = nearest_find(&plain, points + i * dim);
+                    for (size_t axis = 0; axis < dim; axis++)
+                        points[i * dim + axis] = ldexp(points[i * dim + axis], exponents[e]);
+                    nearest_hit found = nearest_find(&tree, points + i * dim);
+                    assert_int_equal(found.item, expected.item);
+                    assert_true(found.distance == ldexp(expected.distance, exponents[e]));
+                }
+                nearest_free(&plain);
+                nearest_free(&tree);
+                free(rows);
+                free(points);
+            }
+}
+
+/// Coordinates of very different sizes in one tree.
+static void far_points_do_not_hide_near_ones(void **state)
+{
+    (void)state;
+    double rows[] = {8e307, 0, 3e-300, 0, 1, 0, 2e-300, 0, -8e307, -8e307}, point[] = {1e-300, 0};
+    nearest_tree tree;
+    check_status(nearest_build(NEAREST_POINTS, rows, NULL, 5, 2, &tree, NULL), BAT_OK);
+    nearest_hit found = nearest_find(&tree, point);
+    assert_int_equal(found.item, 3);
+    check_relative(found.distance, 1e-300, 1e-15);
+    point[0] = -8e307;
+    check_relative(nearest_find(&tree, point).distance, 8e307, 1e-15);
+    nearest_free(&tree);
+    // A long edge passes 1e-200 below the point, a short one lies 1e-190 above it, one of no length on its left.
+    double edges[] = {-1e200, -1e-200, 1e200, -1e-200, 0, 1e-190, 1e-195, 1e-190, -1e-199, 0, -1e-199, 0};
+    double origin[] = {0, 0}, above[] = {0, 1e-190}, beyond[] = {3e200, 4e200};
+    check_status(nearest_build(NEAREST_SEGMENTS, edges, NULL, 3, 2, &tree, NULL), BAT_OK);
+    found = nearest_find(&tree, origin);
+    assert_int_equal(found.item, 0);
+    check_relative(found.distance, 1e-200, 1e-15);
+    assert_int_equal(nearest_find(&tree, above).item, 1);
+    check_relative(nearest_find(&tree, beyond).distance, 1e200 * sqrt(20), 1e-15);
+    nearest_free(&tree);
 }
 
 static void metric_tree_agrees_on_every_space(void **state)
@@ -240,7 +298,8 @@ int main(void)
         cmocka_unit_test(finds_the_nearest_in_any_dimension), cmocka_unit_test(takes_the_first_of_several_nearest),
         cmocka_unit_test(weights_scale_the_squared_distance), cmocka_unit_test(equal_points_cost_no_more_than_others),
         cmocka_unit_test(points_on_a_line_and_far_away),      cmocka_unit_test(an_empty_tree_finds_nothing),
-        cmocka_unit_test(finds_the_nearest_segment),          cmocka_unit_test(metric_tree_agrees_on_every_space),
+        cmocka_unit_test(finds_the_nearest_segment),          cmocka_unit_test(no_scale_changes_a_digit),
+        cmocka_unit_test(far_points_do_not_hide_near_ones),   cmocka_unit_test(metric_tree_agrees_on_every_space),
         cmocka_unit_test(selection_puts_each_place_right),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

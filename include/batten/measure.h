@@ -80,15 +80,39 @@ typedef struct bat_fairness
 ///
 /// @param curve   at least one point, each in its space
 /// @param options null for the defaults; only bending_offset counts
-/// @return BAT_OK; BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS (antipodal neighbours), with the index of the point
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT (also where a double cannot hold the length or the bending energy) or
+///         BAT_CUT_LOCUS (antipodal neighbours), with the index of the point; `fairness` is untouched on failure
 BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_measure_options *options, bat_fairness *fairness,
                                       bat_error *error);
 
 /// bat_curve_fairness() for many curves, which the threads share.
-/// @param fairness     receives `count` results
-/// @param failed_curve receives the first curve at fault on failure; may be null
+/// @param fairness     receives `count` results; some of them on failure
+/// @param failed_curve receives the first curve at fault on failure, and is untouched when cancelled; may be null
+/// @return as bat_curve_fairness(), and BAT_CANCELLED
 BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_measure_options *options,
                                        bat_fairness *fairness, size_t *failed_curve, bat_error *error);
+
+/// @name Convergence of refinement
+/// How far a refined polygon still is from what it tends to, by chordal distance; O(n), also for tens of millions of points.
+/// Of the options (null for the defaults) threads and progress count. Both return BAT_OK; BAT_INVALID_ARGUMENT (too few
+/// points, numbers of coordinates that differ); BAT_INVALID_POINT (a coordinate as in bat_curve_compare(), or a distance that a
+/// double cannot hold) or BAT_CANCELLED; `distance` is untouched on failure.
+/// @{
+
+/// The greatest distance of a vertex of `fine` from the polygon `coarse` that it was refined from. A vertex is compared with
+/// five edges about its own place along the curve, so the polygon is not taken for near where another part of it passes by.
+/// @param coarse at least 2 points
+/// @param fine   at least 1 point
+BAT_API bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine,
+                                            const bat_measure_options *options, double *distance, bat_error *error);
+
+/// The greatest distance of a vertex from the limit that a linear scheme takes it to. Vertices of an open curve whose stencil
+/// reaches its ends are left out; 0 when none is left.
+/// @param curve   at least 1 point, in a Euclidean space (else BAT_UNSUPPORTED)
+/// @param stencil the scheme's limit stencil, as bat_mask_limit_stencil() gives it; its weights add up to 1
+BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_stencil *stencil,
+                                            const bat_measure_options *options, double *distance, bat_error *error);
+/// @}
 
 /// A set of numbers in a few.
 typedef struct bat_summary
@@ -100,7 +124,7 @@ typedef struct bat_summary
     double least, greatest;
 } bat_summary;
 
-/// Summarize a set of numbers.
+/// Summarize a set of numbers. Finite numbers have a finite mean, deviation and median, however large they are.
 /// @param values at least one, none of them NaN
 /// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY
 BAT_API bat_status bat_summarize(const double *values, size_t count, bat_summary *summary, bat_error *error);

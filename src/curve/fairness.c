@@ -1,8 +1,6 @@
 #include "batten/measure.h"
 
 #include "base/error.h"
-#include "base/shared_work.h"
-#include "base/threads.h"
 
 #include <math.h>
 
@@ -11,24 +9,41 @@ static const double *row(const bat_curve *curve, size_t index)
     return curve->points + index * curve->space->point_dim;
 }
 
-/// The angle between two tangent vectors at p, by half angles: exact near 0 and near pi.
+/// A tangent vector at p brought to length 1; by a power of two first, so that its square stays in range.
+static void make_unit(const bat_space *space, const double *p, double *tangent)
+{
+    double largest = 0;
+    int exponent;
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        largest = fmax(largest, fabs(tangent[i]));
+    (void)frexp(largest, &exponent);
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        tangent[i] = ldexp(tangent[i], -exponent);
+    double length = sqrt(space->inner(space, p, tangent, tangent));
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        tangent[i] /= length;
+}
+
+/// The angle between two unit vectors at p, by half angles: exact near 0 and near pi.
 static double angle_between(const bat_space *space, const double *p, const double *u, const double *v)
 {
-    double u_length = sqrt(space->inner(space, p, u, u)), v_length = sqrt(space->inner(space, p, v, v));
     double difference[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
     for (size_t i = 0; i < space->tangent_dim; i++)
     {
-        difference[i] = u[i] / u_length - v[i] / v_length;
-        sum[i] = u[i] / u_length + v[i] / v_length;
+        difference[i] = u[i] - v[i];
+        sum[i] = u[i] + v[i];
     }
     return 2 * atan2(sqrt(space->inner(space, p, difference, difference)), sqrt(space->inner(space, p, sum, sum)));
 }
 
-/// The absolute exterior angle at p between its neighbours.
+/// Spaces multiply the lengths of the two edges on their way to a signed angle; outside of this range they lose digits.
+static const double LEAST_PRODUCT = 1e-250, MOST_PRODUCT = 1e250;
+
+/// The absolute exterior angle at p between its neighbours; `product` is that of the lengths of its edges.
 static bat_status exterior_angle(const bat_space *space, const double *before, const double *p, const double *after,
-                                 double *angle)
+                                 double product, double *angle)
 {
-    if (space->exterior_angle != NULL)
+    if (space->exterior_angle != NULL && product >= LEAST_PRODUCT && product <= MOST_PRODUCT)
     {
         *angle = fabs(space->exterior_angle(space, before, p, after));
         return BAT_OK;
@@ -41,6 +56,8 @@ static bat_status exterior_angle(const bat_space *space, const double *before, c
         return status;
     for (size_t i = 0; i < space->tangent_dim; i++)
         back[i] = -back[i];
+    make_unit(space, p, back);
+    make_unit(space, p, forth);
     *angle = angle_between(space, p, back, forth);
     return BAT_OK;
 }
@@ -59,6 +76,9 @@ static bat_status edge_length(const bat_curve *curve, size_t i, size_t next, dou
 {
     const bat_space *space = curve->space;
     *length = space->distance(space, row(curve, i), row(curve, next));
+    if (!isfinite(*length))
+        return error_set(error, BAT_INVALID_POINT, next, 0,
+                         "the distance of point %zu from point %zu is too large for a double", next, i);
     if (*length >= space->injectivity)
         return error_set(error, BAT_CUT_LOCUS, next, 0, "point %zu is antipodal to point %zu", next, i);
     return BAT_OK;
@@ -74,15 +94,18 @@ static bat_status walk_to(walk *walker, const bat_curve *curve, size_t next, dou
     walker->length += length;
     if (walker->length_before > 0)
     {
-        status =
-            exterior_angle(curve->space, row(curve, walker->before), row(curve, walker->here), row(curve, next), &angle);
+        status = exterior_angle(curve->space, row(curve, walker->before), row(curve, walker->here), row(curve, next),
+                                walker->length_before * length, &angle);
         if (status != BAT_OK)
             return error_set(error, status, walker->here, 0, "no unique geodesic at point %zu", walker->here);
-        double curvature = angle / ((walker->length_before + length) / 2 + offset);
+        double curvature = angle / (walker->length_before / 2 + length / 2 + offset);
         walker->bending += curvature * curvature;
         walker->g1 = fmax(walker->g1, angle);
         walker->angles++;
     }
+    if (!isfinite(walker->length) || !isfinite(walker->bending))
+        return error_set(error, BAT_INVALID_POINT, walker->here, 0, "at point %zu the %s becomes too large for a double",
+                         walker->here, isfinite(walker->length) ? "bending energy" : "length");
     walker->before = walker->here;
     walker->here = next;
     walker->length_before = length;
@@ -119,23 +142,4 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_measure_options 
     double angles = walker.angles > 0 ? (double)walker.angles : 1;
     *fairness = (bat_fairness){.bending = walker.bending / angles, .g1 = walker.g1, .length = total};
     return BAT_OK;
-}
-
-bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_measure_options *options,
-                               bat_fairness *fairness, size_t *failed_curve, bat_error *error)
-{
-    shared_work work = shared_work_make(count, (bat_progress){0});
-    int threads = threads_for(options == NULL ? 0 : options->threads, count);
-#pragma omp parallel for schedule(dynamic, 16) num_threads(threads) if (threads > 1)
-    for (size_t i = 0; i < count; i++)
-    {
-        if (!shared_work_wants(&work, i))
-            continue;
-        bat_error own;
-        bat_status status = bat_curve_fairness(&curves[i], options, &fairness[i], &own);
-        shared_work_finish(&work, i, status, &own);
-    }
-    if (failed_curve != NULL && work.failed < count)
-        *failed_curve = work.failed;
-    return shared_work_end(&work, error);
 }

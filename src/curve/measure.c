@@ -2,7 +2,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/shared_work.h"
 #include "base/threads.h"
+#include "curve/coordinates.h"
 #include "search/metric_tree.h"
 #include "search/nearest.h"
 #include "space/disk.h"
@@ -12,10 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Waking a thread pays for this many queries.
+/// Queries that a thread takes at a time.
 enum
 {
-    QUERIES_PER_THREAD = 500
+    BLOCK = 512
 };
 
 bat_measure_options bat_measure_defaults(void)
@@ -120,7 +122,7 @@ static double finder_distance(const finder *from, const double *point)
         return metric_tree_find(&from->metric, point).distance;
     nearest_hit hit = nearest_find(&from->tree, point);
     const bat_space *space = from->curve->space;
-    return from->geodesic ? space->distance(space, point, row(from->curve, hit.item)) : sqrt(hit.distance);
+    return from->geodesic ? space->distance(space, point, row(from->curve, hit.item)) : hit.distance;
 }
 
 /// One way: mean, greatest, and where that is.
@@ -130,26 +132,75 @@ typedef struct one_way
     size_t farthest;
 } one_way;
 
+/// The mean of numbers from 0 to `greatest`. A power of two keeps their sum in range.
+static double mean_of(const double *distances, size_t count, double greatest)
+{
+    int exponent;
+    (void)frexp(greatest, &exponent);
+    exponent = exponent < -1000 ? -1000 : exponent;
+    double scale = ldexp(1, -exponent);
+    exact_sum sum = {0};
+    for (size_t i = 0; i < count; i++)
+        sum_add(&sum, distances[i] * scale);
+    return fmin(ldexp(sum_total(&sum) / (double)count, exponent), greatest);
+}
+
 static one_way reduce(const double *distances, size_t count)
 {
     one_way result = {.greatest = -1};
-    exact_sum sum = {0};
     for (size_t i = 0; i < count; i++)
-    {
-        sum_add(&sum, distances[i]);
         if (distances[i] > result.greatest)
         {
             result.greatest = distances[i];
             result.farthest = i;
         }
-    }
-    result.mean = sum_total(&sum) / (double)count;
+    result.mean = mean_of(distances, count, result.greatest);
     return result;
 }
 
-static bat_status compare_one_way(const bat_curve *from, const bat_curve *to, const bat_measure_options *options,
-                                  one_way *result, bat_error *error)
+static size_t blocks_of(const bat_curve *curve)
 {
+    return curve->count / BLOCK + (curve->count % BLOCK > 0);
+}
+
+static bat_status measure_block(const finder *target, const bat_curve *from, size_t begin, double *distances,
+                                bat_error *error)
+{
+    size_t end = from->count - begin < BLOCK ? from->count : begin + BLOCK;
+    for (size_t i = begin; i < end; i++)
+    {
+        distances[i] = finder_distance(target, row(from, i));
+        if (!isfinite(distances[i]))
+            return error_set(error, BAT_INVALID_POINT, i, 0,
+                             "the distance of point %zu from the other curve is too large for a double", i);
+    }
+    return BAT_OK;
+}
+
+/// The distances of all points; the blocks are the pieces of `work` from `first_piece` on.
+static void measure_all(const finder *target, const bat_curve *from, int threads, double *distances, size_t first_piece,
+                        shared_work *work)
+{
+    size_t blocks = blocks_of(from);
+    threads = threads_for(threads, blocks);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t block = 0; block < blocks; block++)
+    {
+        if (!shared_work_wants(work, first_piece + block))
+            continue;
+        bat_error own;
+        bat_status status = measure_block(target, from, block * BLOCK, distances, &own);
+        shared_work_finish(work, first_piece + block, status, &own);
+    }
+}
+
+/// `result` is filled in unless `work` has failed or is cancelled.
+static bat_status compare_one_way(const bat_curve *from, const bat_curve *to, const bat_measure_options *options,
+                                  size_t first_piece, shared_work *work, one_way *result, bat_error *error)
+{
+    size_t end_piece = first_piece + blocks_of(from);
+    if (!shared_work_wants(work, end_piece))
+        return BAT_OK;
     double *distances = memory_array(from->count, sizeof *distances);
     if (distances == NULL)
         return error_memory(error, from->count * sizeof *distances);
@@ -157,10 +208,9 @@ static bat_status compare_one_way(const bat_curve *from, const bat_curve *to, co
     bat_status status = finder_make(to, options, &target, error);
     if (status == BAT_OK)
     {
-#pragma omp parallel for schedule(static) num_threads(threads_for(options->threads, from->count / QUERIES_PER_THREAD))
-        for (size_t i = 0; i < from->count; i++)
-            distances[i] = finder_distance(&target, row(from, i));
-        *result = reduce(distances, from->count);
+        measure_all(&target, from, options->threads, distances, first_piece, work);
+        if (shared_work_wants(work, end_piece))
+            *result = reduce(distances, from->count);
         finder_free(&target);
     }
     free(distances);
@@ -171,14 +221,8 @@ static bat_status check_points(const bat_curve *curve, const char *which, bool g
 {
     if (curve->count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s curve has no points", which);
-    if (geodesic)
-        return bat_space_check(curve->space, curve->points, curve->count, error);
-    size_t dim = curve->space->point_dim;
-    for (size_t i = 0; i < curve->count * dim; i++)
-        if (!isfinite(curve->points[i]))
-            return error_set(error, BAT_INVALID_POINT, i / dim, 0, "point %zu of the %s curve is not finite", i / dim,
-                             which);
-    return BAT_OK;
+    bat_status status = coordinates_check(curve, which, error);
+    return status == BAT_OK && geodesic ? bat_space_check(curve->space, curve->points, curve->count, error) : status;
 }
 
 static bat_status check_pair(const bat_curve *first, const bat_curve *second, const bat_measure_options *options,
@@ -204,15 +248,19 @@ bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, co
     options = options == NULL ? &defaults : options;
     one_way there = {0}, back = {0};
     bat_status status = check_pair(first, second, options, error);
+    if (status != BAT_OK)
+        return status;
+    shared_work work = shared_work_make(blocks_of(first) + blocks_of(second), options->progress);
+    status = compare_one_way(first, second, options, 0, &work, &there, error);
     if (status == BAT_OK)
-        status = compare_one_way(first, second, options, &there, error);
+        status = compare_one_way(second, first, options, blocks_of(first), &work, &back, error);
     if (status == BAT_OK)
-        status = compare_one_way(second, first, options, &back, error);
+        status = shared_work_end(&work, error);
     if (status != BAT_OK)
         return status;
     *distance = (bat_curve_distance){.mean_nn = there.mean,
                                      .mean_nn_back = back.mean,
-                                     .mean_symmetric = (there.mean + back.mean) / 2,
+                                     .mean_symmetric = there.mean / 2 + back.mean / 2,
                                      .hausdorff_there = there.greatest,
                                      .hausdorff_back = back.greatest,
                                      .hausdorff = fmax(there.greatest, back.greatest),

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "search/segment.h"
 #include "search/select.h"
 
 #include <math.h>
@@ -161,42 +162,8 @@ bat_status nearest_build(nearest_kind kind, const double *coordinates, const dou
     return BAT_OK;
 }
 
-static inline double point_distance(const double *p, const double *q, size_t dim)
-{
-    double sum = 0;
-    for (size_t axis = 0; axis < dim; axis++)
-    {
-        double difference = p[axis] - q[axis];
-        sum += difference * difference;
-    }
-    return sum;
-}
-
-/// From `point` to the segment from `a` to `b`.
-static inline double segment_distance(const double *a, const double *b, const double *point, size_t dim)
-{
-    double along = 0, squared = 0;
-    for (size_t axis = 0; axis < dim; axis++)
-    {
-        double side = b[axis] - a[axis];
-        along += (point[axis] - a[axis]) * side;
-        squared += side * side;
-    }
-    if (!(along > 0))
-        return point_distance(a, point, dim);
-    if (along >= squared)
-        return point_distance(b, point, dim);
-    double share = along / squared, sum = 0;
-    for (size_t axis = 0; axis < dim; axis++)
-    {
-        double difference = (point[axis] - a[axis]) - share * (b[axis] - a[axis]);
-        sum += difference * difference;
-    }
-    return sum;
-}
-
-/// No item of the node is nearer than this. Every rounding here is no greater than its like in point_distance().
-static inline double box_distance(const nearest_tree *tree, size_t node, const double *point, size_t dim)
+/// No item of the node is nearer than this. Every rounding here is no greater than its like in point_squared().
+static inline double box_squared(const nearest_tree *tree, size_t node, const double *point, size_t dim, double scale)
 {
     const double *low = tree->boxes + node * 2 * dim, *high = low + dim;
     double sum = 0;
@@ -204,7 +171,7 @@ static inline double box_distance(const nearest_tree *tree, size_t node, const d
     {
         double below = low[axis] - point[axis], above = point[axis] - high[axis];
         double gap = below > above ? below : above;
-        gap = gap > 0 ? gap : 0;
+        gap = gap > 0 ? gap * scale : 0;
         sum += gap * gap;
     }
     return tree->weights == NULL ? sum : sum * tree->least_weights[node];
@@ -217,30 +184,38 @@ typedef struct visit
     double bound;
 } visit;
 
-static inline bool can_improve(const nearest_tree *tree, const visit *next, const nearest_hit *best)
+/// The best item so far.
+typedef struct finding
 {
-    return next->bound < best->distance || (next->bound == best->distance && tree->least_items[next->node] < best->item);
+    size_t item, position; ///< its number, and its place in leaf order
+    double squared;        ///< distance times scale, squared, times the item's weight
+} finding;
+
+static inline bool can_improve(const nearest_tree *tree, const visit *next, const finding *best)
+{
+    return next->bound < best->squared || (next->bound == best->squared && tree->least_items[next->node] < best->item);
 }
 
-static inline void search_leaf(const nearest_tree *tree, const visit *leaf, const double *point, size_t dim,
-                               nearest_hit *best)
+static inline void search_leaf(const nearest_tree *tree, const visit *leaf, const double *point, size_t dim, double scale,
+                               finding *best)
 {
     for (size_t i = leaf->begin; i < leaf->end; i++)
     {
         const double *row = tree->coordinates + i * dim * (size_t)tree->kind;
-        double distance =
-            tree->kind == NEAREST_POINTS ? point_distance(row, point, dim) : segment_distance(row, row + dim, point, dim);
+        double squared = tree->kind == NEAREST_POINTS ? point_squared(row, point, dim, scale)
+                                                      : segment_squared(row, row + dim, point, dim, scale);
         if (tree->weights != NULL)
-            distance *= tree->weights[i];
-        if (distance < best->distance || (distance == best->distance && tree->items[i] < best->item))
-            *best = (nearest_hit){tree->items[i], distance};
+            squared *= tree->weights[i];
+        if (squared < best->squared || (squared == best->squared && tree->items[i] < best->item))
+            *best = (finding){tree->items[i], i, squared};
     }
 }
 
 /// Depth first, the nearer child first. Inlined with a constant `dim`, its loops over axes unroll.
-static inline __attribute__((always_inline)) nearest_hit search(const nearest_tree *tree, const double *point, size_t dim)
+static inline __attribute__((always_inline)) finding search(const nearest_tree *tree, const double *point, size_t dim,
+                                                            double scale)
 {
-    nearest_hit best = {BAT_NO_INDEX, INFINITY};
+    finding best = {BAT_NO_INDEX, 0, INFINITY};
     visit waiting[MOST_DEPTH];
     size_t top = 0;
     waiting[top++] = (visit){ROOT, 0, tree->count, 0};
@@ -250,27 +225,55 @@ static inline __attribute__((always_inline)) nearest_hit search(const nearest_tr
         while (can_improve(tree, &here, &best) && here.end - here.begin > LEAF_ITEMS)
         {
             size_t middle = middle_of(here.begin, here.end), child = 2 * here.node;
-            visit lower = {child, here.begin, middle, box_distance(tree, child, point, dim)};
-            visit upper = {child + 1, middle, here.end, box_distance(tree, child + 1, point, dim)};
+            visit lower = {child, here.begin, middle, box_squared(tree, child, point, dim, scale)};
+            visit upper = {child + 1, middle, here.end, box_squared(tree, child + 1, point, dim, scale)};
             bool lower_first = lower.bound <= upper.bound;
             here = lower_first ? lower : upper;
             waiting[top++] = lower_first ? upper : lower;
         }
         if (can_improve(tree, &here, &best))
-            search_leaf(tree, &here, point, dim, &best);
+            search_leaf(tree, &here, point, dim, scale, &best);
     }
     return best;
 }
 
-nearest_hit nearest_find(const nearest_tree *tree, const double *point)
+static finding search_unscaled(const nearest_tree *tree, const double *point)
 {
     switch (tree->dim)
     {
     case 2:
-        return search(tree, point, 2);
+        return search(tree, point, 2, 1);
     case 3:
-        return search(tree, point, 3);
+        return search(tree, point, 3, 1);
     default:
-        return search(tree, point, tree->dim);
+        return search(tree, point, tree->dim, 1);
     }
+}
+
+/// Where the squares leave the range.
+static __attribute__((noinline)) finding search_scaled(const nearest_tree *tree, const double *point, double scale)
+{
+    return search(tree, point, tree->dim, scale);
+}
+
+/// Whether what was found is the point itself, so that its distance of 0 is not an underflow.
+static bool is_at(const nearest_tree *tree, const finding *found, const double *point)
+{
+    if (found->squared > 0 || tree->kind != NEAREST_POINTS)
+        return false;
+    const double *row = tree->coordinates + found->position * tree->dim;
+    for (size_t axis = 0; axis < tree->dim; axis++)
+        if (row[axis] != point[axis])
+            return false;
+    return true;
+}
+
+nearest_hit nearest_find(const nearest_tree *tree, const double *point)
+{
+    finding found = search_unscaled(tree, point);
+    double scale = segment_scale(found.squared);
+    if (scale == 1 || tree->count == 0 || is_at(tree, &found, point))
+        return (nearest_hit){found.item, sqrt(found.squared)};
+    found = search_scaled(tree, point, scale);
+    return (nearest_hit){found.item, sqrt(found.squared) / scale};
 }

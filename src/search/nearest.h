@@ -14,7 +14,7 @@
 typedef struct nearest_hit
 {
     size_t item;     ///< its number; of several at the same distance the lowest
-    double distance; ///< squared, times the item's weight
+    double distance; ///< not squared; times the root of the item's weight
 } nearest_hit;
 
 /// What the items are.
@@ -37,14 +37,15 @@ typedef struct nearest_tree
     size_t *least_items;   ///< per node, the lowest item number below it
 } nearest_tree;
 
-/// Build the tree over `count` items with finite coordinates; they are copied.
-/// @param weights count positive numbers, or null for the plain distance
+/// Build the tree over `count` items with coordinates of at most DBL_MAX / 2; they are copied.
+/// @param weights that squared distances are multiplied by: count numbers from 1 to 2^60, or null for the plain distance
 /// @return BAT_OK or BAT_NO_MEMORY; `tree` is untouched on failure
 bat_status nearest_build(nearest_kind kind, const double *coordinates, const double *weights, size_t count, size_t dim,
                          nearest_tree *tree, bat_error *error);
 void nearest_free(nearest_tree *tree);
 
-/// The item nearest to a point of dim finite coordinates; item BAT_NO_INDEX when the tree is empty.
+/// The item nearest to a point of dim coordinates of at most DBL_MAX / 2; item BAT_NO_INDEX when the tree is empty. Distances
+/// neither overflow nor underflow on the way; one that a double cannot hold is infinite.
 nearest_hit nearest_find(const nearest_tree *tree, const double *point);
 
 #endif
