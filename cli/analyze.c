@@ -11,11 +11,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The longest name of a scheme with its settings.
-#define SCHEME_SIZE 512
-#define PARAMETER_SIZE 32
-/// Samples of the basic limit function drawn: 2^DRAWN_LEVEL for each unit.
-#define DRAWN_LEVEL 9
+enum
+{
+    /// The longest name of a scheme with its settings.
+    SCHEME_SIZE = 512,
+    PARAMETER_SIZE = 32,
+    /// Samples of the basic limit function drawn: 2^DRAWN_LEVEL for each unit.
+    DRAWN_LEVEL = 9,
+};
 
 static const option_spec OPTIONS[] = {
     {"depth", 0, "N", "try products of N difference matrices, 1 to 24; more gives tighter bounds; default: 12"},
@@ -43,14 +46,6 @@ typedef struct named_family
     char parameter[PARAMETER_SIZE];
 } named_family;
 
-/// Whether the report on standard output got through.
-static int finish_report(void)
-{
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return EXIT_DONE;
-    return report_failure(NULL, &(bat_error){.text = "standard output cannot be written"});
-}
-
 static int check_linear(const arguments *given, const bat_scheme *scheme)
 {
     return scheme->kind == BAT_SCHEME_LINEAR
@@ -61,8 +56,8 @@ static int check_linear(const arguments *given, const bat_scheme *scheme)
 static bat_status family_member(const named_family *family, double value, bat_scheme *scheme, bat_error *error)
 {
     char name[SCHEME_SIZE];
-    const char separator = strchr(family->scheme, ':') != NULL ? ',' : ':';
-    const int length = snprintf(name, sizeof name, "%s%c%s=%.17g", family->scheme, separator, family->parameter, value);
+    char separator = strchr(family->scheme, ':') != NULL ? ',' : ':';
+    int length = snprintf(name, sizeof name, "%s%c%s=%.17g", family->scheme, separator, family->parameter, value);
     if (length >= 0 && (size_t)length < sizeof name)
         return bat_scheme_by_name(name, scheme, error);
     if (error != NULL)
@@ -108,17 +103,17 @@ static int read_sweep_options(const arguments *given, const bat_analysis_options
     if (!read_sweep(argument(given, "sweep"), family, options))
         return usage_error(given, "--sweep takes NAME=A:B, as in w=0:0.25, not '%s'", argument(given, "sweep"));
     if (!argument_whole(given, "smoothness", 0, 30, 1, &smoothness) ||
-        !argument_number(given, "tolerance", 0.0, &options->tolerance))
+        !argument_number(given, "tolerance", 0, &options->tolerance))
         return EXIT_BAD_USAGE;
     options->smoothness = (size_t)smoothness;
-    const double ends[] = {options->begin, options->end};
-    for (size_t i = 0; i < 2; ++i)
+    double ends[] = {options->begin, options->end};
+    for (size_t i = 0; i < 2; i++)
     {
         bat_scheme scheme;
         bat_error error;
         if (family_member(family, ends[i], &scheme, &error) != BAT_OK)
             return usage_error(given, "%s", error.text);
-        const int code = check_linear(given, &scheme);
+        int code = check_linear(given, &scheme);
         if (code != EXIT_DONE)
             return code;
     }
@@ -136,18 +131,15 @@ static int run_sweep(const arguments *given, const bat_analysis_options *analysi
     size_t count;
     bat_error error;
     options.progress = report_progress("analyze");
-    const bat_status status = bat_mask_sweep(family_mask, &family, &options, &intervals, &count, &error);
+    bat_status status = bat_mask_sweep(family_mask, &family, &options, &intervals, &count, &error);
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    const analyze_sweep sweep = {family.parameter, options.smoothness, intervals, count};
+    analyze_sweep sweep = {family.parameter, options.smoothness, intervals, count};
     if (argument_flag(given, "json"))
         code = report_json(analyze_sweep_json(family.scheme, &sweep));
     else
-    {
         analyze_report_sweep(stdout, family.scheme, &sweep);
-        code = finish_report();
-    }
     free(intervals);
     return code;
 }
@@ -161,11 +153,11 @@ static int draw_basis(const char *path, const char *name, const bat_mask *mask)
         return report_failure(NULL, &error);
     double *parameters = calloc(basis.count, sizeof *parameters);
     bat_status status = parameters == NULL ? BAT_NO_MEMORY : BAT_OK;
-    for (size_t i = 0; i < basis.count && status == BAT_OK; ++i)
+    for (size_t i = 0; i < basis.count && status == BAT_OK; i++)
         parameters[i] = basis.first + ldexp((double)i, -DRAWN_LEVEL);
     if (status == BAT_OK)
     {
-        const bat_chart_series series = {.x = parameters, .y = basis.values, .count = basis.count};
+        bat_chart_series series = {.x = parameters, .y = basis.values, .count = basis.count};
         bat_chart chart = bat_chart_defaults();
         chart.series = &series;
         chart.series_count = 1;
@@ -189,20 +181,15 @@ static int run_analysis(const arguments *given, const bat_analysis_options *opti
     int code = check_linear(given, &scheme);
     if (code != EXIT_DONE)
         return code;
-    if (argument(given, "picture") != NULL)
-        code = draw_basis(argument(given, "picture"), name, &scheme.mask);
-    if (code != EXIT_DONE)
-        return code;
     bat_analysis analysis;
     if (bat_mask_analyze(&scheme.mask, options, &analysis, &error) != BAT_OK)
         return report_failure(NULL, &error);
-    if (argument_flag(given, "json"))
+    if (argument(given, "picture") != NULL)
+        code = draw_basis(argument(given, "picture"), name, &scheme.mask);
+    if (code == EXIT_DONE && argument_flag(given, "json"))
         code = report_json(analyze_json(name, &analysis));
-    else
-    {
+    else if (code == EXIT_DONE)
         analyze_report(stdout, name, &analysis);
-        code = finish_report();
-    }
     bat_analysis_free(&analysis);
     return code;
 }

@@ -28,7 +28,7 @@ static void print_help(const verb_spec *spec)
                        option->value != NULL ? " " : "", option->value != NULL ? option->value : "");
         (void)printf("  %-26s %s\n", left, option->help);
     }
-    (void)printf("  %-26s %s\n", "--help", "this text");
+    (void)printf("  %-26s %s\n", "-h, --help", "this text");
 }
 
 /// The place of an option in the table; -1 when there is none.
@@ -100,7 +100,7 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
         const char *word = argv[i];
         if (!only_files && strcmp(word, "--") == 0)
             only_files = true;
-        else if (!only_files && strcmp(word, "--help") == 0)
+        else if (!only_files && (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0))
         {
             print_help(spec);
             *exit_code = EXIT_DONE;

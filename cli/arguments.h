@@ -49,7 +49,7 @@ typedef struct arguments
     const char *values[MOST_OPTIONS]; ///< in the table's order; null where not given; "" for a flag
 } arguments;
 
-/// Read the command line. --help prints the help.
+/// Read the command line. --help and -h print the help.
 /// @return true to go on; else *exit_code says how to end
 bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code);
 
@@ -64,7 +64,7 @@ bool argument_number(const arguments *given, const char *name, double absent, do
 /// The index of the option's value in `words` (null-terminated), or `absent`; false after a message.
 bool argument_word(const arguments *given, const char *name, const char *const *words, int absent, int *index);
 
-/// Print "batten VERB: message" to standard error and return EXIT_BAD_USAGE.
+/// Print "batten: message" and the usage line of the verb to standard error, and return EXIT_BAD_USAGE.
 int usage_error(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

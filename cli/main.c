@@ -28,30 +28,51 @@ static void print_overview(FILE *to)
     (void)fputs("batten turns coarse geometry into fair geometry.\n\nusage: batten VERB [arguments]\n\n", to);
     for (int i = 0; i < VERB_COUNT; i++)
         (void)fprintf(to, "  %-10s %s\n", VERBS[i].name, VERBS[i].summary);
-    (void)fputs("\n`batten VERB --help` explains a verb; `batten --version` prints the version.\n", to);
+    (void)fputs("\n`batten help VERB` explains a verb; `batten --version` prints the version.\n", to);
 }
 
-int main(int argc, char **argv)
+/// The verb of that name; -1 after a message when there is none.
+static int find_verb(const char *name)
+{
+    for (int i = 0; i < VERB_COUNT; i++)
+        if (strcmp(name, VERBS[i].name) == 0)
+            return i;
+    (void)fprintf(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", name);
+    return -1;
+}
+
+/// `batten help`, `batten help VERB`
+static int help(int argc, char **argv)
+{
+    if (argc < 3)
+    {
+        print_overview(stdout);
+        return EXIT_DONE;
+    }
+    int verb = find_verb(argv[2]);
+    char *words[] = {argv[2], "--help", NULL};
+    return verb < 0 ? EXIT_BAD_USAGE : VERBS[verb].run(2, words);
+}
+
+static int run(int argc, char **argv)
 {
     if (argc < 2)
     {
         print_overview(stderr);
         return EXIT_BAD_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
-    {
-        print_overview(stdout);
-        return EXIT_DONE;
-    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0)
+        return help(argc, argv);
     if (strcmp(argv[1], "--version") == 0)
     {
         (void)printf("batten %s\n", bat_version());
         return EXIT_DONE;
     }
-    report_catch_interrupt();
-    for (int i = 0; i < VERB_COUNT; i++)
-        if (strcmp(argv[1], VERBS[i].name) == 0)
-            return VERBS[i].run(argc - 1, argv + 1);
-    (void)fprintf(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", argv[1]);
-    return EXIT_BAD_USAGE;
+    int verb = find_verb(argv[1]);
+    return verb < 0 ? EXIT_BAD_USAGE : VERBS[verb].run(argc - 1, argv + 1);
+}
+
+int main(int argc, char **argv)
+{
+    return report_end(run(argc, argv));
 }

@@ -12,18 +12,22 @@
 int report_failure(const char *file, const bat_error *error);
 
 /// A progress function that draws a line on standard error when that is a terminal, and stops the work once the user has
-/// pressed Ctrl-C. `what` names the work and must outlive it.
+/// pressed Ctrl-C. `what` names the work and must outlive it. Ctrl-C is caught from here to report_progress_end() and only
+/// there; a second one ends the program at once.
 bat_progress report_progress(const char *what);
-/// Take the progress line away.
+/// Take the progress line away. Ends the program, as Ctrl-C does elsewhere, when the user has pressed it during the work.
 void report_progress_end(void);
-
-/// Let Ctrl-C ask running work to stop instead of ending the program.
-void report_catch_interrupt(void);
-/// Whether the user has pressed Ctrl-C.
+/// Whether the user has pressed Ctrl-C during the work.
 bool report_interrupted(void);
 
-/// Print one JSON object on standard output and release it. Numbers keep 17 digits. Returns the program's exit code.
+/// A number, or null for one that is not finite, which JSON cannot say.
+json_t *report_number(double value);
+/// Print one JSON object on standard output and release it; a null one means that memory ran out. Numbers keep 17 digits.
+/// Returns the program's exit code.
 int report_json(json_t *object);
+
+/// The exit code of a verb that ended with `code`, once its standard output is written out: a failure to do so is a failure.
+int report_end(int code);
 
 #if defined(__clang_analyzer__)
 // Tells the static analyzer, which does not see the body, which code comes back.

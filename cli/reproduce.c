@@ -1,6 +1,7 @@
 #include "reproduce.h"
 
 #include "arguments.h"
+#include "report.h"
 #include "verbs.h"
 
 #include <errno.h>
@@ -8,18 +9,26 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/// When a result comes with pictures.
+typedef enum pictures
+{
+    NEVER,
+    WITH_FOLDER, ///< when a folder is given
+    ALWAYS
+} pictures;
+
 static const struct
 {
     const char *name;
     int (*run)(const char *folder, bool as_json);
-    bool needs_folder; ///< its result is pictures
+    pictures drawn;
     const char *summary;
 } RESULTS[] = {
-    {"curve-figures", reproduce_curve_figures, true,
+    {"curve-figures", reproduce_curve_figures, ALWAYS,
      "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20"},
-    {"tension-table1", reproduce_tension_table1, false,
+    {"tension-table1", reproduce_tension_table1, NEVER,
      "table 1 of the tension paper: 240 validation curves, all schemes, both signs"},
-    {"tension-iss", reproduce_tension_iss, false, "table 5 of the tension paper: the ISS ground track"},
+    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, "table 5 of the tension paper: the ISS ground track"},
 };
 enum
 {
@@ -36,7 +45,7 @@ bool reproduce_row(size_t index, const char **name, const char **summary)
 }
 
 static const option_spec OPTIONS[] = {
-    {"output", 'o', "FOLDER", "where pictures go; default: out for figures, no pictures for tables"},
+    {"output", 'o', "FOLDER", "where pictures go; default: out for curve-figures, no picture for tension-iss"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
@@ -61,12 +70,15 @@ int verb_reproduce(int argc, char **argv)
         if (strcmp(given.positional[0], RESULTS[i].name) != 0)
             continue;
         const char *folder = argument(&given, "output");
-        if (folder == NULL && RESULTS[i].needs_folder)
+        if (folder != NULL && RESULTS[i].drawn == NEVER)
+            return usage_error(&given, "%s has no pictures to put into a folder", RESULTS[i].name);
+        if (folder == NULL && RESULTS[i].drawn == ALWAYS)
             folder = "out";
         if (folder != NULL && mkdir(folder, 0777) != 0 && errno != EEXIST)
         {
-            (void)fprintf(stderr, "batten: %s: the folder cannot be made (%s)\n", folder, strerror(errno));
-            return EXIT_BAD_INPUT;
+            bat_error error = {0};
+            (void)snprintf(error.text, sizeof error.text, "the folder cannot be made: %s", strerror(errno));
+            return report_failure(folder, &error);
         }
         return RESULTS[i].run(folder, argument_flag(&given, "json"));
     }

@@ -10,15 +10,30 @@ BAT_C_BEGIN
 /// Tables 1 and 5 of Ugail and Howard (2026), computed anew for every scheme that needs no learning, with both signs of the
 /// insertion angle.
 
-/// Search the tension of the angle-based schemes, from -0.5 to 0.05 in steps of 0.025, whose refined curves are nearest to
-/// their truths: the least mean, over the curves, of the mean nearest-neighbour distance after `levels` levels (the "oracle" of
-/// section 7.1).
+/// How to search for a tension. Begin with bat_tension_search_defaults().
+typedef struct bat_tension_search_options
+{
+    bat_scheme scheme; ///< angle-based; all of it stays but the tension; default: outward, not adaptive
+    double low, high;  ///< the tensions tried lie in between, ends included; default -0.5 and 0.05, as published
+    size_t count;      ///< how many, evenly spaced, at least 2; default 23, steps of 0.025
+    size_t levels;     ///< how often the curves are refined; default 5
+    int threads;       ///< 0: as many as OpenMP gives; default 0
+    bat_progress progress;
+} bat_tension_search_options;
+
+/// The options' default values.
+BAT_API bat_tension_search_options bat_tension_search_defaults(void);
+
+/// Search the tension whose refined curves are nearest to their truths: the least mean, over the curves, of the mean
+/// nearest-neighbour distance (the "oracle" of section 7.1). A best tension at an end of the range may mean that a better one
+/// lies outside.
 ///
 /// @param coarse,truth `count` curves each, at least 1
+/// @param options      null for the defaults
 /// @param tension      receives the best
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_CANCELLED, BAT_NO_MEMORY or what refining or comparing returned
-BAT_API bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, size_t count, bat_angle_sign sign,
-                                      size_t levels, int threads, bat_progress progress, double *tension, bat_error *error);
+BAT_API bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, size_t count,
+                                      const bat_tension_search_options *options, double *tension, bat_error *error);
 
 /// One row: a method in a space, over a set of curves.
 typedef struct bat_tension_row

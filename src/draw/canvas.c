@@ -27,8 +27,7 @@ bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *
             return BAT_OK;
         }
     }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture's name must end in .svg, .png or .pdf: %s",
-                     path);
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture's name must end in .svg, .png or .pdf");
 }
 
 static cairo_status_t append_bytes(void *context, const unsigned char *data, unsigned int length)
@@ -131,7 +130,7 @@ static bat_status write_file(const char *path, const canvas_bytes *bytes, bat_er
     {
         if (fwrite(bytes->data, 1, bytes->size, file.stream) != bytes->size)
         {
-            status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write %s: %s", path, strerror(errno));
+            status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
         }
         status = atomic_file_end(&file, status, error);
     }

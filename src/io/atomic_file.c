@@ -1,4 +1,4 @@
-#define _XOPEN_SOURCE 700 // realpath()
+#define _GNU_SOURCE // realpath(), O_TMPFILE
 
 #include "io/atomic_file.h"
 
@@ -12,9 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
-static bat_status access_error(bat_error *error, const char *path, int reason)
+static bat_status access_error(bat_error *error, int reason)
 {
-    return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write %s: %s", path, strerror(reason));
+    return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(reason));
 }
 
 static void forget(atomic_file *file)
@@ -39,36 +39,79 @@ static char *temporary_name(const char *target, unsigned attempt)
     return name;
 }
 
-/// Open a new file beside the target, with the rights of the file it will replace or those that any new file gets.
-static bat_status open_temporary(atomic_file *file, const struct stat *existing, const char *path, bat_error *error)
+/// Open a file without a name in the target's folder; -1 where that is not possible.
+static int open_nameless(const char *target)
+{
+    int descriptor = -1;
+#ifdef O_TMPFILE
+    const char *slash = strrchr(target, '/');
+    char *folder = slash == NULL ? strdup(".") : strndup(target, (size_t)(slash - target) + 1);
+    // Through this folder the file gets its name.
+    if (folder != NULL && access("/proc/self/fd", X_OK) == 0)
+        descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+    free(folder);
+#else
+    (void)target;
+#endif
+    return descriptor;
+}
+
+static int link_nameless(int descriptor, const char *name)
+{
+    char nameless[48];
+    (void)snprintf(nameless, sizeof nameless, "/proc/self/fd/%d", descriptor);
+    return linkat(AT_FDCWD, nameless, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
+}
+
+/// Give the nameless file `descriptor` a hidden name, or with -1 make a file that has one.
+/// @return the file's descriptor; -1 with errno on failure, and then `temporary` stays null
+static int take_name(atomic_file *file, int descriptor)
 {
     enum
     {
         ATTEMPTS = 100
     };
-    int descriptor = -1;
-    for (unsigned attempt = 0; descriptor < 0 && attempt < ATTEMPTS; attempt++)
+    for (unsigned attempt = 0; attempt < ATTEMPTS; attempt++)
     {
-        free(file->temporary);
-        file->temporary = temporary_name(file->target, attempt);
-        if (file->temporary == NULL)
-            return error_memory(error, strlen(file->target));
-        descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor < 0 && errno != EEXIST)
+        char *name = temporary_name(file->target, attempt);
+        if (name == NULL)
+            return -1;
+        int named = descriptor;
+        if (descriptor < 0)
+            named = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        else if (link_nameless(descriptor, name) != 0)
+            named = -1;
+        if (named >= 0)
+        {
+            file->temporary = name;
+            return named;
+        }
+        int reason = errno;
+        free(name);
+        errno = reason;
+        if (reason != EEXIST)
             break;
     }
+    return -1;
+}
+
+/// Open a new file in the target's folder, with the rights of the file it will replace or those that any new file gets.
+static bat_status open_temporary(atomic_file *file, const struct stat *existing, bat_error *error)
+{
+    int descriptor = open_nameless(file->target);
     if (descriptor < 0)
-        return access_error(error, path, errno);
+        descriptor = take_name(file, -1);
+    if (descriptor < 0)
+        return access_error(error, errno);
     if (existing != NULL)
         (void)fchmod(descriptor, existing->st_mode & 07777);
     file->stream = fdopen(descriptor, "wb");
-    if (file->stream == NULL)
-    {
-        (void)close(descriptor);
+    if (file->stream != NULL)
+        return BAT_OK;
+    (void)close(descriptor);
+    if (file->temporary != NULL)
         (void)unlink(file->temporary);
-        return error_memory(error, BUFSIZ);
-    }
-    return BAT_OK;
+    return error_memory(error, BUFSIZ);
 }
 
 static bat_status open_file(const char *path, atomic_file *file, bat_error *error)
@@ -76,18 +119,18 @@ static bat_status open_file(const char *path, atomic_file *file, bat_error *erro
     struct stat existing;
     bool exists = stat(path, &existing) == 0;
     if (exists && S_ISDIR(existing.st_mode))
-        return access_error(error, path, EISDIR);
+        return access_error(error, EISDIR);
     if (exists && access(path, W_OK) != 0)
-        return access_error(error, path, errno);
+        return access_error(error, errno);
     if (exists && !S_ISREG(existing.st_mode))
     {
         file->stream = fopen(path, "wb");
-        return file->stream != NULL ? BAT_OK : access_error(error, path, errno);
+        return file->stream != NULL ? BAT_OK : access_error(error, errno);
     }
     file->target = exists ? realpath(path, NULL) : strdup(path);
     if (file->target == NULL)
-        return exists ? access_error(error, path, errno) : error_memory(error, strlen(path));
-    return open_temporary(file, exists ? &existing : NULL, path, error);
+        return exists ? access_error(error, errno) : error_memory(error, strlen(path));
+    return open_temporary(file, exists ? &existing : NULL, error);
 }
 
 bat_status atomic_file_begin(const char *path, atomic_file *file, bat_error *error)
@@ -104,40 +147,45 @@ bat_status atomic_file_begin(const char *path, atomic_file *file, bat_error *err
     return status;
 }
 
-/// Write out what is buffered and close; 0 or why it failed.
-static int close_stream(FILE *stream)
+/// Write out what is buffered; 0 or why it failed.
+static int flush(FILE *stream)
 {
-    int reason = 0;
-    if (ferror(stream))
-        reason = EIO;
+    bool failed_before = ferror(stream) != 0;
     errno = 0;
-    if (fflush(stream) != 0)
-        reason = errno != 0 ? errno : EIO;
-    if (stream != stdout && fclose(stream) != 0 && reason == 0)
-        reason = errno != 0 ? errno : EIO;
-    return reason;
+    if (fflush(stream) == 0 && !failed_before)
+        return 0;
+    return errno != 0 ? errno : EIO;
+}
+
+static int shut(FILE *stream)
+{
+    errno = 0;
+    if (stream == stdout || fclose(stream) == 0)
+        return 0;
+    return errno != 0 ? errno : EIO;
 }
 
 bat_status atomic_file_commit(atomic_file *file, bat_error *error)
 {
-    bat_status status = BAT_OK;
-    int reason = close_stream(file->stream);
+    int reason = flush(file->stream);
+    bool nameless = file->target != NULL && file->temporary == NULL;
+    if (reason == 0 && nameless && take_name(file, fileno(file->stream)) < 0)
+        reason = errno;
+    int shut_reason = shut(file->stream);
+    if (reason == 0)
+        reason = shut_reason;
     if (reason == 0 && file->temporary != NULL && rename(file->temporary, file->target) != 0)
         reason = errno;
-    if (reason != 0)
-    {
-        status = access_error(error, file->target != NULL ? file->target : "the output", reason);
-        if (file->temporary != NULL)
-            (void)unlink(file->temporary);
-    }
+    if (reason != 0 && file->temporary != NULL)
+        (void)unlink(file->temporary);
     forget(file);
-    return status;
+    return reason == 0 ? BAT_OK : access_error(error, reason);
 }
 
 void atomic_file_abandon(atomic_file *file)
 {
     if (file->stream != NULL)
-        (void)close_stream(file->stream);
+        (void)shut(file->stream);
     if (file->temporary != NULL)
         (void)unlink(file->temporary);
     forget(file);

@@ -165,8 +165,7 @@ static bat_status choose_format(const char *path, const bat_curve_set *set, cons
     if (*format == BAT_FORMAT_AUTO && set->attributes != NULL)
         *format = set->attributes->format;
     if (*format == BAT_FORMAT_AUTO)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "cannot tell what format to write%s%s",
-                         path != NULL ? " to " : "", path != NULL ? path : "");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "cannot tell what format to write");
     return BAT_OK;
 }
 

@@ -28,7 +28,7 @@ static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *e
     return BAT_OK;
 }
 
-static bat_status read_stream(FILE *file, const char *name, file_text *text, bat_error *error)
+static bat_status read_stream(FILE *file, file_text *text, bat_error *error)
 {
     enum
     {
@@ -51,7 +51,7 @@ static bat_status read_stream(FILE *file, const char *name, file_text *text, bat
     if (ferror(file))
     {
         text_free(&buffer);
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read %s: %s", name, strerror(errno));
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
     }
     return text_finish(&buffer, text, error);
 }
@@ -59,11 +59,11 @@ static bat_status read_stream(FILE *file, const char *name, file_text *text, bat
 bat_status file_text_read(const char *path, file_text *text, bat_error *error)
 {
     if (strcmp(path, "-") == 0)
-        return read_stream(stdin, "standard input", text, error);
+        return read_stream(stdin, text, error);
     FILE *file = fopen(path, "rb");
     if (file == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open %s: %s", path, strerror(errno));
-    bat_status status = read_stream(file, path, text, error);
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open: %s", strerror(errno));
+    bat_status status = read_stream(file, text, error);
     (void)fclose(file);
     return status;
 }

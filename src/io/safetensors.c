@@ -116,7 +116,7 @@ bat_status safetensors_doubles(const safetensors *content, const char *name, siz
 }
 
 /// All bytes of a stream, into an array from malloc().
-static bat_status read_stream(FILE *stream, const char *path, text_buffer *bytes, bat_error *error)
+static bat_status read_stream(FILE *stream, text_buffer *bytes, bat_error *error)
 {
     enum
     {
@@ -132,7 +132,7 @@ static bat_status read_stream(FILE *stream, const char *path, text_buffer *bytes
         text_advance(bytes, place + got);
     }
     if (ferror(stream))
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read %s: %s", path, strerror(errno));
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
     return BAT_OK;
 }
 
@@ -140,9 +140,9 @@ bat_status safetensors_read(const char *path, safetensors *content, bat_error *e
 {
     FILE *stream = fopen(path, "rb");
     if (stream == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open %s: %s", path, strerror(errno));
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open: %s", strerror(errno));
     text_buffer bytes = {0};
-    bat_status status = read_stream(stream, path, &bytes, error);
+    bat_status status = read_stream(stream, &bytes, error);
     (void)fclose(stream);
     if (status == BAT_OK)
         status = safetensors_parse(bytes.data, bytes.size, content, error);

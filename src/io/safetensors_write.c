@@ -118,7 +118,7 @@ bat_status safetensors_write(const char *path, const safetensors *content, bat_e
     if (status == BAT_OK)
     {
         if (fwrite(bytes.data, 1, bytes.size, file.stream) != bytes.size)
-            status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write %s: %s", path, strerror(errno));
+            status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
         status = atomic_file_end(&file, status, error);
     }
     text_free(&bytes);

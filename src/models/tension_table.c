@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 /// Section 7.1: the grid of the oracle. (The text counts 21 values; from -0.5 to 0.05 in steps of 0.025 there are 23.)
-static const double GRID_LOW = -0.5, GRID_STEP = 0.025;
+static const double GRID_LOW = -0.5, GRID_HIGH = 0.05;
 enum
 {
     GRID_COUNT = 23,
@@ -128,13 +128,16 @@ static bat_scheme angle(double tension, bat_angle_sign sign, bool adaptive)
     return scheme;
 }
 
-/// The tension of the grid with the least mean of mean_nn.
-static bat_status search_tension(table_state *state, const case_set *set, bat_angle_sign sign, double *best)
+/// The tension of a grid with the least mean of mean_nn.
+static bat_status search_tension(table_state *state, const case_set *set, const bat_tension_search_options *options,
+                                 double *best)
 {
-    double least = INFINITY;
-    for (int i = 0; i < GRID_COUNT; i++)
+    double least = INFINITY, spacing = (options->high - options->low) / (double)(options->count - 1);
+    *best = options->low;
+    for (size_t i = 0; i < options->count; i++)
     {
-        bat_scheme scheme = angle(GRID_LOW + i * GRID_STEP, sign, false);
+        bat_scheme scheme = options->scheme;
+        scheme.tension = options->low + (double)i * spacing;
         bat_summary mean_nn;
         bat_status status = step(state, set, &scheme);
         if (status == BAT_OK)
@@ -150,12 +153,19 @@ static bat_status search_tension(table_state *state, const case_set *set, bat_an
     return BAT_OK;
 }
 
+static bat_status search_published(table_state *state, const case_set *set, bat_angle_sign sign, double *best)
+{
+    bat_tension_search_options options = bat_tension_search_defaults();
+    options.scheme.sign = sign;
+    return search_tension(state, set, &options, best);
+}
+
 static bat_status fill_rows(table_state *state, const case_set *set, bat_tension_row *rows)
 {
     double best_printed = 0, best_outward = 0;
-    bat_status status = search_tension(state, set, BAT_ANGLE_PRINTED, &best_printed);
+    bat_status status = search_published(state, set, BAT_ANGLE_PRINTED, &best_printed);
     if (status == BAT_OK)
-        status = search_tension(state, set, BAT_ANGLE_OUTWARD, &best_outward);
+        status = search_published(state, set, BAT_ANGLE_OUTWARD, &best_outward);
     const struct
     {
         const char *method;
@@ -286,17 +296,31 @@ bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress p
     return status;
 }
 
-bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, size_t count, bat_angle_sign sign,
-                              size_t levels, int threads, bat_progress progress, double *tension, bat_error *error)
+bat_tension_search_options bat_tension_search_defaults(void)
 {
+    return (bat_tension_search_options){.scheme = bat_scheme_angle(0),
+                                        .low = GRID_LOW,
+                                        .high = GRID_HIGH,
+                                        .count = GRID_COUNT,
+                                        .levels = BAT_TENSION_LEVELS};
+}
+
+bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, size_t count,
+                              const bat_tension_search_options *options, double *tension, bat_error *error)
+{
+    bat_tension_search_options defaults = bat_tension_search_defaults();
+    options = options != NULL ? options : &defaults;
     if (count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to search the tension with");
-    table_state state = {.threads = threads, .progress = progress, .error = error};
-    bat_status status = state_make(&state, count, GRID_COUNT);
-    case_set cases = {coarse->space->name, coarse, truth, count, levels};
+    if (options->scheme.kind != BAT_SCHEME_ANGLE || options->count < 2 || !(options->low < options->high))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "a search needs an angle-based scheme and at least two tensions in a range");
+    table_state state = {.threads = options->threads, .progress = options->progress, .error = error};
+    bat_status status = state_make(&state, count, options->count);
+    case_set cases = {coarse->space->name, coarse, truth, count, options->levels};
     double best = 0;
     if (status == BAT_OK)
-        status = search_tension(&state, &cases, sign, &best);
+        status = search_tension(&state, &cases, options, &best);
     if (status == BAT_OK)
         *tension = best;
     free(state.numbers);

@@ -31,8 +31,16 @@ refused()
     grep -Eq "$pattern" stderr || fail "the message does not match '$pattern': batten $*"
     [ "$(cat out.csv)" = untouched ] || fail "the output was touched: batten $*"
     [ ! -e out.png ] || fail "a picture was written: batten $*"
-    [ -z "$(ls | grep -Ev '^(stdout|stderr|out\.csv|.*\.in.*)$')" ] || fail "files are left: $(ls): batten $*"
+    [ -z "$(ls -A | grep -Ev '^(stdout|stderr|out\.csv|.*\.in.*)$')" ] || fail "files are left: $(ls -A): batten $*"
     [ ! -s stdout ] || fail "something on standard output: batten $*"
+}
+
+# full ARGUMENTS…: the program must end with 1 and say one line when standard output is a full disk.
+full()
+{
+    "$batten" "$@" > /dev/full 2> stderr
+    [ $? -eq 1 ] || fail "a full disk on standard output is not noticed: batten $*"
+    [ "$(wc -l < stderr)" -eq 1 ] || fail "not one line on standard error: batten $*"
 }
 
 curve()
@@ -85,16 +93,21 @@ curve 'unclosed\.in\.geojson' unclosed.in.geojson
 curve 'index\.in\.obj:3: ' index.in.obj
 curve 'noline\.in\.obj:2: ' noline.in.obj
 curve 'bytes\.in\.obj:1: ' bytes.in.obj
-curve 'missing\.in\.csv: ' missing.in.csv
-curve '/: ' /
+curve '^batten: missing\.in\.csv: cannot open: No such' missing.in.csv
+curve '^batten: /: cannot read: Is a' /
 printf '0,0\n1,0\n1,1\n' > good.in.csv
 printf "0,0\n0.5,0\n0.5,0.5\n" > small.in.csv
+printf '0,0\n1,0\n\n0,0\n0,0\n' > two.in.csv
 refused 1 'points' curve good.in.csv --levels 60 -o out.csv
 refused 1 'points' curve good.in.csv --levels 44 -o out.csv
-refused 1 'no/such/folder' curve good.in.csv -o no/such/folder/out.csv
-refused 1 'out\.gif' curve good.in.csv --picture out.gif
+refused 1 '^batten: no/such/out\.csv: cannot write: No such' curve good.in.csv -o no/such/out.csv --picture out.png
+refused 1 '^batten: no/such/out\.png: cannot write: No such' curve good.in.csv --picture no/such/out.png
+refused 1 '^batten: out\.gif: .*must end in [^:]*$' curve good.in.csv --picture out.gif
 refused 1 'linear scheme' curve small.in.csv --space disk --scheme chaikin -o out.csv
 refused 1 'missing' curve good.in.csv --truth missing.in.csv -o out.csv
+refused 1 '2 curves cannot be compared with the 1 ' curve good.in.csv --truth two.in.csv -o out.csv
+refused 1 'two\.in\.csv:5: curve 1: point 1 repeats' curve two.in.csv -o out.csv --picture out.png
+refused 1 'angle-based' curve antipodal.in.csv --truth antipodal.in.csv --best-tension -o out.csv
 refused 2 'one argument too many' curve good.in.csv other -o out.csv
 refused 2 'missing' curve
 refused 2 'no option' curve good.in.csv --level 3
@@ -106,16 +119,50 @@ refused 2 'no setting' curve good.in.csv --scheme chaikin:w=1
 refused 2 'exclude' curve good.in.csv --closed --open
 refused 2 'given twice' curve good.in.csv --levels 2 --levels 3
 refused 2 'one of' curve good.in.csv --ends none
-refused 2 'json' curve good.in.csv --json
+refused 2 'json' curve good.in.csv --json -o -
+refused 2 'exclude' curve good.in.csv --json --quiet
+refused 2 'overwrite' curve good.in.csv -o out.csv --picture out.csv
+refused 2 'overwrite' curve good.in.csv -o out.csv --picture ./out.csv
+refused 2 'overwrite' curve good.in.csv -o new.svg --picture new.svg
+refused 2 'overwrite' curve good.in.csv -o out.csv --picture good.in.csv
+refused 2 'overwrite' curve good.in.csv -o out.csv --picture small.in.csv --truth small.in.csv
+refused 2 'needs --picture' curve good.in.csv -o out.csv --comb
+refused 2 'needs --picture' curve good.in.csv -o out.csv --panel 0,1
+refused 2 'needs --picture' curve good.in.csv -o out.csv --projection map
+refused 2 'needs -o' curve good.in.csv --picture out.png --to csv
+refused 2 'needs -o' curve good.in.csv --json --precision 3
+refused 2 'needs --truth' curve good.in.csv -o out.csv --best-tension
+refused 2 'truth needs' curve good.in.csv --truth good.in.csv
+refused 2 'truth needs' curve good.in.csv --truth good.in.csv -o out.csv --quiet
+refused 2 'angle-based' curve good.in.csv --truth good.in.csv -o out.csv --best-tension --scheme chaikin
 refused 1 'there is no space' curve good.in.csv --space torus -o out.csv
 refused 1 'missing' measure missing.in.csv good.in.csv
 refused 1 'cannot be compared|coordinates' measure good.in.csv antipodal.in.csv
 refused 2 'missing' measure
 refused 2 'no result' reproduce table99
+refused 2 'no pictures' reproduce tension-table1 -o folder
 refused 2 'no list' list things
 refused 2 'no scheme' analyze spline
 refused 2 'linear|mask' analyze angle-4
-refused 1 'even|odd|sum' analyze mask:1,1,1,1
+refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png
+
+full --help
+full --version
+full help list
+full list schemes
+full list spaces --json
+full analyze chaikin
+full analyze chaikin --json
+full analyze four-point --sweep w=0.05:0.07
+full measure good.in.csv
+full measure good.in.csv small.in.csv --json
+full curve good.in.csv
+full curve good.in.csv -o out.csv
+full curve good.in.csv --json
+full reproduce tension-iss
+
+"$batten" help nothing > stdout 2> stderr
+[ $? -eq 2 ] && grep -q "no verb 'nothing'" stderr || fail "batten help nothing"
 
 [ $failures -eq 0 ] && echo "all bad input is refused"
 [ $failures -eq 0 ]

@@ -1,0 +1,146 @@
+#include "curve.h"
+
+#include "arguments.h"
+#include "report.h"
+
+#include "batten/measure.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// The curves of a set in a few numbers.
+typedef struct totals
+{
+    size_t points;  ///< of all
+    double length;  ///< of all
+    double bending; ///< mean over the curves
+    double g1;      ///< greatest of all
+} totals;
+
+static bat_status no_memory(bat_error *error)
+{
+    *error = (bat_error){.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX, .text = "out of memory"};
+    return BAT_NO_MEMORY;
+}
+
+static bat_status measure_fairness(const bat_curve_set *set, const bat_measure_options *options, totals *sum,
+                                   bat_error *error)
+{
+    *sum = (totals){0};
+    bat_fairness *fairness = calloc(set->count, sizeof *fairness);
+    if (fairness == NULL)
+        return no_memory(error);
+    bat_measure_options how = *options;
+    how.progress = report_progress("measuring fairness");
+    bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, NULL, error);
+    report_progress_end();
+    for (size_t i = 0; i < set->count && status == BAT_OK; i++)
+    {
+        sum->points += set->curves[i].count;
+        sum->length += fairness[i].length;
+        sum->bending += fairness[i].bending / (double)set->count;
+        sum->g1 = fairness[i].g1 > sum->g1 ? fairness[i].g1 : sum->g1;
+    }
+    free(fairness);
+    return status;
+}
+
+/// How far the curves of two sets are apart, curve by curve: means over the pairs.
+typedef struct distances
+{
+    double mean_nn, hausdorff;
+} distances;
+
+static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_set *truth,
+                                    const bat_measure_options *options, distances *mean, bat_error *error)
+{
+    *mean = (distances){0};
+    bat_curve_distance *each = calloc(fine->count, sizeof *each);
+    if (each == NULL)
+        return no_memory(error);
+    bat_measure_options how = *options;
+    how.progress = report_progress("measuring distances");
+    bat_status status = bat_curves_compare(fine->curves, truth->curves, fine->count, &how, each, NULL, error);
+    report_progress_end();
+    for (size_t i = 0; i < fine->count && status == BAT_OK; i++)
+    {
+        mean->mean_nn += each[i].mean_nn / (double)fine->count;
+        mean->hausdorff += each[i].hausdorff / (double)fine->count;
+    }
+    free(each);
+    return status;
+}
+
+/// "on the sphere", "in R^3".
+static const char *place_of(const bat_space *space, char *text, size_t size)
+{
+    if (strcmp(space->name, "euclidean") == 0)
+        (void)snprintf(text, size, "in R^%zu", space->dimension);
+    else
+        (void)snprintf(text, size, "%s the %s", strcmp(space->name, "sphere") == 0 ? "on" : "in", space->name);
+    return text;
+}
+
+static void print_row(const char *name, const totals *t)
+{
+    (void)printf("%-8s %12zu %12.6g %14.6g %15.6g\n", name, t->points, t->length, t->bending, t->g1);
+}
+
+/// `distance` may be null, here and below.
+static void print_report(const curve_job *job, const bat_curve_set *fine, const totals *before, const totals *after,
+                         const distances *distance)
+{
+    char place[32];
+    bool many = fine->count > 1;
+    (void)printf("%zu curve%s %s, scheme %s, %zu level%s\n", fine->count, many ? "s" : "",
+                 place_of(fine->space, place, sizeof place), job->scheme, job->refine.levels,
+                 job->refine.levels == 1 ? "" : "s");
+    (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
+                 many ? "mean bending" : "bending", "largest angle");
+    print_row("given", before);
+    print_row("refined", after);
+    if (distance != NULL)
+        (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
+                     distance->mean_nn, distance->hausdorff);
+}
+
+static json_t *totals_json(const totals *t)
+{
+    return json_pack("{s:I, s:o, s:o, s:o}", "points", (json_int_t)t->points, "length", report_number(t->length), "bending",
+                     report_number(t->bending), "g1", report_number(t->g1));
+}
+
+static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const totals *before, const totals *after,
+                         const distances *distance)
+{
+    json_t *object = json_pack("{s:s, s:s, s:I, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme, "levels",
+                               (json_int_t)job->refine.levels, "curves", (json_int_t)fine->count, "given",
+                               totals_json(before), "refined", totals_json(after));
+    if (distance == NULL)
+        return object;
+    json_t *pair = json_pack("{s:o, s:o}", "mean_nn", report_number(distance->mean_nn), "hausdorff",
+                             report_number(distance->hausdorff));
+    if (json_object_set_new(object, "distance", pair) == 0)
+        return object;
+    json_decref(object);
+    return NULL;
+}
+
+int curve_report(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine)
+{
+    totals before, after;
+    distances distance;
+    bat_error error;
+    bat_measure_options options = bat_measure_defaults();
+    options.threads = job->read.threads;
+    if (measure_fairness(coarse, &options, &before, &error) != BAT_OK ||
+        measure_fairness(fine, &options, &after, &error) != BAT_OK)
+        return report_failure(job->input, &error);
+    if (truth != NULL && measure_distances(fine, truth, &options, &distance, &error) != BAT_OK)
+        return report_failure(job->truth, &error);
+    const distances *shown = truth != NULL ? &distance : NULL;
+    if (job->json)
+        return report_json(make_json(job, fine, &before, &after, shown));
+    print_report(job, fine, &before, &after, shown);
+    return EXIT_DONE;
+}
