@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Prints the polynomial coefficients of src/base/lanes.h.
+"""Prints the polynomial coefficients of src/base/lanes.h and src/base/lanes_single.h.
 
-Each function is even or odd, so that it is a polynomial in z = x^2 after its known leading factor is divided out. The
+Most functions are even or odd, so that they are polynomials in z = x^2 after their known leading factor is divided out. The
 polynomial interpolates at Chebyshev nodes (within a small factor of the best one), in 60 digits, and is then rounded to
 double. The error printed is the largest relative one on a dense grid, before rounding. Needs mpmath.
 """
-from mpmath import mp, mpf, atan, tan, cos, sin, sqrt, pi
+from mpmath import mp, mpf, atan, tan, tanh, cos, sin, exp, erfc, log, sqrt, pi
 
 mp.dps = 60
 
 
-def fit(name, function, high, degree, reference=None):
-    nodes = [high * (1 + cos(pi * (2 * k + 1) / (2 * degree + 2))) / 2 for k in range(degree + 1)]
+def fit(name, function, high, degree, reference=None, low=mpf(0)):
+    nodes = [low + (high - low) * (1 + cos(pi * (2 * k + 1) / (2 * degree + 2))) / 2 for k in range(degree + 1)]
     matrix = mp.matrix(degree + 1, degree + 1)
     values = mp.matrix(degree + 1, 1)
     for row, z in enumerate(nodes):
@@ -21,7 +21,7 @@ def fit(name, function, high, degree, reference=None):
     coefficients = mp.lu_solve(matrix, values)
     worst = 0
     for k in range(2001):
-        z = high * (mpf(k) + mpf(1) / 2) / 2001
+        z = low + (high - low) * (mpf(k) + mpf(1) / 2) / 2001
         approximation = sum(c * z ** i for i, c in enumerate(coefficients))
         scale = reference(z) if reference else function(z)
         worst = max(worst, abs((approximation - function(z)) / scale))
@@ -46,3 +46,24 @@ fit("tan", tan_times_pole, (pi / 4) ** 2, 7)
 # cos(sqrt(s)) and sin(sqrt(s)) / sqrt(s) for 0 <= s <= pi^2
 fit("cos of a root", lambda s: cos(sqrt(s)), pi ** 2, 12, reference=lambda s: mpf(1))
 fit("sinc of a root", lambda s: sin(sqrt(s)) / sqrt(s), pi ** 2, 12, reference=lambda s: mpf(1))
+
+
+def exp_tail(r):
+    return (exp(r) - 1 - r) / r ** 2 if r else mpf(1) / 2
+
+
+NORMAL_SCALE = mpf("0.28")
+
+
+def normal_tail(t):
+    a = (1 / t - 1) / NORMAL_SCALE
+    return erfc(a / sqrt(2)) / 2 * exp(a * a / 2) / t
+
+
+# For single precision.
+# exp(r) = 1 + r + r^2 P(r) for |r| <= log(2) / 2
+fit("exp, single", exp_tail, log(2) / 2, 4, low=-log(2) / 2, reference=lambda r: exp(r) / max(r ** 2, mpf("1e-30")))
+# tanh(x) = x + x z P(z) for |x| <= 0.625
+fit("tanh, single", lambda z: (tanh(sqrt(z)) / sqrt(z) - 1) / z, mpf("0.625") ** 2, 4, reference=lambda z: 1 / z)
+# The normal distribution's tail beyond a is exp(-a^2 / 2) t P(t) with t = 1 / (1 + 0.28 a), for 0 <= a <= 13
+fit("normal tail, single", normal_tail, mpf(1), 8, low=1 / (1 + NORMAL_SCALE * 13))

@@ -1,0 +1,50 @@
+#ifndef LEARN_DROPOUT_H
+#define LEARN_DROPOUT_H
+
+#include "learn/tape.h"
+
+/// @file
+/// Which numbers a dropout drops. The mask is a function of a key and the number's place: nobody stores it, the way back asks
+/// again, and no order of execution changes it.
+
+typedef struct dropout_mask
+{
+    uint32_t key[2];
+    uint32_t threshold; ///< drop below; 0: nothing is dropped
+    real kept;          ///< the factor of what stays
+} dropout_mask;
+
+/// 64 bits mixed well from a key and a count.
+static inline uint64_t dropout_mix(uint64_t key, uint64_t count)
+{
+    // splitmix64 (Steele, Lea and Flood 2014)
+    uint64_t z = key + 0x9e3779b97f4a7c15u * (count + 1);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+/// The mask of the tape's next dropout, 0 <= rate < 1.
+static inline dropout_mask dropout_next(learn_tape *tape, double rate)
+{
+    if (!tape->drops || rate <= 0)
+        return (dropout_mask){.threshold = 0, .kept = 1};
+    uint64_t key = dropout_mix(tape->dropout_key, tape->dropout_uses++);
+    return (dropout_mask){.key = {(uint32_t)key, (uint32_t)(key >> 32)},
+                          .threshold = (uint32_t)(rate * 4294967296.0),
+                          .kept = (real)(1 / (1 - rate))};
+}
+
+/// The factor of number `place`: 0 or mask.kept.
+static inline real dropout_factor(dropout_mask mask, uint32_t place)
+{
+    uint32_t h = place ^ mask.key[0];
+    h ^= h >> 16;
+    h *= 0x7feb352du;
+    h = (h ^ (h >> 15)) + mask.key[1];
+    h *= 0x846ca68bu;
+    h ^= h >> 16;
+    return h < mask.threshold ? 0 : mask.kept;
+}
+
+#endif

@@ -1,0 +1,115 @@
+#include "learn/optimizer.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+static real *make_zeros(size_t count)
+{
+    real *zeros = memory_array(count, sizeof *zeros);
+    if (zeros != NULL)
+        memset(zeros, 0, count * sizeof *zeros);
+    return zeros;
+}
+
+bat_status learn_optimizer_make(const learn_optimizer_options *options, size_t count, learn_optimizer *optimizer,
+                                bat_error *error)
+{
+    bool adam = options->rule != LEARN_SGD;
+    if (!(options->momentum >= 0 && options->momentum < 1) || (adam && !(options->second >= 0 && options->second < 1)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "an optimizer's shares must be from 0 to below 1");
+    if (!(options->decay >= 0) || (adam && !(options->epsilon >= 0)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "an optimizer's epsilon and decay cannot be negative");
+    *optimizer = (learn_optimizer){.options = *options, .count = count};
+    optimizer->mean = make_zeros(count);
+    optimizer->squares = adam ? make_zeros(count) : NULL;
+    if (optimizer->mean != NULL && (!adam || optimizer->squares != NULL))
+        return BAT_OK;
+    learn_optimizer_free(optimizer);
+    return error_memory(error, 2 * count * sizeof(real));
+}
+
+void learn_optimizer_free(learn_optimizer *optimizer)
+{
+    free(optimizer->mean);
+    free(optimizer->squares);
+    *optimizer = (learn_optimizer){0};
+}
+
+LANES_CLONES
+static void sgd_step(size_t count, real rate, real momentum, real decay, const real *restrict gradient,
+                     real *restrict direction, real *restrict values)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        direction[i] = momentum * direction[i] + (gradient[i] + decay * values[i]);
+        values[i] -= rate * direction[i];
+    }
+}
+
+/// Numbers of a step of Adam that all weights share.
+typedef struct adam_numbers
+{
+    real first, second, epsilon;
+    real keep;         ///< the factor of the weight itself, by AdamW's decay
+    real coupled;      ///< Adam's decay
+    real rate;         ///< over the correction of the mean
+    real square_scale; ///< one over the root of the correction of the squares
+} adam_numbers;
+
+LANES_CLONES
+static void adam_step(size_t count, const adam_numbers *numbers, const real *restrict gradient, real *restrict mean,
+                      real *restrict squares, real *restrict values)
+{
+    adam_numbers n = *numbers;
+    for (size_t i = 0; i < count; i++)
+    {
+        real g = gradient[i] + n.coupled * values[i];
+        real m = n.first * mean[i] + (1 - n.first) * g;
+        real s = n.second * squares[i] + (1 - n.second) * g * g;
+        mean[i] = m;
+        squares[i] = s;
+        values[i] = n.keep * values[i] - n.rate * m / (real_sqrt(s) * n.square_scale + n.epsilon);
+    }
+}
+
+void learn_optimizer_step(learn_optimizer *optimizer, double rate, const real *gradient, real *values)
+{
+    learn_optimizer_options o = optimizer->options;
+    optimizer->steps++;
+    if (o.rule == LEARN_SGD)
+    {
+        sgd_step(optimizer->count, (real)rate, (real)o.momentum, (real)o.decay, gradient, optimizer->mean, values);
+        return;
+    }
+    double steps = (double)optimizer->steps;
+    bool decoupled = o.rule == LEARN_ADAMW;
+    adam_numbers numbers = {
+        .first = (real)o.momentum,
+        .second = (real)o.second,
+        .epsilon = (real)o.epsilon,
+        .keep = decoupled ? (real)(1 - rate * o.decay) : 1,
+        .coupled = decoupled ? 0 : (real)o.decay,
+        .rate = (real)(rate / (1 - pow(o.momentum, steps))),
+        .square_scale = (real)(1 / sqrt(1 - pow(o.second, steps))),
+    };
+    adam_step(optimizer->count, &numbers, gradient, optimizer->mean, optimizer->squares, values);
+}
+
+LANES_CLONES
+double learn_clip_norm(size_t count, real *gradient, double limit)
+{
+    double squares = 0;
+#pragma omp simd reduction(+ : squares)
+    for (size_t i = 0; i < count; i++)
+        squares += (double)gradient[i] * (double)gradient[i];
+    double norm = sqrt(squares);
+    // PyTorch adds the 1e-6.
+    double factor = limit / (norm + 1e-6);
+    if (factor < 1)
+        for (size_t i = 0; i < count; i++)
+            gradient[i] *= (real)factor;
+    return norm;
+}

@@ -1,0 +1,151 @@
+#include "learn/parameters.h"
+
+#include "base/error.h"
+#include "io/array_grow.h"
+
+#include <stdio.h>
+
+size_t learn_parameters_add(learn_parameters *set, size_t rows, size_t columns, const char *name)
+{
+    size_t numbers, end;
+    bool countable = !size_multiply_overflows(rows > 0 ? rows : 1, columns, &numbers) &&
+                     !__builtin_add_overflow(set->total, numbers, &end);
+    void *list = set->list;
+    if (set->status == BAT_OK && (!countable || strlen(name) >= LEARN_NAME_SIZE))
+        set->status = BAT_TOO_LARGE;
+    if (set->status == BAT_OK && !array_grow(&list, &set->capacity, set->count + 1, sizeof *set->list))
+        set->status = BAT_NO_MEMORY;
+    if (set->status != BAT_OK)
+        return 0;
+    set->list = list;
+    learn_parameter *added = &set->list[set->count];
+    *added =
+        (learn_parameter){.rank = rows > 0 ? 2 : 1, .rows = rows > 0 ? rows : 1, .columns = columns, .offset = set->total};
+    (void)snprintf(added->name, sizeof added->name, "%s", name);
+    set->total = end;
+    return set->count++;
+}
+
+bat_status learn_parameters_allocate(learn_parameters *set, bat_error *error)
+{
+    if (set->status == BAT_OK)
+    {
+        set->values = memory_array(set->total, sizeof *set->values);
+        if (set->values == NULL)
+            set->status = BAT_NO_MEMORY;
+        else
+            memset(set->values, 0, set->total * sizeof *set->values);
+    }
+    if (set->status == BAT_NO_MEMORY)
+        return error_memory(error, set->total * sizeof *set->values);
+    if (set->status != BAT_OK)
+        return error_set(error, set->status, BAT_NO_INDEX, 0, "the parameters are too many or a name is too long");
+    return BAT_OK;
+}
+
+void learn_parameters_free(learn_parameters *set)
+{
+    free(set->list);
+    free(set->values);
+    *set = (learn_parameters){0};
+}
+
+static size_t parameter_size(const learn_parameter *parameter)
+{
+    return parameter->rows * parameter->columns;
+}
+
+void learn_parameter_fill(learn_parameters *set, size_t index, real value)
+{
+    real *values = learn_parameter_values(set, index);
+    for (size_t i = 0; i < parameter_size(&set->list[index]); i++)
+        values[i] = value;
+}
+
+void learn_parameter_fill_normal(learn_parameters *set, size_t index, double deviation, bat_random *random)
+{
+    real *values = learn_parameter_values(set, index);
+    for (size_t i = 0; i < parameter_size(&set->list[index]); i++)
+        values[i] = (real)(deviation * bat_random_normal(random));
+}
+
+void learn_parameters_describe(const learn_parameters *set, const real *block, const char *prefix, safetensors_array *arrays,
+                               char (*names)[2 * LEARN_NAME_SIZE])
+{
+    for (size_t i = 0; i < set->count; i++)
+    {
+        const learn_parameter *parameter = &set->list[i];
+        (void)snprintf(names[i], sizeof names[i], "%s%s", prefix, parameter->name);
+        bool matrix = parameter->rank == 2;
+        arrays[i] = (safetensors_array){
+            .name = names[i],
+            .type = sizeof(real) == sizeof(float) ? SAFETENSORS_F32 : SAFETENSORS_F64,
+            .rank = parameter->rank,
+            .shape = {matrix ? parameter->rows : parameter->columns, matrix ? parameter->columns : 0},
+            .count = parameter_size(parameter),
+            .values = block + parameter->offset,
+        };
+    }
+}
+
+static bat_status extract_parameter(const learn_parameter *parameter, const safetensors_array *array, real *values,
+                                    bat_error *error)
+{
+    bool matrix = parameter->rank == 2;
+    bool fits = array->rank == parameter->rank && array->shape[0] == (matrix ? parameter->rows : parameter->columns) &&
+                (!matrix || array->shape[1] == parameter->columns);
+    if (!fits)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "array '%s' has the wrong shape", array->name);
+    if (array->type == SAFETENSORS_F32)
+        for (size_t k = 0; k < array->count; k++)
+            values[k] = (real)((const float *)array->values)[k];
+    else if (array->type == SAFETENSORS_F64)
+        for (size_t k = 0; k < array->count; k++)
+            values[k] = (real)((const double *)array->values)[k];
+    else
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "array '%s' is not of single or double precision",
+                         array->name);
+    for (size_t k = 0; k < array->count; k++)
+        if (!isfinite(values[k]))
+            return error_set(error, BAT_BAD_FILE, k, 0, "array '%s' has no finite number at %zu", array->name, k);
+    return BAT_OK;
+}
+
+bat_status learn_parameters_extract(const learn_parameters *set, const safetensors *content, const char *prefix, real *block,
+                                    bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < set->count && status == BAT_OK; i++)
+    {
+        const learn_parameter *parameter = &set->list[i];
+        char name[2 * LEARN_NAME_SIZE];
+        (void)snprintf(name, sizeof name, "%s%s", prefix, parameter->name);
+        const safetensors_array *array = safetensors_find(content, name);
+        if (array == NULL)
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no array '%s'", name);
+        status = extract_parameter(parameter, array, block + parameter->offset, error);
+    }
+    return status;
+}
+
+bat_status learn_parameters_write(const learn_parameters *set, const char *path, const safetensors_note *notes,
+                                  size_t note_count, bat_error *error)
+{
+    safetensors_array *arrays = calloc(set->count, sizeof *arrays);
+    char(*names)[2 * LEARN_NAME_SIZE] = calloc(set->count, sizeof *names);
+    bat_status status = BAT_OK;
+    if (arrays == NULL || names == NULL)
+        status = error_memory(error, set->count * (sizeof *arrays + sizeof *names));
+    if (status == BAT_OK)
+    {
+        learn_parameters_describe(set, set->values, "", arrays, names);
+        safetensors content = {.arrays = arrays,
+                               .array_count = set->count,
+                               .notes = (safetensors_note *)(uintptr_t)notes,
+                               .note_count = note_count};
+        status = safetensors_write(path, &content, error);
+    }
+    free(arrays);
+    free(names);
+    return status;
+}

@@ -1,0 +1,98 @@
+#include "models/tension_network.h"
+
+#include <assert.h>
+#include <stdio.h>
+
+// The places of the weights in the list. A linear layer has a weight and a bias, a layer norm a gain and a shift.
+enum
+{
+    EMBEDDING,
+    INPUT_LINEAR,
+    INPUT_NORM = INPUT_LINEAR + 2,
+    BLOCKS = INPUT_NORM + 2,
+    BLOCK_LINEAR_1 = 0,
+    BLOCK_NORM_1 = 2,
+    BLOCK_LINEAR_2 = 4,
+    BLOCK_NORM_2 = 6,
+    BLOCK_SIZE = 8,
+    HEAD_LINEAR_1 = BLOCKS + TENSION_BLOCKS * BLOCK_SIZE,
+    HEAD_LINEAR_2 = HEAD_LINEAR_1 + 2,
+    PARAMETERS = HEAD_LINEAR_2 + 2
+};
+
+/// Weight and bias; a norm when there are no inputs.
+static void add_layer(learn_parameters *parameters, size_t inputs, size_t outputs, const char *prefix, int place)
+{
+    char name[LEARN_NAME_SIZE];
+    (void)snprintf(name, sizeof name, "%s.%d.weight", prefix, place);
+    (void)learn_parameters_add(parameters, inputs > 0 ? outputs : 0, inputs > 0 ? inputs : outputs, name);
+    (void)snprintf(name, sizeof name, "%s.%d.bias", prefix, place);
+    (void)learn_parameters_add(parameters, 0, outputs, name);
+}
+
+bat_status tension_network_make(learn_parameters *parameters, bat_error *error)
+{
+    (void)learn_parameters_add(parameters, TENSION_SPACES, TENSION_EMBEDDING, "geom_embed.weight");
+    add_layer(parameters, TENSION_FEATURES + TENSION_EMBEDDING, TENSION_WIDTH, "input_proj", 0);
+    add_layer(parameters, 0, TENSION_WIDTH, "input_proj", 1);
+    for (int block = 0; block < TENSION_BLOCKS; block++)
+    {
+        char prefix[LEARN_NAME_SIZE / 2];
+        (void)snprintf(prefix, sizeof prefix, "trunk.%d.net", block);
+        add_layer(parameters, TENSION_WIDTH, TENSION_WIDTH, prefix, 0);
+        add_layer(parameters, 0, TENSION_WIDTH, prefix, 1);
+        add_layer(parameters, TENSION_WIDTH, TENSION_WIDTH, prefix, 4);
+        add_layer(parameters, 0, TENSION_WIDTH, prefix, 5);
+    }
+    add_layer(parameters, TENSION_WIDTH, TENSION_HEAD, "head", 0);
+    add_layer(parameters, TENSION_HEAD, 1, "head", 2);
+    bat_status status = learn_parameters_allocate(parameters, error);
+    assert(status != BAT_OK || (parameters->count == PARAMETERS && parameters->total == TENSION_WEIGHTS));
+    if (status != BAT_OK)
+        learn_parameters_free(parameters);
+    return status;
+}
+
+void tension_network_start(learn_parameters *parameters, uint64_t seed)
+{
+    bat_random random = bat_random_seed(seed);
+    learn_parameter_fill_normal(parameters, EMBEDDING, 1, &random);
+    for (size_t i = INPUT_LINEAR; i < PARAMETERS; i += 2)
+    {
+        const learn_parameter *weight = &parameters->list[i];
+        if (weight->rank == 2)
+            learn_parameter_fill_normal(parameters, i, sqrt(2.0 / (double)weight->columns), &random);
+        else
+            learn_parameter_fill(parameters, i, 1);
+        learn_parameter_fill(parameters, i + 1, 0);
+    }
+}
+
+static learn_array *linear_at(learn_tape *tape, learn_array *x, size_t place)
+{
+    return learn_linear(tape, x, learn_parameter_array(tape, place), learn_parameter_array(tape, place + 1));
+}
+
+static learn_array *norm_gelu_at(learn_tape *tape, learn_array *x, size_t place, learn_array *skip, double dropout)
+{
+    return learn_layer_norm_gelu(tape, x, learn_parameter_array(tape, place), learn_parameter_array(tape, place + 1), skip,
+                                 dropout);
+}
+
+learn_array *tension_network_angles(learn_tape *tape, learn_array *features, const uint32_t *spaces)
+{
+    learn_array *embedded = learn_gather_rows(tape, learn_parameter_array(tape, EMBEDDING), spaces, features->rows);
+    learn_array *both[2] = {features, embedded};
+    learn_array *x = learn_concatenate_columns(tape, both, 2);
+    x = norm_gelu_at(tape, linear_at(tape, x, INPUT_LINEAR), INPUT_NORM, NULL, 0);
+    for (size_t block = BLOCKS; block < HEAD_LINEAR_1; block += BLOCK_SIZE)
+    {
+        learn_array *inner = linear_at(tape, x, block + BLOCK_LINEAR_1);
+        inner = norm_gelu_at(tape, inner, block + BLOCK_NORM_1, NULL, TENSION_DROPOUT);
+        inner = linear_at(tape, inner, block + BLOCK_LINEAR_2);
+        x = norm_gelu_at(tape, inner, block + BLOCK_NORM_2, x, 0);
+    }
+    x = learn_gelu(tape, linear_at(tape, x, HEAD_LINEAR_1));
+    x = linear_at(tape, x, HEAD_LINEAR_2);
+    return learn_interval(tape, x, (real)-TENSION_ANGLE_LIMIT, (real)TENSION_ANGLE_LIMIT);
+}

@@ -1,0 +1,44 @@
+#ifndef MODELS_TENSION_NETWORK_H
+#define MODELS_TENSION_NETWORK_H
+
+#include "learn/operations.h"
+
+/// @file
+/// The network of Ugail and Howard, *A Neural Tension Operator…* (2026), section 5.3: from what an edge sees to the angle at
+/// which the new vertex is inserted. 140,505 weights, named as PyTorch names them in the published program.
+///
+///     embedding 3 x 8;  Linear 14-128, LayerNorm, GELU;
+///     four times GELU(x + [Linear, LayerNorm, GELU, Dropout .05, Linear, LayerNorm](x));
+///     Linear 128-32, GELU, Linear 32-1, sigmoid onto (-pi/4 + .02, pi/4 - .02)
+
+enum
+{
+    TENSION_FEATURES =
+        6,              ///< numbers of an edge beside its space: four exterior angles over pi, two relative lengths (eq. 17)
+    TENSION_SPACES = 3, ///< rows of the embedding: curvature -1, 0, 1
+    TENSION_EMBEDDING = 8,
+    TENSION_WIDTH = 128,
+    TENSION_BLOCKS = 4,
+    TENSION_HEAD = 32,
+    TENSION_WEIGHTS = 140505
+};
+
+#define TENSION_DROPOUT 0.05
+#define TENSION_ANGLE_LIMIT (0.78539816339744830962 - 0.02)
+
+/// The weights' names and shapes, all zero.
+/// @param parameters all zero before the call; release it with learn_parameters_free()
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status tension_network_make(learn_parameters *parameters, bat_error *error);
+
+/// Draw weights: normal with variance 2 / inputs (He et al. 2015), zero biases, norms that change nothing, a standard normal
+/// embedding.
+void tension_network_start(learn_parameters *parameters, uint64_t seed);
+
+/// The angles of a batch of edges, rows x 1. The tape must have begun with the network's parameters. Dropout drops if the tape
+/// says so.
+/// @param features rows x TENSION_FEATURES
+/// @param spaces for each row curvature + 1; must stay until the step was differentiated
+learn_array *tension_network_angles(learn_tape *tape, learn_array *features, const uint32_t *spaces);
+
+#endif
