@@ -171,8 +171,8 @@ static void chamfer_is_differentiated(void **state)
     for_all(check_chamfer);
 }
 
-/// Where the sides over an edge of the disk would not meet, the limit holds: the derivative by the angle is 0, those by the ends
-/// are not.
+/// Where the sides over an edge of the disk would not meet, the limit holds: the derivative by the angle is 0, those by the
+/// ends are not.
 static void limited_insertion_is_differentiated(void **state)
 {
     (void)state;
@@ -432,7 +432,8 @@ static void features_ignore_scale(void **state)
     }
 }
 
-/// Reversed, edge j is edge n - 1 - j - 1 (cyclically): its angles in reverse order with other signs, its lengths in reverse order.
+/// Reversed, edge j is edge n - 2 - j (cyclically): its angles in reverse order with other signs, its lengths in reverse
+/// order.
 static void stencils_are_symmetric(void **state)
 {
     (void)state;

@@ -7,8 +7,8 @@
 
 #include <jansson.h>
 
-// One training step of the tension paper, composed of the differentiable geometry and a reference network, against values of the
-// published program's formulas in double.
+// One training step of the tension paper, composed of the differentiable geometry and a reference network, against values of
+// the published program's formulas in double.
 
 #define ORACLE SHARED_DATA "/oracle/tension/"
 
@@ -42,8 +42,8 @@ static void orthogonal_part(const double *p, const double *v, double *part)
         part[i] = v[i] - along * p[i];
 }
 
-/// The published program's angle and length on the sphere. The stored points were rounded to single precision, so that formulas
-/// which agree for unit vectors differ in the seventh digit.
+/// The published program's angle and length on the sphere. The stored points were rounded to single precision, so that
+/// formulas which agree for unit vectors differ in the seventh digit.
 static void published_vertex(const double *before, const double *p, const double *after, double *angle, double *length)
 {
     double back[3], out[3];

@@ -5,8 +5,8 @@
 
 /// @file
 /// Symmetric Chamfer distance of two sets of points, with nearest neighbours by brute force: for the hundreds of points of a
-/// training sample that is faster than any tree, and it needs no memory. Distances are Euclidean in the stored coordinates, on
-/// every surface: those of the published training program.
+/// training sample that is faster than any tree, and it needs no memory. Distances are Euclidean in the stored coordinates,
+/// on every surface: those of the published training program.
 
 /// For each query, a point of 2 or 3 coordinates, the nearest item; of several at the same distance the first.
 /// @param nearest receives query_count numbers of items

@@ -204,8 +204,8 @@ static inline void disk_centre_back(const disk_edge *edge, const double g[2], do
     g_p[1] = ky * g[0] - kx * g[1] - hy;
 }
 
-/// Back through z = scale (1 + i slope) w, scale = 1 / (1 + root), root^2 = 1 - n (1 + slope^2), n = |w|^2, and through the limit
-/// slope = +-share sqrt((1 - n) / n) where it holds.
+/// Back through z = scale (1 + i slope) w, scale = 1 / (1 + root), root^2 = 1 - n (1 + slope^2), n = |w|^2, and through the
+/// limit slope = +-share sqrt((1 - n) / n) where it holds.
 static inline double disk_apex_back(const disk_edge *edge, const double g[2], double g_w[2])
 {
     double t = edge->slope, n = edge->squared_length;

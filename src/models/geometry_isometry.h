@@ -11,8 +11,8 @@ typedef struct geometry_isometry
     double shift[2];    ///< where the origin goes; in the disk by the Möbius translation z -> shift + z
 } geometry_isometry;
 
-/// A random isometry: a uniform rotation and a translation in a uniform direction by a distance uniform in [0, reach), which must
-/// be finite; on the sphere `reach` does not count.
+/// A random isometry: a uniform rotation and a translation in a uniform direction by a distance uniform in [0, reach), which
+/// must be finite; on the sphere `reach` does not count.
 geometry_isometry geometry_isometry_random(geometry_surface surface, double reach, bat_random *random);
 
 /// Move points; `moved` may be `points`.

@@ -4,8 +4,8 @@
 #include "models/geometry_polygon.h"
 
 /// @file
-/// How fair a polygon is, as losses of its profile. Each NAME_back() takes the gradient with respect to the loss's value. For open
-/// polygons means run over what there is.
+/// How fair a polygon is, as losses of its profile. Each NAME_back() takes the gradient with respect to the loss's value.
+/// For open polygons means run over what there is.
 
 /// Mean of the squared angles: eq. (20) of Ugail and Howard (2026).
 double geometry_smoothness(const geometry_polygon *polygon, geometry_profile profile);

@@ -8,8 +8,8 @@
 // the exterior angle is arg(p, after) - arg(p, before) + pi, so that one edge (p, q) contributes
 // (gradient at p) d arg(p, q) - (gradient at q) d arg(q, p).
 
-/// Measures of the block's vertices i + 1 of the rows: their angles, and the lengths of the edges from there. In the disk the
-/// lengths are still to be replaced by 2 asinh of what stands there.
+/// Measures of the block's vertices i + 1 of the rows: their angles, and the lengths of the edges from there. In the disk
+/// the lengths are still to be replaced by 2 asinh of what stands there.
 typedef void measure_function(const geometry_rows *restrict rows, size_t count, double *restrict angles,
                               double *restrict lengths);
 
@@ -89,8 +89,8 @@ static void plane_edges_back(const geometry_rows *restrict rows, size_t count, c
     }
 }
 
-/// With n the unit normal of the great circle: moving q by h along n turns the direction from p by h / sin e, moving p turns it
-/// by -h / tan e; lengths grow along n x q and -n x p.
+/// With n the unit normal of the great circle: moving q by h along n turns the direction from p by h / sin e, moving p turns
+/// it by -h / tan e; lengths grow along n x q and -n x p.
 LANES_CLONES
 static void sphere_edges_back(const geometry_rows *restrict rows, size_t count, const double *restrict angles,
                               const double *restrict lengths, geometry_rows *restrict starts, geometry_rows *restrict ends)

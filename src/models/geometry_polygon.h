@@ -6,10 +6,10 @@
 /// @file
 /// Polygons on the three oriented surfaces of constant curvature, as the differentiable geometry sees them.
 ///
-/// The functions of geometry_*.h compute in double, allocate nothing and cannot fail. Next to a function stands its derivative,
-/// NAME_back(): it takes the gradient of a loss with respect to the function's results and *adds* that with respect to its
-/// inputs to what the caller's arrays hold. Points are rows of coordinates; a gradient with respect to a point is a row of
-/// derivatives with respect to them, and on the sphere tangent to it.
+/// The functions of geometry_*.h compute in double, allocate nothing and cannot fail. Next to a function stands its
+/// derivative, NAME_back(): it takes the gradient of a loss with respect to the function's results and *adds* that with
+/// respect to its inputs to what the caller's arrays hold. Points are rows of coordinates; a gradient with respect to a
+/// point is a row of derivatives with respect to them; on the sphere only its part tangent to the sphere has a meaning.
 
 /// A surface; the value is its curvature.
 typedef enum geometry_surface
@@ -19,8 +19,8 @@ typedef enum geometry_surface
     GEOMETRY_SPHERE = 1, ///< unit vectors, 3 coordinates
 } geometry_surface;
 
-/// A geodesic polygon of at least 3 vertices, of which neighbours are neither equal nor antipodal. Edge j goes from vertex j to
-/// vertex j + 1.
+/// A geodesic polygon of at least 3 vertices, of which neighbours are neither equal nor antipodal. Edge j goes from vertex j
+/// to vertex j + 1.
 typedef struct geometry_polygon
 {
     const double *points; ///< count x geometry_dim()
@@ -47,16 +47,16 @@ static inline size_t geometry_corners(const geometry_polygon *polygon)
     return polygon->closed ? polygon->count : polygon->count - 2;
 }
 
-/// A polygon up to isometry, or the gradient with respect to that. What an open polygon lacks is stored as 0, and its gradient
-/// is not read.
+/// A polygon up to isometry, or the gradient with respect to that. What an open polygon lacks is stored as 0, and its
+/// gradient is not read.
 typedef struct geometry_profile
 {
     double *angles;  ///< count exterior angles, positive for left turns
     double *lengths; ///< count geodesic edge lengths
 } geometry_profile;
 
-/// Measure a polygon. The formulas are those of src/space: Ugail and Howard (2026), eq. (1) and (2), and the Möbius translation
-/// to the origin, all without cancellation for near vertices.
+/// Measure a polygon. The formulas are those of src/space: Ugail and Howard (2026), eq. (1) and (2), and the Möbius
+/// translation to the origin, all without cancellation for near vertices.
 void geometry_measure(const geometry_polygon *polygon, geometry_profile profile);
 void geometry_measure_back(const geometry_polygon *polygon, geometry_profile gradient, double *point_gradients);
 
