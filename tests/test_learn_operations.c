@@ -224,8 +224,9 @@ static learn_parameters make_inputs(const operation_case *operation, uint64_t se
 {
     learn_parameters inputs = {0};
     bat_random random = bat_random_seed(seed);
+    static const char *const names[MOST_INPUTS] = {"a", "b", "c", "d"};
     for (size_t i = 0; i < operation->input_count; i++)
-        (void)learn_parameters_add(&inputs, operation->inputs[i].rows, operation->inputs[i].columns, "abcd" + i);
+        (void)learn_parameters_add(&inputs, operation->inputs[i].rows, operation->inputs[i].columns, names[i]);
     check_status(learn_parameters_allocate(&inputs, NULL), BAT_OK);
     for (size_t k = 0; k < inputs.total; k++)
     {

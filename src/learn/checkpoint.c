@@ -89,10 +89,10 @@ bat_status learn_checkpoint_write(const char *path, const char *recipe, const le
     size_t most = 2 * parameters->count + FLAT_ARRAYS + STATE_NUMBERS;
     safetensors_array *arrays = calloc(most, sizeof *arrays);
     char(*names)[2 * LEARN_NAME_SIZE] = calloc(most, sizeof *names);
-    bat_status status = BAT_OK;
+    bat_status status;
     if (arrays == NULL || names == NULL)
         status = error_memory(error, most * (sizeof *arrays + sizeof *names));
-    if (status == BAT_OK)
+    else
     {
         learn_state copy = *state;
         uint64_t has_best = state->has_best;

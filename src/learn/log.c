@@ -101,7 +101,7 @@ static bat_status reopen(learn_log *log, const char *path, uint64_t step, size_t
     bat_status status = file_text_read(path, &text, error);
     if (status != BAT_OK)
         return status;
-    double *row = malloc(log->columns * sizeof *row);
+    double *row = calloc(log->columns, sizeof *row);
     status = row != NULL ? read_rows(log, &text, step, row, size, error) : error_memory(error, log->columns * sizeof *row);
     free(row);
     file_text_free(&text);
@@ -212,16 +212,19 @@ bat_status learn_log_draw(const learn_log *log, const char *path, const size_t *
     bat_chart_series *series = malloc((log->columns + 1) * sizeof *series);
     bat_chart *charts = malloc((groups + 1) * sizeof *charts);
     bat_status status = BAT_OK;
-    if (numbers == NULL || series == NULL || charts == NULL)
-        status = error_memory(error, numbers_size * sizeof *numbers);
-    size_t count = 0;
-    for (size_t g = 0; status == BAT_OK && g < groups; g++)
+    if (numbers != NULL && series != NULL && charts != NULL)
     {
-        charts[count] = group_chart(log, begins[g], ends[g], series + begins[g], numbers);
-        count += charts[count].series_count > 0;
+        size_t count = 0;
+        for (size_t g = 0; g < groups; g++)
+        {
+            charts[count] = group_chart(log, begins[g], ends[g], series + begins[g], numbers);
+            count += charts[count].series_count > 0;
+        }
+        if (count > 0)
+            status = bat_chart_write(path, charts, count, NULL, error);
     }
-    if (status == BAT_OK && count > 0)
-        status = bat_chart_write(path, charts, count, NULL, error);
+    else
+        status = error_memory(error, numbers_size * sizeof *numbers);
     free(charts);
     free(series);
     free(numbers);

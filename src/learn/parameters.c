@@ -7,7 +7,7 @@
 
 size_t learn_parameters_add(learn_parameters *set, size_t rows, size_t columns, const char *name)
 {
-    size_t numbers, end;
+    size_t numbers, end = 0;
     bool countable = !size_multiply_overflows(rows > 0 ? rows : 1, columns, &numbers) &&
                      !__builtin_add_overflow(set->total, numbers, &end);
     void *list = set->list;
@@ -133,10 +133,10 @@ bat_status learn_parameters_write(const learn_parameters *set, const char *path,
 {
     safetensors_array *arrays = calloc(set->count, sizeof *arrays);
     char(*names)[2 * LEARN_NAME_SIZE] = calloc(set->count, sizeof *names);
-    bat_status status = BAT_OK;
+    bat_status status;
     if (arrays == NULL || names == NULL)
         status = error_memory(error, set->count * (sizeof *arrays + sizeof *names));
-    if (status == BAT_OK)
+    else
     {
         learn_parameters_describe(set, set->values, "", arrays, names);
         safetensors content = {.arrays = arrays,

@@ -257,10 +257,12 @@ learn_array *learn_concatenate_rows(learn_tape *tape, learn_array *const *arrays
 {
     bool wants;
     learn_array **parts = keep_parts(tape, arrays, count, &wants);
+    if (parts == NULL)
+        return &tape->nothing;
     size_t total = 0;
     for (size_t p = 0; p < count; p++)
     {
-        assert(tape->status != BAT_OK || arrays[p]->columns == arrays[0]->columns);
+        assert(arrays[p]->columns == arrays[0]->columns);
         total += arrays[p]->rows;
     }
     learn_array *y = learn_array_make(tape, total, arrays[0]->columns, wants);
@@ -272,10 +274,12 @@ learn_array *learn_concatenate_columns(learn_tape *tape, learn_array *const *arr
 {
     bool wants;
     learn_array **parts = keep_parts(tape, arrays, count, &wants);
+    if (parts == NULL)
+        return &tape->nothing;
     size_t total = 0;
     for (size_t p = 0; p < count; p++)
     {
-        assert(tape->status != BAT_OK || arrays[p]->rows == arrays[0]->rows);
+        assert(arrays[p]->rows == arrays[0]->rows);
         total += arrays[p]->columns;
     }
     learn_array *y = learn_array_make(tape, arrays[0]->rows, total, wants);
