@@ -3,6 +3,7 @@
 #include "timing.h"
 
 #include "learn/blas.h"
+#include "learn/train.h"
 #include "models/tension_network.h"
 
 #include <stdio.h>
@@ -69,8 +70,52 @@ static void compare(bench *b, size_t rows, bool backward)
         bare[round] = middle - start;
     }
     double pass = median_of(network, ROUNDS), products = median_of(bare, ROUNDS);
-    (void)printf("%-22s %4zu rows: %5.2f of the speed of bare sgemm, %7.0f rows/ms\n",
+    (void)printf("%-22s %4zu rows: %5.2f of the speed of bare sgemm, %4.0f thousand rows a second\n",
                  backward ? "forward and backward" : "forward", rows, products / pass, (double)rows / pass * 1e-3);
+}
+
+// Training steps of the published recipe without its geometry: a batch of 8 samples, each with 24 and 48 rows that count for the
+// curve and 4 passes of 96 rows that compare the network with itself.
+
+static bat_status sample(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *figures,
+                         bat_error *error)
+{
+    (void)figures;
+    (void)error;
+    enum
+    {
+        PASSES = 3
+    };
+    static const size_t rows[PASSES] = {24, 48, 4 * 96};
+    const uint32_t *spaces = context;
+    learn_array *sums[PASSES];
+    for (size_t pass = 0; pass < PASSES; pass++)
+    {
+        learn_array *features = learn_array_make(tape, rows[pass], TENSION_FEATURES, pass == 1);
+        for (size_t k = 0; k < learn_size(features); k++)
+            features->value[k] = (real)bat_random_uniform(&piece->random);
+        sums[pass] = learn_mean_of_squares(tape, tension_network_angles(tape, features, spaces));
+    }
+    *loss = learn_add(tape, learn_add(tape, sums[0], sums[1]), sums[2]);
+    return BAT_OK;
+}
+
+static void time_steps(learn_parameters *parameters, int threads)
+{
+    enum
+    {
+        STEPS = 60,
+        EPOCH_STEPS = 120
+    };
+    uint32_t spaces[MOST_ROWS] = {0};
+    learn_job job = {.context = spaces, .parameters = parameters, .steps = STEPS, .pieces = 8, .piece = sample};
+    learn_options options = learn_options_defaults();
+    options.threads = threads;
+    double start = seconds_now();
+    bat_status status = learn_train(&job, &options, NULL, NULL);
+    double seconds = seconds_now() - start;
+    (void)printf("training on %d threads: %5.2f ms a batch, %5.2f s for the network in a published epoch%s\n", threads,
+                 1e3 * seconds / STEPS, seconds * EPOCH_STEPS / STEPS, status == BAT_OK ? "" : " (failed)");
 }
 
 int main(void)
@@ -96,6 +141,8 @@ int main(void)
         for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
             compare(&b, rows[i], backward == 1);
     blas_single_end();
+    for (int threads = 1; ready && threads <= 2; threads++)
+        time_steps(&b.parameters, threads);
     free(b.gradient);
     free(b.left);
     free(b.right);

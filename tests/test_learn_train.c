@@ -283,7 +283,7 @@ static void threads_change_no_byte(void **state)
     learn_options options = regression_options(&one);
     options.threads = 1;
     check_status(learn_train(&job, &options, NULL, NULL), BAT_OK);
-    for (int threads = 2; threads <= 4; threads++)
+    for (int threads = 2; threads <= 3; threads++)
     {
         regression more;
         regression_begin(&more);

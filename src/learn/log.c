@@ -180,12 +180,16 @@ static size_t column_points(const learn_log *log, size_t column, double *x, doub
     return count;
 }
 
-/// A chart of a group of columns, without series when it has no numbers.
-static bat_chart group_chart(const learn_log *log, size_t begin, size_t end, bat_chart_series *series, double *numbers)
+/// A chart of a group of columns, without series when it has no numbers. A single column gives its name to the chart, several
+/// stand in the legend in colours that no other chart has.
+static bat_chart group_chart(const learn_log *log, size_t begin, size_t end, bat_chart_series *series, double *numbers,
+                             int *colours)
 {
+    bool single = end - begin == 1;
     bat_chart chart = bat_chart_defaults();
     chart.series = series;
     chart.x_label = "epoch";
+    chart.title = single ? log->names[begin] : NULL;
     chart.log_y = true;
     for (size_t column = begin; column < end; column++)
     {
@@ -197,7 +201,8 @@ static bat_chart group_chart(const learn_log *log, size_t begin, size_t end, bat
                                                           .y = y,
                                                           .count = count,
                                                           .mark = count > 1 ? BAT_SERIES_LINE : BAT_SERIES_POINTS,
-                                                          .label = log->names[column]};
+                                                          .label = single ? NULL : log->names[column],
+                                                          .colour = single ? 1 : ++*colours};
         for (size_t i = 0; i < count; i++)
             chart.log_y = chart.log_y && y[i] > 0;
     }
@@ -215,13 +220,16 @@ bat_status learn_log_draw(const learn_log *log, const char *path, const size_t *
     if (numbers != NULL && series != NULL && charts != NULL)
     {
         size_t count = 0;
+        int colours = 0;
         for (size_t g = 0; g < groups; g++)
         {
-            charts[count] = group_chart(log, begins[g], ends[g], series + begins[g], numbers);
+            charts[count] = group_chart(log, begins[g], ends[g], series + begins[g], numbers, &colours);
             count += charts[count].series_count > 0;
         }
+        bat_picture_options options = bat_picture_defaults();
+        options.columns = 3;
         if (count > 0)
-            status = bat_chart_write(path, charts, count, NULL, error);
+            status = bat_chart_write(path, charts, count, &options, error);
     }
     else
         status = error_memory(error, numbers_size * sizeof *numbers);

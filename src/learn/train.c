@@ -310,8 +310,8 @@ static bat_status draw(const trainer *t, bat_error *error)
     if (t->options->chart == NULL)
         return BAT_OK;
     size_t figures_end = OWN_COLUMNS + t->job->figure_count, checks_end = figures_end + t->job->check_count;
-    const size_t begins[] = {COLUMN_LOSS, OWN_COLUMNS, figures_end, COLUMN_NORM, COLUMN_RATE};
-    const size_t ends[] = {COLUMN_NORM, figures_end, checks_end, OWN_COLUMNS, COLUMN_LOSS};
+    const size_t begins[] = {COLUMN_LOSS, COLUMN_NORM, COLUMN_RATE, OWN_COLUMNS, figures_end};
+    const size_t ends[] = {COLUMN_NORM, OWN_COLUMNS, COLUMN_LOSS, figures_end, checks_end};
     return learn_log_draw(&t->log, t->options->chart, begins, ends, sizeof begins / sizeof *begins, error);
 }
 
