@@ -11,7 +11,9 @@ typedef struct normalization
     learn_array *x, *gain, *shift, *skip, *y;
     real *mean;
     real *rate;    ///< 1 / deviation
+    real *slope;   ///< d y / d (skip + normalized row), rows x columns, where the gelu follows and a derivative is wanted
     real *scratch; ///< two rows
+    bool gelu;     ///< whether it follows
     dropout_mask mask;
 } normalization;
 
@@ -33,22 +35,24 @@ static inline void row_statistics(const real *x, size_t columns, real *mean, rea
 // Layer norm: y = (x - mean) rate gain + shift, row by row
 //   x and y rows x columns, gain and shift 1 x columns, mean and rate rows
 
+static inline void layer_norm_row(const normalization *n, size_t r)
+{
+    size_t columns = n->x->columns;
+    const real *restrict x = n->x->value + r * columns, *restrict gain = n->gain->value, *restrict shift = n->shift->value;
+    real *restrict y = n->y->value + r * columns;
+    real mean, rate;
+    row_statistics(x, columns, &mean, &rate);
+    for (size_t c = 0; c < columns; c++)
+        y[c] = (x[c] - mean) * rate * gain[c] + shift[c];
+    n->mean[r] = mean;
+    n->rate[r] = rate;
+}
+
 LANES_CLONES
 static void layer_norm_forward(const normalization *n)
 {
-    size_t columns = n->x->columns;
-    const real *restrict gain = n->gain->value, *restrict shift = n->shift->value;
     for (size_t r = 0; r < n->x->rows; r++)
-    {
-        const real *restrict x = n->x->value + r * columns;
-        real *restrict y = n->y->value + r * columns;
-        real mean, rate;
-        row_statistics(x, columns, &mean, &rate);
-        for (size_t c = 0; c < columns; c++)
-            y[c] = (x[c] - mean) * rate * gain[c] + shift[c];
-        n->mean[r] = mean;
-        n->rate[r] = rate;
-    }
+        layer_norm_row(n, r);
 }
 
 /// With du the derivative by the normalized row times gain plus shift, and h the normalized row: dgain += du h,
@@ -92,29 +96,50 @@ static void layer_norm_backward(void *context)
 // Layer norm and what follows it in a residual network: y = mask gelu(skip + (x - mean) rate gain + shift)
 //   skip rows x columns
 
+/// gelu in place, and its slope where one is wanted.
+static inline void gelu_rows(size_t count, real *restrict y, real *restrict slope)
+{
+    if (slope != NULL)
+        for (size_t i = 0; i < count; i++)
+        {
+            real density, u = y[i], below = real_normal(u, &density);
+            y[i] = u * below;
+            slope[i] = below + u * density;
+        }
+    else
+        for (size_t i = 0; i < count; i++)
+            y[i] = real_gelu(y[i]);
+}
+
+/// The mask in place, for numbers from `first` on.
+static inline void mask_rows(dropout_mask mask, size_t first, size_t count, real *restrict y)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] *= dropout_factor(mask, (uint32_t)(first + i));
+}
+
 LANES_CLONES
 static void layer_norm_gelu_forward(const normalization *n)
 {
-    size_t columns = n->x->columns;
-    const real *restrict gain = n->gain->value, *restrict shift = n->shift->value;
-    for (size_t r = 0; r < n->x->rows; r++)
+    enum
     {
-        const real *restrict x = n->x->value + r * columns;
-        const real *skip = n->skip != NULL ? n->skip->value + r * columns : NULL;
-        real *restrict y = n->y->value + r * columns;
-        real mean, rate;
-        row_statistics(x, columns, &mean, &rate);
-        if (skip != NULL)
-            for (size_t c = 0; c < columns; c++)
-                y[c] = real_gelu((x[c] - mean) * rate * gain[c] + shift[c] + skip[c]);
-        else
-            for (size_t c = 0; c < columns; c++)
-                y[c] = real_gelu((x[c] - mean) * rate * gain[c] + shift[c]);
+        RUN = 8 ///< rows that stay in the nearest cache from one stage to the next
+    };
+    size_t columns = n->x->columns, rows = n->x->rows;
+    for (size_t begin = 0; begin < rows; begin += RUN)
+    {
+        size_t end = rows - begin < RUN ? rows : begin + RUN, first = begin * columns, count = (end - begin) * columns;
+        for (size_t r = begin; r < end; r++)
+            layer_norm_row(n, r);
+        real *restrict y = n->y->value + first;
+        if (n->skip != NULL)
+            for (size_t i = 0; i < count; i++)
+                y[i] += n->skip->value[first + i];
+        gelu_rows(count, y, n->slope != NULL ? n->slope + first : NULL);
         if (n->mask.threshold > 0)
-            for (size_t c = 0; c < columns; c++)
-                y[c] *= dropout_factor(n->mask, (uint32_t)(r * columns + c));
-        n->mean[r] = mean;
-        n->rate[r] = rate;
+            mask_rows(n->mask, first, count, y);
+        if (n->mask.threshold > 0 && n->slope != NULL)
+            mask_rows(n->mask, first, count, n->slope + first);
     }
 }
 
@@ -123,28 +148,19 @@ static void layer_norm_gelu_backward(void *context)
 {
     const normalization *n = context;
     size_t columns = n->x->columns;
-    const real *restrict gain = n->gain->value, *restrict shift = n->shift->value;
-    real *restrict du = n->scratch, *restrict h = n->scratch + columns;
+    real *restrict du = n->scratch, *h = n->scratch + columns;
     real *dx = learn_gradient(n->x), *dgain = learn_gradient(n->gain), *dshift = learn_gradient(n->shift);
     real *dskip = n->skip != NULL && learn_wants(n->skip) ? learn_gradient(n->skip) : NULL;
     for (size_t r = 0; r < n->x->rows; r++)
     {
-        const real *restrict x = n->x->value + r * columns, *restrict dy = n->y->gradient + r * columns;
-        const real *restrict skip = n->skip != NULL ? n->skip->value + r * columns : NULL;
-        real mean = n->mean[r], rate = n->rate[r];
-        if (skip != NULL)
-            for (size_t c = 0; c < columns; c++)
-                du[c] = dy[c] * real_gelu_slope((x[c] - mean) * rate * gain[c] + shift[c] + skip[c]);
-        else
-            for (size_t c = 0; c < columns; c++)
-                du[c] = dy[c] * real_gelu_slope((x[c] - mean) * rate * gain[c] + shift[c]);
-        if (n->mask.threshold > 0)
-            for (size_t c = 0; c < columns; c++)
-                du[c] *= dropout_factor(n->mask, (uint32_t)(r * columns + c));
+        const real *restrict dy = n->y->gradient + r * columns, *restrict slope = n->slope + r * columns;
+        for (size_t c = 0; c < columns; c++)
+            du[c] = dy[c] * slope[c];
         if (dskip != NULL)
             for (size_t c = 0; c < columns; c++)
                 dskip[r * columns + c] += du[c];
-        layer_norm_row_back(columns, x, mean, rate, gain, du, h, dgain, dshift, dx + r * columns);
+        layer_norm_row_back(columns, n->x->value + r * columns, n->mean[r], n->rate[r], n->gain->value, du, h, dgain, dshift,
+                            dx + r * columns);
     }
 }
 
@@ -232,6 +248,7 @@ static learn_array *normalize(learn_tape *tape, normalization n, size_t statisti
     n.mean = learn_tape_memory(tape, statistics, sizeof *n.mean);
     n.rate = learn_tape_memory(tape, statistics, sizeof *n.rate);
     n.scratch = learn_tape_memory(tape, columns, 2 * sizeof *n.scratch);
+    n.slope = n.gelu && wants ? learn_tape_memory(tape, learn_size(n.y), sizeof *n.slope) : NULL;
     if (tape->status != BAT_OK)
         return &tape->nothing;
     assert(columns > 0 && n.gain->columns == columns && n.shift->columns == columns);
@@ -262,7 +279,8 @@ learn_array *learn_layer_norm_gelu(learn_tape *tape, learn_array *x, learn_array
                                    learn_array *skip, double dropout)
 {
     assert(dropout >= 0 && dropout < 1);
-    normalization n = {.x = x, .gain = gain, .shift = shift, .skip = skip, .mask = dropout_next(tape, dropout)};
+    normalization n = {
+        .x = x, .gain = gain, .shift = shift, .skip = skip, .gelu = true, .mask = dropout_next(tape, dropout)};
     return normalize(tape, n, x->rows, layer_norm_gelu_forward, layer_norm_gelu_backward);
 }
 

@@ -44,10 +44,9 @@ enum
     STREAM_DROPOUT
 };
 
-/// A worker's gradient and tape. Slot s does the pieces from s pieces / slots on, one after the other.
+/// A gradient. Slot s adds up those of the pieces from s pieces / slots on, one after the other.
 typedef struct train_slot
 {
-    learn_tape tape;
     real *gradient;
     bat_status status;
     bat_error error;
@@ -59,6 +58,8 @@ typedef struct trainer
     const learn_options *options;
     size_t slot_count;
     train_slot *slots;
+    int threads;
+    learn_tape *tapes;    ///< one for each thread, so that its memory stays in the thread's cache
     size_t figure_count;  ///< of a piece: its loss and the job's figures
     double *figures;      ///< pieces x figure_count
     double *row;          ///< of the log
@@ -92,6 +93,16 @@ static double clock_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/// Which of the threads of a parallel region this is.
+static int thread_number(void)
+{
+#if defined(_OPENMP)
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
+
 /// A key for what happens at a place, the same in every run with the seed.
 static uint64_t place_key(uint64_t seed, uint64_t stream, uint64_t step, uint64_t piece)
 {
@@ -121,14 +132,14 @@ static bool allocate_slots(trainer *t)
 {
     size_t total = t->job->parameters->total;
     t->slots = calloc(t->slot_count, sizeof *t->slots);
+    t->tapes = calloc((size_t)t->threads, sizeof *t->tapes);
     for (size_t s = 0; t->slots != NULL && s < t->slot_count; s++)
     {
-        t->slots[s].tape = learn_tape_make();
         t->slots[s].gradient = memory_array(total, sizeof(real));
         if (t->slots[s].gradient == NULL)
             return false;
     }
-    return t->slots != NULL;
+    return t->slots != NULL && t->tapes != NULL;
 }
 
 static bool allocate_numbers(trainer *t)
@@ -152,6 +163,7 @@ static bat_status trainer_make(const learn_job *job, const learn_options *option
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "training needs steps and pieces, and not too many");
     t->slot_count = options->slots > 0 ? options->slots : MOST_SLOTS;
     t->slot_count = t->slot_count < job->pieces ? t->slot_count : job->pieces;
+    t->threads = threads_for(options->threads, t->slot_count);
     t->state.seed = options->seed;
     t->state.pieces = job->pieces;
     t->state.slots = t->slot_count;
@@ -166,11 +178,11 @@ static bat_status trainer_make(const learn_job *job, const learn_options *option
 static void trainer_free(trainer *t)
 {
     for (size_t s = 0; t->slots != NULL && s < t->slot_count; s++)
-    {
-        learn_tape_free(&t->slots[s].tape);
         free(t->slots[s].gradient);
-    }
+    for (int i = 0; t->tapes != NULL && i < t->threads; i++)
+        learn_tape_free(&t->tapes[i]);
     free(t->slots);
+    free(t->tapes);
     free(t->figures);
     free(t->row);
     free(t->columns);
@@ -195,7 +207,7 @@ static bat_status trainer_start(trainer *t, bat_error *error)
 // A step
 
 /// One piece: its graph, its loss, its gradient added to the slot's.
-static bat_status run_piece(trainer *t, train_slot *slot, size_t index)
+static bat_status run_piece(trainer *t, train_slot *slot, learn_tape *tape, size_t index)
 {
     const learn_job *job = t->job;
     uint64_t step = t->state.step, seed = t->options->seed;
@@ -205,27 +217,27 @@ static bat_status run_piece(trainer *t, train_slot *slot, size_t index)
                          .random = bat_random_seed(place_key(seed, STREAM_PIECE, step, index))};
     double *figures = t->figures + index * t->figure_count;
     learn_array *loss = NULL;
-    learn_tape_begin(&slot->tape, job->parameters, slot->gradient);
-    learn_tape_drop(&slot->tape, place_key(seed, STREAM_DROPOUT, step, index));
+    learn_tape_begin(tape, job->parameters, slot->gradient);
+    learn_tape_drop(tape, place_key(seed, STREAM_DROPOUT, step, index));
     memset(figures, 0, t->figure_count * sizeof *figures);
-    bat_status status = job->piece(job->context, &piece, &slot->tape, &loss, figures + 1, &slot->error);
+    bat_status status = job->piece(job->context, &piece, tape, &loss, figures + 1, &slot->error);
     if (status == BAT_OK)
-        status = learn_tape_status(&slot->tape, &slot->error);
+        status = learn_tape_status(tape, &slot->error);
     if (status != BAT_OK || loss == NULL)
         return status;
     figures[0] = (double)*loss->value;
-    learn_tape_backward(&slot->tape, loss, 1);
-    return learn_tape_status(&slot->tape, &slot->error);
+    learn_tape_backward(tape, loss, 1);
+    return learn_tape_status(tape, &slot->error);
 }
 
-static void run_slot(trainer *t, size_t s)
+static void run_slot(trainer *t, size_t s, learn_tape *tape)
 {
     train_slot *slot = &t->slots[s];
     size_t pieces = t->job->pieces, begin = s * pieces / t->slot_count, end = (s + 1) * pieces / t->slot_count;
     memset(slot->gradient, 0, t->job->parameters->total * sizeof *slot->gradient);
     slot->status = BAT_OK;
     for (size_t index = begin; index < end && slot->status == BAT_OK; index++)
-        slot->status = run_piece(t, slot, index);
+        slot->status = run_piece(t, slot, tape, index);
 }
 
 LANES_CLONES
@@ -236,11 +248,10 @@ static void add_numbers(size_t count, const real *restrict from, real *restrict 
 }
 
 /// Add the slots' gradients up in the first, each number in the order of the slots.
-static void sum_gradients(trainer *t, int threads)
+static void sum_gradients(trainer *t)
 {
     size_t total = t->job->parameters->total;
-    (void)threads;
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+#pragma omp parallel for schedule(static) num_threads(t->threads) if (t->threads > 1)
     for (size_t begin = 0; begin < total; begin += SUM_RUN)
     {
         size_t count = total - begin < SUM_RUN ? total - begin : SUM_RUN;
@@ -273,10 +284,9 @@ static double rate_of(const trainer *t, uint64_t epoch)
 static bat_status run_step(trainer *t, bat_error *error)
 {
     learn_state *state = &t->state;
-    int threads = threads_for(t->options->threads, t->slot_count);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(t->threads) if (t->threads > 1)
     for (size_t s = 0; s < t->slot_count; s++)
-        run_slot(t, s);
+        run_slot(t, s, &t->tapes[thread_number()]);
     for (size_t s = 0; s < t->slot_count; s++)
         if (t->slots[s].status != BAT_OK)
         {
@@ -284,7 +294,7 @@ static bat_status run_step(trainer *t, bat_error *error)
                 *error = t->slots[s].error;
             return t->slots[s].status;
         }
-    sum_gradients(t, threads);
+    sum_gradients(t);
     real *gradient = t->slots[0].gradient;
     double norm = learn_clip_norm(t->job->parameters->total, gradient, t->options->clip);
     double loss = sum_figures(t, norm);
