@@ -1,6 +1,7 @@
 #include "check.h"
 
 #include "io/file_text.h"
+#include "learn/blas.h"
 #include "learn/operations.h"
 #include "learn/train.h"
 
@@ -464,6 +465,18 @@ static void checkpoints_of_other_trainings_are_refused(void **state)
     learn_parameters_free(&r.parameters);
 }
 
+static void the_threads_of_blas_are_put_back(void **state)
+{
+    (void)state;
+    int before = openblas_get_num_threads();
+    blas_single_begin();
+    blas_single_begin();
+    blas_single_end();
+    assert_int_equal(openblas_get_num_threads(), 1);
+    blas_single_end();
+    assert_int_equal(openblas_get_num_threads(), before);
+}
+
 static void failures_are_told(void **state)
 {
     (void)state;
@@ -543,6 +556,7 @@ int main(void)
         cmocka_unit_test(a_stopped_run_goes_on_to_the_same_bytes),
         cmocka_unit_test(a_log_ahead_of_its_checkpoint_is_shortened),
         cmocka_unit_test(checkpoints_of_other_trainings_are_refused),
+        cmocka_unit_test(the_threads_of_blas_are_put_back),
         cmocka_unit_test(failures_are_told),
         cmocka_unit_test(early_stopping_gives_the_best_weights_back),
         cmocka_unit_test(weights_go_through_a_file),
