@@ -219,6 +219,7 @@ static learn_options regression_options(regression *r)
     options.clip = 0.5;
     options.check_every = 2;
     options.name = "regression";
+    options.threads = 2;
     options.progress = (bat_progress){regression_asked, r};
     return options;
 }

@@ -99,13 +99,18 @@ void learn_optimizer_step(learn_optimizer *optimizer, double rate, const real *g
 }
 
 LANES_CLONES
-double learn_clip_norm(size_t count, real *gradient, double limit)
+static double sum_of_squares(size_t count, const real *x)
 {
     double squares = 0;
 #pragma omp simd reduction(+ : squares)
     for (size_t i = 0; i < count; i++)
-        squares += (double)gradient[i] * (double)gradient[i];
-    double norm = sqrt(squares);
+        squares += (double)x[i] * (double)x[i];
+    return squares;
+}
+
+double learn_clip_norm(size_t count, real *gradient, double limit)
+{
+    double norm = sqrt(sum_of_squares(count, gradient));
     // PyTorch adds the 1e-6.
     double factor = limit / (norm + 1e-6);
     if (factor < 1)

@@ -14,7 +14,7 @@ typedef struct rows
     size_t part_count;
 } rows;
 
-static void add_row(size_t columns, real factor, const real *restrict from, real *restrict to)
+static inline void add_row(size_t columns, real factor, const real *restrict from, real *restrict to)
 {
     for (size_t c = 0; c < columns; c++)
         to[c] += factor * from[c];
@@ -47,6 +47,7 @@ static void gather_forward(const rows *r)
     }
 }
 
+LANES_CLONES
 static void gather_backward(void *context)
 {
     const rows *r = context;
@@ -65,6 +66,7 @@ learn_array *learn_gather_rows(learn_tape *tape, learn_array *x, const uint32_t 
 // Segment mean: y_s = the mean of x_indices[k] over offsets[s] <= k < offsets[s + 1]
 //   x rows x columns, y count x columns
 
+LANES_CLONES
 static void segment_mean_forward(const rows *r)
 {
     size_t columns = r->x->columns;
@@ -84,6 +86,7 @@ static void segment_mean_forward(const rows *r)
     }
 }
 
+LANES_CLONES
 static void segment_mean_backward(void *context)
 {
     const rows *r = context;
@@ -111,6 +114,7 @@ learn_array *learn_segment_mean(learn_tape *tape, learn_array *x, const uint32_t
 // Scatter mean: y_t = the mean of x_k over all k with targets[k] = t
 //   x rows x columns, y count x columns
 
+LANES_CLONES
 static void scatter_mean_forward(const rows *r)
 {
     size_t columns = r->x->columns;
@@ -127,6 +131,7 @@ static void scatter_mean_forward(const rows *r)
             r->y->value[t * columns + c] /= (real)r->sizes[t];
 }
 
+LANES_CLONES
 static void scatter_mean_backward(void *context)
 {
     const rows *r = context;
