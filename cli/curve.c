@@ -36,6 +36,8 @@ static const option_spec OPTIONS[] = {
     {"panel", 0, "K,K,…", "draw these levels side by side"},
     {"projection", 0, "NAME", "draw the sphere as globe (default), map or both"},
     {"comb", 0, NULL, "draw the curvature comb"},
+    {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
+    {"title", 0, "TEXT", "write a title above the picture"},
     {"from", 0, "FORMAT", "csv, geojson or obj; default: by the file's ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
@@ -113,6 +115,8 @@ static bool check_needs(const arguments *given, const curve_job *job)
         {"panel", drawn, "--picture FILE"},
         {"projection", drawn, "--picture FILE"},
         {"comb", drawn, "--picture FILE"},
+        {"axes", drawn, "--picture FILE"},
+        {"title", drawn, "--picture FILE"},
         {"to", written, "-o OUT"},
         {"precision", written, "-o OUT"},
         {"best-tension", job->truth != NULL, "--truth FILE"},
@@ -196,6 +200,8 @@ static bool read_job(const arguments *given, curve_job *job)
     job->read.space = argument(given, "space");
     job->read.project = argument_flag(given, "project");
     job->draw.comb = argument_flag(given, "comb");
+    job->draw.axes = argument_flag(given, "axes");
+    job->draw.title = argument(given, "title");
     if (job->output == NULL && job->picture == NULL && !job->json)
         job->output = "-";
     job->quiet = argument_flag(given, "quiet") || (job->output != NULL && strcmp(job->output, "-") == 0);

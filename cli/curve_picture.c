@@ -5,12 +5,6 @@
 
 #include <stdlib.h>
 
-enum
-{
-    /// Curves of a file drawn in colours of their own; more share one.
-    MOST_COLOURED = 7,
-};
-
 /// The layers of one panel: the control polygons, the truth when there is one, the refined curves unless the level is 0.
 static size_t make_layers(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth,
                           const bat_curve_set *fine, size_t levels, bat_picture_layer *layers)
@@ -23,10 +17,8 @@ static size_t make_layers(const curve_job *job, const bat_curve_set *coarse, con
         layers[count++] =
             (bat_picture_layer){.curve = &truth->curves[i], .role = BAT_LAYER_TRUTH, .label = i == 0 ? "truth" : NULL};
     for (size_t i = 0; levels > 0 && i < fine->count; i++)
-        layers[count++] = (bat_picture_layer){.curve = &fine->curves[i],
-                                              .role = BAT_LAYER_CURVE,
-                                              .label = i == 0 ? job->scheme : NULL,
-                                              .colour = fine->count > MOST_COLOURED ? 1 : 0};
+        layers[count++] = (bat_picture_layer){
+            .curve = &fine->curves[i], .role = BAT_LAYER_CURVE, .label = i == 0 ? job->scheme : NULL, .colour = 1};
     return count;
 }
 

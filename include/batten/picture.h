@@ -29,7 +29,7 @@ typedef enum bat_layer_role
     BAT_LAYER_TRUTH    ///< what ought to come out: a dashed grey line
 } bat_layer_role;
 
-/// The number of distinct colours; further curves repeat them with dashed lines.
+/// The number of distinct colours; further curves repeat them with long dashes, then with short ones.
 #define BAT_PICTURE_COLOURS 7
 
 /// One curve of a panel. All zero but `curve` is a sensible layer.
@@ -52,10 +52,10 @@ typedef struct bat_picture_panel
 /// How to draw. Begin with bat_picture_defaults().
 typedef struct bat_picture_options
 {
-    double width;              ///< in points, up to 10000; 0: from the number of columns; default 0
+    double width;              ///< in points, up to 10000; 0: from the number of columns and the content; default 0
     double height;             ///< in points, up to 10000; 0: from the content; default 0
     double pixels_per_point;   ///< PNG only, 0.1 to 20; default 2
-    size_t columns;            ///< panels in a row; 0: up to five, evenly filled; default 0
+    size_t columns;            ///< panels in a row; 0: up to five as `width` allows, evenly filled; default 0
     bool own_frames;           ///< every panel has its own scale and view, else a row shares them; default false
     bat_projection projection; ///< default BAT_PROJECTION_GLOBE
     double longitude;          ///< of the middle of the globe, radians; NaN: automatic; default NaN

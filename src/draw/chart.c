@@ -10,6 +10,8 @@
 
 /// Height over width.
 #define ASPECT 0.68
+/// Width that a chart needs for its numbers.
+#define LEAST_WIDTH 180.0
 
 bat_chart bat_chart_defaults(void)
 {
@@ -90,7 +92,7 @@ static bat_status write_set(const char *path, chart_set *set, size_t count, bat_
     bat_status status = collect_legend(set, count, &items, &item_count, error);
     if (status == BAT_OK)
     {
-        size_t columns = scene_columns(set->options, count);
+        size_t columns = scene_columns(set->options, count, LEAST_WIDTH);
         sheet_content content = {.count = count,
                                  .columns = columns,
                                  .options = set->options,

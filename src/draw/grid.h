@@ -20,6 +20,8 @@ void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *f
 
 /// The paper, frame, graticule and labels of a world map.
 void grid_map(cairo_t *cairo, const draw_view *view, bool lines);
+/// Keep the lines that follow within the map's frame.
+void grid_map_clip(cairo_t *cairo, const draw_view *view);
 #define GRID_MAP_LEFT 26.0
 #define GRID_MAP_BOTTOM 14.0
 #define GRID_MAP_RIGHT 12.0
@@ -29,11 +31,9 @@ void grid_disk(cairo_t *cairo, const draw_view *view, bool lines);
 void grid_disk_rim(cairo_t *cairo, const draw_view *view);
 
 /// Light lines at round numbers with their labels on the left and below, within the box (x, y, width, height) on paper.
-void grid_plane(cairo_t *cairo, const draw_view *view, const double box[4]);
-/// The space that the labels on the left need, from the number of their digits.
-double grid_plane_left(const scene_frame *frame);
-#define GRID_PLANE_BOTTOM 18.0
-#define GRID_PLANE_RIGHT 8.0
+void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame, const double box[4]);
+/// The space that the labels need on the left, top, right and below of the frame.
+void grid_plane_room(const scene_frame *frame, double room[4]);
 
 /// The box around the curves in R^3, its axes named at the low corner.
 void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame);

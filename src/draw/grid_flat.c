@@ -7,6 +7,8 @@
 
 /// Points between two grid lines that look right.
 #define SPACING 42.0
+/// The height of the line that says what labels leave out.
+#define SCALE_SPACE 10.0
 
 /// The width of the widest label.
 static double widest(cairo_t *cairo, const tick_list *ticks)
@@ -19,10 +21,24 @@ static double widest(cairo_t *cairo, const tick_list *ticks)
     return width;
 }
 
-double grid_plane_left(const scene_frame *frame)
+/// What the labels across and upwards leave out: an offset of their own, a power of ten in common.
+static void plane_scales(const scene_frame *frame, tick_scale scales[2])
+{
+    for (int k = 0; k < 2; k++)
+    {
+        scales[k] = ticks_scale(frame->low[k], frame->high[k]);
+    }
+    int exponent = scales[0].exponent > scales[1].exponent ? scales[0].exponent : scales[1].exponent;
+    scales[0].exponent = scales[1].exponent = exponent;
+}
+
+void grid_plane_room(const scene_frame *frame, double room[4])
 {
     const double digit_width = 0.64 * TEXT_TICK;
+    tick_scale scales[2];
+    plane_scales(frame, scales);
     tick_list ticks = ticks_linear(frame->low[1], frame->high[1], 8.0);
+    ticks_use_scale(&ticks, scales[1]);
     size_t longest = 2;
     for (size_t i = 0; i < ticks.count; i++)
     {
@@ -31,43 +47,75 @@ double grid_plane_left(const scene_frame *frame)
         size_t length = strlen(label);
         longest = length > longest ? length : longest;
     }
-    return 8.0 + digit_width * (double)longest;
+    char text[TICK_SCALE_SIZE];
+    room[0] = 8.0 + digit_width * (double)longest;
+    tick_scale_text(scales[1], text);
+    room[1] = *text != '\0' ? 5.0 + SCALE_SPACE : 5.0;
+    room[2] = 8.0;
+    tick_scale_text(scales[0], text);
+    room[3] = *text != '\0' ? 18.0 + SCALE_SPACE : 18.0;
 }
 
-void grid_plane(cairo_t *cairo, const draw_view *view, const double box[4])
+static void plane_lines(cairo_t *cairo, const draw_view *view, const tick_list *across, const tick_list *upwards,
+                        const double box[4])
+{
+    for (size_t i = 0; i < across->count; i++)
+    {
+        cairo_move_to(cairo, view_x(view, across->values[i]), box[1]);
+        cairo_rel_line_to(cairo, 0.0, box[3]);
+    }
+    for (size_t i = 0; i < upwards->count; i++)
+    {
+        cairo_move_to(cairo, box[0], view_y(view, upwards->values[i]));
+        cairo_rel_line_to(cairo, box[2], 0.0);
+    }
+    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
+    cairo_stroke(cairo);
+}
+
+/// The numbers below and on the left, and what they leave out: below the right end, above the top.
+static void plane_labels(cairo_t *cairo, const draw_view *view, const tick_list *across, const tick_list *upwards,
+                         const double box[4])
+{
+    char text[TICK_SCALE_SIZE];
+    double right = box[0] + box[2];
+    double bottom = box[1] + box[3];
+    text_use(cairo, TEXT_TICK, false);
+    style_use_colour(cairo, COLOUR_SOFT_INK);
+    double every = fmax(1.0, ceil((widest(cairo, across) + 5.0) / (view->scale * across->step)));
+    for (size_t i = 0; i < across->count; i++)
+    {
+        if (fmod(round(across->values[i] / across->step), every) == 0.0)
+        {
+            tick_draw(cairo, across, i, view_x(view, across->values[i]), bottom + 8.0, 0.5);
+        }
+    }
+    for (size_t i = 0; i < upwards->count; i++)
+    {
+        tick_draw(cairo, upwards, i, box[0] - 4.0, view_y(view, upwards->values[i]), 1.0);
+    }
+    tick_scale_text(across->scale, text);
+    text_draw_middle(cairo, text, right, bottom + 8.0 + SCALE_SPACE, 1.0);
+    tick_scale_text(upwards->scale, text);
+    text_draw_middle(cairo, text, box[0], box[1] - 0.6 * SCALE_SPACE, 0.0);
+}
+
+void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame, const double box[4])
 {
     double low_u = (box[0] - view->origin_x) / view->scale;
     double high_u = (box[0] + box[2] - view->origin_x) / view->scale;
     double low_v = (view->origin_y - box[1] - box[3]) / view->scale;
     double high_v = (view->origin_y - box[1]) / view->scale;
-    text_use(cairo, TEXT_TICK, false);
     double wanted = fmax(2.0, fmin(box[2], box[3]) / SPACING);
     double extent = fmin(high_u - low_u, high_v - low_v);
+    tick_scale scales[2];
+    plane_scales(frame, scales);
     tick_list across = ticks_linear(low_u, high_u, wanted * (high_u - low_u) / extent);
     tick_list upwards = ticks_linear(low_v, high_v, wanted * (high_v - low_v) / extent);
-    for (size_t i = 0; i < across.count; i++)
-    {
-        cairo_move_to(cairo, view_x(view, across.values[i]), box[1]);
-        cairo_rel_line_to(cairo, 0.0, box[3]);
-    }
-    for (size_t i = 0; i < upwards.count; i++)
-    {
-        cairo_move_to(cairo, box[0], view_y(view, upwards.values[i]));
-        cairo_rel_line_to(cairo, box[2], 0.0);
-    }
-    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-    cairo_stroke(cairo);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
-    double room = across.count > 1 ? view->scale * (across.values[1] - across.values[0]) : box[2];
-    size_t every = widest(cairo, &across) + 5.0 > room ? 2 : 1;
-    for (size_t i = 0; i < across.count; i += every)
-    {
-        tick_draw(cairo, &across, i, view_x(view, across.values[i]), box[1] + box[3] + 8.0, 0.5);
-    }
-    for (size_t i = 0; i < upwards.count; i++)
-    {
-        tick_draw(cairo, &upwards, i, box[0] - 4.0, view_y(view, upwards.values[i]), 1.0);
-    }
+    ticks_use_scale(&across, scales[0]);
+    ticks_use_scale(&upwards, scales[1]);
+    plane_lines(cairo, view, &across, &upwards, box);
+    plane_labels(cairo, view, &across, &upwards, box);
 }
 
 /// The line from corner to corner of the box.

@@ -103,7 +103,7 @@ static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
     }
 }
 
-/// Name the middle of the globe in the lower right corner of its square, if there is room.
+/// Name the middle of the globe in the lower right corner of its square, in smaller letters where there is little room.
 static void middle_label(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
     char east[16];
@@ -116,8 +116,10 @@ static void middle_label(cairo_t *cairo, const draw_view *view, const scene_fram
     double radius = view->scale;
     double edge = radius + GRID_GLOBE_MARGIN - 4.0;
     double free_width = edge - sqrt(2.0 * radius * (TEXT_TICK + 3.0));
-    if (text_width(cairo, label) < free_width)
+    double size = TEXT_TICK * fmin(1.0, free_width / text_width(cairo, label));
+    if (size >= TEXT_SMALLEST)
     {
+        text_use(cairo, size, false);
         style_use_colour(cairo, COLOUR_SOFT_INK);
         text_draw(cairo, label, view->origin_x + edge, view->origin_y + radius, 1.0);
     }
@@ -184,12 +186,24 @@ static void map_labels(cairo_t *cairo, const draw_view *view)
     }
 }
 
+/// Add the frame of the map, moved outwards by `margin`, to the path.
+static void map_frame(cairo_t *cairo, const draw_view *view, double margin)
+{
+    double left = view_x(view, -TURN / 2.0) - margin;
+    double top = view_y(view, TURN / 4.0) - margin;
+    double width = TURN * view->scale;
+    cairo_rectangle(cairo, left, top, width + 2.0 * margin, 0.5 * width + 2.0 * margin);
+}
+
+void grid_map_clip(cairo_t *cairo, const draw_view *view)
+{
+    map_frame(cairo, view, 0.5 * LINE_FRAME);
+    cairo_clip(cairo);
+}
+
 void grid_map(cairo_t *cairo, const draw_view *view, bool lines)
 {
-    double left = view_x(view, -TURN / 2.0);
-    double top = view_y(view, TURN / 4.0);
-    double width = TURN * view->scale;
-    cairo_rectangle(cairo, left, top, width, 0.5 * width);
+    map_frame(cairo, view, 0.0);
     cairo_set_source_rgb(cairo, 0.982, 0.986, 0.991);
     cairo_fill(cairo);
     if (lines)
@@ -197,7 +211,7 @@ void grid_map(cairo_t *cairo, const draw_view *view, bool lines)
         map_graticule(cairo, view);
         map_labels(cairo, view);
     }
-    cairo_rectangle(cairo, left, top, width, 0.5 * width);
+    map_frame(cairo, view, 0.0);
     style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
     cairo_set_line_join(cairo, CAIRO_LINE_JOIN_MITER);
     cairo_stroke(cairo);

@@ -58,9 +58,11 @@ static void mark_line(void *context, double x, double y)
     double dx = x - map->x;
     double dy = y - map->y;
     double steps = ceil(sqrt(dx * dx + dy * dy) * (4.0 / INK_CELL));
+    double step_x = dx / steps;
+    double step_y = dy / steps;
     for (double i = 1.0; i < steps; i += 1.0)
     {
-        mark(map, map->x + dx * (i / steps), map->y + dy * (i / steps));
+        mark(map, map->x + i * step_x, map->y + i * step_y);
     }
     mark_start(map, x, y);
 }

@@ -1,29 +1,22 @@
 #include "draw/panel.h"
 
-#include "base/error.h"
-#include "base/memory.h"
 #include "draw/grid.h"
-#include "draw/ink.h"
+#include "draw/stroke.h"
+#include "draw/teeth.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const double TURN = 6.28318530717958647693;
 
-/// Allowed error of lines on paper.
-#define TOLERANCE 0.05
-/// A line that keeps more points is too rough to be drawn one by one.
-#define MANY_POINTS 30000
 /// More open circles would hide each other.
 #define MANY_RINGS 5000
 /// Between a curve and the edge of its box.
 #define FLAT_MARGIN 5.0
 #define RIM_MARGIN 2.0
+/// The least height of a flat drawing over its width.
+#define FLATTEST 0.12
 /// Between a globe and a map.
 #define BETWEEN 10.0
-/// Teeth of a comb are at least so far apart.
-#define TOOTH_SPACING 2.2
 
 /// Spaces on the left, top, right and below of what is drawn.
 typedef struct insets
@@ -40,7 +33,9 @@ static insets flat_insets(const scene_panel *panel, const bat_picture_options *o
     }
     if (options->axes && panel->space == VIEW_PLANE)
     {
-        return (insets){grid_plane_left(&panel->frame), margin, GRID_PLANE_RIGHT, GRID_PLANE_BOTTOM};
+        double room[4];
+        grid_plane_room(&panel->frame, room);
+        return (insets){room[0], room[1], room[2], room[3]};
     }
     return (insets){margin, margin, margin, margin};
 }
@@ -71,17 +66,16 @@ static double globe_share(const bat_picture_options *options, double height)
     return height - globe.top - globe.bottom + globe.left + globe.right;
 }
 
-double panel_height(const scene_panel *panel, const bat_picture_options *options, double width)
+double panel_height(const scene_panel *panel, const bat_picture_options *options, double tallest, double width)
 {
-    const scene_frame *frame = &panel->frame;
     if (panel->space == VIEW_DISK)
     {
         return width;
     }
     if (panel->space != VIEW_SPHERE)
     {
-        double aspect = (frame->high[1] - frame->low[1]) / (frame->high[0] - frame->low[0]);
-        return height_around(flat_insets(panel, options), width, fmin(fmax(aspect, 0.25), 1.25));
+        double aspect = scene_aspect(&panel->frame);
+        return height_around(flat_insets(panel, options), width, fmin(fmax(aspect, FLATTEST), tallest));
     }
     insets globe = globe_insets(options);
     insets map = map_insets(options);
@@ -111,7 +105,7 @@ static void fit(draw_view *view, const double box[4], insets around, const doubl
 
 static draw_view make_view(const scene_panel *panel, view_kind kind)
 {
-    draw_view view = {.kind = kind, .space = panel->space, .point_dim = panel->point_dim, .tolerance = TOLERANCE};
+    draw_view view = {.kind = kind, .space = panel->space, .point_dim = panel->point_dim, .tolerance = STROKE_TOLERANCE};
     if (kind == VIEW_GLOBE)
     {
         view_face(&view, panel->frame.longitude, panel->frame.latitude);
@@ -136,6 +130,11 @@ static line_style layer_line(const bat_picture_panel *panel, size_t index)
     }
 }
 
+static bool has_rings(const bat_picture_layer *layer, const bat_picture_options *options)
+{
+    return layer->role == BAT_LAYER_CONTROL && options->control_points && layer->curve->count <= MANY_RINGS;
+}
+
 legend_item panel_legend_item(const bat_picture_panel *panel, size_t index, const bat_picture_options *options)
 {
     const bat_picture_layer *layer = &panel->layers[index];
@@ -143,7 +142,7 @@ legend_item panel_legend_item(const bat_picture_panel *panel, size_t index, cons
     if (layer->role == BAT_LAYER_CONTROL)
     {
         item.line.width = options->control_polygon ? item.line.width : 0.0;
-        item.mark = options->control_points ? LEGEND_RING : LEGEND_NO_MARK;
+        item.mark = has_rings(layer, options) ? LEGEND_RING : LEGEND_NO_MARK;
     }
     return item;
 }
@@ -154,83 +153,6 @@ static line_style behind(line_style line)
     line.colour = style_mix(line.colour, (draw_colour){0.95, 0.96, 0.97}, 0.32);
     line.width *= 0.7;
     return line;
-}
-
-/// A sink for cairo's current path that counts and measures, and gives up after MANY_POINTS.
-typedef struct careful_pen
-{
-    cairo_t *cairo;
-    size_t count;
-    double low_x, low_y, high_x, high_y;
-} careful_pen;
-
-/// @return whether the point is to be drawn
-static bool pen_measures(careful_pen *pen, double x, double y)
-{
-    pen->low_x = fmin(pen->low_x, x);
-    pen->low_y = fmin(pen->low_y, y);
-    pen->high_x = fmax(pen->high_x, x);
-    pen->high_y = fmax(pen->high_y, y);
-    return ++pen->count <= MANY_POINTS;
-}
-
-static void pen_move(void *context, double x, double y)
-{
-    careful_pen *pen = context;
-    if (pen_measures(pen, x, y))
-    {
-        cairo_move_to(pen->cairo, x, y);
-    }
-}
-
-static void pen_line(void *context, double x, double y)
-{
-    careful_pen *pen = context;
-    if (pen_measures(pen, x, y))
-    {
-        cairo_line_to(pen->cairo, x, y);
-    }
-}
-
-/// A geodesic polyline as it is to be drawn.
-typedef struct drawn_line
-{
-    const draw_view *view;
-    const double *points;
-    size_t count;
-    bool closed;
-    view_side side;
-} drawn_line;
-
-static void trace(const drawn_line *drawn, path_sink sink)
-{
-    path_simplifier path = simplifier_begin(sink, TOLERANCE);
-    view_trace(drawn->view, drawn->points, drawn->count, drawn->closed, drawn->side, &path);
-}
-
-/// Stroke a line. One so rough that very many points are left is drawn as the ink it leaves.
-static bat_status stroke(cairo_t *cairo, const drawn_line *drawn, line_style line, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    careful_pen pen = {cairo, 0, INFINITY, INFINITY, -INFINITY, -INFINITY};
-    trace(drawn, (path_sink){pen_move, pen_line, &pen});
-    if (pen.count > MANY_POINTS)
-    {
-        ink_map map;
-        cairo_new_path(cairo);
-        status = ink_begin(pen.low_x, pen.low_y, pen.high_x, pen.high_y, &map, error);
-        if (status != BAT_OK)
-        {
-            return status;
-        }
-        trace(drawn, ink_sink(&map));
-        ink_trace(&map, cairo);
-        ink_free(&map);
-        line.dash = 0.0;
-    }
-    style_use_line(cairo, line);
-    cairo_stroke(cairo);
-    return status;
 }
 
 static bat_status draw_line(cairo_t *cairo, const draw_view *view, const bat_picture_panel *panel, size_t index,
@@ -249,7 +171,7 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const bat_pic
         cairo_fill(cairo);
     }
     drawn_line drawn = {view, curve->points, curve->count, curve->closed && curve->count > 1, side};
-    return curve->count > 1 ? stroke(cairo, &drawn, line, error) : BAT_OK;
+    return curve->count > 1 ? stroke_line(cairo, &drawn, line, error) : BAT_OK;
 }
 
 /// The radius of the open circles: smaller where many points crowd.
@@ -269,7 +191,7 @@ static double ring_radius(const draw_view *view, const bat_curve *curve)
         last_y = y;
     }
     double spacing = curve->count > 1 ? length / (double)(curve->count - 1) : INFINITY;
-    return fmin(MARKER_RADIUS, fmax(0.7, 0.3 * spacing));
+    return fmin(MARKER_RADIUS, fmax(0.7, 0.2 * spacing));
 }
 
 /// Open circles at the points of one side, but none closer than half a radius to the one before.
@@ -294,62 +216,6 @@ static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *c
     }
 }
 
-/// The teeth, at least TOOTH_SPACING apart on paper, from the vertices to the tips.
-static bat_status draw_teeth(cairo_t *cairo, const draw_view *view, const comb *teeth, const double *tips,
-                             draw_colour colour, bat_error *error)
-{
-    size_t n = teeth->point_dim;
-    double *tooth = memory_array(2 * n, sizeof(double));
-    if (tooth == NULL)
-    {
-        return error_memory(error, 2 * n * sizeof(double));
-    }
-    bat_status status = BAT_OK;
-    double last_x = INFINITY;
-    double last_y = INFINITY;
-    for (size_t i = 0; i < teeth->count && status == BAT_OK; i++)
-    {
-        double x;
-        double y;
-        view_place(view, teeth->points + i * n, &x, &y);
-        if (!(hypot(x - last_x, y - last_y) < TOOTH_SPACING))
-        {
-            memcpy(tooth, teeth->points + i * n, n * sizeof(double));
-            memcpy(tooth + n, tips + i * n, n * sizeof(double));
-            drawn_line drawn = {view, tooth, 2, false, VIEW_FRONT};
-            status = stroke(cairo, &drawn, (line_style){style_mix(colour, COLOUR_PAPER, 0.4), LINE_COMB, 0.0, 0.0}, error);
-            last_x = x;
-            last_y = y;
-        }
-    }
-    free(tooth);
-    return status;
-}
-
-/// The teeth and the line through all tips.
-static bat_status draw_comb(cairo_t *cairo, const draw_view *view, const comb *teeth, double scale, draw_colour colour,
-                            bat_error *error)
-{
-    size_t n = teeth->point_dim;
-    double *tips = memory_array(teeth->count * n, sizeof(double));
-    if (tips == NULL)
-    {
-        return error_memory(error, teeth->count * n * sizeof(double));
-    }
-    for (size_t i = 0; i < teeth->count; i++)
-    {
-        comb_tip(teeth, i, scale, tips + i * n);
-    }
-    bat_status status = draw_teeth(cairo, view, teeth, tips, colour, error);
-    if (status == BAT_OK)
-    {
-        drawn_line drawn = {view, tips, teeth->count, teeth->closed, VIEW_FRONT};
-        status = stroke(cairo, &drawn, (line_style){style_mix(colour, COLOUR_PAPER, 0.6), LINE_ENVELOPE, 0.0, 0.0}, error);
-    }
-    free(tips);
-    return status;
-}
-
 /// All lines of one role.
 static bat_status draw_role(cairo_t *cairo, const draw_view *view, const bat_picture_panel *panel, bat_layer_role role,
                             view_side side, bat_error *error)
@@ -362,6 +228,19 @@ static bat_status draw_role(cairo_t *cairo, const draw_view *view, const bat_pic
     return status;
 }
 
+/// The points of all control polygons.
+static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_picture_panel *panel,
+                           const bat_picture_options *options, view_side side)
+{
+    for (size_t i = 0; i < panel->layer_count; i++)
+    {
+        if (has_rings(&panel->layers[i], options))
+        {
+            draw_rings(cairo, view, panel->layers[i].curve, side);
+        }
+    }
+}
+
 /// All combs.
 static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
 {
@@ -371,14 +250,15 @@ static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_
         draw_colour colour = style_palette(scene_colour(panel->source, i));
         if (panel->combs[i].count > 0)
         {
-            status = draw_comb(cairo, view, &panel->combs[i], panel->frame.comb_scale, colour, error);
+            status = teeth_draw(cairo, view, &panel->combs[i], panel->frame.comb_scale, colour, error);
         }
     }
     return status;
 }
 
-static bat_status draw_layers(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
-                              const bat_picture_options *options, view_side side, bat_error *error)
+/// All lines and combs.
+static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
+                             const bat_picture_options *options, view_side side, bat_error *error)
 {
     const bat_picture_panel *source = panel->source;
     bat_status status = BAT_OK;
@@ -398,14 +278,14 @@ static bat_status draw_layers(cairo_t *cairo, const draw_view *view, const scene
     {
         status = draw_role(cairo, view, source, BAT_LAYER_CURVE, side, error);
     }
-    for (size_t i = 0; i < source->layer_count; i++)
-    {
-        bool few = source->layers[i].curve->count <= MANY_RINGS;
-        if (source->layers[i].role == BAT_LAYER_CONTROL && options->control_points && few)
-        {
-            draw_rings(cairo, view, source->layers[i].curve, side);
-        }
-    }
+    return status;
+}
+
+static bat_status draw_layers(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
+                              const bat_picture_options *options, view_side side, bat_error *error)
+{
+    bat_status status = draw_lines(cairo, view, panel, options, side, error);
+    draw_all_rings(cairo, view, panel->source, options, side);
     return status;
 }
 
@@ -425,7 +305,7 @@ static bat_status draw_flat(cairo_t *cairo, const scene_panel *panel, const bat_
         double height = view.scale * (panel->frame.high[1] - panel->frame.low[1]) + 2.0 * FLAT_MARGIN;
         double inner[4] = {view_x(&view, panel->frame.low[0]) - FLAT_MARGIN,
                            view_y(&view, panel->frame.high[1]) - FLAT_MARGIN, width, height};
-        grid_plane(cairo, &view, inner);
+        grid_plane(cairo, &view, &panel->frame, inner);
     }
     return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
 }
@@ -462,7 +342,12 @@ static bat_status draw_map(cairo_t *cairo, const scene_panel *panel, const bat_p
     draw_view view = make_view(panel, VIEW_MAP);
     fit(&view, box, map_insets(options), (double[2]){-TURN / 2.0, -TURN / 4.0}, (double[2]){TURN / 2.0, TURN / 4.0});
     grid_map(cairo, &view, options->grid);
-    return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
+    cairo_save(cairo);
+    grid_map_clip(cairo, &view);
+    bat_status status = draw_lines(cairo, &view, panel, options, VIEW_FRONT, error);
+    cairo_restore(cairo);
+    draw_all_rings(cairo, &view, panel->source, options, VIEW_FRONT);
+    return status;
 }
 
 static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const bat_picture_options *options,

@@ -9,8 +9,8 @@
 /// @file
 /// One panel on paper.
 
-/// The height that suits a panel of that width.
-double panel_height(const scene_panel *panel, const bat_picture_options *options, double width);
+/// The height that suits a panel of that width; a flat drawing is at most `tallest` times as high as wide.
+double panel_height(const scene_panel *panel, const bat_picture_options *options, double tallest, double width);
 /// Draw a panel into the box (x, y, width, height), its content in the middle and at true aspect.
 bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_picture_options *options, const double box[4],
                       bat_error *error);

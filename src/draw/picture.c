@@ -20,10 +20,27 @@ bat_picture_options bat_picture_defaults(void)
                                  .legend = true};
 }
 
+/// The greatest height of a flat drawing over its width at the sheet's usual width.
+#define TALLEST 1.25
+
+/// The share of its usual width that a sheet needs: less where all panels are taller than they may be.
+static double narrowing(const scene *made)
+{
+    const double least = 0.55;
+    double share = made->options->width > 0.0 ? 1.0 : least;
+    for (size_t i = 0; i < made->count; i++)
+    {
+        const scene_panel *panel = &made->panels[i];
+        bool flat = panel->space == VIEW_PLANE || panel->space == VIEW_SOLID;
+        share = fmax(share, flat ? TALLEST / scene_aspect(&panel->frame) : 1.0);
+    }
+    return fmin(share, 1.0);
+}
+
 static double content_height(const void *context, size_t index, double width)
 {
     const scene *made = context;
-    return panel_height(&made->panels[index], made->options, width);
+    return panel_height(&made->panels[index], made->options, TALLEST / narrowing(made), width);
 }
 
 static const char *content_caption(const void *context, size_t index)
@@ -115,7 +132,7 @@ bat_status bat_picture_write(const char *path, const bat_picture_panel *panels, 
                                  .options = made.options,
                                  .items = items,
                                  .item_count = item_count,
-                                 .natural_width = natural_width(&made),
+                                 .natural_width = narrowing(&made) * natural_width(&made),
                                  .context = &made,
                                  .height = content_height,
                                  .caption = content_caption,

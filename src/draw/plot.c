@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 static const double TURN = 6.28318530717958647693;
 
@@ -47,32 +46,21 @@ static tick_list axis_ticks(const plot_axis *axis, double spacing)
         return ticks_logarithmic(pow(10.0, axis->low), pow(10.0, axis->high), wanted);
     }
     tick_list ticks = ticks_linear(axis->low, axis->high, wanted);
-    ticks_take_exponent(&ticks, axis->low, axis->high);
+    ticks_use_scale(&ticks, ticks_scale(axis->low, axis->high));
     return ticks;
 }
 
-/// The text along an axis: its label and the power of ten that was taken out of the ticks, "error (×10⁻⁶)".
+/// The text along an axis: its label and what was left out of the ticks' labels, "error (×10⁻⁶)".
 static void axis_text(const plot_axis *axis, const char *label, char *text, size_t size)
 {
-    static const char *const digits[] = {"\xe2\x81\xb0", "\xc2\xb9",     "\xc2\xb2",     "\xc2\xb3",     "\xe2\x81\xb4",
-                                         "\xe2\x81\xb5", "\xe2\x81\xb6", "\xe2\x81\xb7", "\xe2\x81\xb8", "\xe2\x81\xb9"};
-    int exponent = axis->logarithmic ? 0 : ticks_exponent(axis->low, axis->high);
+    char left_out[TICK_SCALE_SIZE] = "";
     const char *given = text_given(label) ? label : "";
-    if (exponent == 0)
+    if (!axis->logarithmic)
     {
-        (void)snprintf(text, size, "%s", given);
-        return;
+        tick_scale_text(ticks_scale(axis->low, axis->high), left_out);
     }
-    int magnitude = abs(exponent); // at most 308
-    char power[16];
-    (void)snprintf(power, sizeof power, "%s%s%s", magnitude >= 100 ? digits[magnitude / 100 % 10] : "",
-                   magnitude >= 10 ? digits[magnitude / 10 % 10] : "", digits[magnitude % 10]);
-    (void)snprintf(text, size,
-                   *given != '\0' ? "%s (\xc3\x97"
-                                    "10%s%s)"
-                                  : "%s\xc3\x97"
-                                    "10%s%s",
-                   given, exponent < 0 ? "\xe2\x81\xbb" : "", power);
+    bool both = *given != '\0' && *left_out != '\0';
+    (void)snprintf(text, size, both ? "%s (%s)" : "%s%s", given, left_out);
 }
 
 static double widest_label(cairo_t *cairo, const tick_list *ticks)

@@ -10,6 +10,8 @@
 
 #define LARGEST_SIDE 10000.0
 #define MOST_COLUMNS 5
+/// Width that a panel needs for its details to show.
+#define LEAST_PANEL 100.0
 
 bool scene_layer_shown(const bat_picture_layer *layer, const bat_picture_options *options)
 {
@@ -26,13 +28,18 @@ int scene_colour(const bat_picture_panel *panel, size_t index)
     return panel->layers[index].colour > 0 ? panel->layers[index].colour : place;
 }
 
-size_t scene_columns(const bat_picture_options *options, size_t count)
+size_t scene_columns(const bat_picture_options *options, size_t count, double least)
 {
     if (options->columns > 0)
     {
         return options->columns < count ? options->columns : count;
     }
-    size_t rows = (count + MOST_COLUMNS - 1) / MOST_COLUMNS;
+    size_t most = MOST_COLUMNS;
+    if (options->width > 0.0)
+    {
+        most = (size_t)fmin(fmax(options->width / least, 1.0), MOST_COLUMNS);
+    }
+    size_t rows = (count + most - 1) / most;
     return (count + rows - 1) / rows;
 }
 
@@ -253,8 +260,11 @@ static void include_combs(scene_frame *frame, const scene_panel *panel, double *
     {
         for (size_t k = 0; k < panel->combs[i].count; k++)
         {
+            double u;
+            double v;
             comb_tip(&panel->combs[i], k, frame->comb_scale, tip);
-            include_point(frame, &view, tip);
+            view_project(&view, tip, &u, &v);
+            include_place(frame, u, v);
         }
     }
 }
@@ -401,7 +411,7 @@ bat_status scene_make(const bat_picture_panel *panels, size_t count, const bat_p
     {
         return status;
     }
-    *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count)};
+    *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, LEAST_PANEL)};
     made->rows = (count + made->columns - 1) / made->columns;
     made->panels = calloc(count, sizeof *made->panels);
     if (made->panels == NULL)

@@ -41,13 +41,20 @@ void scene_free(scene *made);
 
 /// Check what pictures and charts share: size, resolution, title.
 bat_status scene_check_options(const bat_picture_options *options, bat_error *error);
-/// The number of panels in a row for `count` panels when the caller leaves it open.
-size_t scene_columns(const bat_picture_options *options, size_t count);
+/// The number of panels in a row for `count` panels: when the caller leaves it open, up to five, but of a prescribed width every
+/// one gets at least `least`.
+size_t scene_columns(const bat_picture_options *options, size_t count, double least);
 
 /// Whether anything of a layer is drawn.
 bool scene_layer_shown(const bat_picture_layer *layer, const bat_picture_options *options);
 /// The palette's index for layer `index` of a panel.
 int scene_colour(const bat_picture_panel *panel, size_t index);
+
+/// Height over width of what a flat panel shows.
+static inline double scene_aspect(const scene_frame *frame)
+{
+    return (frame->high[1] - frame->low[1]) / (frame->high[0] - frame->low[0]);
+}
 
 /// A corner of the box of R^3, its bits choosing the high coordinates.
 static inline void scene_corner(const scene_frame *frame, unsigned corner, double *point)

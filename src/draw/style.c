@@ -21,8 +21,9 @@ draw_colour style_palette(int index)
 
 line_style style_curve(int index)
 {
-    bool first_round = index <= BAT_PICTURE_COLOURS;
-    return (line_style){style_palette(index), LINE_CURVE, first_round ? 0.0 : 6.0, first_round ? 0.0 : 2.5};
+    static const double dashes[][2] = {{0.0, 0.0}, {6.0, 2.5}, {2.0, 2.0}};
+    const double *dash = dashes[(unsigned)(index - 1) / BAT_PICTURE_COLOURS % 3];
+    return (line_style){style_palette(index), LINE_CURVE, dash[0], dash[1]};
 }
 
 draw_colour style_mix(draw_colour a, draw_colour b, double share)

@@ -47,7 +47,7 @@ static const draw_colour COLOUR_STRONG_GRID = {0.68, 0.715, 0.755};
 
 /// The colour `index` of the fixed order, from 1; orders repeat after BAT_PICTURE_COLOURS.
 draw_colour style_palette(int index);
-/// The line of the curve with colour `index`: solid in the first round of the palette, dashed later.
+/// The line of the curve with colour `index`: solid in the first round of the palette, then with long and with short dashes.
 line_style style_curve(int index);
 /// `share` of draw_colour a, the rest of colour b.
 draw_colour style_mix(draw_colour a, draw_colour b, double share);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 
 #define EXPONENT_SHARE 0.72
 
@@ -26,12 +26,17 @@ static void add_tick(tick_list *ticks, double value, bool labelled)
     }
 }
 
+/// The decimals that tell multiples of a step apart.
+static int decimals_of(double step)
+{
+    return (int)fmin(fmax(-floor(log10(step) + 1e-9), 0.0), 12.0);
+}
+
 tick_list ticks_linear(double low, double high, double wanted)
 {
-    tick_list ticks = {0};
     double step = nice_step((high - low) / fmax(wanted, 1.0));
     double slack = 1e-9 * (high - low);
-    ticks.decimals = (int)fmin(fmax(-floor(log10(step) + 1e-9), 0.0), 12.0);
+    tick_list ticks = {.step = step, .decimals = decimals_of(step)};
     for (double i = ceil((low - slack) / step); i * step <= high + slack && ticks.count < TICKS_MAX; i += 1.0)
     {
         add_tick(&ticks, i * step, true);
@@ -39,19 +44,68 @@ tick_list ticks_linear(double low, double high, double wanted)
     return ticks;
 }
 
-int ticks_exponent(double low, double high)
+/// The smallest power of ten that is not below a positive number.
+static double power_above(double value)
 {
-    double largest = fmax(fabs(low), fabs(high));
-    bool plain = largest < 1e5 && largest >= 1e-2;
-    return plain ? 0 : 3 * (int)floor(log10(largest) / 3.0);
+    return pow(10.0, ceil(log10(value) - 1e-9));
 }
 
-void ticks_take_exponent(tick_list *ticks, double low, double high)
+/// Whether numbers of that size are short without a power of ten.
+static bool plain(double size)
 {
-    ticks->exponent = ticks_exponent(low, high);
-    double step = ticks->count > 1 ? ticks->values[1] - ticks->values[0] : 1.0;
-    double shown = step * pow(10.0, -ticks->exponent);
-    ticks->decimals = (int)fmin(fmax(-floor(log10(shown) + 1e-9), 0.0), 12.0);
+    return size < 1e5 && size >= 1e-2;
+}
+
+tick_scale ticks_scale(double low, double high)
+{
+    tick_scale scale = {0};
+    double range = high - low;
+    double largest = fmax(fabs(low), fabs(high));
+    double agreement = plain(largest) ? 1e5 : 1e2;
+    if (largest > agreement * range)
+    {
+        double unit = power_above(range);
+        scale.offset = unit * round((low + 0.5 * range) / unit);
+        largest = fmax(fabs(low - scale.offset), fabs(high - scale.offset));
+    }
+    scale.exponent = plain(largest) ? 0 : 3 * (int)floor(log10(largest) / 3.0);
+    return scale;
+}
+
+void ticks_use_scale(tick_list *ticks, tick_scale scale)
+{
+    ticks->scale = scale;
+    ticks->decimals = decimals_of(ticks->step * pow(10.0, -scale.exponent));
+}
+
+/// "×10⁻⁶"
+static void power_text(int exponent, char *text, size_t size)
+{
+    static const char *const digits[] = {"\xe2\x81\xb0", "\xc2\xb9",     "\xc2\xb2",     "\xc2\xb3",     "\xe2\x81\xb4",
+                                         "\xe2\x81\xb5", "\xe2\x81\xb6", "\xe2\x81\xb7", "\xe2\x81\xb8", "\xe2\x81\xb9"};
+    int magnitude = abs(exponent); // at most 324
+    (void)snprintf(text, size,
+                   "\xc3\x97"
+                   "10%s%s%s%s",
+                   exponent < 0 ? "\xe2\x81\xbb" : "", magnitude >= 100 ? digits[magnitude / 100 % 10] : "",
+                   magnitude >= 10 ? digits[magnitude / 10 % 10] : "", digits[magnitude % 10]);
+}
+
+void tick_scale_text(tick_scale scale, char *text)
+{
+    char power[24] = "";
+    char offset[32] = "";
+    if (scale.exponent != 0)
+    {
+        power_text(scale.exponent, power, sizeof power);
+    }
+    if (scale.offset != 0.0)
+    {
+        (void)snprintf(offset, sizeof offset, "%.15g", fabs(scale.offset));
+    }
+    const char *gap = *power != '\0' && *offset != '\0' ? " " : "";
+    const char *sign = scale.offset < 0.0 ? "\xe2\x88\x92" : scale.offset > 0.0 ? "+" : "";
+    (void)snprintf(text, TICK_SCALE_SIZE, "%s%s%s%s%s", power, gap, sign, gap, offset);
 }
 
 /// The multiples of powers of ten that get ticks on a logarithmic axis over `decades` powers.
@@ -70,6 +124,7 @@ tick_list ticks_logarithmic(double low, double high, double wanted)
     {
         tick_list linear = ticks_linear(low, high, wanted);
         linear.decimals = -1;
+        linear.powers = low < 1e-4 || high > 1e5;
         return linear;
     }
     tick_list ticks = {.decimals = -1};
@@ -103,19 +158,19 @@ static double exponent_of(double value)
 
 void tick_label(const tick_list *ticks, size_t index, char *label)
 {
-    double value = ticks->values[index] * pow(10.0, -ticks->exponent);
+    double value = (ticks->values[index] - ticks->scale.offset) * pow(10.0, -ticks->scale.exponent);
     if (ticks->powers)
     {
-        double leading = round(value / pow(10.0, exponent_of(value)));
+        double leading = value / pow(10.0, exponent_of(value));
         (void)snprintf(label, TICK_LABEL_SIZE,
-                       leading > 1.0 ? "%.0f\xc3\x97"
-                                       "10"
-                                     : "10",
+                       leading > 1.0 + 1e-9 ? "%.6g\xc3\x97"
+                                              "10"
+                                            : "10",
                        leading);
         return;
     }
     double size = fabs(value);
-    bool general = ticks->decimals < 0 || size >= 1e6;
+    bool general = ticks->decimals < 0;
     bool zero = !general && size < 0.5 * pow(10.0, -ticks->decimals);
     const char *sign = value < 0.0 && !zero ? "\xe2\x88\x92" : "";
     if (general)

@@ -10,6 +10,14 @@
 
 #define TICKS_MAX 24
 #define TICK_LABEL_SIZE 32
+#define TICK_SCALE_SIZE 64
+
+/// What labels leave out so that they are short: they show (value - offset) / 10^exponent.
+typedef struct tick_scale
+{
+    double offset;
+    int exponent;
+} tick_scale;
 
 /// The ticks of an axis, in increasing order.
 typedef struct tick_list
@@ -17,17 +25,22 @@ typedef struct tick_list
     double values[TICKS_MAX];
     bool labelled[TICKS_MAX]; ///< the others are small
     size_t count;
+    double step;  ///< of linear ticks
     int decimals; ///< of the labels; negative: as many as each needs
     bool powers;  ///< labels are (multiples of) powers of ten, with an exponent
-    int exponent; ///< labels are to be multiplied by this power of ten
+    tick_scale scale;
 } tick_list;
 
 /// Multiples of 1, 2 or 5 times a power of ten within [low, high], about `wanted` of them.
 tick_list ticks_linear(double low, double high, double wanted);
-/// Take a power of ten out of the labels, a multiple of three, when the numbers are very large or very small.
-void ticks_take_exponent(tick_list *ticks, double low, double high);
-/// The exponent that ticks_take_exponent() takes out.
-int ticks_exponent(double low, double high);
+/// What to leave out of the labels from low to high: a round number where all of them agree in many digits, and a power of ten,
+/// a multiple of three, where they are very large or very small.
+tick_scale ticks_scale(double low, double high);
+/// Leave it out of linear ticks.
+void ticks_use_scale(tick_list *ticks, tick_scale scale);
+/// What to put beside an axis with such labels: "×10⁻⁶", "+1000000", "×10³ − 5000000"; "" where nothing is left out. `text` has room for
+/// TICK_SCALE_SIZE.
+void tick_scale_text(tick_scale scale, char *text);
 /// Ticks of a logarithmic axis: powers of ten, multiples of these where few powers fit; 0 < low < high.
 tick_list ticks_logarithmic(double low, double high, double wanted);
 
