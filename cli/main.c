@@ -16,6 +16,7 @@ static const struct
     {"measure", verb_measure, "how far two curves are apart, and how fair each is"},
     {"analyze", verb_analyze, "what a linear scheme does in the limit, with proven bounds"},
     {"reproduce", verb_reproduce, "published tables and figures beside ours"},
+    {"train", verb_train, "train a learned scheme from the published recipe"},
     {"list", verb_list, "the schemes, spaces and published results"},
 };
 enum

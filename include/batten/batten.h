@@ -15,5 +15,6 @@
 #include "batten/space.h"
 #include "batten/tension_data.h"
 #include "batten/tension_table.h"
+#include "batten/tension_train.h"
 
 #endif

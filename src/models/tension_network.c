@@ -30,10 +30,10 @@ static void add_layer(learn_parameters *parameters, size_t inputs, size_t output
     (void)learn_parameters_add(parameters, 0, outputs, name);
 }
 
-bat_status tension_network_make(learn_parameters *parameters, bat_error *error)
+/// The layers behind the embedding; allocates what was added.
+static bat_status add_trunk(learn_parameters *parameters, size_t inputs, bat_error *error)
 {
-    (void)learn_parameters_add(parameters, TENSION_SPACES, TENSION_EMBEDDING, "geom_embed.weight");
-    add_layer(parameters, TENSION_FEATURES + TENSION_EMBEDDING, TENSION_WIDTH, "input_proj", 0);
+    add_layer(parameters, inputs, TENSION_WIDTH, "input_proj", 0);
     add_layer(parameters, 0, TENSION_WIDTH, "input_proj", 1);
     for (int block = 0; block < TENSION_BLOCKS; block++)
     {
@@ -47,17 +47,31 @@ bat_status tension_network_make(learn_parameters *parameters, bat_error *error)
     add_layer(parameters, TENSION_WIDTH, TENSION_HEAD, "head", 0);
     add_layer(parameters, TENSION_HEAD, 1, "head", 2);
     bat_status status = learn_parameters_allocate(parameters, error);
-    assert(status != BAT_OK || (parameters->count == PARAMETERS && parameters->total == TENSION_WEIGHTS));
     if (status != BAT_OK)
         learn_parameters_free(parameters);
     return status;
 }
 
+bat_status tension_network_make(learn_parameters *parameters, bat_error *error)
+{
+    (void)learn_parameters_add(parameters, TENSION_SPACES, TENSION_EMBEDDING, "geom_embed.weight");
+    bat_status status = add_trunk(parameters, TENSION_FEATURES + TENSION_EMBEDDING, error);
+    assert(status != BAT_OK || (parameters->count == PARAMETERS && parameters->total == TENSION_WEIGHTS));
+    return status;
+}
+
+bat_status tension_network_make_plain(learn_parameters *parameters, size_t inputs, bat_error *error)
+{
+    return add_trunk(parameters, inputs, error);
+}
+
 void tension_network_start(learn_parameters *parameters, uint64_t seed)
 {
     bat_random random = bat_random_seed(seed);
-    learn_parameter_fill_normal(parameters, EMBEDDING, 1, &random);
-    for (size_t i = INPUT_LINEAR; i < PARAMETERS; i += 2)
+    size_t layers = parameters->count == PARAMETERS ? INPUT_LINEAR : INPUT_LINEAR - 1;
+    if (layers == INPUT_LINEAR)
+        learn_parameter_fill_normal(parameters, EMBEDDING, 1, &random);
+    for (size_t i = layers; i < parameters->count; i += 2)
     {
         const learn_parameter *weight = &parameters->list[i];
         if (weight->rank == 2)
@@ -79,20 +93,28 @@ static learn_array *norm_gelu_at(learn_tape *tape, learn_array *x, size_t place,
                                  dropout);
 }
 
+/// `x` with the embedding of each row's space beside it.
+static learn_array *embed(learn_tape *tape, learn_array *x, const uint32_t *spaces)
+{
+    learn_array *embedded = learn_gather_rows(tape, learn_parameter_array(tape, EMBEDDING), spaces, x->rows);
+    learn_array *both[2] = {x, embedded};
+    return learn_concatenate_columns(tape, both, 2);
+}
+
 learn_array *tension_network_angles(learn_tape *tape, learn_array *features, const uint32_t *spaces)
 {
-    learn_array *embedded = learn_gather_rows(tape, learn_parameter_array(tape, EMBEDDING), spaces, features->rows);
-    learn_array *both[2] = {features, embedded};
-    learn_array *x = learn_concatenate_columns(tape, both, 2);
-    x = norm_gelu_at(tape, linear_at(tape, x, INPUT_LINEAR), INPUT_NORM, NULL, 0);
-    for (size_t block = BLOCKS; block < HEAD_LINEAR_1; block += BLOCK_SIZE)
+    // Without an embedding all layers stand one place earlier.
+    size_t shift = spaces == NULL ? 1 : 0;
+    learn_array *x = spaces == NULL ? features : embed(tape, features, spaces);
+    x = norm_gelu_at(tape, linear_at(tape, x, INPUT_LINEAR - shift), INPUT_NORM - shift, NULL, 0);
+    for (size_t block = BLOCKS - shift; block < HEAD_LINEAR_1 - shift; block += BLOCK_SIZE)
     {
         learn_array *inner = linear_at(tape, x, block + BLOCK_LINEAR_1);
         inner = norm_gelu_at(tape, inner, block + BLOCK_NORM_1, NULL, TENSION_DROPOUT);
         inner = linear_at(tape, inner, block + BLOCK_LINEAR_2);
         x = norm_gelu_at(tape, inner, block + BLOCK_NORM_2, x, 0);
     }
-    x = learn_gelu(tape, linear_at(tape, x, HEAD_LINEAR_1));
-    x = linear_at(tape, x, HEAD_LINEAR_2);
+    x = learn_gelu(tape, linear_at(tape, x, HEAD_LINEAR_1 - shift));
+    x = linear_at(tape, x, HEAD_LINEAR_2 - shift);
     return learn_interval(tape, x, (real)-TENSION_ANGLE_LIMIT, (real)TENSION_ANGLE_LIMIT);
 }

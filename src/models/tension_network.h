@@ -30,6 +30,8 @@ enum
 /// @param parameters all zero before the call; release it with learn_parameters_free()
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status tension_network_make(learn_parameters *parameters, bat_error *error);
+/// The same without the embedding, for edges that are described by `inputs` numbers alone.
+bat_status tension_network_make_plain(learn_parameters *parameters, size_t inputs, bat_error *error);
 
 /// Draw weights: normal with variance 2 / inputs (He et al. 2015), zero biases, norms that change nothing, a standard normal
 /// embedding.
@@ -37,8 +39,8 @@ void tension_network_start(learn_parameters *parameters, uint64_t seed);
 
 /// The angles of a batch of edges, rows x 1. The tape must have begun with the network's parameters. Dropout drops if the tape
 /// says so.
-/// @param features rows x TENSION_FEATURES
-/// @param spaces for each row curvature + 1; must stay until the step was differentiated
+/// @param features rows x TENSION_FEATURES, or as many columns as a network without embedding has inputs
+/// @param spaces for each row curvature + 1; must stay until the step was differentiated; null for a network without embedding
 learn_array *tension_network_angles(learn_tape *tape, learn_array *features, const uint32_t *spaces);
 
 #endif

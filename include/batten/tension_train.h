@@ -1,0 +1,70 @@
+#ifndef BATTEN_TENSION_TRAIN_H
+#define BATTEN_TENSION_TRAIN_H
+
+#include "batten/tension_data.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Training of the learned tension of Ugail and Howard (2026): their network, data, loss and stopping rules (sections 5 and
+/// 6). docs/tension.md says what the text leaves open and how it is read here.
+
+/// How the network learns of the space that an edge lies in (table 3).
+typedef enum bat_tension_embedding
+{
+    BAT_TENSION_EMBEDDING_LEARNED, ///< a table of 3 x 8 trained numbers: 140,505 weights
+    BAT_TENSION_EMBEDDING_ONE_HOT, ///< three fixed numbers, one of which is 1: 139,841 weights
+    BAT_TENSION_EMBEDDING_NONE     ///< not at all: 139,457 weights
+} bat_tension_embedding;
+
+/// How to train. Begin with bat_tension_train_defaults(), the published recipe.
+typedef struct bat_tension_train_options
+{
+    uint64_t seed;                   ///< of the first weights, the order of the samples, dropout and isometries; default 1
+    uint64_t epochs;                 ///< at most, at least 1; the learning rate falls to 0 over as many; default 300
+    bat_tension_embedding embedding; ///< default learned
+    double smoothness[BAT_TENSION_SPACE_COUNT]; ///< weight of eq. (20) in each space; default 0.05, on the sphere 0.15
+    double bending;                             ///< weight of eq. (21); default 1e-4
+    double consistency;                         ///< weight of eq. (22); default 0.1
+    /// Where the files go; made if it is not there: `checkpoint.safetensors` after every epoch, `log.csv`, its picture `log.png`,
+    /// and at the end `model.safetensors`, the best weights. Null for no files; default null.
+    const char *folder;
+    bool
+        resume; ///< go on from the folder's checkpoint, to the same bytes as without the stop, if there is one; default false
+    int threads;           ///< 0: as many as OpenMP gives, of which 8 help; the result does not depend on it; default 0
+    bat_progress progress; ///< asked before every batch; when it says stop, the checkpoint is written first
+} bat_tension_train_options;
+
+/// The options' default values.
+BAT_API bat_tension_train_options bat_tension_train_defaults(void);
+
+/// What the weights do to the validation curves of one space in BAT_TENSION_LEVELS learned levels: means over the curves.
+typedef struct bat_tension_score
+{
+    double mean_nn, bending, g1;
+} bat_tension_score;
+
+/// How a training went.
+typedef struct bat_tension_train_report
+{
+    uint64_t epochs;                                   ///< done, earlier runs included
+    uint64_t best_epoch;                               ///< after which the weights were best, counted from 1
+    bool stopped;                                      ///< before the last epoch, because the figure no longer fell
+    double mean_nn;                                    ///< of the best weights: the mean of the three spaces'
+    bat_tension_score scores[BAT_TENSION_SPACE_COUNT]; ///< of the best weights
+} bat_tension_train_report;
+
+/// Train the published network on the published curves (bat_tension_data_make()). While it runs, OpenBLAS works on one thread
+/// in the whole process.
+///
+/// @param options null for the defaults, which keep nothing but the report
+/// @param report  may be null
+/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (no epochs, weights that are negative or not finite, a checkpoint of
+///         another training); BAT_NO_CONVERGENCE with the step when a loss is not finite; BAT_BAD_FILE, BAT_FILE_ACCESS or
+///         BAT_NO_MEMORY
+BAT_API bat_status bat_tension_train(const bat_tension_train_options *options, bat_tension_train_report *report,
+                                     bat_error *error);
+
+BAT_C_END
+
+#endif
