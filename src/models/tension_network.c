@@ -3,23 +3,6 @@
 #include <assert.h>
 #include <stdio.h>
 
-// The places of the weights in the list. A linear layer has a weight and a bias, a layer norm a gain and a shift.
-enum
-{
-    EMBEDDING,
-    INPUT_LINEAR,
-    INPUT_NORM = INPUT_LINEAR + 2,
-    BLOCKS = INPUT_NORM + 2,
-    BLOCK_LINEAR_1 = 0,
-    BLOCK_NORM_1 = 2,
-    BLOCK_LINEAR_2 = 4,
-    BLOCK_NORM_2 = 6,
-    BLOCK_SIZE = 8,
-    HEAD_LINEAR_1 = BLOCKS + TENSION_BLOCKS * BLOCK_SIZE,
-    HEAD_LINEAR_2 = HEAD_LINEAR_1 + 2,
-    PARAMETERS = HEAD_LINEAR_2 + 2
-};
-
 /// Weight and bias; a norm when there are no inputs.
 static void add_layer(learn_parameters *parameters, size_t inputs, size_t outputs, const char *prefix, int place)
 {
@@ -56,7 +39,7 @@ bat_status tension_network_make(learn_parameters *parameters, bat_error *error)
 {
     (void)learn_parameters_add(parameters, TENSION_SPACES, TENSION_EMBEDDING, "geom_embed.weight");
     bat_status status = add_trunk(parameters, TENSION_FEATURES + TENSION_EMBEDDING, error);
-    assert(status != BAT_OK || (parameters->count == PARAMETERS && parameters->total == TENSION_WEIGHTS));
+    assert(status != BAT_OK || (parameters->count == TENSION_PARAMETERS && parameters->total == TENSION_WEIGHTS));
     return status;
 }
 
@@ -68,9 +51,9 @@ bat_status tension_network_make_plain(learn_parameters *parameters, size_t input
 void tension_network_start(learn_parameters *parameters, uint64_t seed)
 {
     bat_random random = bat_random_seed(seed);
-    size_t layers = parameters->count == PARAMETERS ? INPUT_LINEAR : INPUT_LINEAR - 1;
-    if (layers == INPUT_LINEAR)
-        learn_parameter_fill_normal(parameters, EMBEDDING, 1, &random);
+    size_t layers = parameters->count == TENSION_PARAMETERS ? TENSION_AT_INPUT_LINEAR : TENSION_AT_INPUT_LINEAR - 1;
+    if (layers == TENSION_AT_INPUT_LINEAR)
+        learn_parameter_fill_normal(parameters, TENSION_AT_EMBEDDING, 1, &random);
     for (size_t i = layers; i < parameters->count; i += 2)
     {
         const learn_parameter *weight = &parameters->list[i];
@@ -96,7 +79,7 @@ static learn_array *norm_gelu_at(learn_tape *tape, learn_array *x, size_t place,
 /// `x` with the embedding of each row's space beside it.
 static learn_array *embed(learn_tape *tape, learn_array *x, const uint32_t *spaces)
 {
-    learn_array *embedded = learn_gather_rows(tape, learn_parameter_array(tape, EMBEDDING), spaces, x->rows);
+    learn_array *embedded = learn_gather_rows(tape, learn_parameter_array(tape, TENSION_AT_EMBEDDING), spaces, x->rows);
     learn_array *both[2] = {x, embedded};
     return learn_concatenate_columns(tape, both, 2);
 }
@@ -106,15 +89,15 @@ learn_array *tension_network_angles(learn_tape *tape, learn_array *features, con
     // Without an embedding all layers stand one place earlier.
     size_t shift = spaces == NULL ? 1 : 0;
     learn_array *x = spaces == NULL ? features : embed(tape, features, spaces);
-    x = norm_gelu_at(tape, linear_at(tape, x, INPUT_LINEAR - shift), INPUT_NORM - shift, NULL, 0);
-    for (size_t block = BLOCKS - shift; block < HEAD_LINEAR_1 - shift; block += BLOCK_SIZE)
+    x = norm_gelu_at(tape, linear_at(tape, x, TENSION_AT_INPUT_LINEAR - shift), TENSION_AT_INPUT_NORM - shift, NULL, 0);
+    for (size_t block = TENSION_AT_BLOCKS - shift; block < TENSION_AT_HEAD_LINEAR_1 - shift; block += TENSION_BLOCK_SIZE)
     {
-        learn_array *inner = linear_at(tape, x, block + BLOCK_LINEAR_1);
-        inner = norm_gelu_at(tape, inner, block + BLOCK_NORM_1, NULL, TENSION_DROPOUT);
-        inner = linear_at(tape, inner, block + BLOCK_LINEAR_2);
-        x = norm_gelu_at(tape, inner, block + BLOCK_NORM_2, x, 0);
+        learn_array *inner = linear_at(tape, x, block + TENSION_AT_BLOCK_LINEAR_1);
+        inner = norm_gelu_at(tape, inner, block + TENSION_AT_BLOCK_NORM_1, NULL, TENSION_DROPOUT);
+        inner = linear_at(tape, inner, block + TENSION_AT_BLOCK_LINEAR_2);
+        x = norm_gelu_at(tape, inner, block + TENSION_AT_BLOCK_NORM_2, x, 0);
     }
-    x = learn_gelu(tape, linear_at(tape, x, HEAD_LINEAR_1 - shift));
-    x = linear_at(tape, x, HEAD_LINEAR_2 - shift);
+    x = learn_gelu(tape, linear_at(tape, x, TENSION_AT_HEAD_LINEAR_1 - shift));
+    x = linear_at(tape, x, TENSION_AT_HEAD_LINEAR_2 - shift);
     return learn_interval(tape, x, (real)-TENSION_ANGLE_LIMIT, (real)TENSION_ANGLE_LIMIT);
 }
