@@ -1,7 +1,7 @@
 #ifndef BATTEN_SCHEME_H
 #define BATTEN_SCHEME_H
 
-#include "batten/base.h"
+#include "batten/space.h"
 
 BAT_C_BEGIN
 
@@ -60,6 +60,44 @@ typedef enum bat_angle_sign
     BAT_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
 } bat_angle_sign;
 
+/// The farthest reach of an angle rule.
+#define BAT_ANGLE_RULE_REACH 64
+/// The most edges that an angle rule is given at a time.
+#define BAT_ANGLE_RULE_EDGES 512
+
+/// A run of consecutive edges of a polygon, numbered from 0, as an angle rule sees them. Edge j goes from vertex j to vertex
+/// j + 1. Everything here is invariant under orientation-preserving isometries, and so is a scheme that uses nothing else.
+typedef struct bat_angle_rule_view
+{
+    const bat_space *space;
+    size_t count;          ///< edges that want an angle, 1 … BAT_ANGLE_RULE_EDGES
+    const double *angles;  ///< exterior angles, positive for left turns, of the vertices 1 - reach … count - 1 + reach
+    const double *lengths; ///< geodesic lengths of the edges -reach … count - 1 + reach
+    double mean_length;    ///< of all edges of the polygon, where the rule wants it; else 0
+} bat_angle_rule_view;
+
+typedef struct bat_angle_rule bat_angle_rule;
+
+/// Where an angle-based scheme takes its insertion angles from, when not from eq. (9) of Ugail and Howard: a function of what
+/// each edge sees around it. The library's learned schemes are such rules; a user makes another by filling a bat_angle_rule.
+/// Open curves are continued beyond their ends before they are measured, as bat_end_rule says.
+struct bat_angle_rule
+{
+    const char *name;       ///< a word for messages
+    size_t reach;           ///< edges and vertices that an edge sees on either side, 1 … BAT_ANGLE_RULE_REACH
+    bool wants_mean_length; ///< then levels are made one after the other; else all at once, in chunks that threads share
+    size_t scratch_size;    ///< bytes that one call of angles() needs
+    const void *parameters; ///< whatever the maker needs; the library does not touch it
+
+    /// Optional: null when the rule is made for the space, else a few words that say why not.
+    const char *(*fault)(const bat_angle_rule *rule, const bat_space *space);
+    /// Write view->count insertion angles, positive to the left of the edge. They are clipped to +-BAT_ANGLE_LIMIT; one that is
+    /// not a number fails with BAT_INVALID_POINT. Called from several threads at once, and on runs of any length: an edge's angle
+    /// may depend on nothing but the edge's own surroundings.
+    /// @param scratch scratch_size bytes, aligned to 64
+    void (*angles)(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch);
+};
+
 /// In which tangent space a log-exp scheme averages.
 typedef enum bat_log_exp_base
 {
@@ -71,16 +109,20 @@ typedef enum bat_log_exp_base
 typedef struct bat_scheme
 {
     bat_scheme_kind kind;
-    bat_mask mask;         ///< LINEAR: the mask; LOG_EXP: an interpolatory mask (a(0) = 1, other even coefficients 0)
-    double tension;        ///< ANGLE: mu of eq. (9)
-    bat_angle_sign sign;   ///< ANGLE
-    bool adaptive;         ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
+    bat_mask mask;       ///< LINEAR: the mask; LOG_EXP: an interpolatory mask (a(0) = 1, other even coefficients 0)
+    double tension;      ///< ANGLE: mu of eq. (9)
+    bat_angle_sign sign; ///< ANGLE
+    bool adaptive;       ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
+    const bat_angle_rule
+        *rule;             ///< ANGLE: makes the angles instead of eq. (9), so that the three above do not matter; or null
     bat_log_exp_base base; ///< LOG_EXP
 } bat_scheme;
 
 BAT_API bat_scheme bat_scheme_linear(bat_mask mask);
 /// Angle-based with tension `mu`: BAT_TENSION_FOUR_POINT, BAT_TENSION_SIX_POINT or any other; outward sign.
 BAT_API bat_scheme bat_scheme_angle(double mu);
+/// Angle-based with the angles of a rule, which must outlive the scheme.
+BAT_API bat_scheme bat_scheme_angle_rule(const bat_angle_rule *rule);
 /// Log-exp with the mask of an interpolatory scheme, base at the vertex.
 BAT_API bat_scheme bat_scheme_log_exp(bat_mask mask);
 

@@ -58,7 +58,8 @@ index_range cascade_support(const cascade *task)
 typedef struct scratch
 {
     double *rows[2];
-    bool stream; ///< write results past the caches
+    void *kernel; ///< what the kernel needs
+    bool stream;  ///< write results past the caches
 } scratch;
 
 static size_t support_of(const cascade *task)
@@ -68,7 +69,7 @@ static size_t support_of(const cascade *task)
 
 static ptrdiff_t chunk_rows(const cascade *task)
 {
-    size_t rows = CHUNK_NUMBERS / task->kernel.dim;
+    size_t rows = task->kernel.chunk > 0 ? task->kernel.chunk : CHUNK_NUMBERS / task->kernel.dim;
     size_t least = CHUNK_SUPPORTS * support_of(task);
     rows = rows < least ? least : rows;
     return (ptrdiff_t)(rows + (rows & 1));
@@ -79,13 +80,15 @@ static bool scratch_make(const cascade *task, size_t chunk, scratch *s)
     size_t rows = chunk + 4 * support_of(task) + 16;
     for (int i = 0; i < 2; i++)
         s->rows[i] = memory_array(rows * task->kernel.dim, sizeof(double));
-    return s->rows[0] != NULL && s->rows[1] != NULL;
+    s->kernel = memory_array(task->kernel.scratch_size, 1);
+    return s->rows[0] != NULL && s->rows[1] != NULL && s->kernel != NULL;
 }
 
 static void scratch_free(scratch *s)
 {
     free(s->rows[0]);
     free(s->rows[1]);
+    free(s->kernel);
 }
 
 static void snap_rows(const bat_stencil *snap, const double *points, size_t rows, size_t dim, double *fine)
@@ -98,14 +101,14 @@ static void snap_rows(const bat_stencil *snap, const double *points, size_t rows
 
 /// The last level of a large result, piece by piece from the first-level cache past all caches.
 static bat_status run_streaming(const refine_kernel *kernel, const double *points, size_t pairs, double *piece, double *fine,
-                                size_t *failed)
+                                void *own, size_t *failed)
 {
     size_t dim = kernel->dim;
     size_t most = PIECE_NUMBERS / (2 * dim) > 0 ? PIECE_NUMBERS / (2 * dim) : 1;
     for (size_t done = 0; done < pairs; done += most)
     {
         size_t count = pairs - done < most ? pairs - done : most;
-        bat_status status = kernel->run(kernel, points + done * dim, count, piece, failed);
+        bat_status status = kernel->run(kernel, points + done * dim, count, piece, own, failed);
         if (status != BAT_OK)
         {
             *failed += done;
@@ -139,8 +142,9 @@ static bat_status run_chunk(const cascade *task, const double *root, index_range
         ptrdiff_t first_pair = floor_half(pairs.begin);
         size_t count = (size_t)(pairs.end - pairs.begin) / 2, failed = 0;
         const double *from = points + (first_pair - origin) * (ptrdiff_t)dim;
-        bat_status status = in_place && s->stream ? run_streaming(kernel, from, count, s->rows[level & 1], rows, &failed)
-                                                  : kernel->run(kernel, from, count, rows, &failed);
+        bat_status status = in_place && s->stream
+                                ? run_streaming(kernel, from, count, s->rows[level & 1], rows, s->kernel, &failed)
+                                : kernel->run(kernel, from, count, rows, s->kernel, &failed);
         if (status != BAT_OK)
         {
             *fault = (first_pair + (ptrdiff_t)failed) >> (level - 1);

@@ -17,11 +17,15 @@ struct refine_kernel
     int first, last;     ///< support of the step, see above
     mask_taps even, odd; ///< of a linear scheme; of a log-exp scheme only the odd ones
     double scale; ///< angle-based: a power of two that brings coordinates near 1, so that no product of chords overflows
-    double mean_angle; ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
+    double mean_angle;   ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
+    double mean_length;  ///< what an angle rule may want to know of it: its mean edge length
+    size_t scratch_size; ///< bytes that one call of run() needs
+    size_t chunk;        ///< points worth a thread's while; 0 where they cost next to nothing
 
     /// Make the new points 2 j and 2 j + 1 for j = 0 … pairs - 1; row 0 of `points` is old point 0, and rows before and
-    /// behind it are there as the support asks. On failure *fault is the pair at fault.
-    bat_status (*run)(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault);
+    /// behind it are there as the support asks. `scratch` is aligned to 64 bytes. On failure *fault is the pair at fault.
+    bat_status (*run)(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
+                      size_t *fault);
 };
 
 /// A mask on rows of `dim` numbers.
@@ -31,6 +35,10 @@ refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme);
 /// The mean absolute exterior angle at the points first … end - 1, 0 when there are none; the rows before and behind are there.
 /// The kernel knows its scale.
 double kernel_angle_mean(const refine_kernel *kernel, const double *points, size_t first, size_t end);
+/// An angle-based step whose angles come from scheme->rule; the space must be oriented.
+refine_kernel kernel_rule(const bat_space *space, const bat_scheme *scheme);
+/// The mean length of the edges first … end - 1, 0 when there are none. The kernel knows its scale.
+double kernel_rule_mean_length(const refine_kernel *kernel, const double *points, size_t first, size_t end);
 /// A log-exp step.
 refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme);
 

@@ -156,8 +156,10 @@ static void refine_wide_rows(const mask_taps *even_taps, const mask_taps *odd_ta
     }
 }
 
-static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
+static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
+                      size_t *fault)
 {
+    (void)scratch;
     (void)fault;
     size_t dim = kernel->dim;
     const mask_taps *even = &kernel->even, *odd = &kernel->odd;

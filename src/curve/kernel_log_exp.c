@@ -45,8 +45,10 @@ static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_
     return space->exp(space, base, sum, fine);
 }
 
-static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
+static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
+                          size_t *fault)
 {
+    (void)scratch;
     size_t dim = kernel->dim;
     for (size_t j = 0; j < pairs; j++)
     {
@@ -236,8 +238,10 @@ static bat_status sphere_finish(const refine_kernel *kernel, const sphere_block 
     return BAT_OK;
 }
 
-static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, size_t *fault)
+static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
+                             size_t *fault)
 {
+    (void)scratch;
     const mask_taps *taps = &kernel->odd;
     bool midpoint = kernel->scheme->base == BAT_BASE_MIDPOINT;
     ptrdiff_t low = (1 - kernel->last) / 2, high = (1 - kernel->first) / 2;

@@ -39,7 +39,7 @@ refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme)
     switch (scheme->kind)
     {
     case BAT_SCHEME_ANGLE:
-        return kernel_angle(space, scheme);
+        return scheme->rule != NULL ? kernel_rule(space, scheme) : kernel_angle(space, scheme);
     case BAT_SCHEME_LOG_EXP:
         return kernel_log_exp(space, scheme);
     case BAT_SCHEME_LINEAR:
@@ -57,6 +57,19 @@ static bat_status check_mask(const bat_mask *mask, bool interpolatory, bat_error
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "all coefficients of the mask are zero");
     if (interpolatory && !bat_mask_is_interpolatory(mask))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a log-exp scheme needs the mask of an interpolatory one");
+    return BAT_OK;
+}
+
+static bat_status check_rule(const bat_space *space, const bat_angle_rule *rule, bat_error *error)
+{
+    if (rule->angles == NULL || rule->reach < 1 || rule->reach > BAT_ANGLE_RULE_REACH || rule->scratch_size > SIZE_MAX / 2)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
+                         BAT_ANGLE_RULE_REACH);
+    const char *fault = rule->fault != NULL ? rule->fault(rule, space) : NULL;
+    if (fault != NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the rule %s is not made for this %s: %s", rule->name,
+                         space->name, fault);
     return BAT_OK;
 }
 
@@ -81,6 +94,8 @@ static bat_status check_options(const bat_space *space, const bat_refine_options
                              "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
                              "dimension %zu; try log-exp-4",
                              space->name, space->dimension);
+        if (scheme->rule != NULL)
+            return check_rule(space, scheme->rule, error);
         if (!(fabs(scheme->tension) <= TENSION_LIMIT))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the tension %g is not within %g of 0",
                              scheme->tension, TENSION_LIMIT);

@@ -77,7 +77,9 @@ static void inform_kernel(const padded_rows *coarse, const bat_scheme *scheme, r
 {
     size_t first = coarse->closed ? 0 : 1, end = coarse->closed ? coarse->count : coarse->count - 1;
     kernel->scale = scale_for(largest_of(coarse->rows, coarse->count * coarse->space->point_dim));
-    if (scheme->adaptive)
+    if (scheme->rule != NULL && scheme->rule->wants_mean_length)
+        kernel->mean_length = kernel_rule_mean_length(kernel, coarse->rows, 0, end);
+    else if (scheme->rule == NULL && scheme->adaptive)
         kernel->mean_angle = kernel_angle_mean(kernel, coarse->rows, first, end);
 }
 
@@ -205,11 +207,19 @@ static bat_status refine_level_by_level(const bat_curve *coarse, const refine_pl
     return status;
 }
 
+/// Whether each level must be there as a whole before the next begins.
+static bool needs_whole_polygons(const bat_scheme *scheme)
+{
+    if (scheme->kind != BAT_SCHEME_ANGLE)
+        return false;
+    return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
+}
+
 static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
                                 bat_error *error)
 {
     const bat_scheme *scheme = &plan->options.scheme;
-    if (scheme->kind == BAT_SCHEME_ANGLE && scheme->adaptive && plan->options.levels > 0)
+    if (needs_whole_polygons(scheme) && plan->options.levels > 0)
         return refine_level_by_level(coarse, plan, progress, fine, error);
     return refine_rows(coarse->space, coarse->points, coarse, scheme, plan, progress, fine, error);
 }

@@ -17,6 +17,11 @@ bat_scheme bat_scheme_angle(double mu)
     return (bat_scheme){.kind = BAT_SCHEME_ANGLE, .tension = mu};
 }
 
+bat_scheme bat_scheme_angle_rule(const bat_angle_rule *rule)
+{
+    return (bat_scheme){.kind = BAT_SCHEME_ANGLE, .rule = rule};
+}
+
 bat_scheme bat_scheme_log_exp(bat_mask mask)
 {
     return (bat_scheme){.kind = BAT_SCHEME_LOG_EXP, .mask = mask};
