@@ -1,9 +1,8 @@
 #include "learn/dropout.h"
 #include "learn/operations.h"
+#include "learn/row_statistics.h"
 
 #include <assert.h>
-
-static const real EPSILON = (real)1e-5;
 
 /// What the ways back need. For layer norm the statistics are those of rows, for batch norm of columns.
 typedef struct normalization
@@ -16,21 +15,6 @@ typedef struct normalization
     bool gelu;     ///< whether it follows
     dropout_mask mask;
 } normalization;
-
-/// The mean of a row and one over its deviation.
-static inline void row_statistics(const real *x, size_t columns, real *mean, real *rate)
-{
-    real sum = 0, squares = 0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t c = 0; c < columns; c++)
-        sum += x[c];
-    real m = sum / (real)columns;
-#pragma omp simd reduction(+ : squares)
-    for (size_t c = 0; c < columns; c++)
-        squares += (x[c] - m) * (x[c] - m);
-    *mean = m;
-    *rate = 1 / real_sqrt(squares / (real)columns + EPSILON);
-}
 
 // Layer norm: y = (x - mean) rate gain + shift, row by row
 //   x and y rows x columns, gain and shift 1 x columns, mean and rate rows
@@ -184,7 +168,7 @@ static void batch_norm_forward(const normalization *n)
         for (size_t c = 0; c < columns; c++)
             rate[c] += (x[r * columns + c] - mean[c]) * (x[r * columns + c] - mean[c]);
     for (size_t c = 0; c < columns; c++)
-        rate[c] = 1 / real_sqrt(rate[c] / (real)rows + EPSILON);
+        rate[c] = 1 / real_sqrt(rate[c] / (real)rows + NORMALIZATION_EPSILON);
     for (size_t r = 0; r < rows; r++)
         for (size_t c = 0; c < columns; c++)
             y[r * columns + c] = (x[r * columns + c] - mean[c]) * rate[c] * gain[c] + shift[c];

@@ -1,0 +1,84 @@
+#include "learn/packed.h"
+
+#include "learn/row_statistics.h"
+
+#include <string.h>
+
+learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real *memory)
+{
+    learn_packed layer = {.inputs = inputs, .columns = learn_whole_panels(outputs), .weight = memory};
+    layer.bias = memory + inputs * layer.columns;
+    memset(memory, 0, learn_packed_size(inputs, outputs) * sizeof *memory);
+    for (size_t o = 0; o < outputs; o++)
+    {
+        real *panel = layer.weight + o / LEARN_PANEL * LEARN_PANEL * inputs + o % LEARN_PANEL;
+        for (size_t k = 0; k < inputs; k++)
+            panel[k * LEARN_PANEL] = weight[o * stride + k];
+        layer.bias[o] = bias[o];
+    }
+    return layer;
+}
+
+#define PRODUCT_PASTE(a, b) a##b
+#define PRODUCT_NAME(a, b) PRODUCT_PASTE(a, b)
+
+#define PRODUCT product_128
+#define PRODUCT_BYTES 16
+#define PRODUCT_VECTORS 2
+#define PRODUCT_TARGET
+#include "learn/packed_product.h"
+
+#if defined(__x86_64__)
+#define PRODUCT product_256
+#define PRODUCT_BYTES 32
+#define PRODUCT_VECTORS 2
+#define PRODUCT_TARGET __attribute__((target("avx2,fma")))
+#include "learn/packed_product.h"
+
+#define PRODUCT product_512
+#define PRODUCT_BYTES 64
+#define PRODUCT_VECTORS 2
+#define PRODUCT_TARGET __attribute__((target("avx512f,avx2,fma")))
+#include "learn/packed_product.h"
+#endif
+
+void learn_packed_linear(const learn_packed *layer, size_t rows, const real *x, size_t stride, real *y)
+{
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f"))
+    {
+        product_512(layer, rows, x, stride, y);
+        return;
+    }
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    {
+        product_256(layer, rows, x, stride, y);
+        return;
+    }
+#endif
+    product_128(layer, rows, x, stride, y);
+}
+
+LANES_CLONES
+void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const real *shift, const real *skip, real *y)
+{
+    for (size_t r = 0; r < rows; r++)
+    {
+        real *restrict row = y + r * columns;
+        real mean, rate;
+        row_statistics(row, columns, &mean, &rate);
+        if (skip != NULL)
+            for (size_t c = 0; c < columns; c++)
+                row[c] = real_gelu(skip[r * columns + c] + ((row[c] - mean) * rate * gain[c] + shift[c]));
+        else
+            for (size_t c = 0; c < columns; c++)
+                row[c] = real_gelu((row[c] - mean) * rate * gain[c] + shift[c]);
+    }
+}
+
+LANES_CLONES
+void learn_packed_gelu(size_t count, real *y)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] = real_gelu(y[i]);
+}

@@ -1,0 +1,64 @@
+#ifndef LEARN_PACKED_H
+#define LEARN_PACKED_H
+
+#include "learn/real.h"
+
+#include <stddef.h>
+
+/// @file
+/// Layers for inference alone, without a tape and without BLAS: weights are laid out anew once, and the products of a run of
+/// rows stay in the cache from layer to layer. A row's result depends on nothing but the row, whatever is computed with it, and
+/// calls may come from several threads.
+///
+/// Matrices have whole *panels* of columns and whole *tiles* of rows: who has fewer fills up with zeros, and finds numbers
+/// without meaning there afterwards.
+
+enum
+{
+    LEARN_PANEL = 32, ///< columns
+    LEARN_TILE = 6    ///< rows
+};
+
+static inline size_t learn_whole_panels(size_t columns)
+{
+    return (columns + LEARN_PANEL - 1) / LEARN_PANEL * LEARN_PANEL;
+}
+
+static inline size_t learn_whole_tiles(size_t rows)
+{
+    return (rows + LEARN_TILE - 1) / LEARN_TILE * LEARN_TILE;
+}
+
+/// A linear layer: y = x W^T + b.
+typedef struct learn_packed
+{
+    size_t inputs;
+    size_t columns; ///< outputs in whole panels
+    real *weight;   ///< panel by panel, inputs x LEARN_PANEL each
+    real *bias;     ///< columns
+} learn_packed;
+
+/// Numbers that hold a layer.
+static inline size_t learn_packed_size(size_t inputs, size_t outputs)
+{
+    return (inputs + 1) * learn_whole_panels(outputs);
+}
+
+/// Lay a layer out in `memory`, learn_packed_size() numbers aligned to 64 bytes.
+/// @param weight outputs x `inputs`, rows `stride` numbers apart
+/// @param bias   outputs
+learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real *memory);
+
+/// @param rows whole tiles
+/// @param x    rows `stride` numbers apart
+/// @param y    rows x layer->columns
+void learn_packed_linear(const learn_packed *layer, size_t rows, const real *x, size_t stride, real *y);
+
+/// y = gelu(skip + layer_norm(y)) in place, as learn_layer_norm_gelu().
+/// @param skip rows x columns, or null for 0
+void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const real *shift, const real *skip, real *y);
+
+/// y = gelu(y) in place.
+void learn_packed_gelu(size_t count, real *y);
+
+#endif

@@ -1,0 +1,46 @@
+// The product of packed.c for one width of vector registers. Included once for each, with
+//   PRODUCT         the function's name
+//   PRODUCT_BYTES   bytes of a register
+//   PRODUCT_VECTORS registers side by side: LEARN_TILE times as many sums, and a few more, must fit the registers there are
+//   PRODUCT_TARGET  the attribute that lets the compiler use them
+
+#define WIDE PRODUCT_NAME(PRODUCT, _vector)
+#define LANES (PRODUCT_BYTES / sizeof(real))
+
+/// Numbers at any address of theirs.
+typedef real WIDE __attribute__((vector_size(PRODUCT_BYTES), aligned(sizeof(real)), may_alias));
+
+/// Sums stay in registers while all inputs go by.
+PRODUCT_TARGET
+static void PRODUCT(const learn_packed *layer, size_t rows, const real *restrict x, size_t stride, real *restrict y)
+{
+    size_t inputs = layer->inputs, columns = layer->columns;
+    for (size_t r = 0; r < rows; r += LEARN_TILE)
+        for (size_t c = 0; c < columns; c += PRODUCT_VECTORS * LANES)
+        {
+            const real *weight = layer->weight + c / LEARN_PANEL * LEARN_PANEL * inputs + c % LEARN_PANEL;
+            const real *row = x + r * stride;
+            WIDE sums[LEARN_TILE][PRODUCT_VECTORS], weights[PRODUCT_VECTORS];
+            for (size_t i = 0; i < LEARN_TILE; i++)
+                for (size_t v = 0; v < PRODUCT_VECTORS; v++)
+                    sums[i][v] = *(const WIDE *)(layer->bias + c + v * LANES);
+            for (size_t k = 0; k < inputs; k++)
+            {
+                for (size_t v = 0; v < PRODUCT_VECTORS; v++)
+                    weights[v] = *(const WIDE *)(weight + k * LEARN_PANEL + v * LANES);
+                for (size_t i = 0; i < LEARN_TILE; i++)
+                    for (size_t v = 0; v < PRODUCT_VECTORS; v++)
+                        sums[i][v] += row[i * stride + k] * weights[v];
+            }
+            for (size_t i = 0; i < LEARN_TILE; i++)
+                for (size_t v = 0; v < PRODUCT_VECTORS; v++)
+                    *(WIDE *)(y + (r + i) * columns + c + v * LANES) = sums[i][v];
+        }
+}
+
+#undef WIDE
+#undef LANES
+#undef PRODUCT
+#undef PRODUCT_BYTES
+#undef PRODUCT_VECTORS
+#undef PRODUCT_TARGET
