@@ -498,7 +498,7 @@ static void bad_options_are_refused(void **state)
     options.smoothness[BAT_TENSION_DISK] = NAN;
     check_status(bat_tension_train(&options, NULL, &error), BAT_INVALID_ARGUMENT);
     options = bat_tension_train_defaults();
-    options.folder = "/nowhere/at/all";
+    options.folder = "/dev/null/at/all";
     check_status(bat_tension_train(&options, NULL, &error), BAT_FILE_ACCESS);
 }
 

@@ -26,11 +26,12 @@ typedef struct bat_tension_train_options
     double smoothness[BAT_TENSION_SPACE_COUNT]; ///< weight of eq. (20) in each space; default 0.05, on the sphere 0.15
     double bending;                             ///< weight of eq. (21); default 1e-4
     double consistency;                         ///< weight of eq. (22); default 0.1
-    /// Where the files go; made if it is not there: `checkpoint.safetensors` after every epoch, `log.csv`, its picture `log.png`,
-    /// and at the end `model.safetensors`, the best weights. Null for no files; default null.
+    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`, its
+    /// picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`, the
+    /// best weights. Null for no files; default null.
     const char *folder;
-    bool
-        resume; ///< go on from the folder's checkpoint, to the same bytes as without the stop, if there is one; default false
+    /// Go on from the folder's checkpoint, if there is one, to the same bytes as without the stop; default false.
+    bool resume;
     int threads;           ///< 0: as many as OpenMP gives, of which 8 help; the result does not depend on it; default 0
     bat_progress progress; ///< asked before every batch; when it says stop, the checkpoint is written first
 } bat_tension_train_options;

@@ -151,17 +151,33 @@ typedef struct train_files
     char checkpoint[PATH_SIZE], log[PATH_SIZE], chart[PATH_SIZE], model[PATH_SIZE];
 } train_files;
 
-static bat_status make_folder(const char *folder, train_files *files, bat_error *error)
+/// Make a folder and those that it lies in.
+static bat_status make_folder(const char *folder, bat_error *error)
 {
-    if (strlen(folder) > PATH_SIZE / 2)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "the name of the folder is too long");
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot make the folder %s: %s", folder, strerror(errno));
+    char part[PATH_SIZE];
+    size_t length = strlen(folder);
+    if (length == 0 || length > PATH_SIZE / 2)
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "the name of the folder is empty or too long");
+    memcpy(part, folder, length + 1);
+    for (size_t i = 1; i <= length; i++)
+    {
+        if (part[i] != '/' && part[i] != '\0')
+            continue;
+        part[i] = '\0';
+        if (mkdir(part, 0777) != 0 && errno != EEXIST)
+            return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot make the folder %s: %s", part,
+                             strerror(errno));
+        part[i] = folder[i];
+    }
+    return BAT_OK;
+}
+
+static void name_files(const char *folder, train_files *files)
+{
     (void)snprintf(files->checkpoint, PATH_SIZE, "%s/checkpoint.safetensors", folder);
     (void)snprintf(files->log, PATH_SIZE, "%s/log.csv", folder);
     (void)snprintf(files->chart, PATH_SIZE, "%s/log.png", folder);
     (void)snprintf(files->model, PATH_SIZE, "%s/model.safetensors", folder);
-    return BAT_OK;
 }
 
 /// Everything but the seed that makes one training another, as the name by which a checkpoint is known.
@@ -169,8 +185,8 @@ static void write_name(const bat_tension_train_options *options, char name[NAME_
 {
     static const char *const embeddings[] = {"learned", "one-hot", "none"};
     (void)snprintf(name, NAME_SIZE,
-                   "tension published, %llu epochs, embedding %s, smoothness %.17g %.17g %.17g, bending %.17g, "
-                   "consistency %.17g",
+                   "tension published, %llu epochs, embedding %s, smoothness %.9g %.9g %.9g, bending %.9g, "
+                   "consistency %.9g",
                    (unsigned long long)options->epochs, embeddings[options->embedding], options->smoothness[0],
                    options->smoothness[1], options->smoothness[2], options->bending, options->consistency);
 }
@@ -271,17 +287,19 @@ bat_status tension_train_on(const bat_tension_data *data, const bat_tension_trai
                             bat_tension_train_report *report, bat_error *error)
 {
     training t = {0};
-    train_files files;
+    train_files files = {0};
     learn_report made;
     char name[NAME_SIZE];
     bat_status status = check_options(options, error);
     if (status == BAT_OK && options->folder != NULL)
-        status = make_folder(options->folder, &files, error);
+        status = make_folder(options->folder, error);
     if (status == BAT_OK)
         status = training_make(data, options, &t, error);
     if (status == BAT_OK)
     {
         write_name(options, name);
+        if (options->folder != NULL)
+            name_files(options->folder, &files);
         learn_options learning = published_options(options, name, &files);
         status = run(&t, &learning, &made, error);
     }

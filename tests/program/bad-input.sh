@@ -142,6 +142,10 @@ refused 2 'missing' measure
 refused 2 'no result' reproduce table99
 refused 2 'no pictures' reproduce tension-table1 -o folder
 refused 2 'no list' list things
+refused 2 'no model' train curve
+refused 2 'one of published' train tension --recipe unpublished
+refused 2 'one of consistency' train tension --without chamfer
+refused 1 'folder' train tension --out good.in.csv/folder
 refused 2 'no scheme' analyze spline
 refused 2 'linear|mask' analyze angle-4
 refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png

@@ -1,0 +1,151 @@
+// An epoch of the published tension recipe, and what of it is geometry and what network.
+
+#include "timing.h"
+
+#include "learn/blas.h"
+#include "models/tension_network.h"
+#include "models/tension_sample.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum
+{
+    TRAINING_CURVES = 960,
+    SAMPLES = 240, ///< timed for each share
+    FINEST = 96
+};
+
+/// What an epoch takes in PyTorch 1.13 on the processor that docs/tension.md names, by the per-sample procedure of the paper.
+static const double PYTORCH_SECONDS = 53;
+
+/// Notes when an epoch ends, by the share of all steps that is done.
+typedef struct clock_watch
+{
+    double begin, end;
+} clock_watch;
+
+static bool note_time(void *context, double fraction)
+{
+    clock_watch *watch = context;
+    (void)fraction;
+    watch->end = seconds_now();
+    if (watch->begin == 0)
+        watch->begin = watch->end;
+    return true;
+}
+
+/// Seconds from the first step of two epochs to the last, for one epoch.
+static double time_epoch(int threads)
+{
+    clock_watch watch = {0};
+    bat_tension_train_options options = bat_tension_train_defaults();
+    options.epochs = 2;
+    options.threads = threads;
+    options.progress = (bat_progress){note_time, &watch};
+    if (bat_tension_train(&options, NULL, NULL) != BAT_OK)
+        return NAN;
+    const double steps = 2.0 * TRAINING_CURVES / 8;
+    return (watch.end - watch.begin) / (steps - 1) * steps / 2;
+}
+
+typedef struct shares
+{
+    learn_parameters parameters;
+    bat_tension_data data;
+    learn_tape tape;
+    real *gradient;
+} shares;
+
+static tension_sample sample_at(const shares *s, size_t k)
+{
+    size_t space = k % BAT_TENSION_SPACE_COUNT;
+    return tension_sample_of(&s->data.train[space], (bat_tension_space)space, k / BAT_TENSION_SPACE_COUNT);
+}
+
+/// Seconds for an epoch's samples on one thread, everything included but the optimizer.
+static double time_samples(shares *s)
+{
+    bat_tension_train_options options = bat_tension_train_defaults();
+    double start = seconds_now();
+    for (size_t k = 0; k < SAMPLES; k++)
+    {
+        bat_random random = bat_random_seed(k);
+        tension_sample sample = sample_at(s, k);
+        learn_tape_begin(&s->tape, &s->parameters, s->gradient);
+        learn_tape_drop(&s->tape, k);
+        tension_loss loss = tension_sample_loss(&s->tape, &sample, &options, &random);
+        learn_tape_backward(&s->tape, loss.total, 1);
+    }
+    return (seconds_now() - start) * TRAINING_CURVES / SAMPLES;
+}
+
+/// The same network evaluations on features that are there, without a polygon.
+static double time_network(shares *s)
+{
+    static const size_t rows[] = {24, 48, 3 * FINEST};
+    double start = seconds_now();
+    for (size_t k = 0; k < SAMPLES; k++)
+    {
+        learn_array *sum = NULL;
+        learn_tape_begin(&s->tape, &s->parameters, s->gradient);
+        learn_tape_drop(&s->tape, k);
+        for (size_t pass = 0; pass < sizeof rows / sizeof *rows; pass++)
+        {
+            learn_array *features = learn_array_make(&s->tape, rows[pass], TENSION_FEATURES, pass == 1);
+            for (size_t i = 0; i < learn_size(features); i++)
+                features->value[i] = (real)(i % 17) / 17;
+            learn_array *angles = tension_predict(&s->tape, features, GEOMETRY_PLANE, BAT_TENSION_EMBEDDING_LEARNED);
+            learn_array *loss = learn_sum_of_squares(&s->tape, angles);
+            sum = sum == NULL ? loss : learn_add(&s->tape, sum, loss);
+        }
+        learn_tape_backward(&s->tape, sum, 1);
+    }
+    return (seconds_now() - start) * TRAINING_CURVES / SAMPLES;
+}
+
+static bool compare_shares(void)
+{
+    shares s = {.tape = learn_tape_make()};
+    bool ready = bat_tension_data_make(&s.data, NULL) == BAT_OK && tension_network_make(&s.parameters, NULL) == BAT_OK;
+    s.gradient = ready ? calloc(s.parameters.total, sizeof *s.gradient) : NULL;
+    ready = s.gradient != NULL;
+    if (ready)
+    {
+        enum
+        {
+            ROUNDS = 5
+        };
+        double all[ROUNDS], network[ROUNDS];
+        tension_network_start(&s.parameters, 1);
+        blas_single_begin();
+        (void)time_samples(&s);
+        for (int round = 0; round < ROUNDS; round++)
+        {
+            all[round] = time_samples(&s);
+            network[round] = time_network(&s);
+        }
+        blas_single_end();
+        double whole = median_of(all, ROUNDS), part = median_of(network, ROUNDS);
+        (void)printf("samples of an epoch on 1 thread: %5.2f s, of which network %5.2f s and geometry %5.2f s\n", whole,
+                     part, whole - part);
+    }
+    bat_tension_data_free(&s.data);
+    learn_parameters_free(&s.parameters);
+    learn_tape_free(&s.tape);
+    free(s.gradient);
+    return ready;
+}
+
+int main(void)
+{
+    if (!compare_shares())
+        return EXIT_FAILURE;
+    for (int threads = 1; threads <= 2; threads++)
+    {
+        double seconds = time_epoch(threads);
+        (void)printf("an epoch of the published recipe on %d thread%s: %5.2f s, %4.0f times as fast as %g s in PyTorch\n",
+                     threads, threads == 1 ? " " : "s", seconds, PYTORCH_SECONDS / seconds, PYTORCH_SECONDS);
+    }
+    return EXIT_SUCCESS;
+}
