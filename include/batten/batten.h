@@ -14,6 +14,7 @@
 #include "batten/shapes.h"
 #include "batten/space.h"
 #include "batten/tension_data.h"
+#include "batten/tension_model.h"
 #include "batten/tension_table.h"
 #include "batten/tension_train.h"
 
