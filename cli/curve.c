@@ -20,9 +20,13 @@ enum
     MOST_DECIMALS = 12,
 };
 
+/// The scheme whose angles come from a file.
+static const char LEARNED[] = "learned";
+
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined curves to OUT (- for standard output)"},
-    {"scheme", 0, "NAME", "how to refine, see `batten list schemes`; default: angle-4, in R^n four-point"},
+    {"scheme", 0, "NAME", "how to refine, see `batten list schemes`, or learned; default: angle-4, in R^n four-point"},
+    {"model", 0, "FILE", "the trained network of --scheme learned, a safetensors file"},
     {"levels", 0, "K", "how often; every level doubles the number of edges; default 5"},
     {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the file implies"},
     {"closed", 0, NULL, "take every curve as closed"},
@@ -141,6 +145,12 @@ static bool same_file(const char *first, const char *second)
            (stat(first, &a) == 0 && stat(second, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino);
 }
 
+/// Whether a scheme takes its angles from a tension.
+static bool has_tension(const bat_scheme *scheme)
+{
+    return scheme->kind == BAT_SCHEME_ANGLE && scheme->rule == NULL;
+}
+
 static bool check_exclusions(const arguments *given, const curve_job *job)
 {
     const char *picture = job->picture;
@@ -152,7 +162,7 @@ static bool check_exclusions(const arguments *given, const curve_job *job)
         (void)usage_error(given, "--json and -o - exclude each other: both print on standard output");
     else if (same_file(picture, job->output) || same_file(picture, job->input) || same_file(picture, job->truth))
         (void)usage_error(given, "--picture would overwrite '%s', which holds curves", picture);
-    else if (job->best_tension && job->scheme != NULL && job->refine.scheme.kind != BAT_SCHEME_ANGLE)
+    else if (job->best_tension && job->scheme != NULL && (job->model_file != NULL || !has_tension(&job->refine.scheme)))
         (void)usage_error(given, "--best-tension goes with angle-based schemes, not '%s'", job->scheme);
     else
         return true;
@@ -163,6 +173,14 @@ static bool read_scheme(const arguments *given, curve_job *job)
 {
     bat_error error;
     job->scheme = argument(given, "scheme");
+    bool learned = job->scheme != NULL && strcmp(job->scheme, LEARNED) == 0;
+    if (learned != (job->model_file != NULL))
+    {
+        (void)usage_error(given, learned ? "--scheme learned needs --model FILE" : "--model FILE needs --scheme learned");
+        return false;
+    }
+    if (learned)
+        return true;
     if (job->scheme == NULL || bat_scheme_by_name(job->scheme, &job->refine.scheme, &error) == BAT_OK)
         return true;
     (void)usage_error(given, "%s", error.text);
@@ -189,6 +207,7 @@ static bool read_job(const arguments *given, curve_job *job)
         .output = argument(given, "output"),
         .picture = argument(given, "picture"),
         .truth = argument(given, "truth"),
+        .model_file = argument(given, "model"),
         .read = bat_read_defaults(),
         .write = bat_write_defaults(),
         .refine = bat_refine_defaults(),
@@ -248,7 +267,7 @@ static int choose_tension(curve_job *job, const bat_curve_set *coarse, const bat
 {
     bat_scheme *scheme = &job->refine.scheme;
     bat_error error = {.text = "--best-tension needs an angle-based scheme, which this space does not have"};
-    if (scheme->kind != BAT_SCHEME_ANGLE)
+    if (!has_tension(scheme))
         return report_failure(job->input, &error);
     bat_tension_search_options options = bat_tension_search_defaults();
     options.scheme = *scheme;
@@ -297,6 +316,43 @@ static int read_truth(const curve_job *job, const bat_curve_set *coarse, bat_cur
     return report_failure(job->truth, &error);
 }
 
+static bool load_model(curve_job *job)
+{
+    bat_error error;
+    if (bat_tension_model_read(job->model_file, &job->model, &error) != BAT_OK)
+    {
+        (void)report_failure(job->model_file, &error);
+        return false;
+    }
+    job->refine.scheme = bat_scheme_learned(job->model);
+    return true;
+}
+
+/// Read, refine, give out.
+static int run_job(curve_job *job)
+{
+    bat_curve_set coarse = {0}, truth = {0};
+    bat_error error;
+    if (bat_curves_read(job->input, &job->read, &coarse, &error) != BAT_OK)
+        return report_failure(job->input, &error);
+    if (job->scheme == NULL)
+    {
+        job->scheme = bat_scheme_name_for_space(coarse.space);
+        job->refine.scheme = bat_scheme_for_space(coarse.space);
+    }
+    int code = EXIT_DONE;
+    char name[80];
+    if (job->truth != NULL)
+        code = read_truth(job, &coarse, &truth);
+    if (code == EXIT_DONE && job->best_tension)
+        code = choose_tension(job, &coarse, &truth, name, sizeof name);
+    if (code == EXIT_DONE)
+        code = give_out(job, &coarse, job->truth != NULL ? &truth : NULL);
+    bat_curve_set_free(&coarse);
+    bat_curve_set_free(&truth);
+    return code;
+}
+
 int verb_curve(int argc, char **argv)
 {
     arguments given;
@@ -306,23 +362,9 @@ int verb_curve(int argc, char **argv)
         return code;
     if (!read_job(&given, &job))
         return EXIT_BAD_USAGE;
-    bat_curve_set coarse = {0}, truth = {0};
-    bat_error error;
-    if (bat_curves_read(job.input, &job.read, &coarse, &error) != BAT_OK)
-        return report_failure(job.input, &error);
-    if (job.scheme == NULL)
-    {
-        job.scheme = bat_scheme_name_for_space(coarse.space);
-        job.refine.scheme = bat_scheme_for_space(coarse.space);
-    }
-    char name[80];
-    if (job.truth != NULL)
-        code = read_truth(&job, &coarse, &truth);
-    if (code == EXIT_DONE && job.best_tension)
-        code = choose_tension(&job, &coarse, &truth, name, sizeof name);
-    if (code == EXIT_DONE)
-        code = give_out(&job, &coarse, job.truth != NULL ? &truth : NULL);
-    bat_curve_set_free(&coarse);
-    bat_curve_set_free(&truth);
+    if (job.model_file != NULL && !load_model(&job))
+        return EXIT_BAD_INPUT;
+    code = run_job(&job);
+    bat_tension_model_free(job.model);
     return code;
 }

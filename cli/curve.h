@@ -3,6 +3,7 @@
 
 #include "batten/file.h"
 #include "batten/picture.h"
+#include "batten/tension_model.h"
 
 enum
 {
@@ -18,7 +19,9 @@ typedef struct curve_job
     bat_read_options read;
     bat_write_options write;
     bat_refine_options refine;
-    const char *scheme; ///< its name; when the user gave none, null until the space is known
+    const char *model_file;   ///< of the scheme "learned"; null for others
+    bat_tension_model *model; ///< what it holds
+    const char *scheme;       ///< its name; when the user gave none, null until the space is known
     bat_picture_options draw;
     size_t panels[CURVE_MOST_PANELS]; ///< the levels drawn side by side
     size_t panel_count;               ///< 0: one panel, of refine.levels

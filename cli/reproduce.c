@@ -20,15 +20,16 @@ typedef enum pictures
 static const struct
 {
     const char *name;
-    int (*run)(const char *folder, bool as_json);
+    int (*run)(const reproduce_job *job);
     pictures drawn;
+    bool learned; ///< whether a model can be compared
     const char *summary;
 } RESULTS[] = {
-    {"curve-figures", reproduce_curve_figures, ALWAYS,
+    {"curve-figures", reproduce_curve_figures, ALWAYS, false,
      "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20"},
-    {"tension-table1", reproduce_tension_table1, NEVER,
+    {"tension-table1", reproduce_tension_table1, NEVER, true,
      "table 1 of the tension paper: 240 validation curves, all schemes, both signs"},
-    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, "table 5 of the tension paper: the ISS ground track"},
+    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, true, "table 5 of the tension paper: the ISS ground track"},
 };
 enum
 {
@@ -46,12 +47,13 @@ bool reproduce_row(size_t index, const char **name, const char **summary)
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "FOLDER", "where pictures go; default: out for curve-figures, no picture for tension-iss"},
+    {"model", 0, "FILE", "tension-table1, tension-iss: a learned tension, for a row \"learned-published\""},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
 
 static const verb_spec SPEC = {
-    .usage = "batten reproduce NAME [-o FOLDER] [--json]",
+    .usage = "batten reproduce NAME [-o FOLDER] [--model FILE] [--json]",
     .summary = "A published table or figure, computed anew and shown beside the published figures; `batten list results` "
                "names them.",
     .options = OPTIONS,
@@ -72,6 +74,8 @@ int verb_reproduce(int argc, char **argv)
         const char *folder = argument(&given, "output");
         if (folder != NULL && RESULTS[i].drawn == NEVER)
             return usage_error(&given, "%s has no pictures to put into a folder", RESULTS[i].name);
+        if (argument(&given, "model") != NULL && !RESULTS[i].learned)
+            return usage_error(&given, "%s has no row for a model", RESULTS[i].name);
         if (folder == NULL && RESULTS[i].drawn == ALWAYS)
             folder = "out";
         if (folder != NULL && mkdir(folder, 0777) != 0 && errno != EEXIST)
@@ -80,7 +84,8 @@ int verb_reproduce(int argc, char **argv)
             (void)snprintf(error.text, sizeof error.text, "the folder cannot be made: %s", strerror(errno));
             return report_failure(folder, &error);
         }
-        return RESULTS[i].run(folder, argument_flag(&given, "json"));
+        reproduce_job job = {folder, argument(&given, "model"), argument_flag(&given, "json")};
+        return RESULTS[i].run(&job);
     }
     return usage_error(&given, "there is no result '%s'; `batten list results` names them", given.positional[0]);
 }

@@ -201,8 +201,9 @@ static int reproduce_figure(const bat_shape *shape, const bat_shape_figure *stud
     return code;
 }
 
-int reproduce_curve_figures(const char *folder, bool as_json)
+int reproduce_curve_figures(const reproduce_job *job)
 {
+    bool as_json = job->json;
     json_t *array = as_json ? json_array() : NULL;
     int code = EXIT_DONE;
     if (as_json && array == NULL)
@@ -213,12 +214,12 @@ int reproduce_curve_figures(const char *folder, bool as_json)
     {
         const bat_shape *shape = bat_shape_at(s);
         for (size_t k = 0; k < shape->figure_count && code == EXIT_DONE; k++)
-            code = reproduce_figure(shape, &shape->figures[k], folder, array);
+            code = reproduce_figure(shape, &shape->figures[k], job->folder, array);
     }
     if (code == EXIT_DONE && as_json)
         return report_json(json_pack("{s:o}", "figures", array));
     json_decref(array);
     if (code == EXIT_DONE)
-        print_foot(folder);
+        print_foot(job->folder);
     return code;
 }

@@ -8,7 +8,7 @@ BAT_C_BEGIN
 
 /// @file
 /// Tables 1 and 5 of Ugail and Howard (2026), computed anew for every scheme that needs no learning, with both signs of the
-/// insertion angle.
+/// insertion angle, and for any scheme of one's own, learned ones too.
 
 /// How to search for a tension. Begin with bat_tension_search_defaults().
 typedef struct bat_tension_search_options
@@ -40,7 +40,7 @@ typedef struct bat_tension_row
 {
     const char *space;  ///< "plane", "sphere" or "disk"
     const char *method; ///< "four-point-printed", … see docs/tension.md
-    double tension;     ///< mu of an angle-based method, NaN for others
+    double tension;     ///< mu of an angle-based method of eq. (9), NaN for others
     bat_summary mean_nn;
     bat_summary hausdorff;
     bat_summary bending;
@@ -52,6 +52,8 @@ typedef struct bat_tension_row
 
 /// The methods in each space.
 #define BAT_TENSION_METHODS 10
+/// The method whose published figures are those of the paper's learned predictor.
+#define BAT_TENSION_LEARNED_PUBLISHED "learned-published"
 /// Rows of table 1: every method in the three spaces.
 #define BAT_TENSION_TABLE1_ROWS (3 * BAT_TENSION_METHODS)
 
@@ -71,6 +73,19 @@ BAT_API bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_pr
 ///
 /// @param rows receives BAT_TENSION_METHODS rows
 BAT_API bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error);
+
+/// One method more: a scheme on the validation curves of table 1.
+///
+/// @param method what the rows call it, which stays the caller's; the published figures are filled in for
+///               BAT_TENSION_LEARNED_PUBLISHED
+/// @param rows   receives a row each for plane, sphere, disk
+/// @return BAT_OK, BAT_CANCELLED, BAT_NO_MEMORY or what refining returned
+BAT_API bat_status bat_tension_table1_method(const char *method, const bat_scheme *scheme, bat_tension_row *rows,
+                                             int threads, bat_progress progress, bat_error *error);
+
+/// The same for the ground track of table 5: one row.
+BAT_API bat_status bat_tension_table5_method(const char *method, const bat_scheme *scheme, bat_tension_row *row, int threads,
+                                             bat_progress progress, bat_error *error);
 
 BAT_C_END
 

@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /// Section 7.1: the grid of the oracle. (The text counts 21 values; from -0.5 to 0.05 in steps of 0.025 there are 23.)
 static const double GRID_LOW = -0.5, GRID_HIGH = 0.05;
@@ -104,13 +105,19 @@ static bat_status step(table_state *state, const case_set *set, const bat_scheme
     return status;
 }
 
+/// Whether its angles are those of eq. (9).
+static bool has_tension(const bat_scheme *scheme)
+{
+    return scheme->kind == BAT_SCHEME_ANGLE && scheme->rule == NULL;
+}
+
 static bat_status fill_row(table_state *state, const case_set *set, const char *method, const bat_scheme *scheme,
                            bat_tension_row *row)
 {
     bat_status status = step(state, set, scheme);
     *row = (bat_tension_row){.space = set->name,
                              .method = method,
-                             .tension = scheme->kind == BAT_SCHEME_ANGLE ? scheme->tension : NAN,
+                             .tension = has_tension(scheme) ? scheme->tension : NAN,
                              .published_mean_nn = NAN,
                              .published_bending = NAN,
                              .published_g1 = NAN};
@@ -160,7 +167,23 @@ static bat_status search_published(table_state *state, const case_set *set, bat_
     return search_tension(state, set, &options, best);
 }
 
-static bat_status fill_rows(table_state *state, const case_set *set, bat_tension_row *rows)
+/// All methods on one set, or one.
+typedef struct row_maker
+{
+    size_t rows;
+    const char *method; ///< null for all
+    const bat_scheme *scheme;
+} row_maker;
+
+static const row_maker ALL_METHODS = {.rows = BAT_TENSION_METHODS};
+
+/// Methods measured for a maker's rows of one set.
+static size_t steps_of(const row_maker *make)
+{
+    return make->method != NULL ? 1 : STEPS_A_SET;
+}
+
+static bat_status fill_all_rows(table_state *state, const case_set *set, bat_tension_row *rows)
 {
     double best_printed = 0, best_outward = 0;
     bat_status status = search_published(state, set, BAT_ANGLE_PRINTED, &best_printed);
@@ -232,6 +255,11 @@ static const published TABLE1[BAT_TENSION_SPACE_COUNT][PUBLISHED_ROWS] = {
      {8, 0.01824, 19641, 1.53}},
 };
 
+/// The learned predictor in table 1 and in table 5.
+static const published LEARNED1[BAT_TENSION_SPACE_COUNT] = {
+    {0, 0.01636, 20.9, 0.237}, {0, 0.04905, 13.8, 0.231}, {0, 0.00435, 17403.9, 0.160}};
+static const published LEARNED5 = {0, 0.00699, 76.0, 0.721};
+
 /// Table 5; what it calls Hausdorff is the mean nearest-neighbour distance.
 static const published TABLE5[] = {{0, 0.00414, 129.6, 2.235}, {1, 0.00529, 253.6, 2.906}};
 
@@ -242,7 +270,23 @@ static bat_status state_make(table_state *state, size_t most_curves, size_t step
     return state->numbers != NULL ? BAT_OK : error_memory(state->error, MEASURES * most_curves * sizeof *state->numbers);
 }
 
-static bat_status fill_space(table_state *state, const bat_tension_set *set, const bat_space *space, bat_tension_row *rows)
+static bat_status fill_rows(table_state *state, const case_set *set, const row_maker *make, bat_tension_row *rows)
+{
+    return make->method != NULL ? fill_row(state, set, make->method, make->scheme, rows) : fill_all_rows(state, set, rows);
+}
+
+/// What the paper says of a maker's rows on one set.
+static void set_published_rows(bat_tension_row *rows, const row_maker *make, const published *figures, size_t count,
+                               const published *learned)
+{
+    if (make->method == NULL)
+        set_published(rows, figures, count);
+    else if (strcmp(make->method, BAT_TENSION_LEARNED_PUBLISHED) == 0)
+        set_published(rows, learned, 1);
+}
+
+static bat_status fill_space(table_state *state, const bat_tension_set *set, const bat_space *space, const row_maker *make,
+                             bat_tension_row *rows)
 {
     bat_curve *curves = memory_array(2 * set->count, sizeof *curves);
     if (curves == NULL)
@@ -253,12 +297,13 @@ static bat_status fill_space(table_state *state, const bat_tension_set *set, con
         curves[set->count + i] = bat_tension_truth(set, i, space);
     }
     case_set cases = {space->name, curves, curves + set->count, set->count, BAT_TENSION_LEVELS};
-    bat_status status = fill_rows(state, &cases, rows);
+    bat_status status = fill_rows(state, &cases, make, rows);
     free(curves);
     return status;
 }
 
-bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+static bat_status make_table1(const row_maker *make, bat_tension_row *rows, int threads, bat_progress progress,
+                              bat_error *error)
 {
     const bat_space spaces[BAT_TENSION_SPACE_COUNT] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
     bat_tension_data data;
@@ -266,18 +311,19 @@ bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress p
     if (status != BAT_OK)
         return status;
     table_state state = {.threads = threads, .progress = progress, .error = error};
-    status = state_make(&state, BAT_TENSION_CURVES, BAT_TENSION_SPACE_COUNT * STEPS_A_SET);
-    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
+    status = state_make(&state, BAT_TENSION_CURVES, BAT_TENSION_SPACE_COUNT * steps_of(make));
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++, rows += make->rows)
     {
-        status = fill_space(&state, &data.validation[s], &spaces[s], rows + s * BAT_TENSION_METHODS);
-        set_published(rows + s * BAT_TENSION_METHODS, TABLE1[s], PUBLISHED_ROWS);
+        status = fill_space(&state, &data.validation[s], &spaces[s], make, rows);
+        set_published_rows(rows, make, TABLE1[s], PUBLISHED_ROWS, &LEARNED1[s]);
     }
     free(state.numbers);
     bat_tension_data_free(&data);
     return status;
 }
 
-bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+static bat_status make_table5(const row_maker *make, bat_tension_row *rows, int threads, bat_progress progress,
+                              bat_error *error)
 {
     bat_space sphere = bat_sphere(2);
     bat_curve truth, control;
@@ -285,15 +331,37 @@ bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress p
     if (status != BAT_OK)
         return status;
     table_state state = {.threads = threads, .progress = progress, .error = error};
-    status = state_make(&state, 1, STEPS_A_SET);
+    status = state_make(&state, 1, steps_of(make));
     case_set cases = {sphere.name, &control, &truth, 1, BAT_TENSION_LEVELS};
     if (status == BAT_OK)
-        status = fill_rows(&state, &cases, rows);
-    set_published(rows, TABLE5, sizeof TABLE5 / sizeof TABLE5[0]);
+        status = fill_rows(&state, &cases, make, rows);
+    set_published_rows(rows, make, TABLE5, sizeof TABLE5 / sizeof TABLE5[0], &LEARNED5);
     free(state.numbers);
     bat_curve_free(&truth);
     bat_curve_free(&control);
     return status;
+}
+
+bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+{
+    return make_table1(&ALL_METHODS, rows, threads, progress, error);
+}
+
+bat_status bat_tension_table1_method(const char *method, const bat_scheme *scheme, bat_tension_row *rows, int threads,
+                                     bat_progress progress, bat_error *error)
+{
+    return make_table1(&(row_maker){1, method, scheme}, rows, threads, progress, error);
+}
+
+bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+{
+    return make_table5(&ALL_METHODS, rows, threads, progress, error);
+}
+
+bat_status bat_tension_table5_method(const char *method, const bat_scheme *scheme, bat_tension_row *row, int threads,
+                                     bat_progress progress, bat_error *error)
+{
+    return make_table5(&(row_maker){1, method, scheme}, row, threads, progress, error);
 }
 
 bat_tension_search_options bat_tension_search_defaults(void)
@@ -312,7 +380,7 @@ bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, s
     options = options != NULL ? options : &defaults;
     if (count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to search the tension with");
-    if (options->scheme.kind != BAT_SCHEME_ANGLE || options->count < 2 || !(options->low < options->high))
+    if (!has_tension(&options->scheme) || options->count < 2 || !(options->low < options->high))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "a search needs an angle-based scheme and at least two tensions in a range");
     table_state state = {.threads = options->threads, .progress = options->progress, .error = error};
