@@ -124,7 +124,7 @@ learn_array *tension_consistency(learn_tape *tape, const geometry_polygon *polyg
     for (size_t k = 1; k <= ISOMETRIES; k++)
     {
         learn_array *moved = learn_slice_rows(tape, angles, k * edges, edges);
-        learn_array *error = learn_mean_squared_error(tape, still, moved);
+        learn_array *error = learn_sum_of_squares(tape, learn_subtract(tape, still, moved));
         sum = sum == NULL ? error : learn_add(tape, sum, error);
     }
     return learn_scale(tape, sum, (real)(1.0 / ISOMETRIES));
