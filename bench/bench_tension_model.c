@@ -69,10 +69,9 @@ static double time_refinement(const bat_curve *curve, const bat_refine_options *
     return status == BAT_OK ? seconds_now() - start : 1e9;
 }
 
-/// Seconds that the products of all layers take for a row, at the pace of as many rows as suit BLAS.
-static double time_products(const learn_parameters *parameters, const real *left, const real *right, real *result)
+/// The products of all layers for as many rows as suit BLAS.
+static void run_products(const learn_parameters *parameters, const real *left, const real *right, real *result)
 {
-    double start = seconds_now();
     for (size_t i = TENSION_AT_INPUT_LINEAR; i < parameters->count; i++)
     {
         const learn_parameter *p = &parameters->list[i];
@@ -80,18 +79,17 @@ static double time_products(const learn_parameters *parameters, const real *left
             REAL_GEMM(CblasRowMajor, CblasNoTrans, CblasTrans, PRODUCT_ROWS, (int)p->rows, (int)p->columns, 1, left,
                       (int)p->columns, right, (int)p->columns, 0, result, (int)p->rows);
     }
-    return (seconds_now() - start) / PRODUCT_ROWS;
 }
 
-/// The bare rate in rows a second.
+/// The bare rate on one thread in rows a second, over about as long as the refinement takes.
 static double product_rate(void)
 {
     enum
     {
-        ROUNDS = 101,
+        ROUNDS = LONG_POINTS / PRODUCT_ROWS,
         NUMBERS = PRODUCT_ROWS * TENSION_WIDTH
     };
-    double seconds[ROUNDS], rate = 0;
+    double rate = 0;
     learn_parameters parameters = {0};
     real *left = calloc(3 * NUMBERS, sizeof *left);
     if (left != NULL && tension_network_make(&parameters, NULL) == BAT_OK)
@@ -99,10 +97,11 @@ static double product_rate(void)
         for (size_t k = 0; k < 2 * NUMBERS; k++)
             left[k] = (real)(k % 7);
         blas_single_begin();
+        double start = seconds_now();
         for (int round = 0; round < ROUNDS; round++)
-            seconds[round] = time_products(&parameters, left, left + NUMBERS, left + 2 * NUMBERS);
+            run_products(&parameters, left, left + NUMBERS, left + 2 * NUMBERS);
+        rate = (double)ROUNDS * PRODUCT_ROWS / (seconds_now() - start);
         blas_single_end();
-        rate = 1 / median_of(seconds, ROUNDS);
     }
     free(left);
     learn_parameters_free(&parameters);

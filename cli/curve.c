@@ -262,8 +262,8 @@ int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t level
     return report_failure(job->input, &error);
 }
 
-/// Replace the tension of the scheme by the best for this truth; `name` receives the scheme's new name.
-static int choose_tension(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, char *name, size_t size)
+/// Replace the tension of the scheme by the best for this truth, and its name.
+static int choose_tension(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth)
 {
     bat_scheme *scheme = &job->refine.scheme;
     bat_error error = {.text = "--best-tension needs an angle-based scheme, which this space does not have"};
@@ -278,9 +278,9 @@ static int choose_tension(curve_job *job, const bat_curve_set *coarse, const bat
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(job->input, &error);
-    (void)snprintf(name, size, "angle:mu=%.10g%s%s", scheme->tension,
+    (void)snprintf(job->best_name, sizeof job->best_name, "angle:mu=%.10g%s%s", scheme->tension,
                    scheme->sign == BAT_ANGLE_PRINTED ? ",sign=printed" : "", scheme->adaptive ? ",adaptive=1" : "");
-    job->scheme = name;
+    job->scheme = job->best_name;
     return EXIT_DONE;
 }
 
@@ -341,11 +341,10 @@ static int run_job(curve_job *job)
         job->refine.scheme = bat_scheme_for_space(coarse.space);
     }
     int code = EXIT_DONE;
-    char name[80];
     if (job->truth != NULL)
         code = read_truth(job, &coarse, &truth);
     if (code == EXIT_DONE && job->best_tension)
-        code = choose_tension(job, &coarse, &truth, name, sizeof name);
+        code = choose_tension(job, &coarse, &truth);
     if (code == EXIT_DONE)
         code = give_out(job, &coarse, job->truth != NULL ? &truth : NULL);
     bat_curve_set_free(&coarse);

@@ -25,6 +25,7 @@ typedef struct curve_job
     bat_picture_options draw;
     size_t panels[CURVE_MOST_PANELS]; ///< the levels drawn side by side
     size_t panel_count;               ///< 0: one panel, of refine.levels
+    char best_name[80];               ///< of the scheme that --best-tension finds
     bool best_tension, json, quiet;
 } curve_job;
 

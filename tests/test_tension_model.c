@@ -273,7 +273,7 @@ static void threads_make_no_difference(void **state)
     double points[MAX_COORDINATES];
     (void)make_polygon(GEOMETRY_SPHERE, EVEN, 101, &random, points);
     bat_curve coarse = {.space = &sphere, .points = points, .count = 101, .closed = true};
-    bat_refine_options how = learned(model, 7);
+    bat_refine_options how = learned(model, 6);
     how.threads = 1;
     bat_curve one = refined(&coarse, &how);
     how.threads = 3;
@@ -282,6 +282,9 @@ static void threads_make_no_difference(void **state)
     bat_curve many[16], fine[16];
     for (int i = 0; i < 16; i++)
         many[i] = coarse;
+    bat_curve_free(&one);
+    how.levels = 2;
+    one = refined(&coarse, &how);
     how.threads = 2;
     check_status(bat_curves_refine(many, 16, &how, fine, NULL, NULL), BAT_OK);
     for (int i = 0; i < 16; i++)

@@ -10,8 +10,10 @@
 /// See disk_insert().
 static const double PARALLEL_SHARE = 0.9;
 
+// A function with clones must be static: compilers forget that a name with clones is hidden.
+
 LANES_CLONES
-void angle_block_load(angle_block *block, size_t entry, const double *points, size_t dim, size_t vertices)
+static void load_points(angle_block *block, size_t entry, const double *points, size_t dim, size_t vertices)
 {
     double *x = block->x + entry, *y = block->y + entry, *z = block->z + entry;
     if (dim == 2)
@@ -185,7 +187,7 @@ static void disk_insert(angle_block *block, size_t edges)
 }
 
 LANES_CLONES
-void angle_block_store(const angle_block *block, const double *points, size_t dim, size_t edges, double *restrict fine)
+static void store_points(const angle_block *block, const double *points, size_t dim, size_t edges, double *restrict fine)
 {
     if (dim == 2)
         for (size_t j = 0; j < edges; j++)
@@ -214,4 +216,14 @@ static const angle_surface DISK = {disk_angles, disk_lengths, disk_insert, BAT_I
 const angle_surface *angle_surface_of(const bat_space *space)
 {
     return space_is_plane(space) ? &PLANE : space_is_sphere(space) ? &SPHERE : space_is_disk(space) ? &DISK : NULL;
+}
+
+void angle_block_load(angle_block *block, size_t entry, const double *points, size_t dim, size_t vertices)
+{
+    load_points(block, entry, points, dim, vertices);
+}
+
+void angle_block_store(const angle_block *block, const double *points, size_t dim, size_t edges, double *restrict fine)
+{
+    store_points(block, points, dim, edges, fine);
 }

@@ -59,8 +59,10 @@ void learn_packed_linear(const learn_packed *layer, size_t rows, const real *x, 
     product_128(layer, rows, x, stride, y);
 }
 
+// A function with clones must be static: compilers forget that a name with clones is hidden.
+
 LANES_CLONES
-void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const real *shift, const real *skip, real *y)
+static void norm_gelu(size_t rows, size_t columns, const real *gain, const real *shift, const real *skip, real *y)
 {
     for (size_t r = 0; r < rows; r++)
     {
@@ -77,8 +79,18 @@ void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const
 }
 
 LANES_CLONES
-void learn_packed_gelu(size_t count, real *y)
+static void gelu(size_t count, real *y)
 {
     for (size_t i = 0; i < count; i++)
         y[i] = real_gelu(y[i]);
+}
+
+void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const real *shift, const real *skip, real *y)
+{
+    norm_gelu(rows, columns, gain, shift, skip, y);
+}
+
+void learn_packed_gelu(size_t count, real *y)
+{
+    gelu(count, y);
 }

@@ -116,7 +116,14 @@ refused 2 'whole number' curve good.in.csv --levels 2.5
 refused 2 'whole number' curve good.in.csv --levels -1
 refused 2 'no scheme' curve good.in.csv --scheme spline
 refused 2 'no setting' curve good.in.csv --scheme chaikin:w=1
+refused 2 'needs --model' curve good.in.csv --scheme learned -o out.csv
+refused 2 'needs --scheme learned' curve good.in.csv --model good.in.csv -o out.csv
+refused 1 'good.in.csv: ' curve good.in.csv --scheme learned --model good.in.csv -o out.csv
+refused 1 'none.in: cannot open' curve good.in.csv --scheme learned --model none.in -o out.csv
+refused 1 'none.in: cannot open' reproduce tension-iss --model none.in
+refused 2 'no row' reproduce curve-figures --model good.in.csv
 refused 2 'exclude' curve good.in.csv --closed --open
+refused 2 'angle-based' curve good.in.csv --scheme learned --model none.in --truth good.in.csv --best-tension -o out.csv
 refused 2 'given twice' curve good.in.csv --levels 2 --levels 3
 refused 2 'one of' curve good.in.csv --ends none
 refused 2 'json' curve good.in.csv --json -o -
