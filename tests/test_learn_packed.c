@@ -1,7 +1,8 @@
 #include "check.h"
 
 #include "learn/operations.h"
-#include "learn/packed.h"
+// The source itself, to call the product of each register width and not just the widest that this machine has.
+#include "learn/packed.c"
 
 // Packed layers against the same layers on a tape, which are tested by themselves.
 
@@ -77,6 +78,40 @@ static void linear_layers_are_those_of_a_tape(void **state)
     learn_tape_free(&tape);
 }
 
+static void products_of_all_widths_agree(void **state)
+{
+    (void)state;
+    enum
+    {
+        INPUTS = 37,
+        OUTPUTS = 90
+    };
+    static real x[MOST_ROWS * INPUTS], narrow[MOST_ROWS * MOST_COLUMNS], wide[MOST_ROWS * MOST_COLUMNS];
+    bat_random random = bat_random_seed(6);
+    layer *l = make_layer(INPUTS, OUTPUTS, &random);
+    size_t count = MOST_ROWS * l->packed.columns;
+    fill(x, MOST_ROWS * INPUTS, &random);
+    product_128(&l->packed, MOST_ROWS, x, INPUTS, narrow);
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    {
+        product_256(&l->packed, MOST_ROWS, x, INPUTS, wide);
+        for (size_t i = 0; i < count; i++)
+            check_near((double)wide[i], (double)narrow[i], 10 * TOLERANCE);
+    }
+    if (__builtin_cpu_supports("avx512f"))
+    {
+        product_512(&l->packed, MOST_ROWS, x, INPUTS, wide);
+        for (size_t i = 0; i < count; i++)
+            check_near((double)wide[i], (double)narrow[i], 10 * TOLERANCE);
+    }
+#endif
+    learn_packed_linear(&l->packed, MOST_ROWS, x, INPUTS, wide);
+    for (size_t i = 0; i < count; i++)
+        check_near((double)wide[i], (double)narrow[i], 10 * TOLERANCE);
+    free_layer(l);
+}
+
 /// To the last bit: so what is computed does not depend on how a curve is cut into runs.
 static void a_row_depends_on_nothing_but_itself(void **state)
 {
@@ -144,6 +179,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(linear_layers_are_those_of_a_tape),
+        cmocka_unit_test(products_of_all_widths_agree),
         cmocka_unit_test(a_row_depends_on_nothing_but_itself),
         cmocka_unit_test(norm_and_gelu_are_those_of_a_tape),
     };
