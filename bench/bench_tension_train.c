@@ -16,10 +16,10 @@ enum
     FINEST = 96
 };
 
-/// What an epoch takes in PyTorch 1.13 on the processor that docs/tension.md names, by the per-sample procedure of the paper.
+/// What the same epoch took in PyTorch on the two cores that docs/tension.md names, sample by sample as in the paper.
 static const double PYTORCH_SECONDS = 53;
 
-/// Notes when an epoch ends, by the share of all steps that is done.
+/// When the first and the last step began.
 typedef struct clock_watch
 {
     double begin, end;
@@ -144,8 +144,8 @@ int main(void)
     for (int threads = 1; threads <= 2; threads++)
     {
         double seconds = time_epoch(threads);
-        (void)printf("an epoch of the published recipe on %d thread%s: %5.2f s, %4.0f times as fast as %g s in PyTorch\n",
-                     threads, threads == 1 ? " " : "s", seconds, PYTORCH_SECONDS / seconds, PYTORCH_SECONDS);
+        (void)printf("an epoch of the published recipe on %d thread%s %5.2f s, %4.0f times as fast as %g s in PyTorch\n",
+                     threads, threads == 1 ? ": " : "s:", seconds, PYTORCH_SECONDS / seconds, PYTORCH_SECONDS);
     }
     return EXIT_SUCCESS;
 }
