@@ -84,6 +84,38 @@ static void blank_lines_part_curves_and_comments_close_them(void **state)
     bat_curve_set_free(&set);
 }
 
+static void a_comment_names_the_space(void **state)
+{
+    (void)state;
+    const char *texts[] = {"# space: disk\n0.5,0\n0,0.5\n", "#SPACE:disk\n0.5,0\n0,0.5\n", "# space disk\n0.5,0\n0,0.5\n",
+                           "# Space\tdisk \r\n0.5,0\n0,0.5\n", "# space: disk\n0.5,0\n\n# space: disk\n0,0.5\n"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+    {
+        bat_curve_set set = must_read(texts[i], CSV, NULL);
+        assert_string_equal(set.space->name, "disk");
+        bat_curve_set_free(&set);
+    }
+    const char *remarks[] = {"# space station\n1,2\n", "# spaces: disk\n1,2\n", "# space disk is what this is not\n1,2\n"};
+    for (size_t i = 0; i < sizeof remarks / sizeof *remarks; i++)
+    {
+        bat_curve_set set = must_read(remarks[i], CSV, NULL);
+        assert_string_equal(set.space->name, "plane");
+        bat_curve_set_free(&set);
+    }
+    assert_bad("0.5,0\n# space: disk\n0,0.5\n", CSV, NULL, 2, "named after the first row");
+    assert_bad("0.5,0\n\n# space disk\n0,0.5\n", CSV, NULL, 3, "named after the first row");
+    assert_bad("# space:\n0,0.5\n", CSV, NULL, 1, "no space ''");
+}
+
+/// Line ends, marks and blank lines do not shift the line of an error.
+static void lines_are_counted_alike(void **state)
+{
+    (void)state;
+    assert_bad("\xEF\xBB\xBF# c\r\n\r\nx,y\r\n1,2\r\n3,z\r\n", CSV, NULL, 5, "column 2: 'z'");
+    assert_bad("\xEF\xBB\xBF\xEF\xBB\xBFx,y\n1,2\n \t\n\n3,z", CSV, NULL, 5, "column 2: 'z'");
+    assert_bad("1,2\r3,4\r", CSV, NULL, 1, "column 2: '2?3'");
+}
+
 static void an_option_opens_or_closes_all(void **state)
 {
     (void)state;
@@ -245,6 +277,8 @@ int main(void)
                                        cmocka_unit_test(columns_tell_the_space),
                                        cmocka_unit_test(longitude_and_latitude_become_unit_vectors),
                                        cmocka_unit_test(blank_lines_part_curves_and_comments_close_them),
+                                       cmocka_unit_test(a_comment_names_the_space),
+                                       cmocka_unit_test(lines_are_counted_alike),
                                        cmocka_unit_test(an_option_opens_or_closes_all),
                                        cmocka_unit_test(points_off_their_space_are_refused_or_moved),
                                        cmocka_unit_test(writing_keeps_every_double),

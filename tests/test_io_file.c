@@ -128,6 +128,38 @@ static void a_link_is_followed(void **state)
     assert_true(S_ISLNK(status.st_mode));
 }
 
+static void a_link_that_leads_nowhere_is_refused(void **state)
+{
+    const char *link = path_in(*state, "link.csv");
+    bat_error error = {0};
+    assert_int_equal(symlink("missing.csv", link), 0);
+    assert_int_equal(write_rows(link, &error), BAT_FILE_ACCESS);
+    assert_non_null(strstr(error.text, "leads nowhere"));
+    assert_int_equal(unlink(link), 0);
+    assert_int_equal(symlink("link.csv", link), 0);
+    assert_int_equal(write_rows(link, &error), BAT_FILE_ACCESS);
+    assert_int_equal(count_files(*state, false), 1);
+}
+
+static void the_owner_is_kept(void **state)
+{
+    enum
+    {
+        SOMEBODY = 65534
+    };
+    const char *path = path_in(*state, "curves.csv");
+    put(path, "old");
+    if (chown(path, SOMEBODY, SOMEBODY) != 0)
+        skip();
+    assert_int_equal(chmod(path, 0604), 0);
+    assert_int_equal(write_rows(path, NULL), BAT_OK);
+    struct stat status;
+    assert_int_equal(stat(path, &status), 0);
+    assert_int_equal(status.st_uid, SOMEBODY);
+    assert_int_equal(status.st_gid, SOMEBODY);
+    assert_int_equal(status.st_mode & 0777, 0604);
+}
+
 static void what_cannot_be_opened_is_told(void **state)
 {
     bat_error error = {0};
@@ -363,6 +395,8 @@ int main(void)
     const struct CMUnitTest tests[] = {IN_FOLDER(a_file_is_written_and_replaced),
                                        IN_FOLDER(a_new_file_has_the_usual_rights),
                                        IN_FOLDER(a_link_is_followed),
+                                       IN_FOLDER(a_link_that_leads_nowhere_is_refused),
+                                       IN_FOLDER(the_owner_is_kept),
                                        IN_FOLDER(what_cannot_be_opened_is_told),
                                        IN_FOLDER(what_is_read_only_is_kept),
                                        IN_FOLDER(a_failure_in_the_middle_keeps_the_old_file),

@@ -1,6 +1,7 @@
 #include "test_io_helpers.h"
 
 #include <jansson.h>
+#include <stdio.h>
 
 static const bat_file_format GEOJSON = BAT_FORMAT_GEOJSON;
 
@@ -65,6 +66,55 @@ static void geometries_become_curves(void **state)
     const double *point = set.curves[0].points + 6;
     assert_true(fabs(atan2(point[1], point[0]) - acos(-1.0) / 9) < 1e-15);
     bat_curve_set_free(&set);
+}
+
+/// Members that only look like coordinates, coordinates that only the parser can find, and every order of members: all come out
+/// as they went in.
+static void what_looks_like_coordinates_survives(void **state)
+{
+    (void)state;
+    const char *texts[] = {
+        FEATURE(LINE("[[0,0],[1,1]]")),
+        "{\"type\":\"Feature\",\"coordinates\":[7],\"geometries\":[{\"coordinates\":[1,2.0]}],\"geometry\":" LINE(
+            "[[0,0],[1,1]]") ",\"properties\":{\"geometry\":" LINE("[[5,5],[6,6]]") ",\"coordinates\":[0]}}",
+        "{\"coordinates\":[[0,0],[1,1]],\"geometries\":[{\"type\":\"LineString\",\"coordinates\":[[3,3],[4,4]]}],"
+        "\"a\":{\"coordinates\":[0]},\"type\":\"LineString\"}",
+        "{\"type\":\"GeometryCollection\",\"coordinates\":[0],\"geometries\":[{\"type\":\"Point\",\"coordinates\":[1,"
+        "2]},{\"type\":\"GeometryCollection\",\"geometries\":[]},{\"type\":\"LineString\",\"coordinates\":[]}," LINE(
+            "[[0,0],[1,1]]") "," POLYGON("[[[0,0],[1,0],[1,1],[0,0]],[[2,0],[3,0],[3,1],[2,0]]]") "]}"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+    {
+        char expected[1024];
+        (void)snprintf(expected, sizeof expected, "%s\n", texts[i]);
+        assert_rewritten(texts[i], GEOJSON, NULL, expected);
+    }
+    const char *spelled[] = {"{\"type\":\"LineString\",\"coordin\\u0061tes\":[[0,0],\n[1,1]]}",
+                             "{\"typ\\u0065\":\"LineString\",\"coordinates\":[[0,0],\n[1,1]]}",
+                             "{\"type\":\"Line\\u0053tring\",\"coordinates\":[[0,0],\n[1,1]]}",
+                             "{ \"type\" : \"LineString\" , \"coordinates\" : [ [ 0 , 0 ] ,\r\n\t[ 1e0 , 1.0 ] ] }"};
+    for (size_t i = 0; i < sizeof spelled / sizeof *spelled; i++)
+        assert_rewritten(spelled[i], GEOJSON, NULL, LINE("[[0,0],[1,1]]") "\n");
+    // None of these may be taken for the number of an array that was lifted out.
+    assert_bad("{\"type\":\"GeometryCollection\",\"geometries\":[" LINE(
+                   "[[0,0],[1,1]]") ",{\"type\":\"Line\\u0053tring\",\"coordinates\":[0]}]}",
+               GEOJSON, NULL, 0, "geometry 1, position 0: a position must be");
+    assert_bad("{\"type\":\"GeometryCollection\",\"geometries\":[" LINE("[[0,0],[1,1]]") "," LINE("[0]") "]}", GEOJSON, NULL,
+               0, "geometry 1, position 0: a position must be");
+}
+
+/// What is wrong inside an array of numbers is wrong JSON all the same.
+static void wrong_numbers_are_wrong_syntax(void **state)
+{
+    (void)state;
+    const char *bad[] = {"[[0,0],[01,1]]", "[[0,0],[1.,1]]", "[[0,0],[.5,1]]", "[[0,0],[+1,1]]",
+                         "[[0,0],[1e,1]]", "[[0,0],[-,1]]",  "[[0,0],[1,1],]", "[[0,0][1,1]]",
+                         "[[0,0],[1 1]]",  "[[0,0],[1,1]",   "[[0,0],[1,,1]]", "[[0,0],[]1]"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+    {
+        char text[128];
+        (void)snprintf(text, sizeof text, "{\"type\":\"LineString\",\n\"coordinates\":%s}", bad[i]);
+        assert_bad(text, GEOJSON, NULL, 2, "");
+    }
 }
 
 static void every_kind_of_root_is_read(void **state)
@@ -259,7 +309,9 @@ static void bad_syntax_names_its_line(void **state)
     assert_bad("[]", GEOJSON, NULL, 0, "must be an object");
     assert_bad("{\"type\":\"LineString\",\n\"coordinates\":[[0,0],[1,", GEOJSON, NULL, 2, "near end of file");
     assert_bad("{\"type\":\"LineString\",\n\"coordinates\":[[0,0],\n[NaN,1]]}", GEOJSON, NULL, 3, "invalid token");
-    assert_bad("{\"type\":\"LineString\",\n\"coordinates\":[[0,0],[1e999,1]]}", GEOJSON, NULL, 2, "overflow");
+    assert_bad("{\"type\":\"LineString\",\n\"coordinates\":[[0,0],[1e999,1]]}", GEOJSON, NULL, 0,
+               "position 1: a number is too large");
+    assert_bad("{\"type\":\"LineString\",\n\"coordinates\":[[0,0],[1,1]],\"a\":1e999}", GEOJSON, NULL, 2, "overflow");
     assert_bad("{\"type\":\"LineString\",\"a\":\n\"\xFF\",\"coordinates\":[[0,0],[1,1]]}", GEOJSON, NULL, 2, "");
     assert_bad(LINE("[[0,0],[1,1]]") "x", GEOJSON, NULL, 1, "end of file expected");
     assert_bad("{\"type\":\"LineString\",\"type\":\"Point\"}", GEOJSON, NULL, 1, "duplicate");
@@ -332,6 +384,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(all_but_the_curves_survives),
                                        cmocka_unit_test(geometries_become_curves),
+                                       cmocka_unit_test(what_looks_like_coordinates_survives),
+                                       cmocka_unit_test(wrong_numbers_are_wrong_syntax),
                                        cmocka_unit_test(every_kind_of_root_is_read),
                                        cmocka_unit_test(closed_lines_and_rings_repeat_their_first_position),
                                        cmocka_unit_test(an_option_opens_or_closes_lines),

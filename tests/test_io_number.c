@@ -113,6 +113,39 @@ static void what_is_no_decimal_number_is_refused(void **state)
     }
 }
 
+/// Halfway between 1 and the next double, which rounds to the even 1, and by how little it does not.
+static void long_numbers_round_right(void **state)
+{
+    (void)state;
+    enum
+    {
+        ZEROS = 5000
+    };
+    static const char halfway[] = "1.00000000000000011102230246251565404236316680908203125";
+    char text[sizeof halfway + ZEROS + 16];
+    double value;
+    assert_null(number_read(halfway, halfway + sizeof halfway - 1, &value));
+    assert_true(value == 1.0);
+    (void)strcpy(text, halfway);
+    memset(text + sizeof halfway - 1, '0', ZEROS);
+    for (char last = '0'; last <= '1'; last++)
+    {
+        text[sizeof halfway - 1 + ZEROS] = last;
+        assert_null(number_read(text, text + sizeof halfway + ZEROS, &value));
+        assert_true(value == (last == '0' ? 1.0 : 1.0 + DBL_EPSILON));
+    }
+    // The exponent may make up for any number of zeros, on either side of the point.
+    text[0] = '.';
+    memset(text + 1, '0', ZEROS);
+    (void)strcpy(text + 1 + ZEROS, "125e5001");
+    assert_null(number_read(text, text + strlen(text), &value));
+    assert_true(value == 1.25);
+    text[0] = '8';
+    (void)strcpy(text + 1 + ZEROS, "e-5001");
+    assert_null(number_read(text, text + strlen(text), &value));
+    assert_true(value == 0.8);
+}
+
 static void right_angles_are_exact(void **state)
 {
     (void)state;
@@ -165,6 +198,7 @@ int main(void)
                                        cmocka_unit_test(numbers_are_as_short_as_printf_makes_them),
                                        cmocka_unit_test(fixed_numbers_have_no_trailing_zeros),
                                        cmocka_unit_test(what_is_no_decimal_number_is_refused),
+                                       cmocka_unit_test(long_numbers_round_right),
                                        cmocka_unit_test(right_angles_are_exact),
                                        cmocka_unit_test(degrees_survive_the_unit_vector),
                                        cmocka_unit_test(the_edge_of_the_map_shows_as_such_at_any_precision)};

@@ -115,6 +115,21 @@ static void refuses_what_does_not_fit(void **state)
     }
 }
 
+static void messages_are_one_line(void **state)
+{
+    (void)state;
+    const char *headers[] = {"{\"a\\nb\":1}", "{\"a\\u0007\":{\"dtype\":\"U8\",\"shape\":1,\"data_offsets\":[0,1]}}",
+                             "{\"__metadata__\":{\"a\\r\\n\":1}}", "{\"a\":\n\n\x01}"};
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
+    {
+        safetensors content;
+        bat_error error;
+        check_status(parse_size(headers[i], 0, &content, &error), BAT_BAD_FILE);
+        for (const char *c = error.text; *c != '\0'; c++)
+            assert_in_range(*c, ' ', '~');
+    }
+}
+
 static void refuses_headers_that_run_past_the_end(void **state)
 {
     (void)state;
@@ -197,8 +212,11 @@ static void refuses_to_write_what_cannot_be_read(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_arrays_in_the_order_of_their_data), cmocka_unit_test(refuses_what_does_not_fit),
-        cmocka_unit_test(refuses_headers_that_run_past_the_end),   cmocka_unit_test(comes_back_as_it_was_written),
+        cmocka_unit_test(reads_arrays_in_the_order_of_their_data),
+        cmocka_unit_test(refuses_what_does_not_fit),
+        cmocka_unit_test(refuses_headers_that_run_past_the_end),
+        cmocka_unit_test(messages_are_one_line),
+        cmocka_unit_test(comes_back_as_it_was_written),
         cmocka_unit_test(refuses_to_write_what_cannot_be_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

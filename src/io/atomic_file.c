@@ -40,7 +40,7 @@ static char *temporary_name(const char *target, unsigned attempt)
 }
 
 /// Open a file without a name in the target's folder; -1 where that is not possible.
-static int open_nameless(const char *target)
+static int open_nameless(const char *target, mode_t mode)
 {
     int descriptor = -1;
 #ifdef O_TMPFILE
@@ -48,10 +48,11 @@ static int open_nameless(const char *target)
     char *folder = slash == NULL ? strdup(".") : strndup(target, (size_t)(slash - target) + 1);
     // Through this folder the file gets its name.
     if (folder != NULL && access("/proc/self/fd", X_OK) == 0)
-        descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+        descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode);
     free(folder);
 #else
     (void)target;
+    (void)mode;
 #endif
     return descriptor;
 }
@@ -63,9 +64,21 @@ static int link_nameless(int descriptor, const char *name)
     return linkat(AT_FDCWD, nameless, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
-/// Give the nameless file `descriptor` a hidden name, or with -1 make a file that has one.
+/// The rights, and where the system allows it the owner, of the file that is replaced.
+static void keep_rights(int descriptor, const struct stat *existing)
+{
+    enum
+    {
+        RIGHTS = 0777,
+        ALL_MODES = 07777 ///< with those that stand for the owner
+    };
+    bool owned = fchown(descriptor, existing->st_uid, existing->st_gid) == 0;
+    (void)fchmod(descriptor, existing->st_mode & (owned ? ALL_MODES : RIGHTS));
+}
+
+/// Give the nameless file `descriptor` a hidden name, or with -1 make a file that has one, with the rights of `mode`.
 /// @return the file's descriptor; -1 with errno on failure, and then `temporary` stays null
-static int take_name(atomic_file *file, int descriptor)
+static int take_name(atomic_file *file, int descriptor, mode_t mode)
 {
     enum
     {
@@ -78,7 +91,7 @@ static int take_name(atomic_file *file, int descriptor)
             return -1;
         int named = descriptor;
         if (descriptor < 0)
-            named = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            named = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         else if (link_nameless(descriptor, name) != 0)
             named = -1;
         if (named >= 0)
@@ -98,13 +111,15 @@ static int take_name(atomic_file *file, int descriptor)
 /// Open a new file in the target's folder, with the rights of the file it will replace or those that any new file gets.
 static bat_status open_temporary(atomic_file *file, const struct stat *existing, bat_error *error)
 {
-    int descriptor = open_nameless(file->target);
+    // Nobody else reads what replaces a file before it has that file's rights.
+    mode_t mode = existing != NULL ? S_IRUSR | S_IWUSR : 0666;
+    int descriptor = open_nameless(file->target, mode);
     if (descriptor < 0)
-        descriptor = take_name(file, -1);
+        descriptor = take_name(file, -1, mode);
     if (descriptor < 0)
         return access_error(error, errno);
     if (existing != NULL)
-        (void)fchmod(descriptor, existing->st_mode & 07777);
+        keep_rights(descriptor, existing);
     file->stream = fdopen(descriptor, "wb");
     if (file->stream != NULL)
         return BAT_OK;
@@ -116,8 +131,10 @@ static bat_status open_temporary(atomic_file *file, const struct stat *existing,
 
 static bat_status open_file(const char *path, atomic_file *file, bat_error *error)
 {
-    struct stat existing;
+    struct stat existing, link;
     bool exists = stat(path, &existing) == 0;
+    if (!exists && lstat(path, &link) == 0)
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: the link leads nowhere");
     if (exists && S_ISDIR(existing.st_mode))
         return access_error(error, EISDIR);
     if (exists && access(path, W_OK) != 0)
@@ -169,7 +186,7 @@ bat_status atomic_file_commit(atomic_file *file, bat_error *error)
 {
     int reason = flush(file->stream);
     bool nameless = file->target != NULL && file->temporary == NULL;
-    if (reason == 0 && nameless && take_name(file, fileno(file->stream)) < 0)
+    if (reason == 0 && nameless && take_name(file, fileno(file->stream), 0) < 0)
         reason = errno;
     int shut_reason = shut(file->stream);
     if (reason == 0)

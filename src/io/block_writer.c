@@ -34,6 +34,7 @@ bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format
                         bat_error *error)
 {
     bat_status outcome = BAT_OK;
+    (void)threads; // where there is no OpenMP
 #pragma omp parallel num_threads(thread_count(threads)) if (count > 1)
     {
         text_buffer text = {0};

@@ -4,8 +4,8 @@
 #include "io/curve_formats.h"
 #include "io/degrees.h"
 
-#include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct csv_reader
 {
@@ -189,25 +189,36 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     return BAT_OK;
 }
 
-/// Obey a comment that is "closed", "open" or "space: NAME".
+/// Obey a comment that begins with "space". Without a colon it is one only when it names a space and says nothing else.
+static bat_status read_space(csv_reader *reader, const text_line *line, const char *rest, const char *end, bat_error *error)
+{
+    char name[EXCERPT_SIZE];
+    bat_space unused;
+    bool colon = *rest == ':';
+    csv_field words = trim(rest + colon, end);
+    (void)text_excerpt(name, words.begin, words.end);
+    if (bat_space_by_name(name, 0, &unused, NULL) != BAT_OK)
+        return colon ? error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "there is no space '%s'", name) : BAT_OK;
+    if (reader->begun && strcmp(name, reader->space_name) != 0)
+        return bad_row(error, line, "the space is named after the first row");
+    memcpy(reader->space_name, name, sizeof name);
+    return BAT_OK;
+}
+
+/// Obey a comment that is "closed", "open" or "space: NAME", in either case.
 static bat_status read_comment(csv_reader *reader, const text_line *line, bat_error *error)
 {
-    static const char space[] = "space:";
+    static const char space[] = "space";
+    const size_t space_length = sizeof space - 1;
     csv_field words = trim(line->begin + 1, line->end);
     size_t length = (size_t)(words.end - words.begin);
-    if (length == 6 && memcmp(words.begin, "closed", length) == 0)
+    if (length == 6 && strncasecmp(words.begin, "closed", length) == 0)
         reader->closed = true;
-    else if (length == 4 && memcmp(words.begin, "open", length) == 0)
+    else if (length == 4 && strncasecmp(words.begin, "open", length) == 0)
         reader->closed = false;
-    else if (!reader->begun && length > sizeof space - 1 && memcmp(words.begin, space, sizeof space - 1) == 0)
-    {
-        csv_field name = trim(words.begin + sizeof space - 1, words.end);
-        char excerpt[EXCERPT_SIZE];
-        bat_space unused;
-        (void)snprintf(reader->space_name, sizeof reader->space_name, "%s", text_excerpt(excerpt, name.begin, name.end));
-        if (bat_space_by_name(reader->space_name, 0, &unused, NULL) != BAT_OK)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "there is no space '%s'", reader->space_name);
-    }
+    else if (length > space_length && strncasecmp(words.begin, space, space_length) == 0 &&
+             strchr(": \t", words.begin[space_length]) != NULL)
+        return read_space(reader, line, words.begin + space_length, words.end, error);
     return BAT_OK;
 }
 

@@ -84,13 +84,26 @@ void builder_drop_last(curve_builder *builder)
         builder->line_count--;
 }
 
-static bool copy_doubles(const double *values, size_t count, double **copy)
+/// Take `count` values out of the builder's array: a copy of a few; for many the array itself, so that they are not in memory
+/// twice. Null when out of memory.
+static double *take_doubles(double **values, size_t *capacity, size_t count)
 {
-    *copy = memory_array(count, sizeof *values);
-    if (*copy == NULL)
-        return false;
-    memcpy(*copy, values, count * sizeof *values);
-    return true;
+    enum
+    {
+        MANY = 1 << 16
+    };
+    double *taken;
+    if (count < MANY)
+    {
+        taken = memory_array(count, sizeof *taken);
+        return taken != NULL ? memcpy(taken, *values, count * sizeof *taken) : NULL;
+    }
+    taken = realloc(*values, count * sizeof *taken);
+    if (taken == NULL)
+        taken = *values;
+    *values = NULL;
+    *capacity = 0;
+    return taken;
 }
 
 static bool curves_grow(curve_builder *builder, size_t needed)
@@ -106,10 +119,12 @@ bool builder_end_curve(curve_builder *builder, bool closed)
     if (builder->point_count == 0)
         return true;
     bat_curve curve = {.count = builder->point_count, .closed = closed, .channel_count = builder->channel_count};
-    if (!curves_grow(builder, builder->curve_count + 1) ||
-        !copy_doubles(builder->points, curve.count * builder->space.point_dim, &curve.points))
+    if (!curves_grow(builder, builder->curve_count + 1))
         return false;
-    if (curve.channel_count > 0 && !copy_doubles(builder->channels, curve.count * curve.channel_count, &curve.channels))
+    curve.points = take_doubles(&builder->points, &builder->point_capacity, curve.count * builder->space.point_dim);
+    if (curve.points != NULL && curve.channel_count > 0)
+        curve.channels = take_doubles(&builder->channels, &builder->channel_capacity, curve.count * curve.channel_count);
+    if (curve.points == NULL || (curve.channel_count > 0 && curve.channels == NULL))
     {
         free(curve.points);
         return false;

@@ -20,11 +20,12 @@ static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *e
         return error_memory(error, size);
     }
     *text = (file_text){buffer->data, buffer->size - 1};
-    while (text->size >= mark && memcmp(text->data, BYTE_ORDER_MARK, mark) == 0)
-    {
-        text->size -= mark;
-        memmove(text->data, text->data + mark, text->size + 1);
-    }
+    size_t skipped = 0;
+    while (text->size - skipped >= mark && memcmp(text->data + skipped, BYTE_ORDER_MARK, mark) == 0)
+        skipped += mark;
+    text->size -= skipped;
+    if (skipped > 0)
+        memmove(text->data, text->data + skipped, text->size + 1);
     return BAT_OK;
 }
 

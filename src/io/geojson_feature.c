@@ -1,156 +1,18 @@
 #include "io/geojson_feature.h"
 
-#include "base/error.h"
 #include "io/array_grow.h"
-#include "io/degrees.h"
+#include "io/geojson_coordinates.h"
+#include "io/json_parse.h"
+#include "io/json_text.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
-
-static const size_t NOWHERE = BAT_NO_INDEX;
-
-static void describe(char *text, size_t size, const char *what, size_t index)
-{
-    size_t used = strlen(text);
-    if (index != NOWHERE)
-        (void)snprintf(text + used, size - used, "%s%s %zu", used > 0 ? ", " : "", what, index);
-}
-
-__attribute__((format(printf, 2, 3))) static bat_status bad(geojson_reader *reader, const char *format, ...)
-{
-    char where[120] = "", what[160];
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(what, sizeof what, format, arguments);
-    va_end(arguments);
-    describe(where, sizeof where, "feature", reader->place.feature);
-    describe(where, sizeof where, "geometry", reader->place.geometry);
-    describe(where, sizeof where, "polygon", reader->place.polygon);
-    describe(where, sizeof where, reader->rings ? "ring" : "line", reader->place.part);
-    describe(where, sizeof where, "position", reader->place.position);
-    return error_set(reader->error, BAT_BAD_FILE, reader->place.position, reader->place.line, "%s%s%s", where,
-                     where[0] != '\0' ? ": " : "", what);
-}
-
-static bat_status no_memory(geojson_reader *reader)
-{
-    return error_memory(reader->error, reader->builder.point_capacity * sizeof(double));
-}
-
-static bat_status read_position(geojson_reader *reader, const json_t *position)
-{
-    curve_builder *builder = &reader->builder;
-    size_t count = json_array_size(position);
-    if (count != 2 && count != 3)
-        return bad(reader, "a position must be an array of 2 or 3 numbers");
-    if (reader->number_count == 0)
-        reader->number_count = count;
-    if (count != reader->number_count)
-        return bad(reader, "some positions of the geometry have an altitude and others not");
-    double numbers[3];
-    for (size_t i = 0; i < count; i++)
-    {
-        const json_t *number = json_array_get(position, i);
-        if (!json_is_number(number))
-            return bad(reader, "a position must be an array of 2 or 3 numbers");
-        numbers[i] = json_number_value(number);
-    }
-    double *altitude;
-    double *point = builder_next(builder, count - 2, &altitude);
-    if (point == NULL)
-        return no_memory(reader);
-    const char *fault = reader->degrees ? degrees_fault(numbers[0], numbers[1]) : NULL;
-    if (fault != NULL)
-        return bad(reader, "%s", fault);
-    if (reader->degrees)
-        degrees_to_point(numbers[0], numbers[1], point);
-    else
-        memcpy(point, numbers, 2 * sizeof *point);
-    if (count == 3)
-        *altitude = numbers[2];
-    fault = builder_admit(builder);
-    return fault == NULL ? BAT_OK : bad(reader, "the point is %s", fault);
-}
-
-/// Read an array of positions as one curve.
-static bat_status read_part(geojson_reader *reader, const json_t *positions)
-{
-    enum
-    {
-        LINE_POSITIONS = 2,
-        RING_POSITIONS = 4 ///< also the fewest of a line that is a closed curve
-    };
-    size_t count = json_array_size(positions);
-    if (!json_is_array(positions))
-        return bad(reader, "the positions must be an array");
-    if (count < (reader->rings ? RING_POSITIONS : LINE_POSITIONS))
-        return bad(reader, "a %s needs at least %d positions", reader->rings ? "ring" : "line",
-                   reader->rings ? RING_POSITIONS : LINE_POSITIONS);
-    for (size_t i = 0; i < count; i++)
-    {
-        reader->place.position = i;
-        bat_status status = read_position(reader, json_array_get(positions, i));
-        if (status != BAT_OK)
-            return status;
-    }
-    reader->place.position = NOWHERE;
-    bool returns = builder_returns(&reader->builder);
-    if (reader->rings && !returns)
-        return bad(reader, "the last position of a ring must repeat the first");
-    bool closed = reader->rings || (reader->closed < 0 ? returns && count >= RING_POSITIONS : reader->closed > 0);
-    if (closed && returns)
-        builder_drop_last(&reader->builder);
-    return builder_end_curve(&reader->builder, closed) ? BAT_OK : no_memory(reader);
-}
-
-static bat_status read_parts(geojson_reader *reader, const json_t *parts)
-{
-    if (!json_is_array(parts) || json_array_size(parts) == 0)
-        return bad(reader, "the coordinates must be an array of arrays of positions");
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < json_array_size(parts) && status == BAT_OK; i++)
-    {
-        reader->place.part = i;
-        status = read_part(reader, json_array_get(parts, i));
-    }
-    if (status == BAT_OK)
-        reader->place.part = NOWHERE;
-    return status;
-}
-
-static bat_status read_polygon(geojson_reader *reader, const json_t *rings)
-{
-    geojson_document *document = &reader->document;
-    void *counts = document->ring_counts;
-    bool grown =
-        array_grow(&counts, &document->polygon_capacity, document->polygon_count + 1, sizeof *document->ring_counts);
-    document->ring_counts = counts;
-    if (!grown)
-        return no_memory(reader);
-    document->ring_counts[document->polygon_count++] = json_array_size(rings);
-    return read_parts(reader, rings);
-}
-
-static bat_status read_polygons(geojson_reader *reader, const json_t *polygons)
-{
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < json_array_size(polygons) && status == BAT_OK; i++)
-    {
-        reader->place.polygon = i;
-        status = read_polygon(reader, json_array_get(polygons, i));
-    }
-    if (status == BAT_OK)
-        reader->place.polygon = NOWHERE;
-    return status;
-}
 
 typedef enum geometry_kind
 {
-    KIND_LINE,
-    KIND_LINES,
-    KIND_POLYGON,
-    KIND_POLYGONS,
+    KIND_LINE = CURVE_LINE,
+    KIND_LINES = CURVE_LINES,
+    KIND_POLYGON = CURVE_POLYGON,
+    KIND_POLYGONS = CURVE_POLYGONS,
     KIND_COLLECTION,
     KIND_OTHER, ///< points, which stay as they are
     KIND_UNKNOWN
@@ -172,21 +34,22 @@ static geometry_kind kind_of(const json_t *geometry)
     return KIND_UNKNOWN;
 }
 
-static bat_status read_coordinates(geojson_reader *reader, geometry_kind kind, const json_t *coordinates)
+/// Read coordinates from where they were lifted from or, where they are in the tree, from text that is made of them.
+static bat_status read_coordinates(geojson_reader *reader, curve_kind kind, const json_t *coordinates)
 {
-    reader->rings = kind == KIND_POLYGON || kind == KIND_POLYGONS;
-    reader->number_count = 0;
-    switch (kind)
+    const json_t *number = json_array_get(coordinates, 0);
+    if (reader->lifted && json_array_size(coordinates) == 1 && json_is_integer(number))
     {
-    case KIND_LINE:
-        return read_part(reader, coordinates);
-    case KIND_LINES:
-        return read_parts(reader, coordinates);
-    case KIND_POLYGON:
-        return read_polygon(reader, coordinates);
-    default:
-        return read_polygons(reader, coordinates);
+        json_scanner scan = {reader->lift.arrays[json_integer_value(number)], reader->text_end};
+        return geojson_read_coordinates(reader, kind, &scan);
     }
+    text_buffer text = {0};
+    json_text(&text, coordinates);
+    text_append(&text, "", 1);
+    json_scanner scan = {text.data, text.data + text.size};
+    bat_status status = text.failed ? geojson_no_memory(reader) : geojson_read_coordinates(reader, kind, &scan);
+    text_free(&text);
+    return status;
 }
 
 /// Turn the coordinates of a geometry into curves, and put the geometry's index in their place.
@@ -196,12 +59,12 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
     geojson_feature *feature = &document->features[document->feature_count - 1];
     const json_t *coordinates = json_object_get(geometry, "coordinates");
     if (!json_is_array(coordinates))
-        return bad(reader, "the geometry has no array of coordinates");
+        return geojson_bad(reader, "the geometry has no array of coordinates");
     if (json_array_size(coordinates) == 0)
         return BAT_OK;
     geojson_geometry taken = {.curve = reader->builder.curve_count - feature->curve,
                               .polygon = document->polygon_count - feature->polygon};
-    bat_status status = read_coordinates(reader, kind, coordinates);
+    bat_status status = read_coordinates(reader, (curve_kind)kind, coordinates);
     if (status != BAT_OK)
         return status;
     taken.curve_count = reader->builder.curve_count - feature->curve - taken.curve;
@@ -211,7 +74,7 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
     document->geometries = geometries;
     json_int_t index = (json_int_t)(document->geometry_count - feature->geometry);
     if (!grown || json_object_set_new(geometry, "coordinates", json_integer(index)) != 0)
-        return no_memory(reader);
+        return geojson_no_memory(reader);
     document->geometries[document->geometry_count++] = taken;
     return BAT_OK;
 }
@@ -220,15 +83,15 @@ static bat_status read_geometry(geojson_reader *reader, json_t *geometry)
 {
     geometry_kind kind = kind_of(geometry);
     if (kind == KIND_UNKNOWN)
-        return bad(reader, json_is_object(geometry) ? "the geometry has no type that GeoJSON knows"
-                                                    : "the geometry must be an object");
+        return geojson_bad(reader, json_is_object(geometry) ? "the geometry has no type that GeoJSON knows"
+                                                            : "the geometry must be an object");
     if (kind == KIND_OTHER)
         return BAT_OK;
     if (kind != KIND_COLLECTION)
         return take_geometry(reader, kind, geometry);
     const json_t *members = json_object_get(geometry, "geometries");
     if (!json_is_array(members))
-        return bad(reader, "a GeometryCollection needs an array of geometries");
+        return geojson_bad(reader, "a GeometryCollection needs an array of geometries");
     bat_status status = BAT_OK;
     size_t outer = reader->place.geometry;
     for (size_t i = 0; i < json_array_size(members) && status == BAT_OK; i++)
@@ -256,7 +119,7 @@ bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_
     if (!grown)
     {
         json_decref(tree);
-        return no_memory(reader);
+        return geojson_no_memory(reader);
     }
     geojson_feature *feature = &document->features[document->feature_count++];
     *feature = (geojson_feature){.tree = tree,
@@ -265,10 +128,10 @@ bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_
                                  .geometry = document->geometry_count,
                                  .polygon = document->polygon_count};
     if (!bare_geometry && !geojson_has_type(tree, "Feature"))
-        return bad(reader, "it must be an object of the type Feature");
+        return geojson_bad(reader, "it must be an object of the type Feature");
     json_t *geometry = bare_geometry ? tree : json_object_get(tree, "geometry");
     if (geometry == NULL)
-        return bad(reader, "the feature has no geometry");
+        return geojson_bad(reader, "the feature has no geometry");
     bat_status status = json_is_null(geometry) ? BAT_OK : read_geometry(reader, geometry);
     feature->curve_count = reader->builder.curve_count - feature->curve;
     feature->geometry_count = document->geometry_count - feature->geometry;
@@ -276,19 +139,14 @@ bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_
     return status;
 }
 
-json_t *geojson_parse(geojson_reader *reader, const char *text, size_t size, size_t first_line)
+json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end, size_t first_line)
 {
-    json_error_t fault;
-    json_t *tree = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_ALLOW_NUL, &fault);
-    if (tree == NULL && json_error_code(&fault) == json_error_out_of_memory)
-        (void)error_memory(reader->error, size);
-    else if (tree == NULL)
-    {
-        for (char *c = fault.text; *c != '\0'; c++)
-            *c = *c >= ' ' && *c <= '~' ? *c : '?';
-        size_t line = fault.line > 0 ? first_line + (size_t)fault.line - 1 : first_line;
-        (void)error_set(reader->error, BAT_BAD_FILE, BAT_NO_INDEX, line, "%s", fault.text);
-    }
+    json_t *tree = NULL;
+    reader->lifted = geojson_lift_text(&reader->lift, begin, end);
+    reader->text_end = end;
+    const char *text = reader->lifted ? reader->lift.text.data : begin;
+    size_t size = reader->lifted ? reader->lift.text.size : (size_t)(end - begin);
+    (void)json_parse(text, size, JSON_ALLOW_NUL, first_line, &tree, reader->error);
     return tree;
 }
 
@@ -298,7 +156,7 @@ geojson_reader geojson_reader_start(const bat_space *space, const bat_read_optio
     return (geojson_reader){.closed = options->closed,
                             .degrees = sphere,
                             .builder = {.space = *space, .project = options->project, .check = !sphere},
-                            .place = {NOWHERE, NOWHERE, NOWHERE, NOWHERE, NOWHERE, 0},
+                            .place = {BAT_NO_INDEX, BAT_NO_INDEX, BAT_NO_INDEX, BAT_NO_INDEX, BAT_NO_INDEX, 0},
                             .error = error};
 }
 
@@ -306,4 +164,5 @@ void geojson_reader_free(geojson_reader *reader)
 {
     builder_free(&reader->builder);
     geojson_document_free(&reader->document);
+    geojson_lift_free(&reader->lift);
 }

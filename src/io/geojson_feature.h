@@ -3,6 +3,7 @@
 
 #include "io/curve_attributes.h"
 #include "io/curve_builder.h"
+#include "io/geojson_lift.h"
 
 /// Where a reader is in the file, for messages; BAT_NO_INDEX where it does not apply.
 typedef struct geojson_place
@@ -21,16 +22,21 @@ typedef struct geojson_reader
     geojson_place place;
     bool rings;          ///< the parts of this geometry are rings, not lines
     size_t number_count; ///< in each position of this geometry; 0 before the first
-    bat_error *error;    ///< receives what went wrong; may be null
+    bool lifted;         ///< the coordinates of the text that was parsed last were lifted out of it
+    geojson_lift lift;
+    const char *text_end; ///< of that text
+    bat_error *error;     ///< receives what went wrong; may be null
 } geojson_reader;
 
 /// A reader at the beginning of a file that is not a collection.
 geojson_reader geojson_reader_start(const bat_space *space, const bat_read_options *options, bat_error *error);
 
-/// Parse JSON that begins on a line of the file. Null after a failure, which the reader's error tells.
-json_t *geojson_parse(geojson_reader *reader, const char *text, size_t size, size_t first_line);
+/// Parse JSON that begins on a line of the file, and lift the coordinates out of it, so that the text must stay until they are
+/// read. Null after a failure, which the reader's error tells.
+json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end, size_t first_line);
 
-/// Read a feature, or a geometry that stands for one. The reader's document takes the tree, also on failure.
+/// Read a feature, or a geometry that stands for one, from what geojson_parse() gave last. The reader's document takes the
+/// tree, also on failure.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
 bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_geometry);
 

@@ -24,7 +24,7 @@ static void read_batch(feature_batch *batch, const geojson_split *split)
         const feature_text *feature = &split->features[i];
         reader->place.feature = i;
         reader->place.line = feature->line;
-        json_t *tree = geojson_parse(reader, feature->begin, (size_t)(feature->end - feature->begin), feature->line);
+        json_t *tree = geojson_parse(reader, feature->begin, feature->end, feature->line);
         batch->status = tree != NULL ? geojson_read_feature(reader, tree, false) : batch->error.status;
     }
 }
@@ -80,6 +80,7 @@ static size_t feature_size(const void *context, size_t feature)
 static bat_status read_batches(geojson_reader *reader, const geojson_split *split, feature_batch *batches, size_t count,
                                int threads)
 {
+    (void)threads; // where there is no OpenMP
 #pragma omp parallel for schedule(dynamic, 1) num_threads(thread_count(threads))
     for (size_t i = 0; i < count; i++)
         read_batch(&batches[i], split);
@@ -154,7 +155,7 @@ static bat_status read_text(geojson_reader *reader, const file_text *text, const
     bool apart = geojson_split_text(text, &split);
     if (apart)
     {
-        root = geojson_parse(reader, split.frame, split.frame_size, 1);
+        root = geojson_parse(reader, split.frame, split.frame + split.frame_size, 1);
         apart = root == NULL || geojson_has_type(root, "FeatureCollection");
     }
     if (apart && root != NULL)
@@ -165,7 +166,7 @@ static bat_status read_text(geojson_reader *reader, const file_text *text, const
     if (!apart)
     {
         json_decref(root);
-        root = geojson_parse(reader, text->data, text->size, 1);
+        root = geojson_parse(reader, text->data, text->data + text->size, 1);
         if (root != NULL)
             status = read_whole(reader, root);
     }
@@ -198,6 +199,7 @@ bat_status geojson_read(const file_text *text, const bat_read_options *options, 
         return status;
     geojson_reader reader = geojson_reader_start(&space, options, error);
     status = read_text(&reader, text, options);
+    geojson_lift_free(&reader.lift);
     if (status == BAT_OK && reader.builder.curve_count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
     bat_file_attributes *attributes = status == BAT_OK ? attributes_new(BAT_FORMAT_GEOJSON) : NULL;

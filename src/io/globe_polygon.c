@@ -207,14 +207,63 @@ static bool ring_holds(const globe_lines *rings, size_t ring, degree_units place
     return inside;
 }
 
+/// The least and the greatest longitude and latitude of a ring.
+typedef struct ring_box
+{
+    degree_units low, high;
+} ring_box;
+
+static int64_t lesser(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+static ring_box box_of(const globe_lines *rings, size_t ring)
+{
+    size_t begin = globe_line_begin(rings, ring);
+    ring_box box = {rings->positions[begin].shown, rings->positions[begin].shown};
+    for (size_t i = begin; i < rings->ends[ring]; i++)
+    {
+        degree_units shown = rings->positions[i].shown;
+        box.low = (degree_units){lesser(box.low.longitude, shown.longitude), lesser(box.low.latitude, shown.latitude)};
+        box.high =
+            (degree_units){-lesser(-box.high.longitude, -shown.longitude), -lesser(-box.high.latitude, -shown.latitude)};
+    }
+    return box;
+}
+
+static bool box_holds(const ring_box *box, degree_units place)
+{
+    return box->low.longitude <= place.longitude && place.longitude <= box->high.longitude &&
+           box->low.latitude <= place.latitude && place.latitude <= box->high.latitude;
+}
+
 /// The outer ring that a hole lies in: the first that holds one of its vertices.
-static size_t owner_of(const globe_curve *hole, const globe_lines *outers)
+static size_t owner_of(const globe_curve *hole, const globe_lines *outers, const ring_box *boxes)
 {
     for (size_t i = 0; i < hole->count; i++)
         for (size_t k = 0; k < outers->count; k++)
-            if (ring_holds(outers, k, hole->shown[i]))
+            if (box_holds(&boxes[k], hole->shown[i]) && ring_holds(outers, k, hole->shown[i]))
                 return k;
     return 0;
+}
+
+/// Find the outer ring of each hole; `outers->count` for one that became part of an outline. Null when out of memory.
+static size_t *find_owners(const globe_lines *outers, const globe_curve *holes, size_t hole_count)
+{
+    size_t *owners = memory_array(hole_count, sizeof *owners);
+    ring_box *boxes = memory_array(outers->count, sizeof *boxes);
+    for (size_t k = 0; boxes != NULL && k < outers->count; k++)
+        boxes[k] = box_of(outers, k);
+    for (size_t i = 0; owners != NULL && boxes != NULL && i < hole_count; i++)
+        owners[i] = holes[i].cut_count > 0 ? outers->count : owner_of(&holes[i], outers, boxes);
+    if (boxes == NULL)
+    {
+        free(owners);
+        return NULL;
+    }
+    free(boxes);
+    return owners;
 }
 
 static void copy_ring(const globe_lines *from, size_t ring, globe_lines *to)
@@ -228,7 +277,7 @@ static void copy_ring(const globe_lines *from, size_t ring, globe_lines *to)
 static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t hole_count, globe_polygons *parts)
 {
     void *counts = parts->ring_counts;
-    size_t *owners = memory_array(hole_count, sizeof *owners);
+    size_t *owners = find_owners(outers, holes, hole_count);
     bool grown = array_grow(&counts, &parts->capacity, parts->count + outers->count, sizeof *parts->ring_counts);
     parts->ring_counts = counts;
     if (!grown || owners == NULL)
@@ -236,8 +285,6 @@ static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t
         free(owners);
         return false;
     }
-    for (size_t i = 0; i < hole_count; i++)
-        owners[i] = holes[i].cut_count > 0 ? outers->count : owner_of(&holes[i], outers);
     for (size_t k = 0; k < outers->count; k++)
     {
         size_t rings_before = parts->rings.count;

@@ -138,19 +138,30 @@ static char *write_fraction(char *out, double value)
     }
 }
 
-/// Any finite number, slowly.
+/// What printf() writes for "%.*g" of a positive number, with a point in place of the locale's decimal separator.
+static char *write_digits(char *out, double value, int digits)
+{
+    char text[2 * NUMBER_TEXT_SIZE];
+    (void)snprintf(text, sizeof text, "%.*g", digits, value);
+    const char *at = text;
+    for (; *at >= '0' && *at <= '9'; at++)
+        *out++ = *at;
+    if (*at == '\0' || *at == 'e')
+        return stpcpy(out, at);
+    while (*at < '0' || *at > '9')
+        at++;
+    *out++ = '.';
+    return stpcpy(out, at);
+}
+
+/// Any positive finite number, slowly.
 static char *write_general(char *out, double value)
 {
-    char text[NUMBER_TEXT_SIZE + 1];
-    int length = 0;
-    for (int digits = 15; digits <= SIGNIFICANT_DIGITS; digits++)
-    {
-        length = snprintf(text, sizeof text, "%.*g", digits, value);
-        if (strtod(text, NULL) == value)
-            break;
-    }
-    memcpy(out, text, (size_t)length);
-    return out + length;
+    char text[NUMBER_TEXT_SIZE];
+    double back = 0.0;
+    for (int digits = 15; digits <= SIGNIFICANT_DIGITS && back != value; digits++)
+        (void)number_read(text, write_digits(text, value, digits), &back);
+    return stpcpy(out, text);
 }
 
 char *number_write(char *out, double value)
@@ -166,12 +177,12 @@ char *number_write(char *out, double value)
     return write_general(out, value);
 }
 
-/// The parts of a decimal number: mantissa * 10^exponent, exact when there are at most 15 digits.
+/// The parts of a decimal number: all its digits as one integer, times 10^exponent.
 typedef struct decimal
 {
-    uint64_t mantissa;
-    int digits; ///< significant ones
-    int exponent;
+    uint64_t mantissa; ///< that integer, as far as 18 digits go
+    int64_t digits;    ///< its significant ones
+    int64_t exponent;
     bool negative;
 } decimal;
 
@@ -196,18 +207,15 @@ static const char *scan_digits(const char *at, const char *end, decimal *number,
 
 static const char *scan_exponent(const char *at, const char *end, decimal *number)
 {
-    enum
-    {
-        EXPONENT_CAP = 100000
-    };
+    static const int64_t cap = INT64_MAX / 1000; // beyond what any number of digits makes up for
     bool negative = at < end && *at == '-';
     if (at < end && (*at == '-' || *at == '+'))
         at++;
     if (!is_digit(at, end))
         return NULL;
-    int exponent = 0;
+    int64_t exponent = 0;
     for (; is_digit(at, end); at++)
-        exponent = exponent > EXPONENT_CAP ? exponent : 10 * exponent + (*at - '0');
+        exponent = exponent > cap ? exponent : 10 * exponent + (*at - '0');
     number->exponent += negative ? -exponent : exponent;
     return at;
 }
@@ -233,6 +241,32 @@ static bool scan_decimal(const char *begin, const char *end, decimal *number)
     return any && at == end;
 }
 
+/// The digits as an integer and an exponent, which strtod() reads alike in every locale. No number between two doubles that is
+/// halfway has more than 767 digits, so that of those beyond it only matters whether one is not zero.
+static double convert_long(const char *at, const char *end, const decimal *number)
+{
+    enum
+    {
+        DIGITS = 800,
+        EXPONENT_SIZE = 24
+    };
+    char text[DIGITS + EXPONENT_SIZE];
+    size_t size = 0;
+    for (; at < end && *at != 'e' && *at != 'E'; at++)
+        if (is_digit(at, end) && (size > 0 || *at != '0'))
+        {
+            if (size < DIGITS)
+                text[size++] = *at;
+            else if (*at != '0')
+                text[DIGITS - 1] = '1';
+        }
+    if (size == 0)
+        return 0.0;
+    text[size] = 'e';
+    *number_write_fixed(text + size + 1, number->exponent + number->digits - (int64_t)size, 0) = '\0';
+    return strtod(text, NULL);
+}
+
 const char *number_read(const char *begin, const char *end, double *value)
 {
     static const double exact_powers[EXACT_POWER + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -246,10 +280,10 @@ const char *number_read(const char *begin, const char *end, double *value)
     {
         double mantissa = (double)number.mantissa;
         *value = number.exponent < 0 ? mantissa / exact_powers[-number.exponent] : mantissa * exact_powers[number.exponent];
-        *value = number.negative ? -*value : *value;
-        return NULL;
     }
-    *value = strtod(begin, NULL);
+    else
+        *value = convert_long(begin, end, &number);
+    *value = number.negative ? -*value : *value;
     return isfinite(*value) ? NULL : "is too large";
 }
 

@@ -3,8 +3,7 @@
 
 #include "batten/base.h"
 
-/// Numbers as decimal text. The locale must be one whose decimal separator is a point, as in the "C" locale that every
-/// program starts in.
+/// Numbers as decimal text, with a point as the decimal separator whatever the locale.
 
 /// Room that any number needs; no final zero is written.
 enum
@@ -21,8 +20,8 @@ char *number_write_fixed(char *out, int64_t units, int decimals);
 /// 10^decimals, 0 <= decimals <= 18.
 int64_t number_power_of_ten(int decimals);
 
-/// Read the decimal number that fills the text from `begin` to `end`, after which a readable byte must follow that cannot go
-/// on a number. Null when it is one, else a few words that say why not. Hexadecimal, "nan" and "inf" are not numbers.
+/// Read the decimal number that fills the text from `begin` to `end`, rounded to the nearest double. Null when it is one, else
+/// a few words that say why not. Hexadecimal, "nan" and "inf" are not numbers.
 const char *number_read(const char *begin, const char *end, double *value);
 
 /// True when the text begins as something strtod() reads, right or wrong: what decides between a header and a bad number.

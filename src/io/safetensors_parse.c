@@ -1,8 +1,8 @@
 #include "base/error.h"
 #include "base/memory.h"
+#include "io/json_parse.h"
 #include "io/safetensors_type.h"
 
-#include <jansson.h>
 #include <stdlib.h>
 
 /// An array as the header has it.
@@ -149,12 +149,12 @@ static bat_status open_header(const unsigned char *bytes, size_t size, parts *fi
     const char *text = (const char *)bytes + SAFETENSORS_LENGTH_BYTES;
     if (length == 0 || text[0] != '{')
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the header is no JSON object");
-    json_error_t cause;
-    file->header = json_loadb(text, (size_t)length, JSON_REJECT_DUPLICATES, &cause);
-    if (file->header == NULL && json_error_code(&cause) == json_error_out_of_memory)
+    bat_error cause;
+    bat_status status = json_parse(text, (size_t)length, 0, 1, &file->header, &cause);
+    if (status == BAT_NO_MEMORY)
         return error_memory(error, (size_t)length);
-    if (file->header == NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the header is no JSON object: %s", cause.text);
+    if (status != BAT_OK)
+        return error_set(error, status, BAT_NO_INDEX, 0, "the header is no JSON object: %s", cause.text);
     file->data = bytes + SAFETENSORS_LENGTH_BYTES + length;
     file->data_size = rest - (size_t)length;
     return BAT_OK;
@@ -259,6 +259,8 @@ bat_status safetensors_parse(const void *bytes, size_t size, safetensors *conten
         status = check_notes(json_object_get(file.header, SAFETENSORS_NOTES), error);
     if (status == BAT_OK)
         status = keep(&file, content, error);
+    if (status != BAT_OK && error != NULL)
+        json_printable(error->text); // which may have a name from the file
     free(file.entries);
     json_decref(file.header);
     return status;
