@@ -46,11 +46,6 @@ static void catch_interrupt(void)
         (void)sigaction(SIGINT, &action, NULL);
 }
 
-bool report_interrupted(void)
-{
-    return interrupted != 0;
-}
-
 static bool draw_progress(void *context, double fraction)
 {
     (void)context;

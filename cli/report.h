@@ -17,9 +17,6 @@ int report_failure(const char *file, const bat_error *error);
 bat_progress report_progress(const char *what);
 /// Take the progress line away. Ends the program, as Ctrl-C does elsewhere, when the user has pressed it during the work.
 void report_progress_end(void);
-/// Whether the user has pressed Ctrl-C during the work.
-bool report_interrupted(void);
-
 /// A number, or null for one that is not finite, which JSON cannot say.
 json_t *report_number(double value);
 /// Print one JSON object on standard output and release it; a null one means that memory ran out. Numbers keep 17 digits.
