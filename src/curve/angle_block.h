@@ -3,6 +3,8 @@
 
 #include "batten/curve.h"
 
+#include "base/lanes.h"
+
 /// @file
 /// Vector code of the angle-based schemes on the oriented surfaces that the library made: a short run of vertices, measured
 /// and refined in arrays that stay in the first-level cache.
@@ -28,6 +30,14 @@ typedef struct angle_block
     double margin[ANGLE_BLOCK_EDGES]; ///< positive where the new vertex exists
     double new_x[ANGLE_BLOCK_EDGES], new_y[ANGLE_BLOCK_EDGES], new_z[ANGLE_BLOCK_EDGES];
 } angle_block;
+
+/// The tangent of an insertion angle, limited to the admissible interval (Ugail and Howard 2026, Theorem 1).
+static inline double angle_slope(double insertion)
+{
+    insertion = insertion > BAT_ANGLE_LIMIT ? BAT_ANGLE_LIMIT : insertion;
+    insertion = insertion < -BAT_ANGLE_LIMIT ? -BAT_ANGLE_LIMIT : insertion;
+    return lane_tan(insertion);
+}
 
 /// What differs between the surfaces. `scale` is the kernel's, see there.
 typedef struct angle_surface

@@ -13,9 +13,10 @@ struct refine_kernel
 {
     const bat_space *space;
     const bat_scheme *scheme;
-    size_t dim;          ///< numbers a point is stored in
-    int first, last;     ///< support of the step, see above
-    mask_taps even, odd; ///< of a linear scheme; of a log-exp scheme only the odd ones
+    const struct angle_surface *surface; ///< angle-based and rules: the vector code of the space; null for a user's space
+    size_t dim;                          ///< numbers a point is stored in
+    int first, last;                     ///< support of the step, see above
+    mask_taps even, odd;                 ///< of a linear scheme; of a log-exp scheme only the odd ones
     double scale; ///< angle-based: a power of two that brings coordinates near 1, so that no product of chords overflows
     double mean_angle;   ///< what the adaptive scheme needs to know of the whole polygon: its mean absolute exterior angle
     double mean_length;  ///< what an angle rule may want to know of it: its mean edge length

@@ -12,10 +12,7 @@ static const double ADAPTIVE_LOW = -0.5, ADAPTIVE_HIGH = 0.1;
 /// Eq. (9), limited to the admissible interval.
 static inline double slope_of(const double *angle, double tension, double sign)
 {
-    double insertion = sign * 0.125 * (tension * (angle[0] + angle[3]) + (1 - tension) * (angle[1] + angle[2]));
-    insertion = insertion > BAT_ANGLE_LIMIT ? BAT_ANGLE_LIMIT : insertion;
-    insertion = insertion < -BAT_ANGLE_LIMIT ? -BAT_ANGLE_LIMIT : insertion;
-    return lane_tan(insertion);
+    return angle_slope(sign * 0.125 * (tension * (angle[0] + angle[3]) + (1 - tension) * (angle[1] + angle[2])));
 }
 
 LANES_CLONES
@@ -45,7 +42,7 @@ static void adaptive_slopes(angle_block *block, size_t edges, double tension, do
 static bat_status run_blocks(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                              size_t *fault)
 {
-    const angle_surface *where = angle_surface_of(kernel->space);
+    const angle_surface *where = kernel->surface;
     const bat_scheme *scheme = kernel->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
@@ -105,20 +102,22 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
 
 refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme)
 {
+    const angle_surface *surface = angle_surface_of(space);
     return (refine_kernel){
         .space = space,
         .scheme = scheme,
         .dim = space->point_dim,
         .first = -5,
         .last = 5,
-        .run = angle_surface_of(space) != NULL ? run_blocks : run_any,
+        .surface = surface,
+        .run = surface != NULL ? run_blocks : run_any,
     };
 }
 
 double kernel_angle_mean(const refine_kernel *kernel, const double *points, size_t first, size_t end)
 {
     const bat_space *space = kernel->space;
-    const angle_surface *where = angle_surface_of(space);
+    const angle_surface *where = kernel->surface;
     size_t dim = space->point_dim;
     double sum = 0;
     angle_block block;

@@ -26,7 +26,7 @@ typedef struct rule_run
 static void measure(const refine_kernel *kernel, const double *points, size_t count, double *angles, double *lengths)
 {
     const bat_space *space = kernel->space;
-    const angle_surface *where = angle_surface_of(space);
+    const angle_surface *where = kernel->surface;
     size_t dim = kernel->dim;
     if (where == NULL)
         for (size_t i = 0; i < count; i++)
@@ -53,19 +53,14 @@ LANES_CLONES
 static void slopes_of(angle_block *block, const double *insertion, size_t edges)
 {
     for (size_t j = 0; j < edges; j++)
-    {
-        double angle = insertion[j];
-        angle = angle > BAT_ANGLE_LIMIT ? BAT_ANGLE_LIMIT : angle;
-        angle = angle < -BAT_ANGLE_LIMIT ? -BAT_ANGLE_LIMIT : angle;
-        block->slope[j] = lane_tan(angle);
-    }
+        block->slope[j] = angle_slope(insertion[j]);
 }
 
 /// New vertices over at most ANGLE_BLOCK_EDGES edges. On failure *fault is the edge at fault.
 static bat_status insert_block(const refine_kernel *kernel, const double *points, const double *insertion, size_t edges,
                                double *fine, size_t *fault)
 {
-    const angle_surface *where = angle_surface_of(kernel->space);
+    const angle_surface *where = kernel->surface;
     size_t dim = kernel->dim;
     angle_block block;
     slopes_of(&block, insertion, edges);
@@ -136,6 +131,7 @@ refine_kernel kernel_rule(const bat_space *space, const bat_scheme *scheme)
         .dim = space->point_dim,
         .first = -support,
         .last = support,
+        .surface = angle_surface_of(space),
         .scratch_size = sizeof(rule_run) + scheme->rule->scratch_size,
         .chunk = CHUNK_POINTS,
         .run = run_rule,
