@@ -267,7 +267,7 @@ static double total_turning(bat_tension_space space, const double *points)
 static void check_turning(bat_tension_space space, bool unseen, size_t family, bat_random *random, const double *points)
 {
     (void)random;
-    if (unseen && total_turning(space, points) > 7 * PI)
+    if (unseen && total_turning(space, points) > 7.5 * PI)
         fail_msg("%s turns by %g pi", tension_family_name(space, unseen, family), total_turning(space, points) / PI);
 }
 

@@ -129,8 +129,8 @@ fillet_polygon fillet_draw(bat_random *random, double low, double high)
     for (int i = 0; i < polygon.count; i++)
     {
         polygon.radius[i] = draw_between(random, low, high);
-        polygon.angle[i] = turn + sector * (i + draw_between(random, -0.25, 0.25));
-        polygon.share[i] = draw_between(random, 0.2, 0.48);
+        polygon.angle[i] = turn + sector * (i + draw_between(random, -0.3, 0.3));
+        polygon.share[i] = draw_between(random, 0.15, 0.45);
     }
     return polygon;
 }

@@ -109,7 +109,7 @@ static void polar_trochoid(bat_random *random, size_t count, double *points)
 static void filleted_polygon(bat_random *random, size_t count, double *points)
 {
     double size = draw_between(random, 0.6, 2.4);
-    fillet_polygon polygon = fillet_draw(random, size / 2, size);
+    fillet_polygon polygon = fillet_draw(random, 0.4 * size, size);
     fillet_points(BAT_TENSION_DISK, &polygon, count, points);
     move(random, draw_coin(random), count, points);
 }

@@ -1,6 +1,6 @@
 #include "models/fillet.h"
+#include "models/fourier_curve.h"
 #include "models/tension_family_lists.h"
-#include "models/wave.h"
 
 static const double PI = WAVE_PI;
 
@@ -116,28 +116,43 @@ static void ground_track(bat_random *random, size_t count, double *points)
     }
 }
 
-/// The path of a point fixed to a cone that rolls about another one with a common tip: R_z(t) R_x(tilt) R_z(k t) q. Seams of
-/// tennis balls are among them.
-static void trochoid(bat_random *random, size_t count, double *points)
+/// The path of a point fixed to a cone that rolls about another one with a common tip: R_z(t) R_x(tilt) R_z(k t) q, with q at
+/// `colatitude` from the axis.
+typedef struct cone_roll
 {
-    static const int FREQUENCIES[] = {-3, -2, 2, 3};
-    int frequency = FREQUENCIES[draw_whole(random, 0, 3)];
-    double tilt = draw_between(random, 0.4, 1.3), colatitude = draw_between(random, 0.5, PI / 2);
-    wave once = wave_make(1, 0, count), more = wave_make(frequency, 0, count);
+    int frequency;
+    double tilt, colatitude;
+} cone_roll;
+
+/// Half of them go about a pole with epicycles, like a trochoid of the plane; the others are kin to the seam of a tennis ball,
+/// which is frequency -2 and colatitude pi / 2.
+static cone_roll roll_draw(bat_random *random)
+{
+    double tilt = draw_between(random, 0.4, 1.3);
+    if (draw_coin(random))
+        return (cone_roll){-2, tilt, draw_between(random, 0.7, PI / 2)};
+    trochoid shape = trochoid_draw(random);
+    return (cone_roll){shape.frequency - 1, tilt, asin(shape.share * sin(tilt))};
+}
+
+static void rolling_cone(bat_random *random, size_t count, double *points)
+{
+    cone_roll roll = roll_draw(random);
+    double radius = sin(roll.colatitude), z = cos(roll.colatitude), cosine = cos(roll.tilt), sine = sin(roll.tilt);
+    wave once = wave_make(1, 0, count), more = wave_make(roll.frequency, 0, count);
     for (size_t i = 0; i < count; i++, wave_step(&once), wave_step(&more))
     {
-        double x = sin(colatitude) * more.cosine, y = sin(colatitude) * more.sine, z = cos(colatitude);
-        double tilted = cos(tilt) * y - sin(tilt) * z;
+        double x = radius * more.cosine, y = radius * more.sine, tilted = cosine * y - sine * z;
         points[3 * i] = once.cosine * x - once.sine * tilted;
         points[3 * i + 1] = once.sine * x + once.cosine * tilted;
-        points[3 * i + 2] = sin(tilt) * y + cos(tilt) * z;
+        points[3 * i + 2] = sine * y + cosine * z;
     }
 }
 
 static void filleted_polygon(bat_random *random, size_t count, double *points)
 {
     double size = draw_between(random, 0.4, 1.2);
-    fillet_polygon polygon = fillet_draw(random, size / 2, size);
+    fillet_polygon polygon = fillet_draw(random, 0.4 * size, size);
     fillet_points(BAT_TENSION_SPHERE, &polygon, count, points);
 }
 
@@ -151,7 +166,7 @@ tension_family_list sphere_families(bool unseen)
     };
     static const tension_family others[] = {
         {"ground-track", ground_track},
-        {"trochoid", trochoid},
+        {"trochoid", rolling_cone},
         {"filleted-polygon", filleted_polygon},
     };
     return unseen ? (tension_family_list){others, sizeof others / sizeof *others}
