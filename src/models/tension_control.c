@@ -1,6 +1,7 @@
 #include "models/tension_control.h"
 
 #include "models/arc_samples.h"
+#include "models/tension_set.h"
 
 #include <math.h>
 
@@ -11,7 +12,7 @@ static const double LEAST_COSINE = -0.988;
 
 static bool edge_is_fit(bat_tension_space space, const double *p, const double *q, double least)
 {
-    size_t dim = space == BAT_TENSION_SPHERE ? 3 : 2;
+    size_t dim = tension_dim(space);
     double squared = 0, inner = 0;
     for (size_t i = 0; i < dim; i++)
     {
@@ -39,7 +40,7 @@ static size_t vertex_at(const double *lengths, size_t count, double reached)
 bool tension_control_sample(bat_tension_space space, const double *points, size_t count, const tension_control_plan *plan,
                             bat_random *random, double *lengths, size_t *samples)
 {
-    size_t dim = space == BAT_TENSION_SPHERE ? 3 : 2, first;
+    size_t dim = tension_dim(space), first;
     arc_samples(points, count, dim, true, lengths, 1, &first);
     double total = lengths[count], spacing = 1 / (double)plan->count;
     for (size_t k = 0; k < plan->count; k++)

@@ -1,13 +1,12 @@
 #include "batten/tension_data.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "models/arc_samples.h"
 #include "models/tension_curves.h"
+#include "models/tension_set.h"
 #include "models/tension_ties.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -19,42 +18,19 @@ enum
     MOST_DIM = 3
 };
 
-static size_t dim_of(bat_tension_space space)
-{
-    return space == BAT_TENSION_SPHERE ? 3 : 2;
-}
-
-static void set_free(bat_tension_set *set)
-{
-    free(set->index);
-    free(set->number);
-    free(set->truth);
-    free(set->control);
-    *set = (bat_tension_set){0};
-}
-
 void bat_tension_data_free(bat_tension_data *data)
 {
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
     {
-        set_free(&data->train[space]);
-        set_free(&data->validation[space]);
+        bat_tension_set_free(&data->train[space]);
+        bat_tension_set_free(&data->validation[space]);
     }
-}
-
-static bool set_allocate(bat_tension_set *set)
-{
-    set->index = memory_array(set->count, sizeof *set->index);
-    set->number = memory_array(set->count, sizeof *set->number);
-    set->truth = memory_array(set->count * TRUTH * set->dim, sizeof *set->truth);
-    set->control = memory_array(set->count * CONTROL * set->dim, sizeof *set->control);
-    return set->index != NULL && set->number != NULL && set->truth != NULL && set->control != NULL;
 }
 
 /// The published arrays are single precision; unit length is then restored in double.
 static void round_point(bat_tension_space space, const double *point, double *rounded)
 {
-    size_t dim = dim_of(space);
+    size_t dim = tension_dim(space);
     double squared = 0;
     for (size_t i = 0; i < dim; i++)
     {
@@ -77,7 +53,7 @@ typedef struct curve_place
 static void make_curve(bat_tension_space space, size_t number, mersenne *stream, curve_place place)
 {
     double points[TRUTH * MOST_DIM], lengths[TRUTH + 1];
-    size_t samples[CONTROL], dim = dim_of(space);
+    size_t samples[CONTROL], dim = tension_dim(space);
     tension_curve(space, number, stream, points);
     arc_samples(points, TRUTH, dim, true, lengths, CONTROL, samples);
     double *truth = place.set->truth + place.row * TRUTH * dim;
@@ -114,8 +90,8 @@ static bool split(const size_t *order, bat_tension_data *data, curve_place *plac
     }
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
     {
-        data->train[space].dim = data->validation[space].dim = dim_of((bat_tension_space)space);
-        if (!set_allocate(&data->train[space]) || !set_allocate(&data->validation[space]))
+        data->train[space].dim = data->validation[space].dim = tension_dim((bat_tension_space)space);
+        if (!tension_set_allocate(&data->train[space]) || !tension_set_allocate(&data->validation[space]))
             return false;
     }
     for (size_t position = 0; position < TOTAL; position++)
