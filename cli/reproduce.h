@@ -1,6 +1,8 @@
 #ifndef CLI_REPRODUCE_H
 #define CLI_REPRODUCE_H
 
+#include "batten/tension_data.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -10,9 +12,10 @@ bool reproduce_row(size_t index, const char **name, const char **summary);
 /// What the command line of `batten reproduce` asks for beside the result's name.
 typedef struct reproduce_job
 {
-    const char *folder; ///< for pictures; null for none
-    const char *model;  ///< the file of a learned tension, for a row more; null for none
-    bool json;          ///< print one JSON object
+    const char *folder;          ///< for pictures; null for none
+    const char *model;           ///< the file of a learned tension, for a row more; null for none
+    bat_tension_set_kind curves; ///< which curves a table is taken on
+    bool json;                   ///< print one JSON object
 } reproduce_job;
 
 /// One result each: print it, write its pictures to the folder where it has any, and return the program's exit code.

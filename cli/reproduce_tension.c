@@ -8,6 +8,11 @@
 #include <math.h>
 #include <stdio.h>
 
+enum
+{
+    MOST_OWN = 1 ///< methods beside the built-in ones
+};
+
 /// "0.01285  (0.36)" — a figure, and its ratio to the published one where there is one.
 static void print_figure(double ours, double published, int width)
 {
@@ -20,7 +25,9 @@ static void print_figure(double ours, double published, int width)
 
 static void print_row(const bat_tension_row *row)
 {
-    (void)printf("%-7s %-27s", row->space, row->method);
+    char method[64];
+    (void)snprintf(method, sizeof method, isfinite(row->fairness) ? "%s %.2f" : "%s", row->method, row->fairness);
+    (void)printf("%-7s %-27s", row->space, method);
     if (isfinite(row->tension))
         (void)printf(" %+6.3f", row->tension);
     else
@@ -35,7 +42,7 @@ static void print_row(const bat_tension_row *row)
 }
 
 /// Only where there is such a figure.
-static void set_published(json_t *object, const char *key, double value)
+static void set_finite(json_t *object, const char *key, double value)
 {
     if (isfinite(value))
         (void)json_object_set_new(object, key, report_number(value));
@@ -49,10 +56,11 @@ static json_t *row_json(const bat_tension_row *row)
                                "hausdorff", report_number(row->hausdorff.mean), "bending", report_number(row->bending.mean),
                                "bending_median", report_number(row->bending.median), "g1", report_number(row->g1.mean),
                                "g1_median", report_number(row->g1.median));
-    set_published(object, "tension", row->tension);
-    set_published(object, "published_mean_nn", row->published_mean_nn);
-    set_published(object, "published_bending", row->published_bending);
-    set_published(object, "published_g1", row->published_g1);
+    set_finite(object, "tension", row->tension);
+    set_finite(object, "fairness", row->fairness);
+    set_finite(object, "published_mean_nn", row->published_mean_nn);
+    set_finite(object, "published_bending", row->published_bending);
+    set_finite(object, "published_g1", row->published_g1);
     return object;
 }
 
@@ -65,8 +73,8 @@ static int print_rows(const bat_tension_row *rows, size_t count, const char *tit
             (void)json_array_append_new(array, row_json(&rows[i]));
         return report_json(json_pack("{s:o}", "rows", array));
     }
-    bool sets = rows[0].mean_nn.count > 1;
-    (void)printf("%s\nIn brackets: ours divided by the published figure.\n\n", title);
+    bool sets = rows[0].mean_nn.count > 1, published = isfinite(rows[0].published_mean_nn);
+    (void)printf("%s\n%s\n", title, published ? "In brackets: ours divided by the published figure.\n" : "");
     (void)printf("%-7s %-27s %6s %17s %9s %17s%s %15s\n", "space", "method", "mu", "mean-NN          ", "Hausdorff",
                  "bending          ", sets ? "    median" : "", "G1             ");
     for (size_t i = 0; i < count; i++)
@@ -84,44 +92,69 @@ static int read_model(const reproduce_job *job, bat_tension_model **model)
     return report_failure(job->model, &error);
 }
 
+/// The methods beside the built-in ones.
+static size_t own_methods(const bat_tension_model *model, bat_tension_method *methods)
+{
+    size_t count = 0;
+    if (model != NULL)
+        methods[count++] = (bat_tension_method){BAT_TENSION_LEARNED_PUBLISHED, NAN, bat_scheme_learned(model)};
+    return count;
+}
+
+/// The rows of table 1: in each space the built-in methods, then `count` others.
+static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_method *methods, size_t count,
+                              bat_tension_row *rows, bat_error *error)
+{
+    bat_tension_row built_in[BAT_TENSION_TABLE1_ROWS], own[BAT_TENSION_SPACE_COUNT * MOST_OWN];
+    bat_progress progress = report_progress("refining the curves");
+    bat_status status = bat_tension_table1(curves, built_in, 0, progress, error);
+    if (status == BAT_OK && count > 0)
+        status = bat_tension_table1_methods(curves, methods, count, own, 0, progress, error);
+    report_progress_end();
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
+    {
+        for (size_t m = 0; m < BAT_TENSION_METHODS; m++)
+            *rows++ = built_in[s * BAT_TENSION_METHODS + m];
+        for (size_t m = 0; m < count; m++)
+            *rows++ = own[s * count + m];
+    }
+    return status;
+}
+
+static const char *const TABLE1_TITLES[] = {
+    [BAT_TENSION_PUBLISHED] = "Table 1 of Ugail and Howard (2026): the published validation curves, five levels.",
+    [BAT_TENSION_FRESH] = "Table 1 of Ugail and Howard (2026) on fresh curves of the trained families, five levels.",
+    [BAT_TENSION_UNSEEN] = "Table 1 of Ugail and Howard (2026) on curves of unseen families, five levels.",
+};
+
+static const char *table1_remark(bat_tension_set_kind curves)
+{
+    if (curves != BAT_TENSION_PUBLISHED)
+        return "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. "
+               "docs/tension.md "
+               "describes\nthe curves.";
+    return "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. The "
+           "mean bending on the\nsphere and the disk is decided by a few curves with almost coincident control "
+           "points, and in the published figures by\nthe clamps and the single precision that they were taken "
+           "with: look at the median. The text does not determine the\nadaptive heuristic: no reading of it "
+           "gives the published figures (docs/errata.md).";
+}
+
 int reproduce_tension_table1(const reproduce_job *job)
 {
-    enum
-    {
-        SPACES = BAT_TENSION_SPACE_COUNT,
-        METHODS = BAT_TENSION_METHODS
-    };
-    bat_tension_row rows[BAT_TENSION_TABLE1_ROWS], learned[SPACES], all[BAT_TENSION_TABLE1_ROWS + SPACES];
+    bat_tension_method methods[MOST_OWN];
+    bat_tension_row rows[BAT_TENSION_SPACE_COUNT * (BAT_TENSION_METHODS + MOST_OWN)];
     bat_tension_model *model = NULL;
     bat_error error;
     if (read_model(job, &model) != EXIT_DONE)
         return EXIT_BAD_INPUT;
-    bat_progress progress = report_progress("refining the validation curves");
-    bat_status status = bat_tension_table1(rows, 0, progress, &error);
-    if (status == BAT_OK && model != NULL)
-    {
-        bat_scheme scheme = bat_scheme_learned(model);
-        status = bat_tension_table1_method(BAT_TENSION_LEARNED_PUBLISHED, &scheme, learned, 0, progress, &error);
-    }
-    report_progress_end();
-    size_t count = 0;
-    for (size_t s = 0; s < SPACES && status == BAT_OK; s++)
-    {
-        for (size_t m = 0; m < METHODS; m++)
-            all[count++] = rows[s * METHODS + m];
-        if (model != NULL)
-            all[count++] = learned[s];
-    }
+    size_t count = own_methods(model, methods);
+    bat_status status = table1_rows(job->curves, methods, count, rows, &error);
     bat_tension_model_free(model);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    return print_rows(all, count, "Table 1 of Ugail and Howard (2026): the published validation curves, five levels.",
-                      "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. The "
-                      "mean bending on the\nsphere and the disk is decided by a few curves with almost coincident control "
-                      "points, and in the published figures by\nthe clamps and the single precision that they were taken "
-                      "with: look at the median. The text does not determine the\nadaptive heuristic: no reading of it "
-                      "gives the published figures (docs/errata.md).",
-                      job->json);
+    return print_rows(rows, BAT_TENSION_SPACE_COUNT * (BAT_TENSION_METHODS + count), TABLE1_TITLES[job->curves],
+                      table1_remark(job->curves), job->json);
 }
 
 static int draw_iss(const char *folder)
@@ -154,19 +187,17 @@ static int draw_iss(const char *folder)
 
 int reproduce_tension_iss(const reproduce_job *job)
 {
-    bat_tension_row rows[BAT_TENSION_METHODS + 1];
+    bat_tension_method methods[MOST_OWN];
+    bat_tension_row rows[BAT_TENSION_METHODS + MOST_OWN];
     bat_tension_model *model = NULL;
     bat_error error;
     if (read_model(job, &model) != EXIT_DONE)
         return EXIT_BAD_INPUT;
+    size_t own = own_methods(model, methods), count = BAT_TENSION_METHODS + own;
     bat_progress progress = report_progress("refining the ground track");
     bat_status status = bat_tension_table5(rows, 0, progress, &error);
-    size_t count = BAT_TENSION_METHODS;
-    if (status == BAT_OK && model != NULL)
-    {
-        bat_scheme scheme = bat_scheme_learned(model);
-        status = bat_tension_table5_method(BAT_TENSION_LEARNED_PUBLISHED, &scheme, &rows[count++], 0, progress, &error);
-    }
+    if (status == BAT_OK && own > 0)
+        status = bat_tension_table5_methods(methods, own, rows + BAT_TENSION_METHODS, 0, progress, &error);
     report_progress_end();
     bat_tension_model_free(model);
     if (status != BAT_OK)

@@ -28,6 +28,14 @@ static const struct
     {"disk", "log-exp-6", 0.00337564, 0.0230613, 781.861, 2.35801, 0.204485},
 };
 
+static bat_tension_row table1[BAT_TENSION_TABLE1_ROWS];
+
+static int make_table1(void **state)
+{
+    (void)state;
+    return bat_tension_table1(BAT_TENSION_PUBLISHED, table1, 0, (bat_progress){0}, NULL) == BAT_OK ? 0 : -1;
+}
+
 static const bat_tension_row *find(const bat_tension_row *rows, size_t count, const char *space, const char *method)
 {
     for (size_t i = 0; i < count; i++)
@@ -40,12 +48,9 @@ static const bat_tension_row *find(const bat_tension_row *rows, size_t count, co
 static void table1_meets_the_accurate_reference(void **state)
 {
     (void)state;
-    bat_tension_row rows[BAT_TENSION_TABLE1_ROWS];
-    bat_error error;
-    assert_int_equal(bat_tension_table1(rows, 0, (bat_progress){0}, &error), BAT_OK);
     for (size_t i = 0; i < sizeof REFERENCE / sizeof REFERENCE[0]; i++)
     {
-        const bat_tension_row *row = find(rows, BAT_TENSION_TABLE1_ROWS, REFERENCE[i].space, REFERENCE[i].method);
+        const bat_tension_row *row = find(table1, BAT_TENSION_TABLE1_ROWS, REFERENCE[i].space, REFERENCE[i].method);
         check_relative(row->mean_nn.mean, REFERENCE[i].mean_nn, 1e-5);
         check_relative(row->hausdorff.mean, REFERENCE[i].hausdorff, 1e-5);
         check_relative(row->bending.mean, REFERENCE[i].bending, 1e-4);
@@ -53,11 +58,12 @@ static void table1_meets_the_accurate_reference(void **state)
         check_relative(row->g1.mean, REFERENCE[i].g1, 1e-5);
     }
     // The published oracle, and that turning the sign round helps it by far.
-    const bat_tension_row *printed = find(rows, BAT_TENSION_TABLE1_ROWS, "plane", "oracle-printed");
+    const bat_tension_row *printed = find(table1, BAT_TENSION_TABLE1_ROWS, "plane", "oracle-printed");
     check_near(printed->tension, 0.05, 1e-12);
     check_relative(printed->mean_nn.mean, printed->published_mean_nn, 1e-3);
-    check_near(find(rows, BAT_TENSION_TABLE1_ROWS, "disk", "oracle-printed")->tension, -0.05, 1e-12);
-    assert_true(find(rows, BAT_TENSION_TABLE1_ROWS, "plane", "oracle-outward")->mean_nn.mean < 0.5 * printed->mean_nn.mean);
+    check_near(find(table1, BAT_TENSION_TABLE1_ROWS, "disk", "oracle-printed")->tension, -0.05, 1e-12);
+    assert_true(find(table1, BAT_TENSION_TABLE1_ROWS, "plane", "oracle-outward")->mean_nn.mean <
+                0.5 * printed->mean_nn.mean);
 }
 
 static void iss_figures_come_out_to_three_digits(void **state)
@@ -99,7 +105,110 @@ static void a_table_can_be_stopped(void **state)
     (void)state;
     bat_tension_row rows[BAT_TENSION_TABLE1_ROWS];
     bat_error error;
-    assert_int_equal(bat_tension_table1(rows, 1, (bat_progress){stop, NULL}, &error), BAT_CANCELLED);
+    assert_int_equal(bat_tension_table1(BAT_TENSION_PUBLISHED, rows, 1, (bat_progress){stop, NULL}, &error), BAT_CANCELLED);
+}
+
+enum
+{
+    OWN = 2
+};
+
+static const char *const SPACES[] = {"plane", "sphere", "disk"};
+
+static void own_methods(bat_tension_method *own)
+{
+    own[0] = (bat_tension_method){"mine", 0.25, bat_scheme_angle(BAT_TENSION_SIX_POINT)};
+    own[1] = (bat_tension_method){BAT_TENSION_LEARNED_PUBLISHED, NAN,
+                                  bat_scheme_log_exp(bat_mask_four_point(BAT_FOUR_POINT_WEIGHT))};
+}
+
+static void own_methods_meet_the_built_in_ones(void **state)
+{
+    (void)state;
+    const char *const same[OWN] = {"six-point-outward", "log-exp-4"};
+    bat_tension_method own[OWN];
+    bat_tension_row mine[3 * OWN];
+    own_methods(own);
+    check_status(bat_tension_table1_methods(BAT_TENSION_PUBLISHED, own, OWN, mine, 0, (bat_progress){0}, NULL), BAT_OK);
+    for (size_t i = 0; i < 3 * OWN; i++)
+    {
+        const bat_tension_row *row = find(table1, BAT_TENSION_TABLE1_ROWS, SPACES[i / OWN], same[i % OWN]);
+        assert_string_equal(mine[i].space, SPACES[i / OWN]);
+        assert_string_equal(mine[i].method, own[i % OWN].name);
+        assert_memory_equal(&mine[i].mean_nn, &row->mean_nn, sizeof row->mean_nn);
+        assert_memory_equal(&mine[i].bending, &row->bending, sizeof row->bending);
+        assert_true(isnan(row->fairness));
+        assert_true(i % OWN == 0 ? mine[i].fairness == 0.25 : isnan(mine[i].fairness));
+        assert_true(isfinite(mine[i].published_g1) == (i % OWN == 1));
+    }
+    check_near(mine[1].published_mean_nn, 0.01636, 0);
+    check_near(mine[5].published_g1, 0.160, 0);
+}
+
+/// The mean, over a test set, of the mean nearest-neighbour distance.
+static double mean_nn_of(bat_tension_space kind, bat_tension_set_kind curves, const bat_scheme *scheme)
+{
+    const bat_space spaces[] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
+    bat_tension_set set;
+    double mean = 0;
+    check_status(bat_tension_set_make(kind, curves, BAT_TENSION_TEST_CURVES, BAT_TENSION_TEST_SEED, &set, NULL), BAT_OK);
+    for (size_t c = 0; c < set.count; c++)
+    {
+        bat_curve control = bat_tension_control(&set, c, &spaces[kind]), truth = bat_tension_truth(&set, c, &spaces[kind]);
+        bat_curve fine;
+        bat_curve_distance distance;
+        bat_refine_options how = bat_refine_defaults();
+        how.scheme = *scheme;
+        how.levels = BAT_TENSION_LEVELS;
+        check_status(bat_curve_refine(&control, &how, &fine, NULL), BAT_OK);
+        check_status(bat_curve_compare(&fine, &truth, NULL, &distance, NULL), BAT_OK);
+        mean += distance.mean_nn / (double)set.count;
+        bat_curve_free(&fine);
+    }
+    bat_tension_set_free(&set);
+    return mean;
+}
+
+static void test_curves_are_those_of_the_set(void **state)
+{
+    (void)state;
+    const bat_tension_set_kind kinds[] = {BAT_TENSION_FRESH, BAT_TENSION_UNSEEN};
+    bat_tension_method own[OWN];
+    own_methods(own);
+    for (size_t k = 0; k < 2; k++)
+    {
+        bat_tension_row rows[3 * OWN];
+        check_status(bat_tension_table1_methods(kinds[k], own, OWN, rows, 0, (bat_progress){0}, NULL), BAT_OK);
+        for (int s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
+        {
+            const bat_tension_row *row = &rows[OWN * s];
+            check_relative(row->mean_nn.mean, mean_nn_of((bat_tension_space)s, kinds[k], &own[0].scheme), 1e-12);
+            assert_int_equal(row->mean_nn.count, BAT_TENSION_TEST_CURVES);
+            assert_true(isnan(row[1].published_mean_nn) && isnan(row[1].published_g1));
+        }
+    }
+}
+
+static void a_method_on_the_track_is_a_row(void **state)
+{
+    (void)state;
+    bat_tension_row rows[BAT_TENSION_METHODS], mine;
+    const bat_tension_method own = {"mine", 1, bat_scheme_angle(BAT_TENSION_FOUR_POINT)};
+    check_status(bat_tension_table5(rows, 0, (bat_progress){0}, NULL), BAT_OK);
+    check_status(bat_tension_table5_methods(&own, 1, &mine, 0, (bat_progress){0}, NULL), BAT_OK);
+    check_near(mine.mean_nn.mean, find(rows, BAT_TENSION_METHODS, "sphere", "four-point-outward")->mean_nn.mean, 0);
+    check_near(mine.fairness, 1, 0);
+}
+
+static void bad_tables_are_refused(void **state)
+{
+    (void)state;
+    bat_tension_row rows[BAT_TENSION_TABLE1_ROWS];
+    bat_progress silent = {0};
+    bat_error error;
+    check_status(bat_tension_table1((bat_tension_set_kind)9, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_table1_methods(BAT_TENSION_FRESH, NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_table5_methods(NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
 }
 
 int main(void)
@@ -107,7 +216,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(table1_meets_the_accurate_reference),
         cmocka_unit_test(iss_figures_come_out_to_three_digits),
+        cmocka_unit_test(own_methods_meet_the_built_in_ones),
+        cmocka_unit_test(test_curves_are_those_of_the_set),
+        cmocka_unit_test(a_method_on_the_track_is_a_row),
         cmocka_unit_test(a_table_can_be_stopped),
+        cmocka_unit_test(bad_tables_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_table1, NULL);
 }

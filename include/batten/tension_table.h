@@ -8,7 +8,7 @@ BAT_C_BEGIN
 
 /// @file
 /// Tables 1 and 5 of Ugail and Howard (2026), computed anew for every scheme that needs no learning, with both signs of the
-/// insertion angle, and for any scheme of one's own, learned ones too.
+/// insertion angle, and for any schemes of one's own, learned ones too. Table 1 also on curves that no training has seen.
 
 /// How to search for a tension. Begin with bat_tension_search_defaults().
 typedef struct bat_tension_search_options
@@ -41,51 +41,62 @@ typedef struct bat_tension_row
     const char *space;  ///< "plane", "sphere" or "disk"
     const char *method; ///< "four-point-printed", … see docs/tension.md
     double tension;     ///< mu of an angle-based method of eq. (9), NaN for others
+    double fairness;    ///< how far a learned method was asked to prefer fair curves to near ones; NaN for others
     bat_summary mean_nn;
     bat_summary hausdorff;
     bat_summary bending;
     bat_summary g1;
-    double published_mean_nn; ///< the paper's figures for this method; NaN where it has none
+    double published_mean_nn; ///< the paper's figures for this method on these curves; NaN where it has none
     double published_bending;
     double published_g1;
 } bat_tension_row;
 
-/// The methods in each space.
+/// A method of one's own for the tables.
+typedef struct bat_tension_method
+{
+    const char *name; ///< what its rows call it; stays the caller's
+    double fairness;  ///< what its rows say of it; NaN for none
+    bat_scheme scheme;
+} bat_tension_method;
+
+/// The built-in methods in each space.
 #define BAT_TENSION_METHODS 10
 /// The method whose published figures are those of the paper's learned predictor.
 #define BAT_TENSION_LEARNED_PUBLISHED "learned-published"
-/// Rows of table 1: every method in the three spaces.
+/// Rows of table 1: every built-in method in the three spaces.
 #define BAT_TENSION_TABLE1_ROWS (3 * BAT_TENSION_METHODS)
 
 /// The levels that all figures are taken at.
 #define BAT_TENSION_LEVELS 5
 
-/// Refine every published validation curve by every method and measure the result against its truth (section 7.1).
+/// Refine every curve by every built-in method and measure the result against its truth (section 7.1).
 ///
 /// The oracles search the tension from -0.5 to 0.05 in steps of 0.025 for the least mean of mean_nn, as the paper does; the
 /// adaptive heuristics take theirs as mu*.
 ///
-/// @param rows receives BAT_TENSION_TABLE1_ROWS rows: plane, sphere, disk
-/// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY
-BAT_API bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error);
+/// @param curves BAT_TENSION_PUBLISHED: the 240 validation curves; else the BAT_TENSION_TEST_CURVES curves a space that
+///               bat_tension_set_make() draws for BAT_TENSION_TEST_SEED
+/// @param rows   receives BAT_TENSION_TABLE1_ROWS rows: plane, sphere, disk
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (no such curves), BAT_CANCELLED or BAT_NO_MEMORY
+BAT_API bat_status bat_tension_table1(bat_tension_set_kind curves, bat_tension_row *rows, int threads, bat_progress progress,
+                                      bat_error *error);
 
 /// The same for the ground track of section 8: its 16 control points against its 520 points.
 ///
 /// @param rows receives BAT_TENSION_METHODS rows
 BAT_API bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error);
 
-/// One method more: a scheme on the validation curves of table 1.
+/// Methods of one's own on the curves of table 1, which are made once for all of them.
 ///
-/// @param method what the rows call it, which stays the caller's; the published figures are filled in for
-///               BAT_TENSION_LEARNED_PUBLISHED
-/// @param rows   receives a row each for plane, sphere, disk
-/// @return BAT_OK, BAT_CANCELLED, BAT_NO_MEMORY or what refining returned
-BAT_API bat_status bat_tension_table1_method(const char *method, const bat_scheme *scheme, bat_tension_row *rows,
-                                             int threads, bat_progress progress, bat_error *error);
+/// @param methods `count` of them, at least 1; the published figures are filled in for BAT_TENSION_LEARNED_PUBLISHED
+/// @param rows    receives 3 x count rows: all methods in the plane, on the sphere, in the disk
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_CANCELLED, BAT_NO_MEMORY or what refining returned
+BAT_API bat_status bat_tension_table1_methods(bat_tension_set_kind curves, const bat_tension_method *methods, size_t count,
+                                              bat_tension_row *rows, int threads, bat_progress progress, bat_error *error);
 
-/// The same for the ground track of table 5: one row.
-BAT_API bat_status bat_tension_table5_method(const char *method, const bat_scheme *scheme, bat_tension_row *row, int threads,
-                                             bat_progress progress, bat_error *error);
+/// The same for the ground track of table 5: `count` rows.
+BAT_API bat_status bat_tension_table5_methods(const bat_tension_method *methods, size_t count, bat_tension_row *rows,
+                                              int threads, bat_progress progress, bat_error *error);
 
 BAT_C_END
 

@@ -137,7 +137,7 @@ fillet_polygon fillet_draw(bat_random *random, double low, double high)
 
 void fillet_points(bat_tension_space space, const fillet_polygon *polygon, size_t count, double *points)
 {
-    side sides[FILLET_MOST_VERTICES];
+    side sides[FILLET_MOST_VERTICES] = {{.arc = 0}};
     make_sides(space, polygon, sides);
     double total = 0, passed = 0;
     for (int i = 0; i < polygon->count; i++)

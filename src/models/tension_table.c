@@ -14,8 +14,8 @@ static const double GRID_LOW = -0.5, GRID_HIGH = 0.05;
 enum
 {
     GRID_COUNT = 23,
-    /// Methods measured for the rows of one set, the two searches included.
-    STEPS_A_SET = 2 * GRID_COUNT + BAT_TENSION_METHODS,
+    /// Methods measured for the built-in rows of one set, the two searches included.
+    BUILT_IN_STEPS = 2 * GRID_COUNT + BAT_TENSION_METHODS,
 };
 
 /// The control polygons and truths of one space, and how often they are refined.
@@ -111,13 +111,14 @@ static bool has_tension(const bat_scheme *scheme)
     return scheme->kind == BAT_SCHEME_ANGLE && scheme->rule == NULL;
 }
 
-static bat_status fill_row(table_state *state, const case_set *set, const char *method, const bat_scheme *scheme,
-                           bat_tension_row *row)
+static bat_status fill_row(table_state *state, const case_set *set, const bat_tension_method *method, bat_tension_row *row)
 {
+    const bat_scheme *scheme = &method->scheme;
     bat_status status = step(state, set, scheme);
     *row = (bat_tension_row){.space = set->name,
-                             .method = method,
+                             .method = method->name,
                              .tension = has_tension(scheme) ? scheme->tension : NAN,
+                             .fairness = method->fairness,
                              .published_mean_nn = NAN,
                              .published_bending = NAN,
                              .published_g1 = NAN};
@@ -167,50 +168,54 @@ static bat_status search_published(table_state *state, const case_set *set, bat_
     return search_tension(state, set, &options, best);
 }
 
-/// All methods on one set, or one.
+/// The rows to make of each set: those of the caller's methods, or the built-in ones where there are none.
 typedef struct row_maker
 {
     size_t rows;
-    const char *method; ///< null for all
-    const bat_scheme *scheme;
+    const bat_tension_method *methods;
 } row_maker;
 
-static const row_maker ALL_METHODS = {.rows = BAT_TENSION_METHODS};
+static const row_maker BUILT_IN = {.rows = BAT_TENSION_METHODS};
 
 /// Methods measured for a maker's rows of one set.
 static size_t steps_of(const row_maker *make)
 {
-    return make->method != NULL ? 1 : STEPS_A_SET;
+    return make->methods != NULL ? make->rows : BUILT_IN_STEPS;
 }
 
-static bat_status fill_all_rows(table_state *state, const case_set *set, bat_tension_row *rows)
+static bat_status fill_method_rows(table_state *state, const case_set *set, const bat_tension_method *methods, size_t count,
+                                   bat_tension_row *rows)
+{
+    bat_status status = BAT_OK;
+    for (size_t m = 0; m < count && status == BAT_OK; m++)
+        status = fill_row(state, set, &methods[m], &rows[m]);
+    return status;
+}
+
+static bat_status fill_built_in_rows(table_state *state, const case_set *set, bat_tension_row *rows)
 {
     double best_printed = 0, best_outward = 0;
     bat_status status = search_published(state, set, BAT_ANGLE_PRINTED, &best_printed);
     if (status == BAT_OK)
         status = search_published(state, set, BAT_ANGLE_OUTWARD, &best_outward);
-    const struct
-    {
-        const char *method;
-        bat_scheme scheme;
-    } methods[BAT_TENSION_METHODS] = {
-        {"four-point-printed", angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_PRINTED, false)},
-        {"six-point-printed", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_PRINTED, false)},
-        {"four-point-outward", angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_OUTWARD, false)},
-        {"six-point-outward", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_OUTWARD, false)},
-        {"log-exp-4", bat_scheme_log_exp(bat_mask_four_point(BAT_FOUR_POINT_WEIGHT))},
-        {"log-exp-6", bat_scheme_log_exp(bat_mask_six_point(BAT_SIX_POINT_WEIGHT))},
-        {"oracle-printed", angle(best_printed, BAT_ANGLE_PRINTED, false)},
-        {"oracle-outward", angle(best_outward, BAT_ANGLE_OUTWARD, false)},
-        {"adaptive-heuristic-printed", angle(best_printed, BAT_ANGLE_PRINTED, true)},
-        {"adaptive-heuristic", angle(best_outward, BAT_ANGLE_OUTWARD, true)},
+    if (status != BAT_OK)
+        return status;
+    const bat_tension_method methods[BAT_TENSION_METHODS] = {
+        {"four-point-printed", NAN, angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_PRINTED, false)},
+        {"six-point-printed", NAN, angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_PRINTED, false)},
+        {"four-point-outward", NAN, angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_OUTWARD, false)},
+        {"six-point-outward", NAN, angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_OUTWARD, false)},
+        {"log-exp-4", NAN, bat_scheme_log_exp(bat_mask_four_point(BAT_FOUR_POINT_WEIGHT))},
+        {"log-exp-6", NAN, bat_scheme_log_exp(bat_mask_six_point(BAT_SIX_POINT_WEIGHT))},
+        {"oracle-printed", NAN, angle(best_printed, BAT_ANGLE_PRINTED, false)},
+        {"oracle-outward", NAN, angle(best_outward, BAT_ANGLE_OUTWARD, false)},
+        {"adaptive-heuristic-printed", NAN, angle(best_printed, BAT_ANGLE_PRINTED, true)},
+        {"adaptive-heuristic", NAN, angle(best_outward, BAT_ANGLE_OUTWARD, true)},
     };
-    for (int m = 0; m < BAT_TENSION_METHODS && status == BAT_OK; m++)
-        status = fill_row(state, set, methods[m].method, &methods[m].scheme, &rows[m]);
-    return status;
+    return fill_method_rows(state, set, methods, BAT_TENSION_METHODS, rows);
 }
 
-/// The paper's figures for one method, in the order of fill_rows().
+/// The paper's figures for one method, by its place among the built-in ones.
 typedef struct published
 {
     size_t method;
@@ -272,17 +277,19 @@ static bat_status state_make(table_state *state, size_t most_curves, size_t step
 
 static bat_status fill_rows(table_state *state, const case_set *set, const row_maker *make, bat_tension_row *rows)
 {
-    return make->method != NULL ? fill_row(state, set, make->method, make->scheme, rows) : fill_all_rows(state, set, rows);
+    return make->methods != NULL ? fill_method_rows(state, set, make->methods, make->rows, rows)
+                                 : fill_built_in_rows(state, set, rows);
 }
 
 /// What the paper says of a maker's rows on one set.
 static void set_published_rows(bat_tension_row *rows, const row_maker *make, const published *figures, size_t count,
                                const published *learned)
 {
-    if (make->method == NULL)
+    if (make->methods == NULL)
         set_published(rows, figures, count);
-    else if (strcmp(make->method, BAT_TENSION_LEARNED_PUBLISHED) == 0)
-        set_published(rows, learned, 1);
+    for (size_t m = 0; m < make->rows && make->methods != NULL; m++)
+        if (strcmp(make->methods[m].name, BAT_TENSION_LEARNED_PUBLISHED) == 0)
+            set_published(&rows[m], learned, 1);
 }
 
 static bat_status fill_space(table_state *state, const bat_tension_set *set, const bat_space *space, const row_maker *make,
@@ -302,23 +309,48 @@ static bat_status fill_space(table_state *state, const bat_tension_set *set, con
     return status;
 }
 
-static bat_status make_table1(const row_maker *make, bat_tension_row *rows, int threads, bat_progress progress,
-                              bat_error *error)
+/// The curves of all three spaces; free each set.
+static bat_status make_sets(bat_tension_set_kind kind, bat_tension_set *sets, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    if (kind == BAT_TENSION_PUBLISHED)
+    {
+        bat_tension_data data;
+        status = bat_tension_data_make(&data, error);
+        for (int s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
+        {
+            sets[s] = data.validation[s];
+            bat_tension_set_free(&data.train[s]);
+        }
+        return status;
+    }
+    for (int s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
+        status = bat_tension_set_make((bat_tension_space)s, kind, BAT_TENSION_TEST_CURVES, BAT_TENSION_TEST_SEED, &sets[s],
+                                      error);
+    return status;
+}
+
+static bat_status make_table1(bat_tension_set_kind kind, const row_maker *make, bat_tension_row *rows, int threads,
+                              bat_progress progress, bat_error *error)
 {
     const bat_space spaces[BAT_TENSION_SPACE_COUNT] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
-    bat_tension_data data;
-    bat_status status = bat_tension_data_make(&data, error);
-    if (status != BAT_OK)
-        return status;
+    bat_tension_set sets[BAT_TENSION_SPACE_COUNT] = {{0}};
     table_state state = {.threads = threads, .progress = progress, .error = error};
-    status = state_make(&state, BAT_TENSION_CURVES, BAT_TENSION_SPACE_COUNT * steps_of(make));
+    bat_status status = make_sets(kind, sets, error);
+    size_t most = 0;
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
+        most = sets[s].count > most ? sets[s].count : most;
+    if (status == BAT_OK)
+        status = state_make(&state, most, BAT_TENSION_SPACE_COUNT * steps_of(make));
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++, rows += make->rows)
     {
-        status = fill_space(&state, &data.validation[s], &spaces[s], make, rows);
-        set_published_rows(rows, make, TABLE1[s], PUBLISHED_ROWS, &LEARNED1[s]);
+        status = fill_space(&state, &sets[s], &spaces[s], make, rows);
+        if (status == BAT_OK && kind == BAT_TENSION_PUBLISHED)
+            set_published_rows(rows, make, TABLE1[s], PUBLISHED_ROWS, &LEARNED1[s]);
     }
     free(state.numbers);
-    bat_tension_data_free(&data);
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
+        bat_tension_set_free(&sets[s]);
     return status;
 }
 
@@ -335,33 +367,44 @@ static bat_status make_table5(const row_maker *make, bat_tension_row *rows, int 
     case_set cases = {sphere.name, &control, &truth, 1, BAT_TENSION_LEVELS};
     if (status == BAT_OK)
         status = fill_rows(&state, &cases, make, rows);
-    set_published_rows(rows, make, TABLE5, sizeof TABLE5 / sizeof TABLE5[0], &LEARNED5);
+    if (status == BAT_OK)
+        set_published_rows(rows, make, TABLE5, sizeof TABLE5 / sizeof TABLE5[0], &LEARNED5);
     free(state.numbers);
     bat_curve_free(&truth);
     bat_curve_free(&control);
     return status;
 }
 
-bat_status bat_tension_table1(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+bat_status bat_tension_table1(bat_tension_set_kind curves, bat_tension_row *rows, int threads, bat_progress progress,
+                              bat_error *error)
 {
-    return make_table1(&ALL_METHODS, rows, threads, progress, error);
-}
-
-bat_status bat_tension_table1_method(const char *method, const bat_scheme *scheme, bat_tension_row *rows, int threads,
-                                     bat_progress progress, bat_error *error)
-{
-    return make_table1(&(row_maker){1, method, scheme}, rows, threads, progress, error);
+    return make_table1(curves, &BUILT_IN, rows, threads, progress, error);
 }
 
 bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
 {
-    return make_table5(&ALL_METHODS, rows, threads, progress, error);
+    return make_table5(&BUILT_IN, rows, threads, progress, error);
 }
 
-bat_status bat_tension_table5_method(const char *method, const bat_scheme *scheme, bat_tension_row *row, int threads,
-                                     bat_progress progress, bat_error *error)
+static bat_status check_methods(const bat_tension_method *methods, size_t count, bat_error *error)
 {
-    return make_table5(&(row_maker){1, method, scheme}, row, threads, progress, error);
+    if (methods == NULL || count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a table needs at least one method");
+    return BAT_OK;
+}
+
+bat_status bat_tension_table1_methods(bat_tension_set_kind curves, const bat_tension_method *methods, size_t count,
+                                      bat_tension_row *rows, int threads, bat_progress progress, bat_error *error)
+{
+    bat_status status = check_methods(methods, count, error);
+    return status == BAT_OK ? make_table1(curves, &(row_maker){count, methods}, rows, threads, progress, error) : status;
+}
+
+bat_status bat_tension_table5_methods(const bat_tension_method *methods, size_t count, bat_tension_row *rows, int threads,
+                                      bat_progress progress, bat_error *error)
+{
+    bat_status status = check_methods(methods, count, error);
+    return status == BAT_OK ? make_table5(&(row_maker){count, methods}, rows, threads, progress, error) : status;
 }
 
 bat_tension_search_options bat_tension_search_defaults(void)

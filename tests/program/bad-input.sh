@@ -122,6 +122,9 @@ refused 1 'good.in.csv: ' curve good.in.csv --scheme learned --model good.in.csv
 refused 1 'none.in: cannot open' curve good.in.csv --scheme learned --model none.in -o out.csv
 refused 1 'none.in: cannot open' reproduce tension-iss --model none.in
 refused 2 'no row' reproduce curve-figures --model good.in.csv
+refused 2 'no other curves' reproduce tension-iss --set fresh
+refused 2 'no other curves' reproduce curve-figures --set published
+refused 2 'one of published' reproduce tension-table1 --set stale
 refused 2 'exclude' curve good.in.csv --closed --open
 refused 2 'angle-based' curve good.in.csv --scheme learned --model none.in --truth good.in.csv --best-tension -o out.csv
 refused 2 'given twice' curve good.in.csv --levels 2 --levels 3

@@ -53,6 +53,9 @@ check "analyze prints JSON" json analyze.json '"mask"'
 check "list prints JSON" json list.json '"log-exp-4"'
 "$batten" reproduce tension-iss --json > iss.json
 check "reproduce prints JSON" json iss.json '"four-point-outward"'
+"$batten" reproduce tension-table1 --set unseen --json > unseen.json
+check "a table is taken on other curves" json unseen.json '"curves": 300'
+check "other curves have no published figures" sh -c '! grep -q published_mean_nn unseen.json'
 
 "$batten" curve "$examples/hyperbolic.csv" --space disk -o disk.csv --picture disk.png --panel 0,1,3 > /dev/null
 check "a picture is a PNG file" grep -q PNG disk.png
