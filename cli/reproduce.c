@@ -14,23 +14,42 @@ typedef enum pictures
 {
     NEVER,
     WITH_FOLDER, ///< when a folder is given
-    ALWAYS
+    ALWAYS,
+    TRAINING ///< never, but a folder holds the trainings
 } pictures;
+
+/// Whether a learned tension can be given.
+typedef enum model_use
+{
+    NO_MODEL,
+    MODEL_ROW, ///< for one more row
+    MODEL_NEEDED
+} model_use;
 
 static const struct
 {
     const char *name;
     int (*run)(const reproduce_job *job);
     pictures drawn;
-    bool learned; ///< whether a model can be compared
-    bool sets;    ///< whether there are other curves than the published ones
+    model_use model;
+    bool seeded; ///< whether chance has a part in it
+    bool sets;   ///< whether there are other curves than the published ones
     const char *summary;
 } RESULTS[] = {
-    {"curve-figures", reproduce_curve_figures, ALWAYS, false, false,
+    {"curve-figures", reproduce_curve_figures, ALWAYS, NO_MODEL, false, false,
      "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20"},
-    {"tension-table1", reproduce_tension_table1, NEVER, true, true,
+    {"tension-table1", reproduce_tension_table1, NEVER, MODEL_ROW, false, true,
      "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs"},
-    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, true, false, "table 5 of the tension paper: the ISS ground track"},
+    {"tension-table2", reproduce_tension_table2, NEVER, MODEL_ROW, true, false,
+     "table 2 of the tension paper: largest angles where the control points are disturbed"},
+    {"tension-table3", reproduce_tension_table3, TRAINING, NO_MODEL, true, false,
+     "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times"},
+    {"tension-table4", reproduce_tension_table4, TRAINING, NO_MODEL, true, false,
+     "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times"},
+    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, MODEL_ROW, false, false,
+     "table 5 of the tension paper: the ISS ground track"},
+    {"tension-mechanism", reproduce_tension_mechanism, WITH_FOLDER, MODEL_NEEDED, false, false,
+     "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
 };
 enum
 {
@@ -47,15 +66,21 @@ bool reproduce_row(size_t index, const char **name, const char **summary)
 }
 
 static const option_spec OPTIONS[] = {
-    {"output", 'o', "FOLDER", "where pictures go; default: out for curve-figures, no picture for tension-iss"},
-    {"model", 0, "FILE", "tension-table1, tension-iss: a learned tension, for a row \"learned-published\""},
+    {"output", 'o', "FOLDER",
+     "where pictures go; default: out for curve-figures, no picture for tension-iss and tension-mechanism. tension-table3 "
+     "and "
+     "-table4: where the trainings are kept, and gone on with; default out/tension-ablations"},
+    {"model", 0, "FILE",
+     "tension-table1, -table2, -iss: a learned tension, for a row \"learned-published\"; tension-mechanism: the one to look "
+     "into"},
     {"set", 0, "NAME", "tension-table1: published (default), fresh or unseen curves"},
+    {"seed", 0, "N", "tension-table2: of the noise; tension-table3, -table4: of the trainings; default 1"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
 
 static const verb_spec SPEC = {
-    .usage = "batten reproduce NAME [-o FOLDER] [--model FILE] [--set NAME] [--json]",
+    .usage = "batten reproduce NAME [-o FOLDER] [--model FILE] [--set NAME] [--seed N] [--json]",
     .summary = "A published table or figure, computed anew and shown beside the published figures; `batten list results` "
                "names them.",
     .options = OPTIONS,
@@ -63,51 +88,66 @@ static const verb_spec SPEC = {
     .most_positional = 1,
 };
 
-/// The curves that a name stands for; the published ones where none is given. False for an unknown name.
-static bool curves_by_name(const char *name, bat_tension_set_kind *curves)
+/// What a result does with the options that were given; EXIT_DONE when all of them fit.
+static int check_options(const arguments *given, size_t index)
 {
-    static const char *const NAMES[] = {
-        [BAT_TENSION_PUBLISHED] = "published", [BAT_TENSION_FRESH] = "fresh", [BAT_TENSION_UNSEEN] = "unseen"};
-    *curves = BAT_TENSION_PUBLISHED;
-    for (size_t i = 0; name != NULL && i < sizeof NAMES / sizeof NAMES[0]; i++)
-        if (strcmp(name, NAMES[i]) == 0)
-        {
-            *curves = (bat_tension_set_kind)i;
-            return true;
-        }
-    return name == NULL;
+    const char *name = RESULTS[index].name;
+    if (argument(given, "output") != NULL && RESULTS[index].drawn == NEVER)
+        return usage_error(given, "%s has no pictures to put into a folder", name);
+    if (argument(given, "model") != NULL && RESULTS[index].model == NO_MODEL)
+        return usage_error(given, "%s has no row for a model", name);
+    if (argument(given, "model") == NULL && RESULTS[index].model == MODEL_NEEDED)
+        return usage_error(given, "%s needs --model", name);
+    if (argument(given, "seed") != NULL && !RESULTS[index].seeded)
+        return usage_error(given, "%s has no chance in it for a seed", name);
+    if (argument(given, "set") != NULL && !RESULTS[index].sets)
+        return usage_error(given, "%s has no other curves: --set goes with tension-table1", name);
+    return EXIT_DONE;
+}
+
+static const char *folder_of(const arguments *given, pictures drawn)
+{
+    const char *folder = argument(given, "output");
+    if (folder != NULL)
+        return folder;
+    return drawn == ALWAYS ? "out" : drawn == TRAINING ? "out/tension-ablations" : NULL;
+}
+
+static int run(const arguments *given, size_t index)
+{
+    // In the order of bat_tension_set_kind.
+    static const char *const SETS[] = {"published", "fresh", "unseen", NULL};
+    long seed;
+    int set, code = check_options(given, index);
+    if (code != EXIT_DONE || !argument_word(given, "set", SETS, BAT_TENSION_PUBLISHED, &set))
+        return EXIT_BAD_USAGE;
+    if (code != EXIT_DONE || !argument_whole(given, "seed", 0, 1000000000, 1, &seed))
+        return EXIT_BAD_USAGE;
+    pictures drawn = RESULTS[index].drawn;
+    const char *folder = folder_of(given, drawn);
+    // Trainings make their folders themselves.
+    if (folder != NULL && drawn != TRAINING && mkdir(folder, 0777) != 0 && errno != EEXIST)
+    {
+        bat_error error = {0};
+        (void)snprintf(error.text, sizeof error.text, "the folder cannot be made: %s", strerror(errno));
+        return report_failure(folder, &error);
+    }
+    reproduce_job job = {.folder = folder,
+                         .model = argument(given, "model"),
+                         .seed = (uint64_t)seed,
+                         .curves = (bat_tension_set_kind)set,
+                         .json = argument_flag(given, "json")};
+    return RESULTS[index].run(&job);
 }
 
 int verb_reproduce(int argc, char **argv)
 {
     arguments given;
     int code;
-    bat_tension_set_kind curves;
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
-    if (!curves_by_name(argument(&given, "set"), &curves))
-        return usage_error(&given, "--set is one of published, fresh, unseen, not '%s'", argument(&given, "set"));
     for (size_t i = 0; i < RESULT_COUNT; i++)
-    {
-        if (strcmp(given.positional[0], RESULTS[i].name) != 0)
-            continue;
-        const char *folder = argument(&given, "output");
-        if (folder != NULL && RESULTS[i].drawn == NEVER)
-            return usage_error(&given, "%s has no pictures to put into a folder", RESULTS[i].name);
-        if (argument(&given, "model") != NULL && !RESULTS[i].learned)
-            return usage_error(&given, "%s has no row for a model", RESULTS[i].name);
-        if (argument(&given, "set") != NULL && !RESULTS[i].sets)
-            return usage_error(&given, "%s has no other curves than its own", RESULTS[i].name);
-        if (folder == NULL && RESULTS[i].drawn == ALWAYS)
-            folder = "out";
-        if (folder != NULL && mkdir(folder, 0777) != 0 && errno != EEXIST)
-        {
-            bat_error error = {0};
-            (void)snprintf(error.text, sizeof error.text, "the folder cannot be made: %s", strerror(errno));
-            return report_failure(folder, &error);
-        }
-        reproduce_job job = {folder, argument(&given, "model"), curves, argument_flag(&given, "json")};
-        return RESULTS[i].run(&job);
-    }
+        if (strcmp(given.positional[0], RESULTS[i].name) == 0)
+            return run(&given, i);
     return usage_error(&given, "there is no result '%s'; `batten list results` names them", given.positional[0]);
 }

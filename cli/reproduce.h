@@ -2,9 +2,9 @@
 #define CLI_REPRODUCE_H
 
 #include "batten/tension_data.h"
+#include "batten/tension_model.h"
 
-#include <stdbool.h>
-#include <stddef.h>
+#include <jansson.h>
 
 /// The published results that can be reproduced; `index` from 0 on. False past the last.
 bool reproduce_row(size_t index, const char **name, const char **summary);
@@ -12,15 +12,29 @@ bool reproduce_row(size_t index, const char **name, const char **summary);
 /// What the command line of `batten reproduce` asks for beside the result's name.
 typedef struct reproduce_job
 {
-    const char *folder;          ///< for pictures; null for none
-    const char *model;           ///< the file of a learned tension, for a row more; null for none
-    bat_tension_set_kind curves; ///< which curves a table is taken on
+    const char *folder; ///< for pictures or trainings; null for none
+    const char *model;  ///< the file of a learned tension; null for none
+    uint64_t seed;
+    bat_tension_set_kind curves; ///< which curves table 1 is taken on
     bool json;                   ///< print one JSON object
 } reproduce_job;
 
 /// One result each: print it, write its pictures to the folder where it has any, and return the program's exit code.
 int reproduce_curve_figures(const reproduce_job *job);
 int reproduce_tension_table1(const reproduce_job *job);
+int reproduce_tension_table2(const reproduce_job *job);
+int reproduce_tension_table3(const reproduce_job *job);
+int reproduce_tension_table4(const reproduce_job *job);
 int reproduce_tension_iss(const reproduce_job *job);
+int reproduce_tension_mechanism(const reproduce_job *job);
+
+// What the results share.
+
+/// Read the model that is asked for; null where there is none. Returns the program's exit code.
+int reproduce_model(const reproduce_job *job, bat_tension_model **model);
+/// A figure and, where there is a published one, its ratio to that in brackets.
+void reproduce_print_figure(double ours, double published, int width);
+/// Add a number to an object if there is one: not for NaN.
+void reproduce_set_number(json_t *object, const char *key, double value);
 
 #endif

@@ -13,8 +13,11 @@
 #include "batten/scheme.h"
 #include "batten/shapes.h"
 #include "batten/space.h"
+#include "batten/tension_ablation.h"
 #include "batten/tension_data.h"
+#include "batten/tension_mechanism.h"
 #include "batten/tension_model.h"
+#include "batten/tension_noise.h"
 #include "batten/tension_table.h"
 #include "batten/tension_train.h"
 

@@ -61,7 +61,9 @@ static bat_status measure_four_point(double bending[SPACES], int threads, bat_er
     bat_tension_row rows[SPACES];
     bat_scheme scheme = bat_scheme_angle(BAT_TENSION_FOUR_POINT);
     scheme.sign = BAT_ANGLE_PRINTED;
-    bat_status status = bat_tension_table1_method("four-point-printed", &scheme, rows, threads, (bat_progress){0}, error);
+    const bat_tension_method method = {"four-point-printed", NAN, scheme};
+    bat_status status =
+        bat_tension_table1_methods(BAT_TENSION_PUBLISHED, &method, 1, rows, threads, (bat_progress){0}, error);
     for (size_t space = 0; space < SPACES && status == BAT_OK; space++)
         bending[space] = rows[space].bending.mean;
     return status;

@@ -151,6 +151,15 @@ refused 1 'cannot be compared|coordinates' measure good.in.csv antipodal.in.csv
 refused 2 'missing' measure
 refused 2 'no result' reproduce table99
 refused 2 'no pictures' reproduce tension-table1 -o folder
+refused 2 'no pictures' reproduce tension-table2 -o folder
+refused 2 'no row' reproduce tension-table3 --model good.in.csv
+refused 2 'needs --model' reproduce tension-mechanism
+refused 2 'no chance' reproduce tension-iss --seed 2
+refused 2 'whole number' reproduce tension-table4 --seed two
+refused 1 'none.in: cannot open' reproduce tension-table2 --model none.in
+refused 1 'none.in: cannot open' reproduce tension-mechanism --model none.in
+refused 1 'good.in.csv: ' reproduce tension-mechanism --model good.in.csv
+refused 1 'folder' reproduce tension-table3 -o good.in.csv/folder
 refused 2 'no list' list things
 refused 2 'no model' train curve
 refused 2 'one of published' train tension --recipe unpublished

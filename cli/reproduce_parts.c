@@ -1,0 +1,31 @@
+#include "reproduce.h"
+
+#include "arguments.h"
+#include "report.h"
+
+#include <math.h>
+#include <stdio.h>
+
+int reproduce_model(const reproduce_job *job, bat_tension_model **model)
+{
+    bat_error error;
+    *model = NULL;
+    if (job->model == NULL || bat_tension_model_read(job->model, model, &error) == BAT_OK)
+        return EXIT_DONE;
+    return report_failure(job->model, &error);
+}
+
+void reproduce_print_figure(double ours, double published, int width)
+{
+    (void)printf(" %*.5g", width, ours);
+    if (isfinite(published))
+        (void)printf(" (%5.3f)", ours / published);
+    else
+        (void)printf(" %7s", "");
+}
+
+void reproduce_set_number(json_t *object, const char *key, double value)
+{
+    if (isfinite(value))
+        (void)json_object_set_new(object, key, report_number(value));
+}
