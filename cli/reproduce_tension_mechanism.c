@@ -85,7 +85,7 @@ static json_t *row_json(const char *space, const char *sign, const bat_tension_e
     return row;
 }
 
-static int print_json(const bat_tension_mechanism_report *report)
+static int print_json(const bat_tension_mechanism_report *report, const bat_tension_mechanism_options *options)
 {
     json_t *rows = json_array(), *layers = json_array(), *spaces = json_array();
     for (size_t s = 0; s < SPACES; s++)
@@ -104,7 +104,8 @@ static int print_json(const bat_tension_mechanism_report *report)
         (void)json_array_append_new(layers, report_number(report->layers[i]));
     json_t *lipschitz = json_pack("{s:o, s:o, s:o, s:o}", "layers", layers, "product", report_number(report->product),
                                   "published_product", report_number(PUBLISHED_PRODUCT), "spaces", spaces);
-    return report_json(json_pack("{s:o, s:o}", "rows", rows, "lipschitz", lipschitz));
+    return report_json(json_pack("{s:I, s:I, s:o, s:o}", "curves", (json_int_t)options->curves, "levels",
+                                 (json_int_t)options->levels, "rows", rows, "lipschitz", lipschitz));
 }
 
 static void print_effective(const char *space, const char *sign, const bat_tension_effective *e)
@@ -132,12 +133,13 @@ static void print_lipschitz(const bat_tension_mechanism_report *report)
         (void)printf(" %s %+.3g%s", NAMES[s], report->spaces[s].centre, s + 1 < SPACES ? "," : "\n");
 }
 
-static int print_text(const bat_tension_mechanism_report *report, size_t levels, const char *folder)
+static int print_text(const bat_tension_mechanism_report *report, const bat_tension_mechanism_options *options,
+                      const char *folder)
 {
     (void)printf(
-        "Section 9 of Ugail and Howard (2026): the effective tension (eq. 26) of every insertion on validation curves, "
-        "%zu levels.\nMean and deviation after cutting off to -3 ... 1.5, as published; quantiles without.\n\n",
-        levels);
+        "Section 9 of Ugail and Howard (2026): the effective tension (eq. 26) of every insertion on %zu validation curves a "
+        "space,\n%zu levels. Mean and deviation after cutting off to -3 ... 1.5, as published; quantiles without.\n\n",
+        options->curves, options->levels);
     (void)printf("%-7s %-8s %10s %9s %8s %8s  %6s %6s  %7s %7s %7s %7s %7s\n", "space", "sign", "insertions", "undefined",
                  "below -3", "over 1.5", "mean", "dev.", "5 %", "25 %", "50 %", "75 %", "95 %");
     for (size_t s = 0; s < SPACES; s++)
@@ -169,5 +171,5 @@ int reproduce_tension_mechanism(const reproduce_job *job)
     int code = job->folder != NULL ? draw(job->folder, &report) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
-    return job->json ? print_json(&report) : print_text(&report, options.levels, job->folder);
+    return job->json ? print_json(&report, &options) : print_text(&report, &options, job->folder);
 }

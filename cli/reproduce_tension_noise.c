@@ -52,8 +52,10 @@ static int print_text(const bat_tension_noise_options *options, const bat_tensio
     for (size_t i = 0; i < count; i++)
         print_row(&rows[i]);
     (void)printf(
-        "\n\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. The published "
-        "figures without\nnoise are those of table 1, which has five levels.\n");
+        "\n\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. The caption has "
+        "four "
+        "levels, but\nwithout noise it repeats table 1, which has five. No exterior angle is above pi: means of 3.18 and "
+        "3.34 cannot be.\n");
     return EXIT_DONE;
 }
 

@@ -21,7 +21,7 @@ typedef struct bat_tension_noise_options
     /// Standard deviations of both coordinates of a control point, as shares of its polygon's radius: the greatest distance of
     /// a control point from the mean of all. At least 0; default 0, 0.03, 0.06, 0.1, 0.15, 0.2, as published.
     double noise[BAT_TENSION_NOISES];
-    size_t levels; ///< default 4, as published
+    size_t levels; ///< default 5: the caption says 4, but the published figures without noise are those of table 1
     uint64_t seed; ///< of the noise, which is the same for all methods and, but for its size, all strengths; default 1
     int threads;   ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;

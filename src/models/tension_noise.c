@@ -12,7 +12,7 @@
 
 bat_tension_noise_options bat_tension_noise_defaults(void)
 {
-    return (bat_tension_noise_options){.noise = {0, 0.03, 0.06, 0.1, 0.15, 0.2}, .levels = 4, .seed = 1};
+    return (bat_tension_noise_options){.noise = {0, 0.03, 0.06, 0.1, 0.15, 0.2}, .levels = BAT_TENSION_LEVELS, .seed = 1};
 }
 
 // The published figures
