@@ -2,11 +2,10 @@
 
 #include "base/error.h"
 #include "models/tension_inference.h"
+#include "models/tension_weights.h"
 #include "space/known.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct bat_tension_model
 {
@@ -52,54 +51,22 @@ static void learned_angles(const bat_angle_rule *rule, const bat_angle_rule_view
     tension_inference_angles(&model->network, curvature_and_one, view->count, run->features, angles, run->scratch);
 }
 
-/// The arrays' prefix in this file: a checkpoint has more than one set of weights.
-static const char *find_prefix(const safetensors *content)
+static bat_status take_weights(const char *path, tension_inference *network, bat_error *error)
 {
-    static const char *const prefixes[] = {"", "best.", "weight."};
-    for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; i++)
-    {
-        char name[LEARN_NAME_SIZE];
-        (void)snprintf(name, sizeof name, "%sinput_proj.0.weight", prefixes[i]);
-        if (safetensors_find(content, name) != NULL)
-            return prefixes[i];
-    }
-    return "";
-}
-
-/// The parameters of the network that a file holds: which of table 3 it is shows in its first layer.
-static bat_status describe(const safetensors *content, const char *prefix, learn_parameters *parameters, bat_error *error)
-{
-    char name[LEARN_NAME_SIZE];
-    (void)snprintf(name, sizeof name, "%sinput_proj.0.weight", prefix);
-    const safetensors_array *first = safetensors_find(content, name);
-    size_t inputs = first != NULL && first->rank == 2 ? first->shape[1] : 0;
-    if (inputs == TENSION_FEATURES || inputs == TENSION_FEATURES + TENSION_SPACES)
-        return tension_network_make_plain(parameters, inputs, error);
-    return tension_network_make(parameters, error);
-}
-
-static bat_status take_weights(const safetensors *content, tension_inference *network, bat_error *error)
-{
-    learn_parameters parameters = {0};
-    const char *prefix = find_prefix(content);
-    bat_status status = describe(content, prefix, &parameters, error);
-    if (status == BAT_OK)
-        status = learn_parameters_extract(&parameters, content, prefix, parameters.values, error);
-    if (status == BAT_OK)
-        status = tension_inference_make(&parameters, network, error);
+    learn_parameters parameters;
+    bat_tension_embedding embedding;
+    bat_status status = tension_weights_read(path, &parameters, &embedding, error);
+    if (status != BAT_OK)
+        return status;
+    status = tension_inference_make(&parameters, network, error);
     learn_parameters_free(&parameters);
     return status;
 }
 
 bat_status bat_tension_model_read(const char *path, bat_tension_model **model, bat_error *error)
 {
-    safetensors content;
-    bat_status status = safetensors_read(path, &content, error);
-    if (status != BAT_OK)
-        return status;
     bat_tension_model *made = calloc(1, sizeof *made);
-    status = made != NULL ? take_weights(&content, &made->network, error) : error_memory(error, sizeof *made);
-    safetensors_free(&content);
+    bat_status status = made != NULL ? take_weights(path, &made->network, error) : error_memory(error, sizeof *made);
     if (status != BAT_OK)
     {
         free(made);
