@@ -13,16 +13,6 @@ enum
     MOST_OWN = 1 ///< methods beside the built-in ones
 };
 
-/// "0.01285  (0.36)" — a figure, and its ratio to the published one where there is one.
-static void print_figure(double ours, double published, int width)
-{
-    (void)printf(" %*.5g", width, ours);
-    if (isfinite(published))
-        (void)printf(" (%5.3f)", ours / published);
-    else
-        (void)printf(" %7s", "");
-}
-
 static void print_row(const bat_tension_row *row)
 {
     char method[64];
@@ -32,20 +22,13 @@ static void print_row(const bat_tension_row *row)
         (void)printf(" %+6.3f", row->tension);
     else
         (void)printf(" %6s", "");
-    print_figure(row->mean_nn.mean, row->published_mean_nn, 9);
+    reproduce_print_figure(row->mean_nn.mean, row->published_mean_nn, 9);
     (void)printf(" %9.4g", row->hausdorff.mean);
-    print_figure(row->bending.mean, row->published_bending, 9);
+    reproduce_print_figure(row->bending.mean, row->published_bending, 9);
     if (row->mean_nn.count > 1)
         (void)printf(" %9.4g", row->bending.median);
-    print_figure(row->g1.mean, row->published_g1, 7);
+    reproduce_print_figure(row->g1.mean, row->published_g1, 7);
     (void)printf("\n");
-}
-
-/// Only where there is such a figure.
-static void set_finite(json_t *object, const char *key, double value)
-{
-    if (isfinite(value))
-        (void)json_object_set_new(object, key, report_number(value));
 }
 
 static json_t *row_json(const bat_tension_row *row)
@@ -56,11 +39,11 @@ static json_t *row_json(const bat_tension_row *row)
                                "hausdorff", report_number(row->hausdorff.mean), "bending", report_number(row->bending.mean),
                                "bending_median", report_number(row->bending.median), "g1", report_number(row->g1.mean),
                                "g1_median", report_number(row->g1.median));
-    set_finite(object, "tension", row->tension);
-    set_finite(object, "fairness", row->fairness);
-    set_finite(object, "published_mean_nn", row->published_mean_nn);
-    set_finite(object, "published_bending", row->published_bending);
-    set_finite(object, "published_g1", row->published_g1);
+    reproduce_set_number(object, "tension", row->tension);
+    reproduce_set_number(object, "fairness", row->fairness);
+    reproduce_set_number(object, "published_mean_nn", row->published_mean_nn);
+    reproduce_set_number(object, "published_bending", row->published_bending);
+    reproduce_set_number(object, "published_g1", row->published_g1);
     return object;
 }
 
@@ -81,15 +64,6 @@ static int print_rows(const bat_tension_row *rows, size_t count, const char *tit
         print_row(&rows[i]);
     (void)printf("\n%s\n", remark);
     return EXIT_DONE;
-}
-
-/// The scheme of the model that is asked for.
-static int read_model(const reproduce_job *job, bat_tension_model **model)
-{
-    bat_error error;
-    if (job->model == NULL || bat_tension_model_read(job->model, model, &error) == BAT_OK)
-        return EXIT_DONE;
-    return report_failure(job->model, &error);
 }
 
 /// The methods beside the built-in ones.
@@ -146,7 +120,7 @@ int reproduce_tension_table1(const reproduce_job *job)
     bat_tension_row rows[BAT_TENSION_SPACE_COUNT * (BAT_TENSION_METHODS + MOST_OWN)];
     bat_tension_model *model = NULL;
     bat_error error;
-    if (read_model(job, &model) != EXIT_DONE)
+    if (reproduce_model(job, &model) != EXIT_DONE)
         return EXIT_BAD_INPUT;
     size_t count = own_methods(model, methods);
     bat_status status = table1_rows(job->curves, methods, count, rows, &error);
@@ -191,7 +165,7 @@ int reproduce_tension_iss(const reproduce_job *job)
     bat_tension_row rows[BAT_TENSION_METHODS + MOST_OWN];
     bat_tension_model *model = NULL;
     bat_error error;
-    if (read_model(job, &model) != EXIT_DONE)
+    if (reproduce_model(job, &model) != EXIT_DONE)
         return EXIT_BAD_INPUT;
     size_t own = own_methods(model, methods), count = BAT_TENSION_METHODS + own;
     bat_progress progress = report_progress("refining the ground track");
