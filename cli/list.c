@@ -66,9 +66,9 @@ static int print_rows(const char *what, row_function row, bool as_json)
         }
         else
         {
-            (void)printf("%-16s %s\n", name, summary);
+            (void)printf("%-18s %s\n", name, summary);
             if (settings != NULL && settings[0] != '\0')
-                (void)printf("%-16s settings: %s\n", "", settings);
+                (void)printf("%-18s settings: %s\n", "", settings);
         }
     }
     if (as_json)

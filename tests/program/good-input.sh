@@ -102,6 +102,18 @@ if [ -e /proc/self/fd ]; then
     signalled INT 130 at_pipe measure pipe.csv
     signalled INT 130 at_pipe curve "$examples/outline.csv" --levels 12 -o pipe.csv
     exec 3>&-
+    # A training that is stopped keeps where it stands.
+    env --default-signal=INT "$batten" reproduce tension-table3 -o trainings > stdout 2> stderr &
+    process=$!
+    tries=0
+    until { runs $process && catches $process; } 2> /dev/null || [ $tries -eq 500 ]; do
+        sleep 0.02
+        tries=$((tries + 1))
+    done
+    kill -INT $process
+    wait $process 2> /dev/null
+    check "SIGINT ends a training" test $? -eq 130
+    check "a stopped training has a checkpoint" test -s trainings/seed-1/full/checkpoint.safetensors
     # Elsewhere the file has a name from the beginning, which stays behind.
     case $(stat -f -c %T .) in ext2/ext3 | xfs | btrfs | tmpfs)
         for signal in INT:130 TERM:143 HUP:129; do
@@ -129,6 +141,9 @@ check "many curves have a distance to many truths" json many.json '"mean_nn"'
 check "--json alone reports and writes no curves" same alone.json report.json
 "$batten" curve "$examples/outline.csv" -o kept.csv --picture no/such/picture.svg > /dev/null 2> stderr
 check "the curves stay when the picture fails" test -s kept.csv
+
+"$batten" reproduce tension-table2 --seed 2 --json > noise.json
+check "tension-table2 --json has published figures beside ours" json noise.json '"published_g1"'
 
 # Orders with equal exponents share a line.
 "$batten" analyze lane-riesenfeld:order=40 > spline.txt
