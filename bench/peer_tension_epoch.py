@@ -26,6 +26,8 @@ parser.add_argument("--check", nargs=2, metavar=("STEP", "WEIGHTS"))
 given = parser.parse_args()
 # The BLAS below PyTorch has threads of its own, and looks here when it is loaded.
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = str(given.threads)
+# Threads that wait by spinning stop each other on a machine that others use, too.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 try:
     import torch
