@@ -5,19 +5,17 @@
 #include "learn/train.h"
 #include "models/tension_network.h"
 #include "models/tension_validate.h"
+#include "models/train_files.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum
 {
     BATCH = 8,
     CHECK_EVERY = 10,
     SAVE_EVERY = 5,
-    PATH_SIZE = 4096,
     NAME_SIZE = 256
 };
 
@@ -144,42 +142,6 @@ static bat_status check(void *context, uint64_t epoch, double *figures, bat_erro
     return BAT_OK;
 }
 
-// Files
-
-typedef struct train_files
-{
-    char checkpoint[PATH_SIZE], log[PATH_SIZE], chart[PATH_SIZE], model[PATH_SIZE];
-} train_files;
-
-/// Make a folder and those that it lies in.
-static bat_status make_folder(const char *folder, bat_error *error)
-{
-    char part[PATH_SIZE];
-    size_t length = strlen(folder);
-    if (length == 0 || length > PATH_SIZE / 2)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "the name of the folder is empty or too long");
-    memcpy(part, folder, length + 1);
-    for (size_t i = 1; i <= length; i++)
-    {
-        if (part[i] != '/' && part[i] != '\0')
-            continue;
-        part[i] = '\0';
-        if (mkdir(part, 0777) != 0 && errno != EEXIST)
-            return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot make the folder %s: %s", part,
-                             strerror(errno));
-        part[i] = folder[i];
-    }
-    return BAT_OK;
-}
-
-static void name_files(const char *folder, train_files *files)
-{
-    (void)snprintf(files->checkpoint, PATH_SIZE, "%s/checkpoint.safetensors", folder);
-    (void)snprintf(files->log, PATH_SIZE, "%s/log.csv", folder);
-    (void)snprintf(files->chart, PATH_SIZE, "%s/log.png", folder);
-    (void)snprintf(files->model, PATH_SIZE, "%s/model.safetensors", folder);
-}
-
 /// Everything but the seed that makes one training another, as the name by which a checkpoint is known.
 static void write_name(const bat_tension_train_options *options, char name[NAME_SIZE])
 {
@@ -292,14 +254,14 @@ bat_status tension_train_on(const bat_tension_data *data, const bat_tension_trai
     char name[NAME_SIZE];
     bat_status status = check_options(options, error);
     if (status == BAT_OK && options->folder != NULL)
-        status = make_folder(options->folder, error);
+        status = train_files_folder(options->folder, error);
     if (status == BAT_OK)
         status = training_make(data, options, &t, error);
     if (status == BAT_OK)
     {
         write_name(options, name);
         if (options->folder != NULL)
-            name_files(options->folder, &files);
+            train_files_name(options->folder, &files);
         learn_options learning = published_options(options, name, &files);
         status = run(&t, &learning, &made, error);
     }
