@@ -1,5 +1,6 @@
 #include "check.h"
 
+#include "learn/klein.h"
 #include "learn/operations.h"
 
 // Every operation's derivative against central differences, for random shapes and numbers. In single precision only the
@@ -10,7 +11,7 @@ static const bool DOUBLE = sizeof(real) == sizeof(double);
 enum
 {
     SEEDS = 6,
-    MOST_INPUTS = 4
+    MOST_INPUTS = 6
 };
 
 /// Sizes that are drawn at random, from LEAST to MOST.
@@ -194,6 +195,27 @@ static learn_array *apply_concatenate_columns(learn_tape *tape, learn_array **in
     return learn_concatenate_columns(tape, inputs, 3);
 }
 
+static learn_array *apply_log(learn_tape *tape, learn_array **inputs)
+{
+    return learn_log(tape, learn_add_number(tape, learn_interval(tape, inputs[0], (real)-0.8, (real)2), 1));
+}
+
+static learn_array *apply_klein_linear(learn_tape *tape, learn_array **inputs)
+{
+    const klein_widths in = {{3, 1, 2, 4}}, out = {{2, 5, 1, 3}};
+    return learn_klein_linear(tape, inputs[0], in, out, inputs + 1, inputs[5]);
+}
+
+static learn_array *apply_klein_linear_plain(learn_tape *tape, learn_array **inputs)
+{
+    return learn_klein_linear(tape, inputs[0], klein_equal(2), klein_equal(3), inputs + 1, NULL);
+}
+
+static learn_array *apply_klein_gelu(learn_tape *tape, learn_array **inputs)
+{
+    return learn_klein_gelu(tape, inputs[0]);
+}
+
 static const operation_case cases[] = {
     {"linear", apply_linear, {{M, N}, {K, N}, {1, K}}, 3, false},
     {"linear to one column", apply_linear, {{M, N}, {1, N}, {1, 1}}, 3, false},
@@ -227,6 +249,10 @@ static const operation_case cases[] = {
     {"slice columns", apply_slice_columns, {{M, 6}}, 1, false},
     {"concatenate rows", apply_concatenate_rows, {{M, N}, {1, N}, {K, N}}, 3, false},
     {"concatenate columns", apply_concatenate_columns, {{M, N}, {M, 1}, {M, K}}, 3, false},
+    {"log", apply_log, {{M, N}}, 1, false},
+    {"klein linear", apply_klein_linear, {{M, 10}, {3, 2}, {1, 5}, {2, 1}, {4, 3}, {1, 2}}, 6, false},
+    {"klein linear without bias", apply_klein_linear_plain, {{M, 8}, {2, 3}, {2, 3}, {2, 3}, {2, 3}}, 5, false},
+    {"klein gelu", apply_klein_gelu, {{M, 4 * 7}}, 1, false},
 };
 
 /// Parameters of the shapes with random numbers.
@@ -234,7 +260,7 @@ static learn_parameters make_inputs(const operation_case *operation, uint64_t se
 {
     learn_parameters inputs = {0};
     bat_random random = bat_random_seed(seed);
-    static const char *const names[MOST_INPUTS] = {"a", "b", "c", "d"};
+    static const char *const names[MOST_INPUTS] = {"a", "b", "c", "d", "e", "f"};
     size_t drawn[3];
     for (size_t i = 0; i < 3; i++)
         drawn[i] = LEAST + bat_random_bits(&random) % (MOST - LEAST + 1);

@@ -8,7 +8,7 @@
 typedef struct unary
 {
     learn_array *x, *y;
-    real low, high; ///< of an interval; `low` is the factor of a scale
+    real low, high; ///< of an interval; `low` is the factor of a scale, the number that is added
     dropout_mask mask;
 } unary;
 
@@ -213,4 +213,56 @@ static void scale_back(void *context)
 learn_array *learn_scale(learn_tape *tape, learn_array *x, real factor)
 {
     return apply(tape, (unary){.x = x, .low = factor}, scale_forward, scale_back);
+}
+
+static void add_number_forward(const unary *u, size_t count, const real *restrict x, real *restrict y)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] = x[i] + u->low;
+}
+
+static void add_number_slope(const unary *u, size_t count, const real *x, const real *y, const real *restrict dy,
+                             real *restrict dx)
+{
+    (void)u;
+    (void)x;
+    (void)y;
+    for (size_t i = 0; i < count; i++)
+        dx[i] += dy[i];
+}
+
+static void add_number_back(void *context)
+{
+    apply_back(context, add_number_slope);
+}
+
+learn_array *learn_add_number(learn_tape *tape, learn_array *x, real number)
+{
+    return apply(tape, (unary){.x = x, .low = number}, add_number_forward, add_number_back);
+}
+
+static void log_forward(const unary *u, size_t count, const real *restrict x, real *restrict y)
+{
+    (void)u;
+    for (size_t i = 0; i < count; i++)
+        y[i] = (real)log((double)x[i]);
+}
+
+static void log_slope(const unary *u, size_t count, const real *restrict x, const real *y, const real *restrict dy,
+                      real *restrict dx)
+{
+    (void)u;
+    (void)y;
+    for (size_t i = 0; i < count; i++)
+        dx[i] += dy[i] / x[i];
+}
+
+static void log_back(void *context)
+{
+    apply_back(context, log_slope);
+}
+
+learn_array *learn_log(learn_tape *tape, learn_array *x)
+{
+    return apply(tape, (unary){.x = x}, log_forward, log_back);
 }

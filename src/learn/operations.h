@@ -34,6 +34,10 @@ learn_array *learn_add(learn_tape *tape, learn_array *x, learn_array *y);
 learn_array *learn_subtract(learn_tape *tape, learn_array *x, learn_array *y);
 learn_array *learn_multiply(learn_tape *tape, learn_array *x, learn_array *y);
 learn_array *learn_scale(learn_tape *tape, learn_array *x, real factor);
+/// x + number
+learn_array *learn_add_number(learn_tape *tape, learn_array *x, real number);
+/// Natural logarithms of positive numbers.
+learn_array *learn_log(learn_tape *tape, learn_array *x);
 
 // Sums: 1 x 1, but for the norms of the rows: R x 1 (arithmetic.c)
 

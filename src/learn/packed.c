@@ -1,22 +1,23 @@
 #include "learn/packed.h"
 
+#include "learn/klein.h"
 #include "learn/row_statistics.h"
 
 #include <string.h>
 
 learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real *memory)
 {
-    learn_packed layer = {.inputs = inputs, .columns = learn_whole_panels(outputs), .weight = memory};
-    layer.bias = memory + inputs * layer.columns;
+    size_t columns = learn_whole_panels(outputs);
+    real *own_bias = memory + inputs * columns;
     memset(memory, 0, learn_packed_size(inputs, outputs) * sizeof *memory);
     for (size_t o = 0; o < outputs; o++)
     {
-        real *panel = layer.weight + o / LEARN_PANEL * LEARN_PANEL * inputs + o % LEARN_PANEL;
+        real *panel = memory + o / LEARN_PANEL * LEARN_PANEL * inputs + o % LEARN_PANEL;
         for (size_t k = 0; k < inputs; k++)
             panel[k * LEARN_PANEL] = weight[o * stride + k];
-        layer.bias[o] = bias[o];
+        own_bias[o] = bias[o];
     }
-    return layer;
+    return (learn_packed){inputs, columns, memory, LEARN_PANEL, inputs * LEARN_PANEL, own_bias};
 }
 
 #define PRODUCT_PASTE(a, b) a##b
@@ -93,4 +94,15 @@ void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const
 void learn_packed_gelu(size_t count, real *y)
 {
     gelu(count, y);
+}
+
+LANES_CLONES
+static void klein_gelu(size_t count, const real *restrict x, real *restrict y)
+{
+    klein_gelu_forward(count, x, y);
+}
+
+void learn_packed_klein_gelu(size_t count, const real *restrict x, real *restrict y)
+{
+    klein_gelu(count, x, y);
 }

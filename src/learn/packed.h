@@ -33,10 +33,18 @@ static inline size_t learn_whole_tiles(size_t rows)
 typedef struct learn_packed
 {
     size_t inputs;
-    size_t columns; ///< outputs in whole panels
-    real *weight;   ///< panel by panel, inputs x LEARN_PANEL each
-    real *bias;     ///< columns
+    size_t columns;      ///< outputs in whole panels
+    const real *weight;  ///< the transposed matrix, inputs x columns, in panels
+    size_t input_stride; ///< from one input's numbers to the next one's within a panel
+    size_t panel_stride; ///< from panel to panel
+    const real *bias;    ///< columns
 } learn_packed;
+
+/// A layer whose transposed matrix lies as it is, inputs x columns, the columns whole panels.
+static inline learn_packed learn_packed_plain(size_t inputs, size_t columns, const real *weight, const real *bias)
+{
+    return (learn_packed){inputs, columns, weight, columns, LEARN_PANEL, bias};
+}
 
 /// Numbers that hold a layer.
 static inline size_t learn_packed_size(size_t inputs, size_t outputs)
@@ -60,5 +68,8 @@ void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const
 
 /// y = gelu(y) in place.
 void learn_packed_gelu(size_t count, real *y);
+
+/// learn_klein_gelu() of numbers whose four blocks lie one behind the other, `count` numbers each.
+void learn_packed_klein_gelu(size_t count, const real *restrict x, real *restrict y);
 
 #endif

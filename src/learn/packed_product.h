@@ -14,11 +14,11 @@ typedef real WIDE __attribute__((vector_size(PRODUCT_BYTES), aligned(sizeof(real
 PRODUCT_TARGET
 static void PRODUCT(const learn_packed *layer, size_t rows, const real *restrict x, size_t stride, real *restrict y)
 {
-    size_t inputs = layer->inputs, columns = layer->columns;
+    size_t inputs = layer->inputs, columns = layer->columns, input_stride = layer->input_stride;
     for (size_t r = 0; r < rows; r += LEARN_TILE)
         for (size_t c = 0; c < columns; c += PRODUCT_VECTORS * LANES)
         {
-            const real *weight = layer->weight + c / LEARN_PANEL * LEARN_PANEL * inputs + c % LEARN_PANEL;
+            const real *weight = layer->weight + c / LEARN_PANEL * layer->panel_stride + c % LEARN_PANEL;
             const real *row = x + r * stride;
             WIDE sums[LEARN_TILE][PRODUCT_VECTORS], weights[PRODUCT_VECTORS];
             for (size_t i = 0; i < LEARN_TILE; i++)
@@ -27,7 +27,7 @@ static void PRODUCT(const learn_packed *layer, size_t rows, const real *restrict
             for (size_t k = 0; k < inputs; k++)
             {
                 for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                    weights[v] = *(const WIDE *)(weight + k * LEARN_PANEL + v * LANES);
+                    weights[v] = *(const WIDE *)(weight + k * input_stride + v * LANES);
                 for (size_t i = 0; i < LEARN_TILE; i++)
                     for (size_t v = 0; v < PRODUCT_VECTORS; v++)
                         sums[i][v] += row[i * stride + k] * weights[v];

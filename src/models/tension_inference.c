@@ -61,8 +61,9 @@ static learn_packed pack_input(packing *p, size_t space)
     const real *rows = values_at(p, TENSION_AT_INPUT_LINEAR);
     learn_packed layer = learn_pack(TENSION_FEATURES, weight->rows, rows, weight->columns,
                                     values_at(p, TENSION_AT_INPUT_LINEAR + 1), p->free);
+    real *bias = p->free + layer.inputs * layer.columns;
     for (size_t o = 0; o < weight->rows; o++)
-        layer.bias[o] = (real)((double)layer.bias[o] + space_part(p, rows + o * weight->columns, weight->columns, space));
+        bias[o] = (real)((double)bias[o] + space_part(p, rows + o * weight->columns, weight->columns, space));
     p->free += learn_packed_size(TENSION_FEATURES, weight->rows);
     return layer;
 }

@@ -1,0 +1,67 @@
+#ifndef LEARN_KLEIN_H
+#define LEARN_KLEIN_H
+
+#include "learn/tape.h"
+
+/// @file
+/// Layers that commute with two reflections.
+///
+/// Take numbers that two commuting reflections either keep or change the sign of. There are four ways to do so, the
+/// characters of the Klein four-group: kept by both, by the first alone, by the second alone, by neither. An array here has its
+/// columns in four blocks, one a character, in the order of klein_character. A linear layer that commutes with the reflections
+/// is one matrix a block, with a bias where both keep. A function of single numbers commutes with them when it is
+/// applied to the values of the four-group's regular representation, which a Hadamard matrix takes the blocks to and back
+/// (Cohen and Welling 2016, for the smallest group that has two generators).
+
+typedef enum klein_character
+{
+    KLEIN_KEPT,   ///< both keep it
+    KLEIN_SECOND, ///< the second changes its sign
+    KLEIN_FIRST,  ///< the first does
+    KLEIN_BOTH,   ///< both do, so that the two together keep it
+    KLEIN_COUNT
+} klein_character;
+
+/// The columns of the blocks.
+typedef struct klein_widths
+{
+    size_t of[KLEIN_COUNT];
+} klein_widths;
+
+static inline klein_widths klein_equal(size_t width)
+{
+    return (klein_widths){{width, width, width, width}};
+}
+
+static inline size_t klein_total(klein_widths widths)
+{
+    return widths.of[0] + widths.of[1] + widths.of[2] + widths.of[3];
+}
+
+/// Block k of the result is x_k W_k, for the first block plus `bias`.
+/// @param x       R x klein_total(in)
+/// @param weights four, in.of[k] x out.of[k]
+/// @param bias    1 x out.of[KLEIN_KEPT], or null
+/// @return R x klein_total(out)
+learn_array *learn_klein_linear(learn_tape *tape, learn_array *x, klein_widths in, klein_widths out,
+                                learn_array *const weights[KLEIN_COUNT], learn_array *bias);
+
+/// GELU in the regular representation. R x 4 width; every block has `width` columns.
+learn_array *learn_klein_gelu(learn_tape *tape, learn_array *x);
+
+/// GELU in the regular representation for `width` numbers of each block, in place.
+__attribute__((always_inline)) static inline void klein_gelu_forward(size_t width, const real *restrict x, real *restrict y)
+{
+    for (size_t c = 0; c < width; c++)
+    {
+        real a = x[c], b = x[width + c], d = x[2 * width + c], e = x[3 * width + c];
+        real p = (real)0.5 * (a + b), q = (real)0.5 * (a - b), r = (real)0.5 * (d + e), s = (real)0.5 * (d - e);
+        real pr = real_gelu(p + r), ps = real_gelu(p - r), qr = real_gelu(q + s), qs = real_gelu(q - s);
+        y[c] = (real)0.5 * ((pr + ps) + (qr + qs));
+        y[width + c] = (real)0.5 * ((pr + ps) - (qr + qs));
+        y[2 * width + c] = (real)0.5 * ((pr - ps) + (qr - qs));
+        y[3 * width + c] = (real)0.5 * ((pr - ps) - (qr - qs));
+    }
+}
+
+#endif
