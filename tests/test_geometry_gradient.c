@@ -106,6 +106,24 @@ static void matched_gradient(const geometry_polygon *polygon, const void *contex
                           (geometry_matches){by.of_points, by.of_truth}, 1, gradients);
 }
 
+/// Likewise the mean distance of the polygon's points alone.
+static double nearest_value(const geometry_polygon *polygon, const void *context)
+{
+    const matched *by = context;
+    size_t dim = geometry_dim(polygon->surface);
+    double sum = 0;
+    for (size_t i = 0; i < polygon->count; i++)
+        sum += distance_between(polygon->points + i * dim, by->truth + by->of_points[i] * dim, dim);
+    return sum / (double)polygon->count;
+}
+
+static void nearest_gradient(const geometry_polygon *polygon, const void *context, double *gradients)
+{
+    const matched *by = context;
+    geometry_mean_nearest_back(polygon->points, polygon->count, by->truth, geometry_dim(polygon->surface), by->of_points, 1,
+                               gradients);
+}
+
 /// Run a check for polygons of every kind on every surface.
 static void for_all(void (*check)(const geometry_polygon *polygon, const weights *by))
 {
@@ -163,6 +181,21 @@ static void insertion_is_differentiated(void **state)
 {
     (void)state;
     for_all(check_insert);
+}
+
+static void check_mean_nearest(const geometry_polygon *polygon, const weights *by)
+{
+    matched matches = {.truth = by->truth};
+    double distance = geometry_mean_nearest(polygon->points, polygon->count, by->truth, TRUTH,
+                                            geometry_dim(polygon->surface), matches.of_points);
+    check_relative(distance, nearest_value(polygon, &matches), 1e-14);
+    check_polygon_gradient(polygon, nearest_value, nearest_gradient, &matches, 1e-6, 1e-6);
+}
+
+static void mean_nearest_is_differentiated(void **state)
+{
+    (void)state;
+    for_all(check_mean_nearest);
 }
 
 static void chamfer_is_differentiated(void **state)
@@ -515,6 +548,8 @@ static void check_measures(const geometry_polygon *polygon, const weights *by)
     check_relative(geometry_chamfer(polygon->points, polygon->count, by->truth, TRUTH, space.point_dim,
                                     (geometry_matches){of_points, of_truth}),
                    distance.mean_symmetric, 1e-13);
+    check_relative(geometry_mean_nearest(polygon->points, polygon->count, by->truth, TRUTH, space.point_dim, of_points),
+                   distance.mean_nn, 1e-13);
     for (size_t j = 0; j < polygon->count; j++)
         g1 = fmax(g1, fabs(angles[j]));
     double mean = geometry_angle_power_mean(polygon, profile, 200);
@@ -578,6 +613,7 @@ int main(void)
         cmocka_unit_test(insertion_is_differentiated),
         cmocka_unit_test(limited_insertion_is_differentiated),
         cmocka_unit_test(chamfer_is_differentiated),
+        cmocka_unit_test(mean_nearest_is_differentiated),
         cmocka_unit_test(profile_functions_are_differentiated),
         cmocka_unit_test(tension_angles_are_limited),
         cmocka_unit_test(gradients_are_orthogonal_to_isometries),

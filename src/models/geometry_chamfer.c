@@ -155,3 +155,18 @@ void geometry_chamfer_back(const double *points, size_t count, const double *tru
         add_distance_gradient(points + point * dim, truth + i * dim, dim, truth_factor, point_gradients + point * dim);
     }
 }
+
+double geometry_mean_nearest(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                             size_t *of_points)
+{
+    geometry_nearest(points, count, truth, truth_count, dim, of_points);
+    return mean_distance(points, count, truth, dim, of_points);
+}
+
+void geometry_mean_nearest_back(const double *points, size_t count, const double *truth, size_t dim, const size_t *of_points,
+                                double loss_gradient, double *point_gradients)
+{
+    double factor = loss_gradient / (double)count;
+    for (size_t i = 0; i < count; i++)
+        add_distance_gradient(points + i * dim, truth + of_points[i] * dim, dim, factor, point_gradients + i * dim);
+}

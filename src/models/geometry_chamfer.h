@@ -31,4 +31,11 @@ double geometry_chamfer(const double *points, size_t count, const double *truth,
 void geometry_chamfer_back(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
                            geometry_matches matches, double loss_gradient, double *point_gradients);
 
+/// The mean distance of the points to the truth alone: "mean-NN" of section 7.
+/// @param of_points receives for each point the nearest of the truth
+double geometry_mean_nearest(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                             size_t *of_points);
+void geometry_mean_nearest_back(const double *points, size_t count, const double *truth, size_t dim, const size_t *of_points,
+                                double loss_gradient, double *point_gradients);
+
 #endif

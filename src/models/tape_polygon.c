@@ -154,6 +154,7 @@ typedef struct judgement
     const double *truth;
     size_t truth_count;
     geometry_matches matches;
+    double power;
 } judgement;
 
 /// A loss to be filled in; null after a failure.
@@ -226,5 +227,45 @@ learn_array *tape_polygon_bending(learn_tape *tape, tape_polygon *polygon)
     if (j == NULL)
         return &tape->nothing;
     *j->loss->value = (real)geometry_bending(&polygon->shape, polygon->profile, BAT_BENDING_OFFSET);
+    return j->loss;
+}
+
+static void mean_nearest_back(void *context)
+{
+    const judgement *j = context;
+    const geometry_polygon *shape = &j->polygon->shape;
+    geometry_mean_nearest_back(shape->points, shape->count, j->truth, geometry_dim(shape->surface), j->matches.of_points,
+                               (double)*j->loss->gradient, j->polygon->point_gradient);
+}
+
+learn_array *tape_polygon_mean_nearest(learn_tape *tape, tape_polygon *polygon, const double *truth, size_t truth_count)
+{
+    judgement *j = judge(tape, polygon, mean_nearest_back);
+    if (j == NULL)
+        return &tape->nothing;
+    const geometry_polygon *shape = &polygon->shape;
+    j->truth = truth;
+    j->matches.of_points = learn_tape_memory(tape, shape->count, sizeof *j->matches.of_points);
+    if (tape->status != BAT_OK)
+        return &tape->nothing;
+    *j->loss->value = (real)geometry_mean_nearest(shape->points, shape->count, truth, truth_count,
+                                                  geometry_dim(shape->surface), j->matches.of_points);
+    return j->loss;
+}
+
+static void power_mean_back(void *context)
+{
+    const judgement *j = context;
+    geometry_angle_power_mean_back(&j->polygon->shape, j->polygon->profile, j->power, (double)*j->loss->gradient,
+                                   j->polygon->profile_gradient);
+}
+
+learn_array *tape_polygon_angle_power_mean(learn_tape *tape, tape_polygon *polygon, double power)
+{
+    judgement *j = judge(tape, polygon, power_mean_back);
+    if (j == NULL)
+        return &tape->nothing;
+    j->power = power;
+    *j->loss->value = (real)geometry_angle_power_mean(&polygon->shape, polygon->profile, power);
     return j->loss;
 }
