@@ -1,4 +1,4 @@
-// Refining by a learned scheme: a short curve many times, and a long one once, against the bare products of its network's layers
+// Refining by the learned schemes: a short curve many times, and a long one once, against the bare products of the network's layers
 // in turn in one run.
 
 #include "timing.h"
@@ -6,6 +6,7 @@
 #include "batten/curve.h"
 #include "batten/tension_model.h"
 #include "learn/blas.h"
+#include "models/fairing_network.h"
 #include "models/tension_network.h"
 
 #include <math.h>
@@ -39,27 +40,6 @@ static bat_curve make_curve(const bat_space *sphere, size_t count)
     return curve;
 }
 
-/// A model of random weights, by way of a file.
-static bat_tension_model *make_model(void)
-{
-    char path[] = "/tmp/bench_tension_model_XXXXXX";
-    int file = mkstemp(path);
-    learn_parameters parameters = {0};
-    bat_tension_model *model = NULL;
-    if (file < 0)
-        return NULL;
-    (void)close(file);
-    if (tension_network_make(&parameters, NULL) == BAT_OK)
-    {
-        tension_network_start(&parameters, 1);
-        if (learn_parameters_write(&parameters, path, NULL, 0, NULL) == BAT_OK)
-            (void)bat_tension_model_read(path, &model, NULL);
-    }
-    learn_parameters_free(&parameters);
-    (void)unlink(path);
-    return model;
-}
-
 /// Seconds to refine into memory that is there.
 static double time_refinement(const bat_curve *curve, const bat_refine_options *options, double *fine)
 {
@@ -69,20 +49,30 @@ static double time_refinement(const bat_curve *curve, const bat_refine_options *
     return status == BAT_OK ? seconds_now() - start : 1e9;
 }
 
-/// The products of all layers for as many rows as suit BLAS.
-static void run_products(const learn_parameters *parameters, const real *left, const real *right, real *result)
+/// A scheme and the shapes of its network's layers.
+typedef struct contender
 {
-    for (size_t i = TENSION_AT_INPUT_LINEAR; i < parameters->count; i++)
+    const char *name;
+    bat_scheme scheme;
+    bool transposed; ///< weights are outputs x inputs, not inputs x outputs
+    learn_parameters parameters;
+} contender;
+
+/// The products of all layers for as many rows as suit BLAS.
+static void run_products(const contender *c, const real *left, const real *right, real *result)
+{
+    for (size_t i = 0; i < c->parameters.count; i++)
     {
-        const learn_parameter *p = &parameters->list[i];
-        if (p->rank == 2)
-            REAL_GEMM(CblasRowMajor, CblasNoTrans, CblasTrans, PRODUCT_ROWS, (int)p->rows, (int)p->columns, 1, left,
-                      (int)p->columns, right, (int)p->columns, 0, result, (int)p->rows);
+        const learn_parameter *p = &c->parameters.list[i];
+        int inputs = (int)(c->transposed ? p->columns : p->rows), outputs = (int)(c->transposed ? p->rows : p->columns);
+        if (p->rank == 2 && strcmp(p->name, "geom_embed.weight") != 0)
+            REAL_GEMM(CblasRowMajor, CblasNoTrans, c->transposed ? CblasTrans : CblasNoTrans, PRODUCT_ROWS, outputs, inputs,
+                      1, left, inputs, right, (int)p->columns, 0, result, outputs);
     }
 }
 
 /// The bare rate on one thread in rows a second, over about as long as the refinement takes.
-static double product_rate(void)
+static double product_rate(const contender *c)
 {
     enum
     {
@@ -90,32 +80,31 @@ static double product_rate(void)
         NUMBERS = PRODUCT_ROWS * TENSION_WIDTH
     };
     double rate = 0;
-    learn_parameters parameters = {0};
     real *left = calloc(3 * NUMBERS, sizeof *left);
-    if (left != NULL && tension_network_make(&parameters, NULL) == BAT_OK)
+    if (left != NULL)
     {
         for (size_t k = 0; k < 2 * NUMBERS; k++)
             left[k] = (real)(k % 7);
         blas_single_begin();
         double start = seconds_now();
         for (int round = 0; round < ROUNDS; round++)
-            run_products(&parameters, left, left + NUMBERS, left + 2 * NUMBERS);
+            run_products(c, left, left + NUMBERS, left + 2 * NUMBERS);
         rate = (double)ROUNDS * PRODUCT_ROWS / (seconds_now() - start);
         blas_single_end();
     }
     free(left);
-    learn_parameters_free(&parameters);
     return rate;
 }
 
-static void time_short(const bat_space *sphere, bat_refine_options options)
+static void time_short(const bat_space *sphere, const contender *c, bat_refine_options options)
 {
     double seconds[SHORT_ROUNDS], fine[3 * (SHORT_POINTS << SHORT_LEVELS)];
     bat_curve curve = make_curve(sphere, SHORT_POINTS);
     options.levels = SHORT_LEVELS;
     for (int round = 0; round < SHORT_ROUNDS; round++)
         seconds[round] = time_refinement(&curve, &options, fine);
-    (void)printf("%d vertices by %d levels: %.3f ms\n", SHORT_POINTS, SHORT_LEVELS, 1e3 * median_of(seconds, SHORT_ROUNDS));
+    (void)printf("%s: %d vertices by %d levels: %.3f ms on one thread\n", c->name, SHORT_POINTS, SHORT_LEVELS,
+                 1e3 * median_of(seconds, SHORT_ROUNDS));
     bat_curve_free(&curve);
 }
 
@@ -125,7 +114,7 @@ static long resident_peak(void)
     return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss : 0;
 }
 
-static void time_long(const bat_space *sphere, bat_refine_options options)
+static void time_long(const bat_space *sphere, const contender *c, bat_refine_options options)
 {
     const size_t bytes = 2 * 3 * (size_t)LONG_POINTS * sizeof(double);
     bat_curve curve = make_curve(sphere, LONG_POINTS);
@@ -139,15 +128,16 @@ static void time_long(const bat_space *sphere, bat_refine_options options)
         options.threads = threads;
         for (int round = 0; round < LONG_ROUNDS; round++)
         {
-            rates[round] = product_rate();
+            rates[round] = product_rate(c);
             seconds[round] = time_refinement(&curve, &options, fine);
         }
         double rate = LONG_POINTS / median_of(seconds, LONG_ROUNDS), bare = median_of(rates, LONG_ROUNDS);
-        (void)printf("a million vertices, one level, %d thread%s: %4.0f thousand edges a second, %.2f of bare sgemm on one "
-                     "(%.0f)\n",
-                     threads, threads > 1 ? "s" : "", 1e-3 * rate, rate / bare, 1e-3 * bare);
+        (void)printf(
+            "%s: a million vertices, one level, %d thread%s: %4.0f thousand edges a second, %.2f of bare sgemm on one "
+            "(%.0f)\n",
+            c->name, threads, threads > 1 ? "s" : "", 1e-3 * rate, rate / bare, 1e-3 * bare);
     }
-    (void)printf("peak memory %.2f times the output, the given curve (0.5) and the output itself included\n",
+    (void)printf("%s: peak memory %.2f times the output, the given curve (0.5) and the output itself included\n", c->name,
                  1024.0 * (double)resident_peak() / (double)bytes);
     free(fine);
     bat_curve_free(&curve);
@@ -156,14 +146,23 @@ static void time_long(const bat_space *sphere, bat_refine_options options)
 int main(void)
 {
     bat_space sphere = bat_sphere(2);
-    bat_tension_model *model = make_model();
-    if (model == NULL)
+    bat_tension_model *published = NULL;
+    contender contenders[] = {{.name = "learned", .scheme = bat_scheme_learned(0.5)},
+                              {.name = "learned-published", .transposed = true}};
+    if (bat_tension_model_published(&published, NULL) != BAT_OK ||
+        fairing_network_make(&contenders[0].parameters, NULL) != BAT_OK ||
+        tension_network_make(&contenders[1].parameters, NULL) != BAT_OK)
         return EXIT_FAILURE;
-    bat_refine_options options = bat_refine_defaults();
-    options.scheme = bat_scheme_learned(model);
-    options.threads = 1;
-    time_short(&sphere, options);
-    time_long(&sphere, options);
-    bat_tension_model_free(model);
+    contenders[1].scheme = bat_scheme_of_model(published);
+    for (size_t i = 0; i < sizeof contenders / sizeof *contenders; i++)
+    {
+        bat_refine_options options = bat_refine_defaults();
+        options.scheme = contenders[i].scheme;
+        options.threads = 1;
+        time_short(&sphere, &contenders[i], options);
+        time_long(&sphere, &contenders[i], options);
+        learn_parameters_free(&contenders[i].parameters);
+    }
+    bat_tension_model_free(published);
     return EXIT_SUCCESS;
 }

@@ -7,6 +7,7 @@
 #include "batten/tension_table.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,13 +21,20 @@ enum
     MOST_DECIMALS = 12,
 };
 
-/// The scheme whose angles come from a file.
+/// The scheme whose angles a network gives.
 static const char LEARNED[] = "learned";
+/// Up to so many new points the learned scheme is the default where it is made for the space. It takes about a microsecond a
+/// point; and curves that are dense already come out alike by every scheme.
+static const double LEARNED_POINTS = 1e6;
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined curves to OUT (- for standard output)"},
-    {"scheme", 0, "NAME", "how to refine, see `batten list schemes`, or learned; default: angle-4, in R^n four-point"},
-    {"model", 0, "FILE", "the trained network of --scheme learned, a safetensors file"},
+    {"scheme", 0, "NAME",
+     "how to refine, see `batten list schemes`; default: learned on the plane, sphere and disk (angle-4 for more than a "
+     "million new "
+     "points), in R^n four-point"},
+    {"fairness", 0, "F", "learned: from 0, nearest to the data, to 1, smoothest; default 0.5"},
+    {"model", 0, "FILE", "learned: a trained network of your own, a safetensors file"},
     {"levels", 0, "K", "how often; every level doubles the number of edges; default 5"},
     {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the file implies"},
     {"closed", 0, NULL, "take every curve as closed"},
@@ -174,13 +182,26 @@ static bool read_scheme(const arguments *given, curve_job *job)
     bat_error error;
     job->scheme = argument(given, "scheme");
     bool learned = job->scheme != NULL && strcmp(job->scheme, LEARNED) == 0;
-    if (learned != (job->model_file != NULL))
+    bool asks = job->model_file != NULL || argument(given, "fairness") != NULL;
+    if (asks && job->scheme != NULL && !learned)
     {
-        (void)usage_error(given, learned ? "--scheme learned needs --model FILE" : "--model FILE needs --scheme learned");
+        (void)usage_error(given, "--%s goes with --scheme learned, not '%s'", job->model_file != NULL ? "model" : "fairness",
+                          job->scheme);
         return false;
     }
-    if (learned)
+    if (!argument_number(given, "fairness", 0.5, &job->fairness))
+        return false;
+    if (!(job->fairness >= 0 && job->fairness <= 1))
+    {
+        (void)usage_error(given, "--fairness takes a number from 0 to 1");
+        return false;
+    }
+    if (asks || learned)
+    {
+        job->scheme = LEARNED;
+        job->refine.scheme = bat_scheme_learned(job->fairness);
         return true;
+    }
     if (job->scheme == NULL || bat_scheme_by_name(job->scheme, &job->refine.scheme, &error) == BAT_OK)
         return true;
     (void)usage_error(given, "%s", error.text);
@@ -324,8 +345,22 @@ static bool load_model(curve_job *job)
         (void)report_failure(job->model_file, &error);
         return false;
     }
-    job->refine.scheme = bat_scheme_learned(job->model);
+    job->refine.scheme = bat_scheme_of_model(job->model);
+    job->refine.scheme.fairness = job->fairness;
     return true;
+}
+
+/// The default scheme.
+static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
+{
+    double points = 0;
+    for (size_t i = 0; i < coarse->count; i++)
+        points += (double)coarse->curves[i].count;
+    job->scheme = bat_scheme_name_for_space(coarse->space);
+    bool many = ldexp(points, (int)job->refine.levels) > LEARNED_POINTS;
+    if (strcmp(job->scheme, LEARNED) == 0 && (many || job->best_tension))
+        job->scheme = "angle-4";
+    (void)bat_scheme_by_name(job->scheme, &job->refine.scheme, NULL);
 }
 
 /// Read, refine, give out.
@@ -336,10 +371,7 @@ static int run_job(curve_job *job)
     if (bat_curves_read(job->input, &job->read, &coarse, &error) != BAT_OK)
         return report_failure(job->input, &error);
     if (job->scheme == NULL)
-    {
-        job->scheme = bat_scheme_name_for_space(coarse.space);
-        job->refine.scheme = bat_scheme_for_space(coarse.space);
-    }
+        choose_scheme(job, &coarse);
     int code = EXIT_DONE;
     if (job->truth != NULL)
         code = read_truth(job, &coarse, &truth);

@@ -19,7 +19,8 @@ typedef struct curve_job
     bat_read_options read;
     bat_write_options write;
     bat_refine_options refine;
-    const char *model_file;   ///< of the scheme "learned"; null for others
+    double fairness;          ///< of the scheme "learned"
+    const char *model_file;   ///< of the scheme "learned"; null for the network that the library comes with
     bat_tension_model *model; ///< what it holds
     const char *scheme;       ///< its name; when the user gave none, null until the space is known
     bat_picture_options draw;

@@ -15,7 +15,7 @@ static const option_spec OPTIONS[] = {
 };
 
 static const verb_spec SPEC = {
-    .usage = "batten list schemes|spaces|results [--json]",
+    .usage = "batten list schemes|spaces|models|results [--json]",
     .summary = "The names that the other verbs take.",
     .options = OPTIONS,
     .least_positional = 1,
@@ -32,6 +32,15 @@ static const struct
     {"disk", "the hyperbolic plane as the Poincaré disk, points of length below 1"},
 };
 
+static const struct
+{
+    const char *name, *summary;
+} MODELS[] = {
+    {"learned", "the curve scheme that comes with the library, 100,160 weights; models/batten.md"},
+    {"learned-published",
+     "the network of Ugail and Howard (2026), 140,505 weights, to compare with; models/tension-published.md"},
+};
+
 /// One row of a list: its name, settings (may be null) and summary.
 typedef bool (*row_function)(size_t index, const char **name, const char **settings, const char **summary);
 
@@ -42,6 +51,16 @@ static bool space_row(size_t index, const char **name, const char **settings, co
     *name = SPACES[index].name;
     *settings = NULL;
     *summary = SPACES[index].summary;
+    return true;
+}
+
+static bool model_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    if (index >= sizeof MODELS / sizeof MODELS[0])
+        return false;
+    *name = MODELS[index].name;
+    *settings = NULL;
+    *summary = MODELS[index].summary;
     return true;
 }
 
@@ -89,6 +108,8 @@ int verb_list(int argc, char **argv)
         return print_rows(what, bat_scheme_list, as_json);
     if (strcmp(what, "spaces") == 0)
         return print_rows(what, space_row, as_json);
+    if (strcmp(what, "models") == 0)
+        return print_rows(what, model_row, as_json);
     if (strcmp(what, "results") == 0)
         return print_rows(what, result_row, as_json);
     return usage_error(&given, "there is no list of '%s'", what);

@@ -18,37 +18,29 @@ typedef enum pictures
     TRAINING ///< never, but a folder holds the trainings
 } pictures;
 
-/// Whether a learned tension can be given.
-typedef enum model_use
-{
-    NO_MODEL,
-    MODEL_ROW, ///< for one more row
-    MODEL_NEEDED
-} model_use;
-
 static const struct
 {
     const char *name;
     int (*run)(const reproduce_job *job);
     pictures drawn;
-    model_use model;
-    bool seeded; ///< whether chance has a part in it
-    bool sets;   ///< whether there are other curves than the published ones
+    bool learned; ///< whether a learned tension is compared
+    bool seeded;  ///< whether chance has a part in it
+    bool sets;    ///< whether there are other curves than the published ones
     const char *summary;
 } RESULTS[] = {
-    {"curve-figures", reproduce_curve_figures, ALWAYS, NO_MODEL, false, false,
+    {"curve-figures", reproduce_curve_figures, ALWAYS, false, false, false,
      "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20"},
-    {"tension-table1", reproduce_tension_table1, NEVER, MODEL_ROW, false, true,
+    {"tension-table1", reproduce_tension_table1, WITH_FOLDER, true, false, true,
      "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs"},
-    {"tension-table2", reproduce_tension_table2, NEVER, MODEL_ROW, true, false,
+    {"tension-table2", reproduce_tension_table2, NEVER, true, true, false,
      "table 2 of the tension paper: largest angles where the control points are disturbed"},
-    {"tension-table3", reproduce_tension_table3, TRAINING, NO_MODEL, true, false,
+    {"tension-table3", reproduce_tension_table3, TRAINING, false, true, false,
      "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times"},
-    {"tension-table4", reproduce_tension_table4, TRAINING, NO_MODEL, true, false,
+    {"tension-table4", reproduce_tension_table4, TRAINING, false, true, false,
      "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times"},
-    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, MODEL_ROW, false, false,
+    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, true, false, false,
      "table 5 of the tension paper: the ISS ground track"},
-    {"tension-mechanism", reproduce_tension_mechanism, WITH_FOLDER, MODEL_NEEDED, false, false,
+    {"tension-mechanism", reproduce_tension_mechanism, WITH_FOLDER, true, false, false,
      "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
 };
 enum
@@ -67,7 +59,7 @@ bool reproduce_row(size_t index, const char **name, const char **summary)
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "FOLDER",
-     "where pictures go; default: out for curve-figures, no picture for tension-iss and tension-mechanism. tension-table3 "
+     "where pictures go; default: out for curve-figures, no picture for tension-table1, -iss and -mechanism. tension-table3 "
      "and "
      "-table4: where the trainings are kept, and gone on with; default out/tension-ablations"},
     {"model", 0, "FILE",
@@ -94,10 +86,8 @@ static int check_options(const arguments *given, size_t index)
     const char *name = RESULTS[index].name;
     if (argument(given, "output") != NULL && RESULTS[index].drawn == NEVER)
         return usage_error(given, "%s has no pictures to put into a folder", name);
-    if (argument(given, "model") != NULL && RESULTS[index].model == NO_MODEL)
+    if (argument(given, "model") != NULL && !RESULTS[index].learned)
         return usage_error(given, "%s has no row for a model", name);
-    if (argument(given, "model") == NULL && RESULTS[index].model == MODEL_NEEDED)
-        return usage_error(given, "%s needs --model", name);
     if (argument(given, "seed") != NULL && !RESULTS[index].seeded)
         return usage_error(given, "%s has no chance in it for a seed", name);
     if (argument(given, "set") != NULL && !RESULTS[index].sets)

@@ -3,6 +3,7 @@
 
 #include "batten/tension_data.h"
 #include "batten/tension_model.h"
+#include "batten/tension_table.h"
 
 #include <jansson.h>
 
@@ -30,7 +31,10 @@ int reproduce_tension_mechanism(const reproduce_job *job);
 
 // What the results share.
 
-/// Read the model that is asked for; null where there is none. Returns the program's exit code.
+/// Draw the rows of table 1, `count` in all: how near against how fair, in each space.
+int reproduce_draw_frontier(const bat_tension_row *rows, size_t count, const char *path);
+
+/// Read the model that is asked for, or take the published recipe's where none is. Returns the program's exit code.
 int reproduce_model(const reproduce_job *job, bat_tension_model **model);
 /// A figure and, where there is a published one, its ratio to that in brackets.
 void reproduce_print_figure(double ours, double published, int width);

@@ -9,10 +9,9 @@
 int reproduce_model(const reproduce_job *job, bat_tension_model **model)
 {
     bat_error error;
-    *model = NULL;
-    if (job->model == NULL || bat_tension_model_read(job->model, model, &error) == BAT_OK)
-        return EXIT_DONE;
-    return report_failure(job->model, &error);
+    bat_status status =
+        job->model != NULL ? bat_tension_model_read(job->model, model, &error) : bat_tension_model_published(model, &error);
+    return status == BAT_OK ? EXIT_DONE : report_failure(job->model, &error);
 }
 
 void reproduce_print_figure(double ours, double published, int width)

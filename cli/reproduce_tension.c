@@ -8,9 +8,13 @@
 #include <math.h>
 #include <stdio.h>
 
+/// The settings at which the library's own learned scheme is shown.
+static const double FAIRNESS[] = {0, 0.25, 0.5, 0.75, 1};
+
 enum
 {
-    MOST_OWN = 1 ///< methods beside the built-in ones
+    FAIRNESS_COUNT = sizeof FAIRNESS / sizeof *FAIRNESS,
+    OWN = 1 + FAIRNESS_COUNT ///< methods beside the built-in ones
 };
 
 static void print_row(const bat_tension_row *row)
@@ -66,31 +70,64 @@ static int print_rows(const bat_tension_row *rows, size_t count, const char *tit
     return EXIT_DONE;
 }
 
-/// The methods beside the built-in ones.
-static size_t own_methods(const bat_tension_model *model, bat_tension_method *methods)
+/// The networks to compare: the published one of the library, and its own, unless the user gives another of the kind.
+typedef struct networks
 {
-    size_t count = 0;
-    if (model != NULL)
-        methods[count++] = (bat_tension_method){BAT_TENSION_LEARNED_PUBLISHED, NAN, bat_scheme_learned(model)};
-    return count;
+    bat_tension_model *published, *own; ///< `own` null: the shipped weights
+} networks;
+
+static void networks_free(networks *n)
+{
+    bat_tension_model_free(n->published);
+    bat_tension_model_free(n->own);
 }
 
-/// The rows of table 1: in each space the built-in methods, then `count` others.
-static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_method *methods, size_t count,
-                              bat_tension_row *rows, bat_error *error)
+static int read_networks(const reproduce_job *job, networks *n)
 {
-    bat_tension_row built_in[BAT_TENSION_TABLE1_ROWS], own[BAT_TENSION_SPACE_COUNT * MOST_OWN];
+    bat_error error;
+    bat_tension_model *given = NULL;
+    *n = (networks){0};
+    if (job->model != NULL && bat_tension_model_read(job->model, &given, &error) != BAT_OK)
+        return report_failure(job->model, &error);
+    if (given != NULL && bat_tension_model_has_fairness(given))
+        n->own = given;
+    else
+        n->published = given;
+    if (n->published == NULL && bat_tension_model_published(&n->published, &error) != BAT_OK)
+    {
+        networks_free(n);
+        return report_failure(NULL, &error);
+    }
+    return EXIT_DONE;
+}
+
+static void own_methods(const networks *n, bat_tension_method methods[OWN])
+{
+    methods[0] = (bat_tension_method){BAT_TENSION_LEARNED_PUBLISHED, NAN, bat_scheme_of_model(n->published)};
+    for (size_t i = 0; i < FAIRNESS_COUNT; i++)
+    {
+        bat_scheme scheme = n->own != NULL ? bat_scheme_of_model(n->own) : bat_scheme_learned(FAIRNESS[i]);
+        scheme.fairness = FAIRNESS[i];
+        methods[1 + i] = (bat_tension_method){"learned", FAIRNESS[i], scheme};
+    }
+}
+
+/// The rows of table 1: in each space the built-in methods, then the others.
+static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_method methods[OWN], bat_tension_row *rows,
+                              bat_error *error)
+{
+    bat_tension_row built_in[BAT_TENSION_TABLE1_ROWS], own[BAT_TENSION_SPACE_COUNT * OWN];
     bat_progress progress = report_progress("refining the curves");
     bat_status status = bat_tension_table1(curves, built_in, 0, progress, error);
-    if (status == BAT_OK && count > 0)
-        status = bat_tension_table1_methods(curves, methods, count, own, 0, progress, error);
+    if (status == BAT_OK)
+        status = bat_tension_table1_methods(curves, methods, OWN, own, 0, progress, error);
     report_progress_end();
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
     {
         for (size_t m = 0; m < BAT_TENSION_METHODS; m++)
             *rows++ = built_in[s * BAT_TENSION_METHODS + m];
-        for (size_t m = 0; m < count; m++)
-            *rows++ = own[s * count + m];
+        for (size_t m = 0; m < OWN; m++)
+            *rows++ = own[s * OWN + m];
     }
     return status;
 }
@@ -116,19 +153,24 @@ static const char *table1_remark(bat_tension_set_kind curves)
 
 int reproduce_tension_table1(const reproduce_job *job)
 {
-    bat_tension_method methods[MOST_OWN];
-    bat_tension_row rows[BAT_TENSION_SPACE_COUNT * (BAT_TENSION_METHODS + MOST_OWN)];
-    bat_tension_model *model = NULL;
+    bat_tension_method methods[OWN];
+    bat_tension_row rows[BAT_TENSION_SPACE_COUNT * (BAT_TENSION_METHODS + OWN)];
+    networks compared;
     bat_error error;
-    if (reproduce_model(job, &model) != EXIT_DONE)
+    if (read_networks(job, &compared) != EXIT_DONE)
         return EXIT_BAD_INPUT;
-    size_t count = own_methods(model, methods);
-    bat_status status = table1_rows(job->curves, methods, count, rows, &error);
-    bat_tension_model_free(model);
+    own_methods(&compared, methods);
+    bat_status status = table1_rows(job->curves, methods, rows, &error);
+    networks_free(&compared);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    return print_rows(rows, BAT_TENSION_SPACE_COUNT * (BAT_TENSION_METHODS + count), TABLE1_TITLES[job->curves],
-                      table1_remark(job->curves), job->json);
+    const size_t count = sizeof rows / sizeof *rows;
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s/tension-frontier.png", job->folder != NULL ? job->folder : ".");
+    int code = job->folder != NULL ? reproduce_draw_frontier(rows, count, path) : EXIT_DONE;
+    if (code != EXIT_DONE)
+        return code;
+    return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->json);
 }
 
 static int draw_iss(const char *folder)
@@ -161,25 +203,25 @@ static int draw_iss(const char *folder)
 
 int reproduce_tension_iss(const reproduce_job *job)
 {
-    bat_tension_method methods[MOST_OWN];
-    bat_tension_row rows[BAT_TENSION_METHODS + MOST_OWN];
-    bat_tension_model *model = NULL;
+    bat_tension_method methods[OWN];
+    bat_tension_row rows[BAT_TENSION_METHODS + OWN];
+    networks compared;
     bat_error error;
-    if (reproduce_model(job, &model) != EXIT_DONE)
+    if (read_networks(job, &compared) != EXIT_DONE)
         return EXIT_BAD_INPUT;
-    size_t own = own_methods(model, methods), count = BAT_TENSION_METHODS + own;
+    own_methods(&compared, methods);
     bat_progress progress = report_progress("refining the ground track");
     bat_status status = bat_tension_table5(rows, 0, progress, &error);
-    if (status == BAT_OK && own > 0)
-        status = bat_tension_table5_methods(methods, own, rows + BAT_TENSION_METHODS, 0, progress, &error);
+    if (status == BAT_OK)
+        status = bat_tension_table5_methods(methods, OWN, rows + BAT_TENSION_METHODS, 0, progress, &error);
     report_progress_end();
-    bat_tension_model_free(model);
+    networks_free(&compared);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
     int code = job->folder != NULL ? draw_iss(job->folder) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
-    return print_rows(rows, count,
+    return print_rows(rows, BAT_TENSION_METHODS + OWN,
                       "Table 5 of Ugail and Howard (2026): the ISS ground track, 16 control points, five levels.",
                       "What the paper's table calls Hausdorff is the mean nearest-neighbour distance; Hausdorff here is the "
                       "true one.\nThe published learned predictor: mean-NN 0.00699, bending 76.0, G1 0.721.",

@@ -71,10 +71,11 @@ int reproduce_tension_table2(const reproduce_job *job)
     options.progress = report_progress("refining disturbed curves");
     size_t count = BAT_TENSION_NOISE_METHODS;
     bat_status status = bat_tension_table2(&options, rows, &error);
-    if (status == BAT_OK && model != NULL)
+    if (status == BAT_OK)
     {
-        bat_scheme scheme = bat_scheme_learned(model);
-        status = bat_tension_table2_method(BAT_TENSION_LEARNED_PUBLISHED, &scheme, &options, &rows[count++], &error);
+        bat_scheme scheme = bat_scheme_of_model(model);
+        const char *name = bat_tension_model_has_fairness(model) ? "learned 0.50" : BAT_TENSION_LEARNED_PUBLISHED;
+        status = bat_tension_table2_method(name, &scheme, &options, &rows[count++], &error);
     }
     report_progress_end();
     bat_tension_model_free(model);

@@ -16,6 +16,8 @@ static void scheme_names_are_read_strictly(void **state)
                          "lane-riesenfeld:order=127",
                          "angle-4:sign=inward",
                          "angle-4:mu=1",
+                         "learned:fairness=1.5",
+                         "learned:fairness=nan",
                          "log-exp-4:base=edge",
                          "mask:",
                          "mask:1,",
@@ -47,7 +49,9 @@ static void scheme_names_are_read_strictly(void **state)
     size_t listed = 0;
     while (bat_scheme_list(listed, &name, &settings, &summary))
         listed++;
-    assert_int_equal(listed, 11);
+    assert_int_equal(listed, 12);
+    assert_true(scheme("learned").rule != NULL && scheme("learned").fairness == 0.5);
+    assert_true(scheme("learned:fairness=1").fairness == 1);
 }
 
 int main(void)

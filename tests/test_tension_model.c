@@ -53,7 +53,7 @@ static bat_tension_model *random_model(uint64_t seed)
 static bat_refine_options learned(const bat_tension_model *model, size_t levels)
 {
     bat_refine_options how = bat_refine_defaults();
-    how.scheme = bat_scheme_learned(model);
+    how.scheme = bat_scheme_of_model(model);
     how.levels = levels;
     return how;
 }

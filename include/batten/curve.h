@@ -28,8 +28,8 @@ BAT_API void bat_curve_free(bat_curve *curve);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
 BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 
-/// The name, for bat_scheme_by_name(), of the scheme to begin with in a space: "angle-4" on the oriented surfaces (plane, sphere,
-/// disk), "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
+/// The name, for bat_scheme_by_name(), of the scheme to begin with in a space: "learned" on the plane, the sphere S^2 and the
+/// disk, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
 BAT_API const char *bat_scheme_name_for_space(const bat_space *space);
 /// The scheme of that name.
 BAT_API bat_scheme bat_scheme_for_space(const bat_space *space);
@@ -76,8 +76,8 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_re
 /// Memory beyond the result is at most as much again; linear schemes need next to none.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
-/// @param options what bat_refine_defaults() gives, changed as wanted; null for the defaults with the space's own scheme, as
-///                bat_scheme_for_space() gives it
+/// @param options what bat_refine_defaults() gives, changed as wanted; null for the defaults with a classical scheme of the
+///                space's own: "angle-4" on oriented surfaces, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere
 /// @param fine    receives the refined curve; release it with bat_curve_free()
 /// @param error   receives what went wrong and at which point; may be null
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or

@@ -74,6 +74,7 @@ typedef struct bat_angle_rule_view
     const double *angles;  ///< exterior angles, positive for left turns, of the vertices 1 - reach … count - 1 + reach
     const double *lengths; ///< geodesic lengths of the edges -reach … count - 1 + reach
     double mean_length;    ///< of all edges of the polygon, where the rule wants it; else 0
+    double fairness;       ///< the scheme's
 } bat_angle_rule_view;
 
 typedef struct bat_angle_rule bat_angle_rule;
@@ -114,7 +115,8 @@ typedef struct bat_scheme
     bat_angle_sign sign; ///< ANGLE
     bool adaptive;       ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
     const bat_angle_rule
-        *rule;             ///< ANGLE: makes the angles instead of eq. (9), so that the three above do not matter; or null
+        *rule;       ///< ANGLE: makes the angles instead of eq. (9), so that the three above do not matter; or null
+    double fairness; ///< ANGLE with a rule: handed to it; for the learned rule 0 (nearest to the data) … 1 (smoothest)
     bat_log_exp_base base; ///< LOG_EXP
 } bat_scheme;
 
@@ -132,6 +134,7 @@ BAT_API bat_scheme bat_scheme_log_exp(bat_mask mask);
 ///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred without)
 ///     angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1)
 ///     log-exp-4 log-exp-6                      (each also with base=midpoint)
+///     learned   learned:fairness=0.8           (bat_scheme_learned())
 ///
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
 BAT_API bat_status bat_scheme_by_name(const char *name, bat_scheme *scheme, bat_error *error);

@@ -68,7 +68,7 @@ BAT_API bat_tension_mechanism_options bat_tension_mechanism_defaults(void);
 /// Refine validation curves by a network and look at every insertion; and estimate the network's Lipschitz constant, by power
 /// iteration on each layer. While it runs, OpenBLAS works on one thread in the whole process.
 ///
-/// @param path    a file as for bat_tension_model_read()
+/// @param path    a file of the published recipe, as for bat_tension_model_read(); null for the network that the library holds
 /// @param options null for the defaults
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_BAD_FILE, BAT_FILE_ACCESS, BAT_NO_CONVERGENCE, BAT_CANCELLED or BAT_NO_MEMORY
 BAT_API bat_status bat_tension_mechanism(const char *path, const bat_tension_mechanism_options *options,

@@ -105,7 +105,8 @@ static bat_status run_rule(const refine_kernel *kernel, const double *points, si
                                     .count = edges,
                                     .angles = run->angles + reach - 1,
                                     .lengths = run->lengths + reach,
-                                    .mean_length = kernel->mean_length};
+                                    .mean_length = kernel->mean_length,
+                                    .fairness = kernel->scheme->fairness};
         rule->angles(rule, &view, run->insertion, run->scratch);
         for (size_t j = 0; j < edges; j += ANGLE_BLOCK_EDGES)
         {

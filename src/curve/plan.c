@@ -10,18 +10,19 @@
 /// A larger tension is a mistake.
 static const double TENSION_LIMIT = 1e6;
 
-const char *bat_scheme_name_for_space(const bat_space *space)
+const char *scheme_classical_name(const bat_space *space)
 {
     if (space->exterior_angle != NULL && space->apex != NULL)
         return "angle-4";
     return space_is_euclidean(space) ? "four-point" : "log-exp-4";
 }
 
-bat_scheme bat_scheme_for_space(const bat_space *space)
+bat_scheme scheme_classical(const bat_space *space)
 {
-    bat_scheme scheme;
-    (void)bat_scheme_by_name(bat_scheme_name_for_space(space), &scheme, NULL);
-    return scheme;
+    if (space->exterior_angle != NULL && space->apex != NULL)
+        return bat_scheme_angle(BAT_TENSION_FOUR_POINT);
+    bat_mask mask = bat_mask_four_point(BAT_FOUR_POINT_WEIGHT);
+    return space_is_euclidean(space) ? bat_scheme_linear(mask) : bat_scheme_log_exp(mask);
 }
 
 bat_refine_options bat_refine_defaults(void)
@@ -60,8 +61,11 @@ static bat_status check_mask(const bat_mask *mask, bool interpolatory, bat_error
     return BAT_OK;
 }
 
-static bat_status check_rule(const bat_space *space, const bat_angle_rule *rule, bat_error *error)
+static bat_status check_rule(const bat_space *space, const bat_scheme *scheme, bat_error *error)
 {
+    const bat_angle_rule *rule = scheme->rule;
+    if (!isfinite(scheme->fairness))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fairness is not a number");
     if (rule->angles == NULL || rule->reach < 1 || rule->reach > BAT_ANGLE_RULE_REACH || rule->scratch_size > SIZE_MAX / 2)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
@@ -95,7 +99,7 @@ static bat_status check_options(const bat_space *space, const bat_refine_options
                              "dimension %zu; try log-exp-4",
                              space->name, space->dimension);
         if (scheme->rule != NULL)
-            return check_rule(space, scheme->rule, error);
+            return check_rule(space, scheme, error);
         if (!(fabs(scheme->tension) <= TENSION_LIMIT))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the tension %g is not within %g of 0",
                              scheme->tension, TENSION_LIMIT);
@@ -183,7 +187,7 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_refine_options *o
 {
     *plan = (refine_plan){.options = options != NULL ? *options : bat_refine_defaults()};
     if (options == NULL)
-        plan->options.scheme = bat_scheme_for_space(coarse->space);
+        plan->options.scheme = scheme_classical(coarse->space);
     bat_status status = check_options(coarse->space, &plan->options, error);
     if (status == BAT_OK)
         status = bat_curve_check(coarse, error);

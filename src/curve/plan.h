@@ -13,9 +13,13 @@ typedef struct refine_plan
     size_t count;       ///< rows of the refined curve
 } refine_plan;
 
-/// Check a curve and the options (null for the defaults with the space's own scheme) and lay out the result.
+/// Check a curve and the options (null for the defaults with scheme_classical()) and lay out the result.
 /// @return as bat_curve_refined_count()
 bat_status refine_plan_make(const bat_curve *coarse, const bat_refine_options *options, refine_plan *plan, bat_error *error);
+
+/// The scheme to begin with in a space that needs no training, and its name.
+bat_scheme scheme_classical(const bat_space *space);
+const char *scheme_classical_name(const bat_space *space);
 
 /// The kernel of a scheme in a space that it is made for.
 refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme);

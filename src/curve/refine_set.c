@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
+#include "curve/plan.h"
 
 enum
 {
@@ -15,7 +16,7 @@ static bat_refine_options options_for(const bat_curve *curve, const bat_refine_o
 {
     bat_refine_options how = options != NULL ? *options : bat_refine_defaults();
     if (options == NULL)
-        how.scheme = bat_scheme_for_space(curve->space);
+        how.scheme = scheme_classical(curve->space);
     return how;
 }
 

@@ -1,16 +1,21 @@
 #include "batten/tension_model.h"
 
 #include "base/error.h"
+#include "models/fairing_network.h"
+#include "models/fairing_rule.h"
 #include "models/tension_inference.h"
 #include "models/tension_weights.h"
+#include "models/weights.h"
 #include "space/known.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct bat_tension_model
 {
     bat_angle_rule rule;
-    tension_inference network;
+    tension_inference published; ///< empty where the weights are those of the library's own recipe
+    learn_parameters fairing;    ///< empty where they are not
 };
 
 /// One call's memory.
@@ -48,52 +53,91 @@ static void learned_angles(const bat_angle_rule *rule, const bat_angle_rule_view
     model_run *run = scratch;
     size_t curvature_and_one = space_is_disk(view->space) ? 0 : space_is_plane(view->space) ? 1 : 2;
     published_features(view, run->features);
-    tension_inference_angles(&model->network, curvature_and_one, view->count, run->features, angles, run->scratch);
+    tension_inference_angles(&model->published, curvature_and_one, view->count, run->features, angles, run->scratch);
 }
 
-static bat_status take_weights(const char *path, tension_inference *network, bat_error *error)
+static bat_status take_published(const safetensors *content, bat_tension_model *model, bat_error *error)
 {
     learn_parameters parameters;
     bat_tension_embedding embedding;
-    bat_status status = tension_weights_read(path, &parameters, &embedding, error);
+    bat_status status = tension_weights_take(content, &parameters, &embedding, error);
     if (status != BAT_OK)
         return status;
-    status = tension_inference_make(&parameters, network, error);
+    status = tension_inference_make(&parameters, &model->published, error);
     learn_parameters_free(&parameters);
+    model->rule = (bat_angle_rule){
+        .name = "learned",
+        .reach = 2,
+        .wants_mean_length = true,
+        .scratch_size = sizeof(model_run),
+        .parameters = model,
+        .fault = fault,
+        .angles = learned_angles,
+    };
+    return status;
+}
+
+static bat_status take_fairing(const safetensors *content, const char *prefix, bat_tension_model *model, bat_error *error)
+{
+    bat_status status = fairing_network_make(&model->fairing, error);
+    if (status == BAT_OK)
+        status = learn_parameters_extract(&model->fairing, content, prefix, model->fairing.values, error);
+    model->rule = fairing_rule(model->fairing.values);
+    return status;
+}
+
+static bat_status take_weights(const safetensors *content, bat_tension_model *model, bat_error *error)
+{
+    const char *prefix;
+    if (tension_weights_prefix(content, "layer.0.kept", &prefix))
+        return take_fairing(content, prefix, model, error);
+    return take_published(content, model, error);
+}
+
+/// The model in a file's content, which is freed.
+static bat_status model_of(safetensors *content, bat_tension_model **model, bat_error *error)
+{
+    bat_tension_model *made = calloc(1, sizeof *made);
+    bat_status status = made != NULL ? take_weights(content, made, error) : error_memory(error, sizeof *made);
+    safetensors_free(content);
+    if (status == BAT_OK)
+        *model = made;
+    else
+        bat_tension_model_free(made);
     return status;
 }
 
 bat_status bat_tension_model_read(const char *path, bat_tension_model **model, bat_error *error)
 {
-    bat_tension_model *made = calloc(1, sizeof *made);
-    bat_status status = made != NULL ? take_weights(path, &made->network, error) : error_memory(error, sizeof *made);
-    if (status != BAT_OK)
-    {
-        free(made);
-        return status;
-    }
-    made->rule = (bat_angle_rule){
-        .name = "learned",
-        .reach = 2,
-        .wants_mean_length = true,
-        .scratch_size = sizeof(model_run),
-        .parameters = made,
-        .fault = fault,
-        .angles = learned_angles,
-    };
-    *model = made;
-    return BAT_OK;
+    safetensors content;
+    bat_status status = safetensors_read(path, &content, error);
+    return status == BAT_OK ? model_of(&content, model, error) : status;
+}
+
+bat_status bat_tension_model_published(bat_tension_model **model, bat_error *error)
+{
+    safetensors content;
+    bat_status status = safetensors_parse(weights_published, weights_published_size, &content, error);
+    return status == BAT_OK ? model_of(&content, model, error) : status;
+}
+
+bool bat_tension_model_has_fairness(const bat_tension_model *model)
+{
+    return model->fairing.values != NULL;
 }
 
 void bat_tension_model_free(bat_tension_model *model)
 {
     if (model == NULL)
         return;
-    tension_inference_free(&model->network);
+    tension_inference_free(&model->published);
+    learn_parameters_free(&model->fairing);
     free(model);
 }
 
-bat_scheme bat_scheme_learned(const bat_tension_model *model)
+bat_scheme bat_scheme_of_model(const bat_tension_model *model)
 {
-    return bat_scheme_angle_rule(&model->rule);
+    bat_scheme scheme = bat_scheme_angle_rule(&model->rule);
+    scheme.fairness = 0.5;
+    return scheme;
 }

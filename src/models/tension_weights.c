@@ -2,21 +2,23 @@
 
 #include "models/tension_network.h"
 #include "models/tension_sample.h"
+#include "models/weights.h"
 
 #include <stdio.h>
 
-/// The arrays' prefix in this file: a checkpoint has more than one set of weights.
-static const char *find_prefix(const safetensors *content)
+bool tension_weights_prefix(const safetensors *content, const char *wanted, const char **prefix)
 {
     static const char *const prefixes[] = {"", "best.", "weight."};
     for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; i++)
     {
         char name[LEARN_NAME_SIZE];
-        (void)snprintf(name, sizeof name, "%sinput_proj.0.weight", prefixes[i]);
+        (void)snprintf(name, sizeof name, "%s%s", prefixes[i], wanted);
+        *prefix = prefixes[i];
         if (safetensors_find(content, name) != NULL)
-            return prefixes[i];
+            return true;
     }
-    return "";
+    *prefix = "";
+    return false;
 }
 
 /// Which of the networks of table 3 a file holds shows in its first layer.
@@ -31,21 +33,30 @@ static bat_tension_embedding find_embedding(const safetensors *content, const ch
                                                          : BAT_TENSION_EMBEDDING_LEARNED;
 }
 
+bat_status tension_weights_take(const safetensors *content, learn_parameters *parameters, bat_tension_embedding *embedding,
+                                bat_error *error)
+{
+    const char *prefix;
+    (void)tension_weights_prefix(content, "input_proj.0.weight", &prefix);
+    *embedding = find_embedding(content, prefix);
+    *parameters = (learn_parameters){0};
+    bat_status status = tension_predictor_make(*embedding, parameters, error);
+    if (status == BAT_OK)
+        status = learn_parameters_extract(parameters, content, prefix, parameters->values, error);
+    if (status != BAT_OK)
+        learn_parameters_free(parameters);
+    return status;
+}
+
 bat_status tension_weights_read(const char *path, learn_parameters *parameters, bat_tension_embedding *embedding,
                                 bat_error *error)
 {
     safetensors content;
-    bat_status status = safetensors_read(path, &content, error);
+    bat_status status = path != NULL ? safetensors_read(path, &content, error)
+                                     : safetensors_parse(weights_published, weights_published_size, &content, error);
     if (status != BAT_OK)
         return status;
-    const char *prefix = find_prefix(&content);
-    *embedding = find_embedding(&content, prefix);
-    *parameters = (learn_parameters){0};
-    status = tension_predictor_make(*embedding, parameters, error);
-    if (status == BAT_OK)
-        status = learn_parameters_extract(parameters, &content, prefix, parameters->values, error);
-    if (status != BAT_OK)
-        learn_parameters_free(parameters);
+    status = tension_weights_take(&content, parameters, embedding, error);
     safetensors_free(&content);
     return status;
 }

@@ -4,10 +4,20 @@
 #include "batten/tension_train.h"
 #include "learn/parameters.h"
 
-/// Read the weights of a network of Ugail and Howard (2026), section 5.3 or table 3, from a safetensors file, as
-/// bat_tension_model_read() describes it.
+/// @file
+/// The weights of networks of Ugail and Howard (2026), section 5.3 or table 3, from safetensors files as
+/// bat_tension_model_read() describes them.
+
+/// The prefix of a file's arrays, where one of the name is there: a checkpoint has more than one set of weights.
+bool tension_weights_prefix(const safetensors *content, const char *wanted, const char **prefix);
+
+/// The weights in a file's content.
 /// @param parameters receives the weights, laid out as tension_predictor_make() does; release it with learn_parameters_free()
 /// @param embedding  receives which of the networks it is
+bat_status tension_weights_take(const safetensors *content, learn_parameters *parameters, bat_tension_embedding *embedding,
+                                bat_error *error);
+
+/// The weights in a file, or for null those that the library holds.
 bat_status tension_weights_read(const char *path, learn_parameters *parameters, bat_tension_embedding *embedding,
                                 bat_error *error);
 

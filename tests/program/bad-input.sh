@@ -116,8 +116,11 @@ refused 2 'whole number' curve good.in.csv --levels 2.5
 refused 2 'whole number' curve good.in.csv --levels -1
 refused 2 'no scheme' curve good.in.csv --scheme spline
 refused 2 'no setting' curve good.in.csv --scheme chaikin:w=1
-refused 2 'needs --model' curve good.in.csv --scheme learned -o out.csv
-refused 2 'needs --scheme learned' curve good.in.csv --model good.in.csv -o out.csv
+refused 2 'model goes with --scheme learned' curve good.in.csv --scheme angle-4 --model good.in.csv -o out.csv
+refused 2 'fairness goes with --scheme learned' curve good.in.csv --scheme angle-4 --fairness 0.5 -o out.csv
+refused 2 'from 0 to 1' curve good.in.csv --fairness 1.5 -o out.csv
+refused 2 'fairness' curve good.in.csv --fairness nan -o out.csv
+refused 2 'between 0 and 1' curve good.in.csv --scheme learned:fairness=2 -o out.csv
 refused 1 'good.in.csv: ' curve good.in.csv --scheme learned --model good.in.csv -o out.csv
 refused 1 'none.in: cannot open' curve good.in.csv --scheme learned --model none.in -o out.csv
 refused 1 'none.in: cannot open' reproduce tension-iss --model none.in
@@ -150,10 +153,8 @@ refused 1 'missing' measure missing.in.csv good.in.csv
 refused 1 'cannot be compared|coordinates' measure good.in.csv antipodal.in.csv
 refused 2 'missing' measure
 refused 2 'no result' reproduce table99
-refused 2 'no pictures' reproduce tension-table1 -o folder
 refused 2 'no pictures' reproduce tension-table2 -o folder
 refused 2 'no row' reproduce tension-table3 --model good.in.csv
-refused 2 'needs --model' reproduce tension-mechanism
 refused 2 'no chance' reproduce tension-iss --seed 2
 refused 2 'whole number' reproduce tension-table4 --seed two
 refused 1 'none.in: cannot open' reproduce tension-table2 --model none.in
@@ -164,7 +165,11 @@ refused 2 'no list' list things
 refused 2 'no model' train curve
 refused 2 'one of published' train tension --recipe unpublished
 refused 2 'one of consistency' train tension --without chamfer
+refused 2 'only the published recipe' train tension --recipe batten --embedding none
+refused 2 'only the published recipe' train tension --recipe batten --without bending
+refused 2 'epochs' train tension --recipe batten --epochs 0
 refused 1 'folder' train tension --out good.in.csv/folder
+refused 1 'folder' train tension --recipe batten --out good.in.csv/folder
 refused 2 'no scheme' analyze spline
 refused 2 'linear|mask' analyze angle-4
 refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png

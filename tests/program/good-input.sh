@@ -1,9 +1,10 @@
 #!/bin/sh
 # What the program promises beyond what the library's tests say: pipes, formats by ending, JSON and nothing else, signals, progress.
-# Usage: good-input.sh BATTEN EXAMPLES
+# Usage: good-input.sh BATTEN EXAMPLES MODELS
 set -u
 batten=$1
 examples=$2
+models=$3
 folder=$(mktemp -d) || exit 1
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 1
@@ -56,6 +57,24 @@ check "reproduce prints JSON" json iss.json '"four-point-outward"'
 "$batten" reproduce tension-table1 --set unseen --json > unseen.json
 check "a table is taken on other curves" json unseen.json '"curves": 300'
 check "other curves have no published figures" sh -c '! grep -q published_mean_nn unseen.json'
+
+# learned_rows FILE SPACE: the fairnesses of a table's learned rows in a space, and "published" for the published network.
+learned_rows()
+{
+    awk -v space="\"$2\"," '$1 == "\"space\":" { here = $2 == space; method = "" }
+        $1 == "\"method\":" { method = $2 }
+        here && method == "\"learned-published\"," && $1 == "\"curves\":" { printf "published " }
+        here && method == "\"learned\"," && $1 == "\"fairness\":" { printf "%g ", $2 }' "$1"
+}
+for space in plane sphere disk; do
+    check "table 1 has the learned rows in the $space" test "$(learned_rows unseen.json $space)" = "published 0 0.25 0.5 0.75 1 "
+done
+check "table 5 has the learned rows" test "$(learned_rows iss.json sphere)" = "published 0 0.25 0.5 0.75 1 "
+check "the published network has published figures on the track" sh -c 'grep -A 12 learned-published iss.json | grep -q published_g1'
+for model in batten tension-published; do
+    "$batten" reproduce tension-iss --json --model "$models/$model.safetensors" > model.json
+    check "the program holds $model.safetensors" same model.json iss.json
+done
 
 "$batten" curve "$examples/hyperbolic.csv" --space disk -o disk.csv --picture disk.png --panel 0,1,3 > /dev/null
 check "a picture is a PNG file" grep -q PNG disk.png
