@@ -21,6 +21,7 @@ typedef struct source
 static source vertex_source(const geometry_polygon *polygon, ptrdiff_t i)
 {
     ptrdiff_t count = (ptrdiff_t)polygon->count;
+    assert(count > 1);
     if (polygon->closed)
         return (source){(size_t)(((i % count) + count) % count), 1};
     ptrdiff_t period = 2 * (count - 1), at = ((i % period) + period) % period;
@@ -30,6 +31,7 @@ static source vertex_source(const geometry_polygon *polygon, ptrdiff_t i)
 static size_t edge_source(const geometry_polygon *polygon, ptrdiff_t i)
 {
     ptrdiff_t edges = (ptrdiff_t)geometry_edges(polygon);
+    assert(edges > 0);
     if (polygon->closed)
         return (size_t)(((i % edges) + edges) % edges);
     ptrdiff_t period = 2 * edges, at = ((i % period) + period) % period;
