@@ -619,7 +619,7 @@ static void bad_input_is_refused(void **state)
     curve.space = &solid;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_UNSUPPORTED);
     how = options("log-exp-4", 2);
-    how.scheme.mask = bat_mask_chaikin();
+    how.scheme.mask.coefficients[0] += 0.01;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_UNSUPPORTED);
     how = options("chaikin", 2);
     how.scheme.mask.coefficients[1] = INFINITY;

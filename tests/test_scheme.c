@@ -49,7 +49,7 @@ static void scheme_names_are_read_strictly(void **state)
     size_t listed = 0;
     while (bat_scheme_list(listed, &name, &settings, &summary))
         listed++;
-    assert_int_equal(listed, 12);
+    assert_int_equal(listed, 14);
     assert_true(scheme("learned").rule != NULL && scheme("learned").fairness == 0.5);
     assert_true(scheme("learned:fairness=1").fairness == 1);
 }

@@ -6,7 +6,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Curves from files and to files: CSV, GeoJSON and OBJ line elements. docs/formats.md says what each format means.
+/// Curves from files and to files: CSV, GeoJSON, OBJ line elements and TUM trajectories. docs/formats.md says what each format means.
 
 /// What a file tells beyond its curves: GeoJSON features with their properties, CSV column names. Opaque, shared by counting.
 typedef struct bat_file_attributes bat_file_attributes;
@@ -54,13 +54,14 @@ typedef enum bat_file_format
     BAT_FORMAT_AUTO, ///< by the file's ending; failing that by the content (reading) or by where the set came from (writing)
     BAT_FORMAT_CSV,
     BAT_FORMAT_GEOJSON,
-    BAT_FORMAT_OBJ
+    BAT_FORMAT_OBJ,
+    BAT_FORMAT_TUM ///< poses in time, as the TUM benchmark writes them: timestamp tx ty tz qx qy qz qw; the space "rigid"
 } bat_file_format;
 
-/// A format by name: "auto", "csv", "geojson" or "obj".
+/// A format by name: "auto", "csv", "geojson", "obj" or "tum".
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 BAT_API bat_status bat_file_format_by_name(const char *name, bat_file_format *format, bat_error *error);
-/// The format that a path's ending stands for, in either case: .csv .txt, .geojson .json, .obj; else BAT_FORMAT_AUTO.
+/// The format that a path's ending stands for, in either case: .csv .txt, .geojson .json, .obj, .tum; else BAT_FORMAT_AUTO.
 BAT_API bat_file_format bat_file_format_of_path(const char *path);
 
 /// How to read. Begin with bat_read_defaults().

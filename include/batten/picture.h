@@ -11,7 +11,9 @@ BAT_C_BEGIN
 /// A picture is a grid of panels, a panel a stack of curves in one space. The space decides how a panel looks: Euclidean
 /// spaces are drawn flat and at true aspect (R^2 as it is, R^3 along a fixed axonometric view, R^n by its first two
 /// coordinates), the sphere S^2 as a globe or a world map, the hyperbolic plane as the Poincaré disk. Edges are geodesics:
-/// arcs of great circles, circular arcs orthogonal to the rim.
+/// arcs of great circles, circular arcs orthogonal to the rim. Rotations are drawn as the three columns of their matrices on the
+/// sphere, rigid motions as a path in R^3 with the body's axes along it, symmetric positive-definite 2 x 2 and 3 x 3 matrices as
+/// a row of ellipses or ellipsoids for every curve, hyperboloids of dimension 2 as the disk.
 
 /// How the sphere is laid flat.
 typedef enum bat_projection
@@ -62,7 +64,7 @@ typedef struct bat_picture_options
     double latitude;      ///< the same, -pi/2 to pi/2; automatic when either is NaN: see bat_picture_view(); default NaN
     bool control_polygon; ///< draw the edges of BAT_LAYER_CONTROL; default true
     bool control_points;  ///< draw the points of BAT_LAYER_CONTROL, if there are at most 5000; default true
-    bool comb;            ///< draw the curvature combs of BAT_LAYER_CURVE; default false
+    bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_LAYER_CURVE; default false
     double comb_scale;    ///< length of a tooth per curvature, in the space's unit squared; 0: automatic; default 0
     bool grid;         ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
     bool axes;         ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false

@@ -50,7 +50,8 @@ typedef enum bat_scheme_kind
 {
     BAT_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
     BAT_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
-    BAT_SCHEME_LOG_EXP, ///< an interpolatory mask applied in the tangent space of one point; any space
+    BAT_SCHEME_LOG_EXP, ///< a mask applied in the tangent space of one point; any space
+    BAT_SCHEME_GEODESIC ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means; any space
 } bat_scheme_kind;
 
 /// On which side of the edge an angle-based scheme inserts.
@@ -110,7 +111,8 @@ typedef enum bat_log_exp_base
 typedef struct bat_scheme
 {
     bat_scheme_kind kind;
-    bat_mask mask;       ///< LINEAR: the mask; LOG_EXP: an interpolatory mask (a(0) = 1, other even coefficients 0)
+    bat_mask mask;       ///< LINEAR: the mask; LOG_EXP: a mask that sums to 1 over its even indices and over its odd ones;
+                         ///< GEODESIC: that of bat_mask_lane_riesenfeld(), whose order it tells
     double tension;      ///< ANGLE: mu of eq. (9)
     bat_angle_sign sign; ///< ANGLE
     bool adaptive;       ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
@@ -125,8 +127,12 @@ BAT_API bat_scheme bat_scheme_linear(bat_mask mask);
 BAT_API bat_scheme bat_scheme_angle(double mu);
 /// Angle-based with the angles of a rule, which must outlive the scheme.
 BAT_API bat_scheme bat_scheme_angle_rule(const bat_angle_rule *rule);
-/// Log-exp with the mask of an interpolatory scheme, base at the vertex.
+/// Log-exp with a mask that sums to 1 over its even indices and over its odd ones, base at the vertex. Interpolatory masks keep the
+/// given points.
 BAT_API bat_scheme bat_scheme_log_exp(bat_mask mask);
+/// Lane-Riesenfeld of an order by geodesic averages (Dyn and Sharon 2017): doubling followed by `order` rounds of midpoints. In R^n
+/// it is the linear scheme. The order is clipped as by bat_mask_lane_riesenfeld().
+BAT_API bat_scheme bat_scheme_geodesic(size_t order);
 
 /// A scheme by name, as the program's `--scheme` takes it: a name and, after a colon, settings separated by commas.
 ///
@@ -135,6 +141,8 @@ BAT_API bat_scheme bat_scheme_log_exp(bat_mask mask);
 ///     angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1)
 ///     log-exp-4 log-exp-6                      (each also with base=midpoint)
 ///     learned   learned:fairness=0.8           (bat_scheme_learned())
+///     log-exp-lane-riesenfeld:order=3          (also with base=midpoint)
+///     geodesic:order=3
 ///
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
 BAT_API bat_status bat_scheme_by_name(const char *name, bat_scheme *scheme, bat_error *error);

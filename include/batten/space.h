@@ -9,7 +9,7 @@ BAT_C_BEGIN
 /// Riemannian manifolds behind one interface.
 ///
 /// A space is a plain struct of sizes and functions. The library makes the usual ones (bat_euclidean(), bat_sphere(),
-/// bat_disk()); a user makes another by filling a bat_space. Points and tangent vectors are arrays of `point_dim` and
+/// bat_disk(); more are in manifold.h); a user makes another by filling a bat_space. Points and tangent vectors are arrays of `point_dim` and
 /// `tangent_dim` doubles in whatever coordinates the space's maker chose; nothing outside the space looks inside them.
 
 /// The largest `point_dim` or `tangent_dim` the library handles.
@@ -26,7 +26,8 @@ struct bat_space
     size_t point_dim;       ///< numbers that store a point: 3 for that sphere
     size_t tangent_dim;     ///< numbers that store a tangent vector
     double injectivity;     ///< injectivity radius, in the unit of distance(); INFINITY where geodesics never meet again
-    const void *parameters; ///< whatever the maker needs; the library does not touch it
+    double weight;          ///< one number that the maker needs: the weight of translations in bat_rigid()
+    const void *parameters; ///< whatever else the maker needs; the library does not touch it
 
     /// Null when `point` belongs to the space, else a few words that say why not ("not of unit length").
     const char *(*fault)(const bat_space *space, const double *point);
@@ -72,8 +73,9 @@ BAT_API bat_space bat_sphere(size_t n);
 /// is their Riemannian length. Oriented. Random points are uniform by area in the disk of hyperbolic radius 3.
 BAT_API bat_space bat_disk(void);
 
-/// A space by the name that the program uses: "plane", "euclidean", "sphere", "disk". `point_dim` is needed by "euclidean"
-/// and "sphere", where 0 stands for 3; for the others it must be 0 or agree.
+/// A space by the name that the program uses: "plane", "euclidean", "sphere", "disk", and of manifold.h "rotation", "rigid" (of weight
+/// 1), "spd" and "hyperbolic". `point_dim` is needed by "euclidean", "sphere" and "hyperbolic", where 0 stands for 3, and by "spd",
+/// where 0 stands for 6; for the others it must be 0 or agree.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT for an unknown name or a `point_dim` that does not fit
 BAT_API bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *space, bat_error *error);
 

@@ -79,7 +79,8 @@ static bat_status edge_length(const bat_curve *curve, size_t i, size_t next, dou
     if (!isfinite(*length))
         return error_set(error, BAT_INVALID_POINT, next, 0,
                          "the distance of point %zu from point %zu is too large for a double", next, i);
-    if (*length >= space->injectivity)
+    double tangent[BAT_SPACE_MAX_DIM];
+    if (*length >= space->injectivity && space->log(space, row(curve, i), row(curve, next), tangent) != BAT_OK)
         return error_set(error, BAT_CUT_LOCUS, next, 0, "point %zu is antipodal to point %zu", next, i);
     return BAT_OK;
 }

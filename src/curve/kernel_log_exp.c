@@ -15,8 +15,8 @@ enum
 /// Squared length of a tangent vector up to which the polynomials of lanes.h hold.
 static const double SQUARED_PI = 9.8696044010893586188;
 
-/// One edge in any space: the weighted mean of logarithms in the tangent space of the base point. The new vertex over the
-/// edge from p_0 to p_1 averages with the odd coefficients of the mask.
+/// One new point in any space: the weighted mean of logarithms in the tangent space of the base point, which is the first point of
+/// the edge from p_0 to p_1 or its middle. The new vertex over the edge averages with the odd coefficients of the mask.
 static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_log_exp_base where, const double *p,
                              double *fine)
 {
@@ -55,6 +55,30 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
         const double *p = points + j * dim;
         memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
         bat_status status = new_vertex(kernel->space, &kernel->odd, kernel->scheme->base, p, fine + (2 * j + 1) * dim);
+        if (status != BAT_OK)
+        {
+            *fault = j;
+            return status;
+        }
+    }
+    return BAT_OK;
+}
+
+/// Masks that keep no point: both new points of an edge are made. The base of those that belong to a vertex is the vertex.
+static bat_status run_smoothing(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
+                                size_t *fault)
+{
+    (void)scratch;
+    size_t dim = kernel->dim;
+    bool has_vertices = ((kernel->first + kernel->last) & 1) == 0;
+    bat_log_exp_base odd_base = kernel->scheme->base, even_base = has_vertices ? BAT_BASE_VERTEX : odd_base;
+    for (size_t j = 0; j < pairs; j++)
+    {
+        const double *p = points + j * dim;
+        double *made = fine + 2 * j * dim;
+        bat_status status = new_vertex(kernel->space, &kernel->even, even_base, p, made);
+        if (status == BAT_OK)
+            status = new_vertex(kernel->space, &kernel->odd, odd_base, p, made + dim);
         if (status != BAT_OK)
         {
             *fault = j;
@@ -274,8 +298,30 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
     return BAT_OK;
 }
 
+/// The support is that of the mask, widened to both sides alike until it holds both ends of the edge.
+static refine_kernel smoothing_kernel(const bat_space *space, const bat_scheme *scheme)
+{
+    mask_taps even = mask_taps_of(&scheme->mask, 0), odd = mask_taps_of(&scheme->mask, 1);
+    bat_mask mask = mask_trimmed(&scheme->mask);
+    int first = mask.first, last = mask.first + (int)mask.count - 1, grow = 0;
+    grow = grow < first + 2 ? first + 2 : grow;
+    grow = grow < 1 - last ? 1 - last : grow;
+    return (refine_kernel){
+        .space = space,
+        .scheme = scheme,
+        .dim = space->point_dim,
+        .first = first - grow,
+        .last = last + grow,
+        .even = even,
+        .odd = odd,
+        .run = run_smoothing,
+    };
+}
+
 refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme)
 {
+    if (!bat_mask_is_interpolatory(&scheme->mask))
+        return smoothing_kernel(space, scheme);
     mask_taps odd = mask_taps_of(&scheme->mask, 1);
     // The stencil always holds the edge's own ends.
     int low = odd.start < 0 ? (int)odd.start : 0;

@@ -43,22 +43,45 @@ refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme)
         return scheme->rule != NULL ? kernel_rule(space, scheme) : kernel_angle(space, scheme);
     case BAT_SCHEME_LOG_EXP:
         return kernel_log_exp(space, scheme);
+    case BAT_SCHEME_GEODESIC:
+        return kernel_geodesic(space, scheme);
     case BAT_SCHEME_LINEAR:
     default:
         return kernel_linear(scheme, space->point_dim);
     }
 }
 
-static bat_status check_mask(const bat_mask *mask, bool interpolatory, bat_error *error)
+/// Whether weights sum to 1 for every new point, as those of a mean do.
+static bool is_affine(const bat_mask *mask)
+{
+    const double tolerance = 1e-9;
+    double sums[2] = {0, 0};
+    for (size_t k = 0; k < mask->count; k++)
+        sums[(mask->first + (int)k) & 1] += mask->coefficients[k];
+    return fabs(sums[0] - 1) <= tolerance && fabs(sums[1] - 1) <= tolerance;
+}
+
+static bat_status check_mask(const bat_mask *mask, bool affine, bat_error *error)
 {
     bat_status status = mask_check(mask, error);
     if (status != BAT_OK)
         return status;
     if (mask_trimmed(mask).count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "all coefficients of the mask are zero");
-    if (interpolatory && !bat_mask_is_interpolatory(mask))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a log-exp scheme needs the mask of an interpolatory one");
+    if (affine && !is_affine(mask))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "a log-exp scheme needs a mask that sums to 1 over its even indices and over its odd ones");
     return BAT_OK;
+}
+
+static bat_status check_lane_riesenfeld(const bat_mask *mask, bat_error *error)
+{
+    bat_mask expected = bat_mask_lane_riesenfeld(mask->count < 3 ? 1 : mask->count - 2);
+    bool same = mask->count == expected.count && mask->first == expected.first;
+    for (size_t k = 0; k < expected.count && same; k++)
+        same = mask->coefficients[k] == expected.coefficients[k];
+    return same ? BAT_OK
+                : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a geodesic scheme needs a Lane-Riesenfeld mask");
 }
 
 static bat_status check_rule(const bat_space *space, const bat_scheme *scheme, bat_error *error)
@@ -110,6 +133,8 @@ static bat_status check_options(const bat_space *space, const bat_refine_options
         if (scheme->base != BAT_BASE_VERTEX && scheme->base != BAT_BASE_MIDPOINT)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no base %d", (int)scheme->base);
         return check_mask(&scheme->mask, true, error);
+    case BAT_SCHEME_GEODESIC:
+        return check_lane_riesenfeld(&scheme->mask, error);
     }
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no scheme of kind %d", (int)scheme->kind);
 }
@@ -138,9 +163,8 @@ static index_range free_range(const refine_kernel *kernel, const bat_stencil *sn
     return (index_range){low, high + 1};
 }
 
-/// The points of the last level at parameters from 0 to count - 1. After k levels point i lies at
-/// i / 2^k - centre (1 - 1 / 2^k), so the first is the smallest i >= centre (2^k - 1).
-static index_range range_between_ends(const refine_kernel *kernel, size_t levels, size_t count)
+/// After k levels point i lies at i / 2^k - centre (1 - 1 / 2^k), so the first is the smallest i >= centre (2^k - 1).
+index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t count)
 {
     ptrdiff_t doubled = doubled_centre(kernel) * (((ptrdiff_t)1 << levels) - 1);
     ptrdiff_t begin = (doubled + (doubled & 1)) / 2;
@@ -148,8 +172,7 @@ static index_range range_between_ends(const refine_kernel *kernel, size_t levels
     return (index_range){begin, begin + length + ((doubled & 1) == 0 ? 1 : 0)};
 }
 
-/// Whether indices, bytes and the caller's limit leave room for `count` points refined `levels` times.
-static bool has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit)
+bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit)
 {
     size_t support = (size_t)abs(kernel->first) + (size_t)abs(kernel->last);
     size_t most = (size_t)PTRDIFF_MAX / 8 / sizeof(double) / kernel->dim;
@@ -161,7 +184,7 @@ static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, 
 {
     const bat_refine_options *options = &plan->options;
     size_t count = coarse->count, levels = options->levels;
-    if (!has_room(kernel, count, levels, options->max_points))
+    if (!plan_has_room(kernel, count, levels, options->max_points))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
                          "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
     plan->points = (index_range){0, (ptrdiff_t)(count << levels)};
@@ -169,7 +192,7 @@ static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, 
         plan->points = free_range(kernel, &plan->snap, levels, count);
     else if (!coarse->closed)
     {
-        plan->points = range_between_ends(kernel, levels, count);
+        plan->points = plan_between_ends(kernel, levels, count);
         plan->ends_added = levels > 0 && (doubled_centre(kernel) & 1) != 0;
     }
     ptrdiff_t length = plan->points.end - plan->points.begin;

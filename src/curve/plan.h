@@ -20,6 +20,10 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_refine_options *o
 /// The scheme to begin with in a space that needs no training, and its name.
 bat_scheme scheme_classical(const bat_space *space);
 const char *scheme_classical_name(const bat_space *space);
+/// Whether indices, bytes and the caller's limit leave room for `count` rows refined `levels` times.
+bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit);
+/// The rows of the last level at parameters from 0 to count - 1, those of an open curve.
+index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t count);
 
 /// The kernel of a scheme in a space that it is made for.
 refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme);

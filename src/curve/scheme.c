@@ -19,3 +19,8 @@ bat_scheme bat_scheme_log_exp(bat_mask mask)
 {
     return (bat_scheme){.kind = BAT_SCHEME_LOG_EXP, .mask = mask};
 }
+
+bat_scheme bat_scheme_geodesic(size_t order)
+{
+    return (bat_scheme){.kind = BAT_SCHEME_GEODESIC, .mask = bat_mask_lane_riesenfeld(order)};
+}

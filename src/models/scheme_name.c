@@ -75,6 +75,18 @@ static bat_scheme make_log_exp_6(const settings *s)
     return scheme;
 }
 
+static bat_scheme make_log_exp_lane_riesenfeld(const settings *s)
+{
+    bat_scheme scheme = bat_scheme_log_exp(bat_mask_lane_riesenfeld((size_t)s->order));
+    scheme.base = s->base;
+    return scheme;
+}
+
+static bat_scheme make_geodesic(const settings *s)
+{
+    return bat_scheme_geodesic((size_t)s->order);
+}
+
 static bat_scheme make_learned(const settings *s)
 {
     return bat_scheme_learned(s->fairness);
@@ -112,6 +124,12 @@ static const entry ENTRIES[] = {
      "the six-point scheme in tangent spaces; any space",
      {.w = BAT_SIX_POINT_WEIGHT},
      make_log_exp_6},
+    {"log-exp-lane-riesenfeld",
+     "order=3,base=vertex",
+     "the B-spline of degree `order` in tangent spaces; any space",
+     {.order = 3},
+     make_log_exp_lane_riesenfeld},
+    {"geodesic", "order=3", "Lane-Riesenfeld by midpoints of geodesics; any space", {.order = 3}, make_geodesic},
     {"learned",
      "fairness=0.5",
      "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk",
@@ -275,7 +293,8 @@ static bat_status check_settings(const entry *e, const settings *s, bat_error *e
     if (e->make == make_corner_cutting && !(0 < s->r && s->r < s->s && s->s < 1))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "corner cutting needs 0 < r < s < 1, not r = %g, s = %g", s->r, s->s);
-    if (e->make == make_lane_riesenfeld && !(s->order >= 1 && s->order <= BAT_MASK_MAX - 2 && s->order == floor(s->order)))
+    bool has_order = e->make == make_lane_riesenfeld || e->make == make_log_exp_lane_riesenfeld || e->make == make_geodesic;
+    if (has_order && !(s->order >= 1 && s->order <= BAT_MASK_MAX - 2 && s->order == floor(s->order)))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the order must be a whole number from 1 to %d, not %g", BAT_MASK_MAX - 2, s->order);
     if (e->make == make_learned && !(s->fairness >= 0 && s->fairness <= 1))

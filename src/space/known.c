@@ -3,7 +3,7 @@
 static bool is_same(const bat_space *a, const bat_space *b)
 {
     return a->dimension == b->dimension && a->point_dim == b->point_dim && a->tangent_dim == b->tangent_dim &&
-           a->parameters == b->parameters && a->fault == b->fault && a->project == b->project &&
+           a->weight == b->weight && a->parameters == b->parameters && a->fault == b->fault && a->project == b->project &&
            a->distance == b->distance && a->log == b->log && a->exp == b->exp && a->transport == b->transport &&
            a->inner == b->inner && a->geodesic == b->geodesic && a->exterior_angle == b->exterior_angle &&
            a->apex == b->apex;

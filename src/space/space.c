@@ -1,7 +1,9 @@
 #include "batten/space.h"
 
 #include "base/error.h"
+#include "batten/manifold.h"
 
+#include <math.h>
 #include <string.h>
 
 bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *space, bat_error *error)
@@ -15,9 +17,18 @@ bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *spac
         found = bat_euclidean(point_dim == 0 ? 3 : point_dim);
     else if (strcmp(name, "sphere") == 0)
         found = bat_sphere(point_dim == 0 ? 2 : point_dim - 1);
+    else if (strcmp(name, "rotation") == 0)
+        found = bat_rotation();
+    else if (strcmp(name, "rigid") == 0)
+        (void)bat_rigid(1, &found, NULL);
+    else if (strcmp(name, "spd") == 0)
+        found = bat_positive_definite(point_dim == 0 ? 3 : (size_t)sqrt(2 * (double)point_dim));
+    else if (strcmp(name, "hyperbolic") == 0)
+        found = bat_hyperbolic(point_dim == 0 ? 2 : point_dim - 1);
     else
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "there is no space '%s'; the spaces are plane, euclidean, sphere, disk", name);
+        return error_set(
+            error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+            "there is no space '%s'; the spaces are plane, euclidean, sphere, disk, rotation, rigid, spd, hyperbolic", name);
     if (point_dim != 0 && found.point_dim != point_dim)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a point of the %s has %zu coordinates, not %zu",
                          name, found.point_dim, point_dim);

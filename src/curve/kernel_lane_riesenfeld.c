@@ -1,0 +1,114 @@
+#include "curve/kernel.h"
+
+#include <string.h>
+
+enum
+{
+    /// Numbers in the rows averaged at a time.
+    BLOCK_NUMBERS = 2048,
+    /// A block is at least this many times the order, so that what blocks compute twice stays small.
+    BLOCK_ORDERS = 8
+};
+
+static size_t block_pairs(const refine_kernel *kernel)
+{
+    size_t pairs = BLOCK_NUMBERS / kernel->dim, least = BLOCK_ORDERS * kernel->order;
+    return pairs < least ? least : pairs;
+}
+
+/// floor(i / 2) for negative numbers, too.
+static ptrdiff_t floor_half(ptrdiff_t i)
+{
+    return (i - (i & 1)) / 2;
+}
+
+/// The first round: an old row and the average of it and the next, in turn, `count` rows in all.
+static bat_status insert_averages(const refine_kernel *kernel, const double *points, size_t count, double *rows,
+                                  size_t *fault)
+{
+    size_t dim = kernel->dim;
+    for (size_t i = 0; i < count; i += 2)
+        memcpy(rows + i * dim, points + i / 2 * dim, dim * sizeof *rows);
+    return kernel->average(kernel, points, count / 2, rows + dim, 2 * dim, fault);
+}
+
+/// All rounds for new points 2 j, 2 j + 1 with j < pairs. Round r makes row i from the rows i and i + 1 of the round before, so
+/// that order - 1 rounds move the rows by half that many places, which the first round makes up for.
+static bat_status run_block(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, double *rows,
+                            size_t *fault)
+{
+    size_t dim = kernel->dim, rounds = kernel->order - 1;
+    ptrdiff_t begin = -(ptrdiff_t)(rounds / 2), first_pair = floor_half(begin);
+    size_t skipped = (size_t)(begin - 2 * first_pair), count = skipped + 2 * pairs + rounds;
+    bat_status status = insert_averages(kernel, points + first_pair * (ptrdiff_t)dim, count, rows, fault);
+    rows += skipped * dim;
+    for (size_t round = rounds; round > 0 && status == BAT_OK; round--)
+    {
+        status = kernel->average(kernel, rows, 2 * pairs + round - 1, rows, dim, fault);
+        *fault /= 2;
+    }
+    if (status == BAT_OK)
+        memcpy(fine, rows, 2 * pairs * dim * sizeof *fine);
+    return status;
+}
+
+static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
+                      size_t *fault)
+{
+    if (kernel->order == 1)
+        return insert_averages(kernel, points, 2 * pairs, fine, fault);
+    size_t dim = kernel->dim, most = block_pairs(kernel);
+    for (size_t done = 0; done < pairs; done += most)
+    {
+        size_t count = pairs - done < most ? pairs - done : most;
+        *fault = 0;
+        bat_status status = run_block(kernel, points + done * dim, count, fine + 2 * done * dim, scratch, fault);
+        if (status != BAT_OK)
+        {
+            *fault += done;
+            return status;
+        }
+    }
+    return BAT_OK;
+}
+
+refine_kernel kernel_lane_riesenfeld(const bat_space *space, size_t dim, size_t order, row_average *average)
+{
+    bat_mask mask = bat_mask_lane_riesenfeld(order);
+    refine_kernel kernel = {
+        .space = space,
+        .dim = dim,
+        .first = mask.first,
+        .last = mask.first + (int)mask.count - 1,
+        .average = average,
+        .order = order,
+        .run = run,
+    };
+    size_t rows = 2 * block_pairs(&kernel) + order + 2;
+    kernel.scratch_size = order == 1 ? 0 : rows * dim * sizeof(double);
+    return kernel;
+}
+
+static bat_status average_points(const refine_kernel *kernel, const double *rows, size_t count, double *averages,
+                                 size_t stride, size_t *fault)
+{
+    size_t dim = kernel->dim;
+    double middle[BAT_SPACE_MAX_DIM];
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *row = rows + i * dim;
+        bat_status status = bat_space_geodesic(kernel->space, row, row + dim, 0.5, middle);
+        if (status != BAT_OK)
+        {
+            *fault = i;
+            return status;
+        }
+        memcpy(averages + i * stride, middle, dim * sizeof *middle);
+    }
+    return BAT_OK;
+}
+
+refine_kernel kernel_geodesic(const bat_space *space, const bat_scheme *scheme)
+{
+    return kernel_lane_riesenfeld(space, space->point_dim, scheme->mask.count - 2, average_points);
+}

@@ -1,0 +1,115 @@
+#include "batten/manifold.h"
+
+#include "base/error.h"
+#include "space/rotation.h"
+
+#include <math.h>
+
+// Points are a translation and a quaternion, tangent vectors a velocity in the fixed frame and a rotation vector in the body's.
+
+enum
+{
+    TRANSLATION = 3
+};
+
+static bool is_finite(const double *v)
+{
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+static const char *fault(const bat_space *space, const double *point)
+{
+    (void)space;
+    return is_finite(point) ? rotation_fault(point + TRANSLATION) : "not finite";
+}
+
+static bat_status project(const bat_space *space, const double *coordinates, double *point)
+{
+    (void)space;
+    if (!is_finite(coordinates))
+        return BAT_INVALID_POINT;
+    for (int i = 0; i < TRANSLATION; i++)
+        point[i] = coordinates[i];
+    return rotation_project(coordinates + TRANSLATION, point + TRANSLATION);
+}
+
+static double distance(const bat_space *space, const double *p, const double *q)
+{
+    double moved = hypot(hypot(q[0] - p[0], q[1] - p[1]), q[2] - p[2]);
+    return hypot(space->weight * moved, rotation_distance(p + TRANSLATION, q + TRANSLATION));
+}
+
+static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
+{
+    (void)space;
+    for (int i = 0; i < TRANSLATION; i++)
+        tangent[i] = q[i] - p[i];
+    return rotation_log(p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION);
+}
+
+static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
+{
+    (void)space;
+    for (int i = 0; i < TRANSLATION; i++)
+        q[i] = p[i] + tangent[i];
+    return is_finite(q) ? rotation_exp(p + TRANSLATION, tangent + TRANSLATION, q + TRANSLATION) : BAT_INVALID_POINT;
+}
+
+static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
+                            double *transported)
+{
+    (void)space;
+    for (int i = 0; i < TRANSLATION; i++)
+        transported[i] = tangent[i];
+    return rotation_transport(p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION, transported + TRANSLATION);
+}
+
+static double inner(const bat_space *space, const double *p, const double *u, const double *v)
+{
+    (void)p;
+    double translations = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    double rotations = u[3] * v[3] + u[4] * v[4] + u[5] * v[5];
+    return space->weight * space->weight * translations + rotations;
+}
+
+static void random_point(const bat_space *space, bat_random *random, double *point)
+{
+    (void)space;
+    for (int i = 0; i < TRANSLATION; i++)
+        point[i] = bat_random_normal(random);
+    rotation_random(random, point + TRANSLATION);
+}
+
+static bat_status geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
+{
+    (void)space;
+    for (int i = 0; i < TRANSLATION; i++)
+        point[i] = (1 - t) * p[i] + t * q[i];
+    return is_finite(point) ? rotation_geodesic(p + TRANSLATION, q + TRANSLATION, t, point + TRANSLATION)
+                            : BAT_INVALID_POINT;
+}
+
+bat_status bat_rigid(double translation_weight, bat_space *space, bat_error *error)
+{
+    if (!(translation_weight > 0 && isfinite(translation_weight)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the weight of translations is not a positive number");
+    *space = (bat_space){
+        .name = "rigid",
+        .dimension = 6,
+        .point_dim = 7,
+        .tangent_dim = 6,
+        .injectivity = 3.14159265358979323846,
+        .weight = translation_weight,
+        .fault = fault,
+        .project = project,
+        .distance = distance,
+        .log = logarithm,
+        .exp = exponential,
+        .transport = transport,
+        .inner = inner,
+        .random_point = random_point,
+        .geodesic = geodesic,
+    };
+    return BAT_OK;
+}

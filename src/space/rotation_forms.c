@@ -1,0 +1,141 @@
+#include "batten/manifold.h"
+
+#include "base/error.h"
+#include "linalg/symmetric.h"
+#include "space/quaternion.h"
+#include "space/rotation.h"
+
+#include <math.h>
+
+// Rotations as matrices and as rotation vectors.
+
+/// How far R^T R may be from the identity, in any entry.
+static const double ORTHOGONALITY_TOLERANCE = 1e-9;
+/// The two largest eigenvalues of Davenport's matrix, nearer than this to each other (relative to the largest entry), leave the
+/// nearest rotation to rounding.
+static const double LEAST_GAP = 1e-13;
+
+static bat_status matrix_fault(bat_error *error, const char *what)
+{
+    return error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "the matrix is %s", what);
+}
+
+static bool matrix_is_finite(const double *m)
+{
+    for (int i = 0; i < 9; i++)
+        if (!isfinite(m[i]))
+            return false;
+    return true;
+}
+
+static double largest_off_orthogonal(const double *m)
+{
+    double largest = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++)
+        {
+            double product = m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j];
+            largest = fmax(largest, fabs(product - (i == j ? 1 : 0)));
+        }
+    return largest;
+}
+
+static double determinant(const double *m)
+{
+    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+static void make_scalar_positive(double *quaternion)
+{
+    double sign = quaternion[0] < 0 ? -1 : 1;
+    for (int i = 0; i < 4; i++)
+        quaternion[i] *= sign;
+}
+
+/// 4 q q^T of a rotation matrix has, in each column, a multiple of q; the longest column loses nothing (Shepperd 1978).
+bat_status bat_rotation_from_matrix(const double *m, double *quaternion, bat_error *error)
+{
+    if (!matrix_is_finite(m))
+        return matrix_fault(error, "not finite");
+    if (!(largest_off_orthogonal(m) <= ORTHOGONALITY_TOLERANCE))
+        return matrix_fault(error, "not orthogonal");
+    if (determinant(m) < 0)
+        return matrix_fault(error, "a reflection: its determinant is -1");
+    double outer[4][4] = {{1 + m[0] + m[4] + m[8], m[7] - m[5], m[2] - m[6], m[3] - m[1]},
+                          {m[7] - m[5], 1 + m[0] - m[4] - m[8], m[1] + m[3], m[2] + m[6]},
+                          {m[2] - m[6], m[1] + m[3], 1 - m[0] + m[4] - m[8], m[5] + m[7]},
+                          {m[3] - m[1], m[2] + m[6], m[5] + m[7], 1 - m[0] - m[4] + m[8]}};
+    int longest = 0;
+    for (int i = 1; i < 4; i++)
+        if (outer[i][i] > outer[longest][longest])
+            longest = i;
+    for (int i = 0; i < 4; i++)
+        quaternion[i] = outer[longest][i];
+    quaternion_normalize(quaternion);
+    make_scalar_positive(quaternion);
+    return BAT_OK;
+}
+
+/// The quaternion q that makes trace(R(q)^T m) = q^T K q largest.
+bat_status bat_rotation_nearest(const double *matrix, double *quaternion, bat_error *error)
+{
+    if (!matrix_is_finite(matrix))
+        return matrix_fault(error, "not finite");
+    double largest = 0, m[9], vectors[16];
+    for (int i = 0; i < 9; i++)
+        largest = fmax(largest, fabs(matrix[i]));
+    for (int i = 0; i < 9; i++)
+        m[i] = largest > 0 ? matrix[i] / largest : 0;
+    double k[16] = {m[0] + m[4] + m[8], m[7] - m[5],        m[2] - m[6],         m[3] - m[1],
+                    m[7] - m[5],        m[0] - m[4] - m[8], m[1] + m[3],         m[2] + m[6],
+                    m[2] - m[6],        m[1] + m[3],        -m[0] + m[4] - m[8], m[5] + m[7],
+                    m[3] - m[1],        m[2] + m[6],        m[5] + m[7],         -m[0] - m[4] + m[8]};
+    symmetric_eigen(4, k, vectors, SYMMETRIC_BY_NORM);
+    int first = 0;
+    double second = -INFINITY;
+    for (int i = 1; i < 4; i++)
+        if (k[5 * i] > k[5 * first])
+            first = i;
+    for (int i = 0; i < 4; i++)
+        if (i != first)
+            second = fmax(second, k[5 * i]);
+    if (!(k[5 * first] - second > LEAST_GAP))
+        return matrix_fault(error, "equally near to several rotations");
+    for (int i = 0; i < 4; i++)
+        quaternion[i] = vectors[4 * first + i];
+    quaternion_normalize(quaternion);
+    make_scalar_positive(quaternion);
+    return BAT_OK;
+}
+
+void bat_rotation_to_matrix(const double *q, double *m)
+{
+    double scale = 2 / quaternion_dot(q, q);
+    double x = scale * q[1], y = scale * q[2], z = scale * q[3];
+    m[0] = 1 - (y * q[2] + z * q[3]);
+    m[1] = x * q[2] - z * q[0];
+    m[2] = x * q[3] + y * q[0];
+    m[3] = x * q[2] + z * q[0];
+    m[4] = 1 - (x * q[1] + z * q[3]);
+    m[5] = y * q[3] - x * q[0];
+    m[6] = x * q[3] - y * q[0];
+    m[7] = y * q[3] + x * q[0];
+    m[8] = 1 - (x * q[1] + y * q[2]);
+}
+
+bat_status bat_rotation_from_vector(const double *vector, double *quaternion, bat_error *error)
+{
+    const double identity[4] = {1, 0, 0, 0};
+    if (rotation_exp(identity, vector, quaternion) != BAT_OK)
+        return error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "the rotation vector is not finite or too long");
+    return BAT_OK;
+}
+
+void bat_rotation_to_vector(const double *quaternion, double *vector)
+{
+    double sign = quaternion[0] < 0 ? -1 : 1;
+    double sine = sqrt(vector_dot(quaternion + 1, quaternion + 1));
+    double scale = sine > 0 ? sign * 2 * atan2(sine, fabs(quaternion[0])) / sine : 0;
+    for (int i = 0; i < 3; i++)
+        vector[i] = scale * quaternion[i + 1];
+}
