@@ -1,6 +1,5 @@
 #include "curve.h"
 
-#include "arguments.h"
 #include "report.h"
 #include "verbs.h"
 
@@ -32,11 +31,17 @@ static const option_spec OPTIONS[] = {
     {"scheme", 0, "NAME",
      "how to refine, see `batten list schemes`; default: learned on the plane, sphere and disk (angle-4 for more than a "
      "million new "
-     "points), in R^n four-point"},
+     "points), in R^n four-point; for times or velocities of rotations, motions and tensors hermite, else log-exp-4"},
     {"fairness", 0, "F", "learned: from 0, nearest to the data, to 1, smoothest; default 0.5"},
     {"model", 0, "FILE", "learned: a trained network of your own, a safetensors file"},
     {"levels", 0, "K", "how often; every level doubles the number of edges; default 5"},
-    {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the file implies"},
+    {"rate", 0, "R", "hermite: R points a unit of time, in place of --levels"},
+    {"velocities", 0, NULL, "hermite: write velocities even if IN has none"},
+    {"tangents", 0, "ORDER", "hermite: order of the tangents estimated where IN has none, 2 (default) or 4"},
+    {"space", 0, "NAME",
+     "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: what the file "
+     "implies"},
+    {"translation-weight", 0, "W", "rigid: how many radians a unit of length counts as much as; default 1"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
     {"ends", 0, "RULE", "how open curves end: reflect (default), extrapolate, free"},
@@ -50,7 +55,7 @@ static const option_spec OPTIONS[] = {
     {"comb", 0, NULL, "draw the curvature comb"},
     {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
     {"title", 0, "TEXT", "write a title above the picture"},
-    {"from", 0, "FORMAT", "csv, geojson or obj; default: by the file's ending"},
+    {"from", 0, "FORMAT", "csv, geojson, obj or tum; default: by the file's ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
     {"threads", 0, "N", "default: all"},
@@ -196,6 +201,8 @@ static bool read_scheme(const arguments *given, curve_job *job)
         (void)usage_error(given, "--fairness takes a number from 0 to 1");
         return false;
     }
+    if (job->hermite)
+        return true;
     if (asks || learned)
     {
         job->scheme = LEARNED;
@@ -245,19 +252,39 @@ static bool read_job(const arguments *given, curve_job *job)
     if (job->output == NULL && job->picture == NULL && !job->json)
         job->output = "-";
     job->quiet = argument_flag(given, "quiet") || (job->output != NULL && strcmp(job->output, "-") == 0);
-    return read_numbers(given, job) && read_choices(given, job) && read_panels(given, job) && read_scheme(given, job) &&
-           check_exclusions(given, job) && check_needs(given, job);
+    return read_numbers(given, job) && read_choices(given, job) && read_panels(given, job) &&
+           curve_hermite_read(given, job) && read_scheme(given, job) && check_exclusions(given, job) &&
+           check_needs(given, job);
+}
+
+int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error)
+{
+    bat_error whole = *error;
+    if (error->index != BAT_NO_INDEX && failed < set->count && whole.line == 0)
+        whole.line = bat_curve_set_line(set, failed, error->index);
+    if (error->index != BAT_NO_INDEX && set->count > 1)
+        (void)snprintf(whole.text, sizeof whole.text, "curve %zu: %.200s", failed, error->text);
+    bool pair = error->status == BAT_CUT_LOCUS && error->index != BAT_NO_INDEX && error->index > 0 && whole.line > 0;
+    if (pair && strstr(error->text, "lines") == NULL)
+    {
+        size_t used = strlen(whole.text);
+        (void)snprintf(whole.text + used, sizeof whole.text - used, " (line %zu)",
+                       bat_curve_set_line(set, failed, error->index - 1));
+    }
+    return report_failure(job->input, &whole);
 }
 
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine)
 {
+    if (job->hermite)
+        return curve_hermite_refine(job, coarse, levels, fine);
     bat_error error;
     bat_refine_options how = job->refine;
     how.levels = levels;
     bat_curve *curves = calloc(coarse->count, sizeof *curves);
     if (curves == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
-    size_t failed = 0;
+    size_t failed = coarse->count;
     how.progress = report_progress("refining");
     bat_status status = bat_curves_refine(coarse->curves, coarse->count, &how, curves, &failed, &error);
     report_progress_end();
@@ -269,18 +296,8 @@ int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t level
         for (size_t i = 0; i < coarse->count; i++)
             bat_curve_free(&curves[i]);
     }
-    else if (error.index != BAT_NO_INDEX && failed < coarse->count)
-    {
-        error.line = bat_curve_set_line(coarse, failed, error.index);
-        if (coarse->count > 1)
-        {
-            char text[BAT_ERROR_TEXT_SIZE];
-            (void)snprintf(text, sizeof text, "curve %zu: %.200s", failed, error.text);
-            memcpy(error.text, text, sizeof text);
-        }
-    }
     free(curves);
-    return report_failure(job->input, &error);
+    return curve_failure(job, coarse, failed, &error);
 }
 
 /// Replace the tension of the scheme by the best for this truth, and its name.
@@ -354,6 +371,13 @@ static bool load_model(curve_job *job)
 static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
 {
     double points = 0;
+    bool plain = !job->refine.snap && job->refine.ends == BAT_END_REFLECT && !job->best_tension;
+    if (plain && curve_hermite_suits(coarse))
+    {
+        job->hermite = true;
+        job->scheme = "hermite";
+        return;
+    }
     for (size_t i = 0; i < coarse->count; i++)
         points += (double)coarse->curves[i].count;
     job->scheme = bat_scheme_name_for_space(coarse->space);
@@ -370,6 +394,8 @@ static int run_job(curve_job *job)
     bat_error error;
     if (bat_curves_read(job->input, &job->read, &coarse, &error) != BAT_OK)
         return report_failure(job->input, &error);
+    if (job->translation_weight > 0)
+        coarse.space->weight = job->translation_weight;
     if (job->scheme == NULL)
         choose_scheme(job, &coarse);
     int code = EXIT_DONE;

@@ -1,7 +1,10 @@
 #ifndef CLI_CURVE_H
 #define CLI_CURVE_H
 
+#include "arguments.h"
+
 #include "batten/file.h"
+#include "batten/motion.h"
 #include "batten/picture.h"
 #include "batten/tension_model.h"
 
@@ -22,7 +25,10 @@ typedef struct curve_job
     double fairness;          ///< of the scheme "learned"
     const char *model_file;   ///< of the scheme "learned"; null for the network that the library comes with
     bat_tension_model *model; ///< what it holds
-    const char *scheme;       ///< its name; when the user gave none, null until the space is known
+    bool hermite;             ///< the scheme takes tangents: `motion` in place of `refine`
+    bat_motion_options motion;
+    double translation_weight; ///< of the space rigid; 0: as it is
+    const char *scheme;        ///< its name; when the user gave none, null until the space is known
     bat_picture_options draw;
     size_t panels[CURVE_MOST_PANELS]; ///< the levels drawn side by side
     size_t panel_count;               ///< 0: one panel, of refine.levels
@@ -33,6 +39,15 @@ typedef struct curve_job
 /// Refine a set by `levels` levels into another that keeps the file's attributes. Returns the program's exit code, as the
 /// following do.
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine);
+
+/// The options of Hermite schemes, once the others are read. False after a message.
+bool curve_hermite_read(const arguments *given, curve_job *job);
+/// curve_refine() by a Hermite scheme.
+int curve_hermite_refine(const curve_job *job, const bat_curve_set *keyframes, size_t levels, bat_curve_set *fine);
+/// Whether a Hermite scheme is the one to begin with: rotations, motions and tensors that come with times or velocities.
+bool curve_hermite_suits(const bat_curve_set *keyframes);
+/// Report that refining failed with curve `failed` of a set.
+int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error);
 
 /// Draw the picture; `truth` may be null.
 int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine);

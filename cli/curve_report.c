@@ -71,13 +71,18 @@ static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_s
     return status;
 }
 
-/// "on the sphere", "in R^3".
+/// "on the sphere", "in R^3", "in the space rotation".
 static const char *place_of(const bat_space *space, char *text, size_t size)
 {
     if (strcmp(space->name, "euclidean") == 0)
         (void)snprintf(text, size, "in R^%zu", space->dimension);
+    else if (strcmp(space->name, "sphere") == 0)
+        (void)snprintf(text, size, "on the sphere");
     else
-        (void)snprintf(text, size, "%s the %s", strcmp(space->name, "sphere") == 0 ? "on" : "in", space->name);
+    {
+        bool noun = strcmp(space->name, "plane") == 0 || strcmp(space->name, "disk") == 0;
+        (void)snprintf(text, size, "in the %s%s", noun ? "" : "space ", space->name);
+    }
     return text;
 }
 
@@ -92,9 +97,12 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
 {
     char place[32];
     bool many = fine->count > 1;
-    (void)printf("%zu curve%s %s, scheme %s, %zu level%s\n", fine->count, many ? "s" : "",
-                 place_of(fine->space, place, sizeof place), job->scheme, job->refine.levels,
-                 job->refine.levels == 1 ? "" : "s");
+    (void)printf("%zu curve%s %s, scheme %s, ", fine->count, many ? "s" : "", place_of(fine->space, place, sizeof place),
+                 job->scheme);
+    if (job->motion.rate > 0)
+        (void)printf("%g points a unit of time\n", job->motion.rate);
+    else
+        (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
     (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
                  many ? "mean bending" : "bending", "largest angle");
     print_row("given", before);
@@ -113,8 +121,10 @@ static json_t *totals_json(const totals *t)
 static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const totals *before, const totals *after,
                          const distances *distance)
 {
-    json_t *object = json_pack("{s:s, s:s, s:I, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme, "levels",
-                               (json_int_t)job->refine.levels, "curves", (json_int_t)fine->count, "given",
+    bool sampled = job->motion.rate > 0;
+    json_t *amount = sampled ? json_real(job->motion.rate) : json_integer((json_int_t)job->refine.levels);
+    json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
+                               sampled ? "rate" : "levels", amount, "curves", (json_int_t)fine->count, "given",
                                totals_json(before), "refined", totals_json(after));
     if (distance == NULL)
         return object;

@@ -30,6 +30,10 @@ static const struct
     {"euclidean", "R^n, n from the file"},
     {"sphere", "unit vectors, or longitude and latitude in degrees; S^2, or S^n from the file"},
     {"disk", "the hyperbolic plane as the Poincaré disk, points of length below 1"},
+    {"rotation", "rotations of R^3: quaternions, matrices or rotation vectors by the names of the columns; else w, x, y, z"},
+    {"rigid", "poses: translation and rotation, or timestamp tx ty tz qx qy qz qw as in the TUM format"},
+    {"spd", "symmetric positive-definite matrices (tensors), the upper triangle row by row: xx, xy, xz, yy, yz, zz"},
+    {"hyperbolic", "the hyperboloid in R^(n+1), n from the file: x0, then x"},
 };
 
 static const struct
@@ -52,6 +56,16 @@ static bool space_row(size_t index, const char **name, const char **settings, co
     *settings = NULL;
     *summary = SPACES[index].summary;
     return true;
+}
+
+/// The schemes for points, then those for points with tangents.
+static bool scheme_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    size_t plain = 0;
+    while (bat_scheme_list(plain, name, settings, summary))
+        if (plain++ == index)
+            return true;
+    return bat_hermite_list(index - plain, name, settings, summary);
 }
 
 static bool model_row(size_t index, const char **name, const char **settings, const char **summary)
@@ -105,7 +119,7 @@ int verb_list(int argc, char **argv)
     const char *what = given.positional[0];
     bool as_json = argument_flag(&given, "json");
     if (strcmp(what, "schemes") == 0)
-        return print_rows(what, bat_scheme_list, as_json);
+        return print_rows(what, scheme_row, as_json);
     if (strcmp(what, "spaces") == 0)
         return print_rows(what, space_row, as_json);
     if (strcmp(what, "models") == 0)

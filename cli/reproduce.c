@@ -42,6 +42,10 @@ static const struct
      "table 5 of the tension paper: the ISS ground track"},
     {"tension-mechanism", reproduce_tension_mechanism, WITH_FOLDER, true, false, false,
      "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
+    {"hermite-figures", reproduce_hermite_figures, ALWAYS, false, false, false,
+     "figures 1 to 4 of the Hermite paper: tensors, orders 1, 3 and 10, a spiral, rotations, beside parallel transport"},
+    {"hermite-order", reproduce_hermite_order, NEVER, false, false, false,
+     "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement"},
 };
 enum
 {
@@ -59,7 +63,8 @@ bool reproduce_row(size_t index, const char **name, const char **summary)
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "FOLDER",
-     "where pictures go; default: out for curve-figures, no picture for tension-table1, -iss and -mechanism. tension-table3 "
+     "where pictures go; default: out for curve-figures and hermite-figures, no picture for tension-table1, -iss and "
+     "-mechanism. tension-table3 "
      "and "
      "-table4: where the trainings are kept, and gone on with; default out/tension-ablations"},
     {"model", 0, "FILE",

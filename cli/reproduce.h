@@ -28,6 +28,8 @@ int reproduce_tension_table3(const reproduce_job *job);
 int reproduce_tension_table4(const reproduce_job *job);
 int reproduce_tension_iss(const reproduce_job *job);
 int reproduce_tension_mechanism(const reproduce_job *job);
+int reproduce_hermite_figures(const reproduce_job *job);
+int reproduce_hermite_order(const reproduce_job *job);
 
 // What the results share.
 

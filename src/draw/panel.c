@@ -3,6 +3,7 @@
 #include "draw/grid.h"
 #include "draw/stroke.h"
 #include "draw/teeth.h"
+#include "draw/tensor_row.h"
 
 #include <math.h>
 
@@ -155,11 +156,15 @@ static line_style behind(line_style line)
     return line;
 }
 
-static bat_status draw_line(cairo_t *cairo, const draw_view *view, const bat_picture_panel *panel, size_t index,
-                            view_side side, bat_error *error)
+static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_panel *panel, size_t index, view_side side,
+                            bat_error *error)
 {
-    const bat_curve *curve = panel->layers[index].curve;
-    line_style line = layer_line(panel, index);
+    const bat_curve *curve = panel->drawn->layers[index].curve;
+    line_style line = layer_line(panel->drawn, index);
+    if (panel->drawn == &panel->stand.panel && panel->stand.lines[index].width > 0.0)
+    {
+        line = panel->stand.lines[index];
+    }
     line = side == VIEW_BACK ? behind(line) : line;
     double x;
     double y;
@@ -217,13 +222,13 @@ static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *c
 }
 
 /// All lines of one role.
-static bat_status draw_role(cairo_t *cairo, const draw_view *view, const bat_picture_panel *panel, bat_layer_role role,
+static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_layer_role role,
                             view_side side, bat_error *error)
 {
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
+    for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
     {
-        status = panel->layers[i].role == role ? draw_line(cairo, view, panel, i, side, error) : BAT_OK;
+        status = panel->drawn->layers[i].role == role ? draw_line(cairo, view, panel, i, side, error) : BAT_OK;
     }
     return status;
 }
@@ -245,9 +250,9 @@ static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_pict
 static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
 {
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < panel->source->layer_count && status == BAT_OK; i++)
+    for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
     {
-        draw_colour colour = style_palette(scene_colour(panel->source, i));
+        draw_colour colour = style_palette(scene_colour(panel->drawn, i));
         if (panel->combs[i].count > 0)
         {
             status = teeth_draw(cairo, view, &panel->combs[i], panel->frame.comb_scale, colour, error);
@@ -260,11 +265,10 @@ static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_
 static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
                              const bat_picture_options *options, view_side side, bat_error *error)
 {
-    const bat_picture_panel *source = panel->source;
     bat_status status = BAT_OK;
     if (options->control_polygon)
     {
-        status = draw_role(cairo, view, source, BAT_LAYER_CONTROL, side, error);
+        status = draw_role(cairo, view, panel, BAT_LAYER_CONTROL, side, error);
     }
     if (status == BAT_OK && options->comb && side == VIEW_FRONT)
     {
@@ -272,11 +276,11 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
     }
     if (status == BAT_OK)
     {
-        status = draw_role(cairo, view, source, BAT_LAYER_TRUTH, side, error);
+        status = draw_role(cairo, view, panel, BAT_LAYER_TRUTH, side, error);
     }
     if (status == BAT_OK)
     {
-        status = draw_role(cairo, view, source, BAT_LAYER_CURVE, side, error);
+        status = draw_role(cairo, view, panel, BAT_LAYER_CURVE, side, error);
     }
     return status;
 }
@@ -285,7 +289,7 @@ static bat_status draw_layers(cairo_t *cairo, const draw_view *view, const scene
                               const bat_picture_options *options, view_side side, bat_error *error)
 {
     bat_status status = draw_lines(cairo, view, panel, options, side, error);
-    draw_all_rings(cairo, view, panel->source, options, side);
+    draw_all_rings(cairo, view, panel->drawn, options, side);
     return status;
 }
 
@@ -346,7 +350,7 @@ static bat_status draw_map(cairo_t *cairo, const scene_panel *panel, const bat_p
     grid_map_clip(cairo, &view);
     bat_status status = draw_lines(cairo, &view, panel, options, VIEW_FRONT, error);
     cairo_restore(cairo);
-    draw_all_rings(cairo, &view, panel->source, options, VIEW_FRONT);
+    draw_all_rings(cairo, &view, panel->drawn, options, VIEW_FRONT);
     return status;
 }
 
@@ -368,6 +372,15 @@ static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const ba
     return status == BAT_OK ? draw_map(cairo, panel, options, right, error) : status;
 }
 
+static bat_status draw_tensors(cairo_t *cairo, const scene_panel *panel, const double box[4], bat_error *error)
+{
+    draw_view view = make_view(panel, VIEW_FLAT);
+    insets around = {FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN};
+    view_face_solid(&view);
+    fit(&view, box, around, panel->frame.low, panel->frame.high);
+    return tensor_row_draw(cairo, &view, panel, error);
+}
+
 bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_picture_options *options, const double box[4],
                       bat_error *error)
 {
@@ -377,6 +390,8 @@ bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_pictur
         return draw_sphere(cairo, panel, options, box, error);
     case VIEW_DISK:
         return draw_disk(cairo, panel, options, box, error);
+    case VIEW_TENSOR:
+        return draw_tensors(cairo, panel, box, error);
     default:
         return draw_flat(cairo, panel, options, box, error);
     }

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "draw/tensor_row.h"
 #include "draw/text.h"
 
 #include <math.h>
@@ -137,7 +138,7 @@ static bat_status check_panel(const bat_picture_panel *panel, size_t index, bat_
 
 static bat_status make_combs(scene_panel *panel, bat_error *error)
 {
-    const bat_picture_panel *source = panel->source;
+    const bat_picture_panel *source = panel->drawn;
     panel->combs = calloc(source->layer_count, sizeof *panel->combs);
     if (panel->combs == NULL)
     {
@@ -146,7 +147,8 @@ static bat_status make_combs(scene_panel *panel, bat_error *error)
     bat_status status = BAT_OK;
     for (size_t i = 0; i < source->layer_count && status == BAT_OK; i++)
     {
-        if (source->layers[i].role == BAT_LAYER_CURVE)
+        bool itself = source == panel->source && panel->space != VIEW_TENSOR;
+        if (itself && source->layers[i].role == BAT_LAYER_CURVE)
         {
             status = comb_make(source->layers[i].curve, &panel->combs[i], error);
         }
@@ -209,9 +211,9 @@ static void include_curves(scene_frame *frame, const scene *made, const scene_pa
 {
     draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
     view_face_solid(&view);
-    for (size_t i = 0; i < panel->source->layer_count; i++)
+    for (size_t i = 0; i < panel->drawn->layer_count; i++)
     {
-        const bat_picture_layer *layer = &panel->source->layers[i];
+        const bat_picture_layer *layer = &panel->drawn->layers[i];
         for (size_t k = 0; k < layer->curve->count && scene_layer_shown(layer, made->options); k++)
         {
             include_point(frame, &view, layer->curve->points + k * panel->point_dim);
@@ -240,7 +242,7 @@ static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_
     double longest;
     tooth_lengths(frame, panel->space, &usual, &longest);
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < panel->source->layer_count && status == BAT_OK; i++)
+    for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
     {
         double scale = INFINITY;
         if (panel->combs[i].count > 0)
@@ -256,7 +258,7 @@ static void include_combs(scene_frame *frame, const scene_panel *panel, double *
 {
     draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
     view_face_solid(&view);
-    for (size_t i = 0; i < panel->source->layer_count; i++)
+    for (size_t i = 0; i < panel->drawn->layer_count; i++)
     {
         for (size_t k = 0; k < panel->combs[i].count; k++)
         {
@@ -309,7 +311,7 @@ static bat_status frame_globe(scene_frame *frame, const scene *made, size_t firs
     size_t count = 0;
     for (size_t i = first; i < end; i++)
     {
-        count += made->panels[i].source->layer_count;
+        count += made->panels[i].drawn->layer_count;
     }
     const bat_curve **curves = memory_array(count, sizeof *curves);
     if (curves == NULL)
@@ -319,7 +321,7 @@ static bat_status frame_globe(scene_frame *frame, const scene *made, size_t firs
     count = 0;
     for (size_t i = first; i < end; i++)
     {
-        const bat_picture_panel *source = made->panels[i].source;
+        const bat_picture_panel *source = made->panels[i].drawn;
         for (size_t k = 0; k < source->layer_count && made->panels[i].space == VIEW_SPHERE; k++)
         {
             curves[count++] = source->layers[k].curve;
@@ -371,6 +373,10 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
         include_place(&frame, 0.0, 0.0);
     }
     bat_status status = panel->space == VIEW_SPHERE ? frame_globe(&frame, made, first, end, error) : BAT_OK;
+    for (size_t i = first; i < end && panel->space == VIEW_TENSOR && status == BAT_OK; i++)
+    {
+        status = same_space(panel, &made->panels[i]) ? tensor_row_include(&frame, made->panels[i].drawn, error) : BAT_OK;
+    }
     if (status == BAT_OK && made->options->comb)
     {
         status = frame_combs(&frame, made, panel, first, end, error);
@@ -378,6 +384,26 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
     widen(&frame);
     panel->frame = frame;
     return status;
+}
+
+/// The panel itself, or what stands in for it.
+static bat_status choose_drawn(scene_panel *panel, const bat_picture_options *options, bat_error *error)
+{
+    const bat_space *space = panel->source->layers[0].curve->space;
+    panel->drawn = panel->source;
+    if (view_space_of(space) > VIEW_TENSOR)
+    {
+        bat_status status = stand_in_make(panel->source, options, &panel->stand, error);
+        if (status != BAT_OK)
+        {
+            return status;
+        }
+        panel->drawn = &panel->stand.panel;
+        space = &panel->stand.space;
+    }
+    panel->space = view_space_of(space);
+    panel->point_dim = space->point_dim;
+    return BAT_OK;
 }
 
 static bat_status fill(scene *made, const bat_picture_panel *panels, bat_error *error)
@@ -390,9 +416,11 @@ static bat_status fill(scene *made, const bat_picture_panel *panels, bat_error *
         if (status == BAT_OK)
         {
             panel->source = &panels[i];
-            panel->space = view_space_of(panels[i].layers[0].curve->space);
-            panel->point_dim = panels[i].layers[0].curve->space->point_dim;
-            status = made->options->comb ? make_combs(panel, error) : BAT_OK;
+            status = choose_drawn(panel, made->options, error);
+        }
+        if (status == BAT_OK && made->options->comb)
+        {
+            status = make_combs(panel, error);
         }
     }
     for (size_t i = 0; i < made->count && status == BAT_OK; i++)
@@ -430,11 +458,12 @@ void scene_free(scene *made)
 {
     for (size_t i = 0; i < made->count && made->panels != NULL; i++)
     {
-        for (size_t k = 0; made->panels[i].combs != NULL && k < made->panels[i].source->layer_count; k++)
+        for (size_t k = 0; made->panels[i].combs != NULL && k < made->panels[i].drawn->layer_count; k++)
         {
             comb_free(&made->panels[i].combs[k]);
         }
         free(made->panels[i].combs);
+        stand_in_free(&made->panels[i].stand);
     }
     free(made->panels);
     *made = (scene){0};

@@ -3,6 +3,7 @@
 
 #include "batten/picture.h"
 #include "draw/comb.h"
+#include "draw/stand_in.h"
 
 /// @file
 /// What the panels of a picture show, before there is paper.
@@ -14,14 +15,18 @@ typedef struct scene_frame
     double box_low[3], box_high[3]; ///< R^3: the range of the coordinates
     double longitude, latitude;     ///< globe: its middle
     double comb_scale;              ///< 0 for no comb
+    double tensor_unit;             ///< tensors: the largest semi-axis
+    size_t tensor_columns;          ///< tensors: the most in a row
 } scene_frame;
 
 typedef struct scene_panel
 {
     const bat_picture_panel *source;
-    view_space space;
+    const bat_picture_panel *drawn; ///< the source, or what stands in for it
+    stand_in stand;                 ///< all zero where the source itself is drawn
+    view_space space;               ///< of what is drawn
     size_t point_dim;
-    comb *combs; ///< one a layer, empty but for curves; null without combs
+    comb *combs; ///< one a drawn layer, empty but for curves; null without combs
     scene_frame frame;
 } scene_panel;
 

@@ -3,6 +3,7 @@
 #include "base/error.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /// How far from 1 the length of a point of the sphere may be: single-precision data pass.
@@ -18,7 +19,21 @@ view_space view_space_of(const bat_space *space)
     {
         return space->point_dim == 3 ? VIEW_SPHERE : VIEW_NOTHING;
     }
-    return strcmp(space->name, "disk") == 0 && space->point_dim == 2 ? VIEW_DISK : VIEW_NOTHING;
+    static const struct
+    {
+        const char *name;
+        size_t point_dim;
+        view_space kind;
+    } others[] = {{"disk", 2, VIEW_DISK},         {"spd", 3, VIEW_TENSOR},  {"spd", 6, VIEW_TENSOR},
+                  {"rotation", 4, VIEW_ROTATION}, {"rigid", 7, VIEW_RIGID}, {"hyperbolic", 3, VIEW_HYPERBOLIC}};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+    {
+        if (strcmp(space->name, others[i].name) == 0 && space->point_dim == others[i].point_dim)
+        {
+            return others[i].kind;
+        }
+    }
+    return VIEW_NOTHING;
 }
 
 void view_face(draw_view *view, double longitude, double latitude)
@@ -118,6 +133,14 @@ static const char *point_fault(view_space space, const double *point, size_t poi
     return space == VIEW_DISK && square >= 1.0 ? "is not inside the unit disk" : NULL;
 }
 
+/// Null, or what a space that is drawn by way of another, or as tensors, has against a point.
+static const char *foreign_fault(const bat_space *space, const double *point, char *text, size_t size)
+{
+    const char *fault = space->fault(space, point);
+    (void)snprintf(text, size, "is %s", fault != NULL ? fault : "");
+    return fault != NULL ? text : NULL;
+}
+
 static bool antipodal(const double *p, const double *q)
 {
     const double limit = 1e-10;
@@ -139,7 +162,13 @@ bat_status view_check(const bat_curve *curve, bat_error *error)
     size_t dim = curve->space->point_dim;
     for (size_t i = 0; i < curve->count; i++)
     {
-        const char *fault = point_fault(space, curve->points + i * dim, dim);
+        char text[128];
+        const double *point = curve->points + i * dim;
+        const char *fault = point_fault(space, point, dim);
+        if (fault == NULL && space >= VIEW_TENSOR)
+        {
+            fault = foreign_fault(curve->space, point, text, sizeof text);
+        }
         if (fault != NULL)
         {
             return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu %s", i, fault);

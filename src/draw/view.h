@@ -14,7 +14,11 @@ typedef enum view_space
     VIEW_SOLID, ///< R^3
     VIEW_SPHERE,
     VIEW_DISK,
-    VIEW_NOTHING ///< no picture
+    VIEW_TENSOR,     ///< symmetric positive-definite 2 x 2 and 3 x 3 matrices: rows of ellipses and ellipsoids
+    VIEW_ROTATION,   ///< by way of VIEW_SPHERE, as the next two by way of others: see stand_in.h
+    VIEW_RIGID,      ///< by way of VIEW_SOLID
+    VIEW_HYPERBOLIC, ///< the hyperboloid in R^3, by way of VIEW_DISK
+    VIEW_NOTHING     ///< no picture
 } view_space;
 
 typedef enum view_kind

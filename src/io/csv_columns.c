@@ -1,10 +1,10 @@
 #include "io/csv_columns.h"
 
 #include "base/memory.h"
+#include "io/point_form.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 bool csv_columns_name(csv_columns *columns, const csv_field *fields, size_t count)
 {
@@ -27,25 +27,20 @@ bool csv_columns_name(csv_columns *columns, const csv_field *fields, size_t coun
     return true;
 }
 
-/// Whether a column has this name, in either case, with or without quotes around it.
-static bool name_is(const char *column, const char *name)
+static column_names names_of(const csv_columns *columns)
 {
-    size_t length = strlen(name);
-    bool quoted = column[0] == '"';
-    return strncasecmp(column + quoted, name, length) == 0 && strcmp(column + quoted + length, quoted ? "\"" : "") == 0;
+    return (column_names){columns->names, columns->count};
 }
 
 static bool find_name(const csv_columns *columns, const char *const *wanted, size_t *column)
 {
-    if (columns->names == NULL)
-        return false;
-    for (size_t i = 0; i < columns->count; i++)
-        for (const char *const *name = wanted; *name != NULL; name++)
-            if (name_is(columns->names[i], *name))
-            {
-                *column = i;
-                return true;
-            }
+    column_names names = names_of(columns);
+    for (size_t i = 0; wanted[i] != NULL; i++)
+    {
+        *column = column_find(&names, wanted[i]);
+        if (*column != BAT_NO_INDEX)
+            return true;
+    }
     return false;
 }
 
@@ -73,4 +68,56 @@ bool csv_columns_use_degrees(csv_columns *columns, size_t longitude, size_t lati
     columns->places = places;
     columns->degrees = true;
     return true;
+}
+
+/// Give the next free place to a column, if it is there and has none.
+static void place_column(csv_columns *columns, const char *name, size_t *next)
+{
+    column_names names = names_of(columns);
+    size_t column = column_find(&names, name);
+    if (column != BAT_NO_INDEX && columns->places[column] == BAT_NO_INDEX)
+        columns->places[column] = (*next)++;
+}
+
+bool csv_columns_use_form(csv_columns *columns, const point_form *form)
+{
+    columns->form = form;
+    if (columns->names == NULL)
+        return true;
+    columns->places = memory_array(columns->count, sizeof *columns->places);
+    if (columns->places == NULL)
+        return false;
+    size_t next = 0;
+    for (size_t i = 0; i < columns->count; i++)
+        columns->places[i] = BAT_NO_INDEX;
+    for (const char *const *name = form->names; *name != NULL; name++)
+        place_column(columns, *name, &next);
+    if (next < form->count) // a header without any of the names: the columns are in their order
+        next = 0;
+    for (size_t i = 0; i < columns->count; i++)
+        if (columns->places[i] == BAT_NO_INDEX)
+            columns->places[i] = next++;
+    return true;
+}
+
+/// The channel that a column is; BAT_NO_INDEX when it is none.
+static size_t channel_of(const csv_columns *columns, size_t coordinates, size_t column)
+{
+    if (column == BAT_NO_INDEX)
+        return BAT_NO_INDEX;
+    size_t place = columns->places != NULL ? columns->places[column] : column;
+    return place < coordinates ? BAT_NO_INDEX : place - coordinates;
+}
+
+void csv_columns_channels(const csv_columns *columns, size_t coordinates, const point_form *form, motion_channels *channels)
+{
+    column_names names = names_of(columns);
+    *channels = (motion_channels){.time = channel_of(columns, coordinates, column_find_time(&names))};
+    for (size_t i = 0; form != NULL && i < form->velocity_count; i++)
+    {
+        channels->velocity[i] = channel_of(columns, coordinates, column_find(&names, form->velocities[i]));
+        if (channels->velocity[i] == BAT_NO_INDEX)
+            return;
+    }
+    channels->velocity_count = form != NULL ? form->velocity_count : 0;
 }

@@ -7,6 +7,12 @@
 #include <string.h>
 #include <strings.h>
 
+enum
+{
+    /// timestamp tx ty tz qx qy qz qw
+    TUM_COLUMNS = 8
+};
+
 typedef struct csv_reader
 {
     const bat_read_options *options;
@@ -19,7 +25,10 @@ typedef struct csv_reader
     char separator;                ///< a comma, semicolon, tab, or a blank for any run of blanks
     char space_name[EXCERPT_SIZE]; ///< what a directive says; empty without one
     bool closed;                   ///< what a directive says of the current curve
+    size_t header_line;            ///< 0 without a header
     bool begun;                    ///< a row of numbers was read
+    bool unnamed_tum;              ///< rows of a trajectory in a CSV file
+    bool tum; ///< a trajectory in the TUM format, which has no blank lines, headers or directives that mean something
 } csv_reader;
 
 static bat_status bad_row(bat_error *error, const text_line *line, const char *what)
@@ -108,37 +117,114 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
     if (!csv_columns_name(&reader->attributes->csv, reader->fields, count))
         return error_memory(error, count);
     reader->column_count = count;
+    reader->header_line = line->number;
     return BAT_OK;
+}
+
+/// The columns of the TUM format, as those of a CSV file with a header.
+static bool name_tum_columns(csv_reader *reader)
+{
+    static const char *const names[TUM_COLUMNS] = {"timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
+    csv_field fields[TUM_COLUMNS];
+    for (size_t i = 0; i < TUM_COLUMNS; i++)
+        fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
+    reader->column_count = TUM_COLUMNS;
+    return csv_columns_name(&reader->attributes->csv, fields, TUM_COLUMNS);
+}
+
+/// Whether a form is meant although no space is named: names of quaternions and matrices are unmistakable; those of flat spaces change
+/// something only beside times or velocities.
+static bool is_implied(const csv_reader *reader, const point_form *form, bool named)
+{
+    motion_channels channels;
+    if (form->strict)
+        return named || form->rotation == ROTATION_QUATERNION || form->rotation == ROTATION_MATRIX;
+    csv_columns_channels(&reader->attributes->csv, 0, form, &channels);
+    return channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
+}
+
+/// The form of the points in a space, which may be null; null when the columns are coordinates as they are.
+static const point_form *find_form(const csv_reader *reader, const char *space, const column_names *names)
+{
+    static const char *const unnamed[] = {"rigid", "rotation", "euclidean", "plane"};
+    const char *const *candidates = space != NULL ? &space : unnamed;
+    size_t count = space != NULL ? 1 : names->names != NULL ? sizeof unnamed / sizeof *unnamed : 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        const point_form *form = point_form_find(candidates[i], names);
+        bool by_name = form != NULL && column_find(names, form->names[0]) != BAT_NO_INDEX;
+        if (form != NULL && (space != NULL || by_name) && is_implied(reader, form, space != NULL))
+            return form;
+    }
+    return NULL;
+}
+
+static bat_status use_form(csv_reader *reader, const point_form *form, bat_error *error)
+{
+    if (!csv_columns_use_form(&reader->attributes->csv, form))
+        return error_memory(error, reader->column_count * sizeof(size_t));
+    size_t dim = form->rotation == ROTATION_NONE ? form->count : form->rotation_at + 4;
+    reader->coordinate_count = form->count;
+    return bat_space_by_name(form->space, dim, &reader->builder.space, error);
+}
+
+static bat_status use_degrees(csv_reader *reader, size_t longitude, size_t latitude, bat_error *error)
+{
+    if (!csv_columns_use_degrees(&reader->attributes->csv, longitude, latitude))
+        return error_memory(error, reader->column_count * sizeof(size_t));
+    reader->coordinate_count = 2;
+    reader->builder.check = false;
+    reader->builder.space = bat_sphere(2);
+    return BAT_OK;
+}
+
+/// The first columns are the coordinates: two, or all.
+static bat_status use_coordinates(csv_reader *reader, const text_line *line, const char *name, bat_error *error)
+{
+    size_t count = reader->column_count;
+    if (strcmp(name, "sphere") == 0 && count < 3)
+        return bad_row(error, line, "a point of the sphere needs 3 or more columns, or a header with lon and lat");
+    bool two = strcmp(name, "plane") == 0 || strcmp(name, "disk") == 0;
+    if (two && count < 2)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "a point of the %s needs 2 columns", name);
+    bat_space any;
+    reader->coordinate_count = two ? 2 : count;
+    bat_status status = bat_space_by_name(name, 0, &any, error);
+    if (status != BAT_OK)
+        return status;
+    status = bat_space_by_name(name, reader->coordinate_count, &reader->builder.space, error);
+    return status == BAT_OK ? status
+                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
+                                        "%zu columns make no point of the space %s", count, name);
 }
 
 /// Decide on the space, now that the columns are known.
 static bat_status choose_space(csv_reader *reader, const text_line *line, bat_error *error)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = &reader->attributes->csv;
     const char *name = reader->options->space;
     if (name == NULL && reader->space_name[0] != '\0')
         name = reader->space_name;
-    size_t count = reader->column_count;
     size_t longitude, latitude;
-    bool sphere = name != NULL && strcmp(name, "sphere") == 0;
-    if ((name == NULL || sphere) && csv_columns_geographic(columns, &longitude, &latitude))
+    if ((name == NULL || strcmp(name, "sphere") == 0) && csv_columns_geographic(columns, &longitude, &latitude))
+        return use_degrees(reader, longitude, latitude, error);
+    bool trajectory = name != NULL && strcmp(name, "rigid") == 0 && reader->column_count == TUM_COLUMNS;
+    if (trajectory && columns->names == NULL)
     {
-        if (!csv_columns_use_degrees(columns, longitude, latitude))
-            return error_memory(error, count * sizeof(size_t));
-        reader->coordinate_count = 2;
-        reader->builder.check = false;
-        reader->builder.space = bat_sphere(2);
-        return BAT_OK;
+        reader->unnamed_tum = true;
+        if (!name_tum_columns(reader))
+            return error_memory(error, TUM_COLUMNS * sizeof(char *));
     }
-    if (sphere && count < 3)
-        return bad_row(error, line, "a point of the sphere needs 3 or more columns, or a header with lon and lat");
-    if (name == NULL)
-        name = count == 2 ? "plane" : "euclidean";
-    bool two = strcmp(name, "plane") == 0 || strcmp(name, "disk") == 0;
-    if (two && count < 2)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "a point of the %s needs 2 columns", name);
-    reader->coordinate_count = two ? 2 : count;
-    return bat_space_by_name(name, reader->coordinate_count, &reader->builder.space, error);
+    column_names names = {columns->names, reader->column_count};
+    const point_form *form = find_form(reader, name, &names);
+    if (name == NULL && form != NULL)
+        name = form->space;
+    char fault[BAT_ERROR_TEXT_SIZE];
+    if (name != NULL && point_form_fault(name, form, &names, fault, sizeof fault))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
+    if (form != NULL)
+        return use_form(reader, form, error);
+    return use_coordinates(reader, line, name != NULL ? name : names.count == 2 ? "plane" : "euclidean", error);
 }
 
 static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_error *error)
@@ -161,6 +247,9 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
+    if (count != reader->column_count && reader->tum)
+        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%zu columns where a trajectory has %d",
+                         count, TUM_COLUMNS);
     if (count != reader->column_count)
         return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%zu columns where the first row has %zu",
                          count, reader->column_count);
@@ -173,13 +262,18 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     if (point == NULL || !builder_line(builder, line->number))
         return error_memory(error, builder->point_capacity * sizeof(double));
     bool degrees = reader->attributes->csv.degrees;
+    const point_form *form = reader->attributes->csv.form;
     const char *fault = degrees ? degrees_fault(reader->numbers[0], reader->numbers[1]) : NULL;
     if (fault != NULL)
         return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s", fault);
     if (degrees)
         degrees_to_point(reader->numbers[0], reader->numbers[1], point);
+    else if (form != NULL)
+        fault = point_form_read(form, reader->numbers, builder->project, point);
     else
         memcpy(point, reader->numbers, coordinates * sizeof *point);
+    if (fault != NULL)
+        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s", fault);
     if (count > coordinates)
         memcpy(channels, reader->numbers + coordinates, (count - coordinates) * sizeof *channels);
     size_t index = builder->point_count;
@@ -229,6 +323,7 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
         return BAT_OK;
     int wanted = reader->options->closed;
     bool closed = wanted < 0 ? reader->closed : wanted > 0;
+    builder_continue_signs(builder);
     while (closed && builder_returns(builder))
         builder_drop_last(builder);
     reader->closed = false;
@@ -238,9 +333,9 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
 static bat_status read_line(csv_reader *reader, const text_line *line, bat_error *error)
 {
     if (line->begin == line->end)
-        return end_curve(reader, error);
+        return reader->tum ? BAT_OK : end_curve(reader, error);
     if (*line->begin == '#')
-        return read_comment(reader, line, error);
+        return reader->tum ? BAT_OK : read_comment(reader, line, error);
     if (reader->separator == '\0')
         reader->separator = find_separator(line);
     size_t count;
@@ -274,7 +369,8 @@ static bat_status read_text(csv_reader *reader, const file_text *text, bat_error
     return status;
 }
 
-bat_status csv_read(const file_text *text, const bat_read_options *options, bat_curve_set *set, bat_error *error)
+static bat_status read_as(bat_file_format format, const file_text *text, const bat_read_options *options, bat_curve_set *set,
+                          bat_error *error)
 {
     csv_reader *reader = calloc(1, sizeof *reader);
     if (reader == NULL)
@@ -282,8 +378,13 @@ bat_status csv_read(const file_text *text, const bat_read_options *options, bat_
     reader->options = options;
     reader->builder.project = options->project;
     reader->builder.check = true;
-    reader->attributes = attributes_new(BAT_FORMAT_CSV);
-    bat_status status = reader->attributes != NULL ? read_text(reader, text, error) : error_memory(error, sizeof *reader);
+    reader->attributes = attributes_new(format);
+    reader->tum = format == BAT_FORMAT_TUM;
+    bool ready = reader->attributes != NULL && (!reader->tum || name_tum_columns(reader));
+    bat_status status = ready ? read_text(reader, text, error) : error_memory(error, sizeof *reader);
+    const curve_builder *builder = &reader->builder;
+    if (status == BAT_OK && reader->unnamed_tum && builder->curve_count == 1 && !builder->curves[0].closed)
+        reader->attributes->format = BAT_FORMAT_TUM;
     if (status == BAT_OK)
         status = builder_finish(&reader->builder, reader->attributes, set, error);
     else
@@ -293,4 +394,19 @@ bat_status csv_read(const file_text *text, const bat_read_options *options, bat_
     }
     free(reader);
     return status;
+}
+
+bat_status csv_read(const file_text *text, const bat_read_options *options, bat_curve_set *set, bat_error *error)
+{
+    return read_as(BAT_FORMAT_CSV, text, options, set, error);
+}
+
+bat_status tum_read(const file_text *text, const bat_read_options *options, bat_curve_set *set, bat_error *error)
+{
+    bat_read_options rigid = *options;
+    if (options->space != NULL && strcmp(options->space, "rigid") != 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a TUM trajectory is in the space rigid, not %.60s",
+                         options->space);
+    rigid.space = "rigid";
+    return read_as(BAT_FORMAT_TUM, text, &rigid, set, error);
 }

@@ -13,6 +13,7 @@ typedef struct csv_layout
     size_t column_count;
     size_t coordinate_count;
     const csv_columns *columns; ///< names and order from the file that was read; null without
+    const point_form *form;     ///< how points are written; null for their coordinates
     bool degrees;
     int decimals; ///< of degrees
 } csv_layout;
@@ -28,8 +29,9 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_write_option
     const bat_file_attributes *attributes = set->attributes;
     bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
     bool degrees = globe && attributes != NULL && (attributes->format == BAT_FORMAT_GEOJSON || attributes->csv.degrees);
-    size_t coordinates = degrees ? 2 : set->space->point_dim;
-    *layout = (csv_layout){coordinates + channels, coordinates, NULL, degrees, options->precision};
+    const point_form *form = attributes != NULL ? attributes->csv.form : NULL;
+    size_t coordinates = degrees ? 2 : form != NULL ? form->count : set->space->point_dim;
+    *layout = (csv_layout){coordinates + channels, coordinates, NULL, form, degrees, options->precision};
     if (attributes != NULL && attributes->csv.names != NULL && attributes->csv.count == layout->column_count &&
         attributes->csv.degrees == degrees)
         layout->columns = &attributes->csv;
@@ -42,6 +44,8 @@ static const char *implied_space(const csv_layout *layout)
     size_t longitude, latitude;
     if (layout->degrees || (layout->columns != NULL && csv_columns_geographic(layout->columns, &longitude, &latitude)))
         return "sphere";
+    if (layout->form != NULL)
+        return ""; // the names depend on the space
     return layout->column_count == 2 ? "plane" : "euclidean";
 }
 
@@ -68,14 +72,14 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
     text_append_string(text, "\n");
 }
 
-static char *write_number(char *out, const csv_layout *layout, const double *point, const double *channels,
+static char *write_number(char *out, const csv_layout *layout, const double *numbers, const double *channels,
                           degree_units units, size_t place)
 {
     if (channels != NULL && place >= layout->coordinate_count)
         return number_write(out, channels[place - layout->coordinate_count]);
     if (layout->degrees)
         return number_write_fixed(out, place == 0 ? units.longitude : units.latitude, layout->decimals);
-    return number_write(out, point[place]);
+    return number_write(out, numbers[place]);
 }
 
 static bool all_finite(const double *values, size_t count)
@@ -102,6 +106,10 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
         const double *channels = channel_count > 0 ? curve->channels + i * channel_count : NULL;
         if (!all_finite(point, dim) || !all_finite(channels, channel_count))
             return row_not_finite(span, i, error);
+        double written[MOST_FORM_COLUMNS];
+        if (layout->form != NULL)
+            point_form_write(layout->form, point, written);
+        const double *numbers = layout->form != NULL ? written : point;
         degree_units units = layout->degrees ? degrees_of_point(point, units_per_radian) : (degree_units){0};
         char *out = text_reserve(text, layout->column_count * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
@@ -109,7 +117,7 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
         for (size_t j = 0; j < layout->column_count; j++)
         {
             size_t place = layout->columns != NULL && layout->columns->places != NULL ? layout->columns->places[j] : j;
-            out = write_number(out, layout, point, channels, units, place);
+            out = write_number(out, layout, numbers, channels, units, place);
             *out++ = j + 1 < layout->column_count ? ',' : '\n';
         }
         text_advance(text, out);

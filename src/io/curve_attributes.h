@@ -3,6 +3,8 @@
 
 #include "batten/file.h"
 
+#include "io/point_form.h"
+
 #include <jansson.h>
 #include <stdatomic.h>
 
@@ -12,8 +14,9 @@ typedef struct csv_columns
     char **names;   ///< one block: the pointers, then the text; null without a header
     size_t *places; ///< what each column holds: coordinate `place`, or channel `place - coordinates`; null without a header
     size_t count;
-    bool degrees;    ///< the coordinates are longitude and latitude
-    size_t altitude; ///< the channel that is the altitude, or BAT_NO_INDEX
+    bool degrees;           ///< the coordinates are longitude and latitude
+    const point_form *form; ///< how points are written, where not by their coordinates as they are
+    size_t altitude;        ///< the channel that is the altitude, or BAT_NO_INDEX
 } csv_columns;
 
 /// A GeoJSON geometry whose positions became curves. In the tree that stays, its "coordinates" are the geometry's index among

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "io/array_grow.h"
 #include "io/curve_attributes.h"
+#include "io/point_form.h"
 
 #include <string.h>
 
@@ -61,20 +62,30 @@ bool builder_line(curve_builder *builder, size_t line)
     return grown;
 }
 
+void builder_continue_signs(curve_builder *builder)
+{
+    size_t dim = builder->space.point_dim, place = quaternion_place(&builder->space);
+    for (size_t i = 1; place != BAT_NO_INDEX && i < builder->point_count; i++)
+        quaternion_continue(builder->points + (i - 1) * dim + place, builder->points + i * dim + place);
+}
+
 bool builder_returns(const curve_builder *builder)
 {
-    size_t last = builder->point_count - 1;
-    size_t dim = builder->space.point_dim;
-    size_t channels = builder->channel_count;
     if (builder->point_count < 2)
         return false;
+    size_t last = builder->point_count - 1, dim = builder->space.point_dim, channels = builder->channel_count;
+    size_t quaternion = quaternion_place(&builder->space);
+    const double *first_point = builder->points, *last_point = builder->points + last * dim;
+    bool same = true, turned = quaternion != BAT_NO_INDEX;
     for (size_t i = 0; i < dim; i++)
-        if (builder->points[i] != builder->points[last * dim + i])
-            return false;
+    {
+        same = same && first_point[i] == last_point[i];
+        turned = turned && first_point[i] == (i < quaternion ? last_point[i] : -last_point[i]);
+    }
     for (size_t i = 0; i < channels; i++)
         if (builder->channels[i] != builder->channels[last * channels + i])
             return false;
-    return true;
+    return same || turned;
 }
 
 void builder_drop_last(curve_builder *builder)

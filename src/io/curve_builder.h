@@ -32,7 +32,11 @@ const char *builder_admit(curve_builder *builder);
 /// Remember the line of the last point. False when out of memory.
 bool builder_line(curve_builder *builder, size_t line);
 
-/// Whether the last point of the current curve repeats the first, channels included.
+/// Give the quaternions of the current curve, where its points have any, the signs that are nearest to the ones before: q and -q are the
+/// same rotation.
+void builder_continue_signs(curve_builder *builder);
+
+/// Whether the last point of the current curve repeats the first, channels included, but not the sign of a quaternion.
 bool builder_returns(const curve_builder *builder);
 /// Take the last point back.
 void builder_drop_last(curve_builder *builder);

@@ -11,8 +11,11 @@
 
 bat_status bat_file_format_by_name(const char *name, bat_file_format *format, bat_error *error)
 {
-    static const char *const names[] = {
-        [BAT_FORMAT_AUTO] = "auto", [BAT_FORMAT_CSV] = "csv", [BAT_FORMAT_GEOJSON] = "geojson", [BAT_FORMAT_OBJ] = "obj"};
+    static const char *const names[] = {[BAT_FORMAT_AUTO] = "auto",
+                                        [BAT_FORMAT_CSV] = "csv",
+                                        [BAT_FORMAT_GEOJSON] = "geojson",
+                                        [BAT_FORMAT_OBJ] = "obj",
+                                        [BAT_FORMAT_TUM] = "tum"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(name, names[i]) == 0)
         {
@@ -20,7 +23,7 @@ bat_status bat_file_format_by_name(const char *name, bat_file_format *format, ba
             return BAT_OK;
         }
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "there is no format '%s'; the formats are csv, geojson, obj", name);
+                     "there is no format '%s'; the formats are csv, geojson, obj, tum", name);
 }
 
 bat_file_format bat_file_format_of_path(const char *path)
@@ -29,11 +32,8 @@ bat_file_format bat_file_format_of_path(const char *path)
     {
         const char *ending;
         bat_file_format format;
-    } endings[] = {{".csv", BAT_FORMAT_CSV},
-                   {".txt", BAT_FORMAT_CSV},
-                   {".geojson", BAT_FORMAT_GEOJSON},
-                   {".json", BAT_FORMAT_GEOJSON},
-                   {".obj", BAT_FORMAT_OBJ}};
+    } endings[] = {{".csv", BAT_FORMAT_CSV},      {".txt", BAT_FORMAT_CSV}, {".geojson", BAT_FORMAT_GEOJSON},
+                   {".json", BAT_FORMAT_GEOJSON}, {".obj", BAT_FORMAT_OBJ}, {".tum", BAT_FORMAT_TUM}};
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
         if (strcasecmp(dot, endings[i].ending) == 0)
@@ -76,7 +76,7 @@ bat_write_options bat_write_defaults(void)
 
 static bool format_exists(bat_file_format format)
 {
-    return (unsigned)format <= BAT_FORMAT_OBJ;
+    return (unsigned)format <= BAT_FORMAT_TUM;
 }
 
 static bat_status check_read_options(const bat_read_options *options, bat_error *error)
@@ -99,6 +99,8 @@ static bat_status read_text(const file_text *text, bat_file_format format, const
         return geojson_read(text, options, set, error);
     if (format == BAT_FORMAT_OBJ)
         return obj_read(text, options, set, error);
+    if (format == BAT_FORMAT_TUM)
+        return tum_read(text, options, set, error);
     return csv_read(text, options, set, error);
 }
 
@@ -155,13 +157,22 @@ static bat_status check_write(const bat_curve_set *set, const bat_write_options 
     return BAT_OK;
 }
 
+/// The format that the path's ending stands for. A .txt file is what the set was read from, if that was a trajectory.
+static bat_file_format format_of_output(const char *path, const bat_curve_set *set)
+{
+    bat_file_format format = bat_file_format_of_path(path);
+    const char *dot = strrchr(path, '.');
+    bool text = dot != NULL && strcasecmp(dot, ".txt") == 0;
+    return text && set->attributes != NULL && set->attributes->format == BAT_FORMAT_TUM ? BAT_FORMAT_TUM : format;
+}
+
 /// The format to write in: what the options say, else what the path says, else what the set was read from.
 static bat_status choose_format(const char *path, const bat_curve_set *set, const bat_write_options *options,
                                 bat_file_format *format, bat_error *error)
 {
     *format = options->format;
     if (*format == BAT_FORMAT_AUTO && path != NULL)
-        *format = bat_file_format_of_path(path);
+        *format = format_of_output(path, set);
     if (*format == BAT_FORMAT_AUTO && set->attributes != NULL)
         *format = set->attributes->format;
     if (*format == BAT_FORMAT_AUTO)
@@ -176,6 +187,8 @@ static bat_status write_format(bat_file_format format, const bat_curve_set *set,
         return geojson_write(set, options, sink, error);
     if (format == BAT_FORMAT_OBJ)
         return obj_write(set, options, sink, error);
+    if (format == BAT_FORMAT_TUM)
+        return tum_write(set, options, sink, error);
     return csv_write(set, options, sink, error);
 }
 

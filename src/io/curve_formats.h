@@ -10,6 +10,10 @@
 bat_status csv_read(const file_text *text, const bat_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status csv_write(const bat_curve_set *set, const bat_write_options *options, text_sink *sink, bat_error *error);
 
+/// The trajectory format of the TUM benchmark: "timestamp tx ty tz qx qy qz qw", in the space rigid.
+bat_status tum_read(const file_text *text, const bat_read_options *options, bat_curve_set *set, bat_error *error);
+bat_status tum_write(const bat_curve_set *set, const bat_write_options *options, text_sink *sink, bat_error *error);
+
 bat_status geojson_read(const file_text *text, const bat_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status geojson_write(const bat_curve_set *set, const bat_write_options *options, text_sink *sink, bat_error *error);
 

@@ -95,6 +95,48 @@ curve 'noline\.in\.obj:2: ' noline.in.obj
 curve 'bytes\.in\.obj:1: ' bytes.in.obj
 curve '^batten: missing\.in\.csv: cannot open: No such' missing.in.csv
 curve '^batten: /: cannot read: Is a' /
+# Keyframes.
+key() { printf 'time,qw,qx,qy,qz\n0,1,0,0,0\n'; printf "$@"; }
+key '1,nan,0,0,1\n' > keynan.in.csv
+key '1,0,0,0,0\n' > keyzero.in.csv
+key '1,2,0,0,0\n' > keylong.in.csv
+key '1,0.6,0.8,0,0\n1,0.8,0.6,0,0\n' > keytime.in.csv
+key '1,0.6,0.8,0,0\n# half a turn\n2,-0.8,0.6,0,0\n' > keyhalf.in.csv
+key '1,1,0,0,0\n' > keysame.in.csv
+key '1,0.6,0.8,0,0\n' > keygood.in.csv
+printf 'time,qw,qx,qy\n0,1,0,0\n' > keyfew.in.csv
+printf 'time,qw,qx,qy,qz,frame\n0,1,0,0,0,1\n' > keyname.in.csv
+printf 'm11,m12,m13,m21,m22,m23,m31,m32,m33\n1,0,0,0,1,0,0,0,1\n1,0,0,0,1,0,0,0,1.00001\n' > keymatrix.in.csv
+printf 'xx,xy,yy\n1,0,1\n1,2,1\n' > tensor.in.csv
+printf '# a trajectory\n0 1 2 3 0 0 0 1\n1 1 2 3 0 0 1\n' > short.in.tum
+keyframe()
+{
+    refused 1 "$1" curve "$2" -o out.csv --space "$3" --scheme hermite ${4:+--rate "$4"}
+}
+keyframe 'keynan\.in\.csv:3: ' keynan.in.csv rotation 10
+keyframe 'keyzero\.in\.csv:3: .*zero' keyzero.in.csv rotation 10
+keyframe 'keylong\.in\.csv:3: .*unit length' keylong.in.csv rotation 10
+keyframe 'keytime\.in\.csv:4: .*after' keytime.in.csv rotation 10
+keyframe 'keyhalf\.in\.csv:5: .*lines 3 and 5.*half a turn' keyhalf.in.csv rotation 10
+keyframe 'keysame\.in\.csv:3: .*repeats.*lines 2 and 3' keysame.in.csv rotation
+keyframe "keyfew\.in\.csv:1: .*'qz'" keyfew.in.csv rotation 10
+keyframe "keyname\.in\.csv:1: .*'frame'" keyname.in.csv rotation 10
+keyframe 'keymatrix\.in\.csv:3: .*not a rotation' keymatrix.in.csv rotation 10
+keyframe 'tensor\.in\.csv:3: .*positive definite' tensor.in.csv spd 10
+keyframe 'short\.in\.tum:3: 7 columns' short.in.tum rigid 10
+keyframe 'not rotation' short.in.tum rotation 10
+keyframe 'too many' keygood.in.csv rotation 1e300
+refused 1 'out\.csv: .*rigid' curve keygood.in.csv --rate 10 -o out.csv --to tum
+refused 2 'positive' curve keygood.in.csv --rate 0 -o out.csv
+refused 2 'exclude' curve keygood.in.csv --rate 10 --levels 3 -o out.csv
+refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme log-exp-4 -o out.csv
+refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme hermite:order=2 -o out.csv
+refused 2 'velocities goes with' curve keygood.in.csv --velocities --scheme log-exp-4 -o out.csv
+refused 2 'order' curve keygood.in.csv --scheme hermite:order=0 -o out.csv
+refused 2 'no scheme' curve keygood.in.csv --scheme hermite-spline -o out.csv
+refused 2 'ends does not go with' curve keygood.in.csv --scheme hermite --ends free -o out.csv
+refused 2 '2 or 4' curve keygood.in.csv --tangents 3 -o out.csv
+refused 2 'weight takes a positive' curve keygood.in.csv --translation-weight 0 -o out.csv
 printf '0,0\n1,0\n1,1\n' > good.in.csv
 printf "0,0\n0.5,0\n0.5,0.5\n" > small.in.csv
 printf '0,0\n1,0\n\n0,0\n0,0\n' > two.in.csv
@@ -154,6 +196,11 @@ refused 1 'cannot be compared|coordinates' measure good.in.csv antipodal.in.csv
 refused 2 'missing' measure
 refused 2 'no result' reproduce table99
 refused 2 'no pictures' reproduce tension-table2 -o folder
+refused 2 'no pictures' reproduce hermite-order -o folder
+refused 2 'no row' reproduce hermite-order --model good.in.csv
+refused 2 'no chance' reproduce hermite-figures --seed 2
+refused 2 'no other curves' reproduce hermite-figures --set fresh
+refused 1 'folder' reproduce hermite-figures -o good.in.csv/folder
 refused 2 'no row' reproduce tension-table3 --model good.in.csv
 refused 2 'no chance' reproduce tension-iss --seed 2
 refused 2 'whole number' reproduce tension-table4 --seed two
@@ -188,6 +235,7 @@ full curve good.in.csv
 full curve good.in.csv -o out.csv
 full curve good.in.csv --json
 full reproduce tension-iss
+full reproduce hermite-order
 
 "$batten" help nothing > stdout 2> stderr
 [ $? -eq 2 ] && grep -q "no verb 'nothing'" stderr || fail "batten help nothing"

@@ -44,6 +44,25 @@ check "the ending decides the format" sh -c "sed 's/[^,]//g' track.csv | tail -1
 "$batten" curve "$examples/camera-path.obj" --to csv --levels 1 > path.csv
 check "an open curve of 10 points has 19 after a level" test "$(grep -c '^[-0-9]' path.csv)" -eq 19
 
+"$batten" curve "$examples/camera-keyframes.csv" --rate 25 -o frames.tum --quiet
+check "ten seconds are 251 frames" test "$(grep -c '^[-0-9]' frames.tum)" -eq 251
+check "a keyframe is a frame" grep -q '^4 -0.7814 4.4316 2.4 ' frames.tum
+cp frames.tum frames.txt
+"$batten" curve frames.txt --space rigid --rate 25 -o again.txt --quiet
+check "a trajectory may be a .txt file, and stays one" same again.txt frames.tum
+"$batten" curve "$examples/camera-keyframes.csv" --levels 2 -o levels.csv --quiet
+check "keyframes are refined with their times" grep -q '^4,-0.7814,4.4316,2.4,' levels.csv
+for scheme in hermite:order=3 log-exp-4 geodesic:order=2; do
+    for file in camera-keyframes tensor-path; do
+        "$batten" curve "$examples/$file.csv" --levels 3 --scheme $scheme -o scheme.csv --json > scheme.json
+        check "$scheme refines $file" json scheme.json '"refined"'
+    done
+done
+"$batten" curve "$examples/tensor-path.csv" --rate 4 --velocities > tensors.csv
+check "velocities are written when asked for" grep -q '^time,xx,xy,xz,yy,yz,zz,vxx,vxy,vxz,vyy,vyz,vzz$' tensors.csv
+check "the scheme list has the Hermite schemes" sh -c "'$batten' list schemes | grep -q '^hermite-merrien'"
+check "the space list has the manifolds" sh -c "'$batten' list spaces | grep -q '^rigid'"
+
 "$batten" curve "$examples/outline.csv" --json -o out.csv > report.json
 check "the report of curve is JSON" json report.json '"bending"'
 "$batten" measure out.csv "$examples/outline.csv" --json > measure.json
@@ -52,6 +71,13 @@ check "measure prints JSON" json measure.json '"hausdorff"'
 check "analyze prints JSON" json analyze.json '"mask"'
 "$batten" list schemes --json > list.json
 check "list prints JSON" json list.json '"log-exp-4"'
+"$batten" reproduce hermite-order --json > order.json
+check "reproduce hermite-order prints JSON" json order.json '"sphere x disk"'
+"$batten" reproduce hermite-figures --json -o hermite > hermite.json
+check "reproduce hermite-figures prints JSON" json hermite.json '"transport of directions"'
+for figure in tensors orders spiral rotations; do
+    check "figure $figure is drawn" test -s "hermite/hermite-$figure.svg" -a -s "hermite/hermite-$figure.png"
+done
 "$batten" reproduce tension-iss --json > iss.json
 check "reproduce prints JSON" json iss.json '"four-point-outward"'
 "$batten" reproduce tension-table1 --set unseen --json > unseen.json
