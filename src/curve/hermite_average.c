@@ -1,6 +1,5 @@
 #include "curve/hermite_average.h"
 
-#include "batten/manifold.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -197,17 +196,9 @@ static bat_status average_any(const refine_kernel *kernel, const double *rows, s
     return BAT_OK;
 }
 
-static bool is_rotation(const bat_space *space)
-{
-    bat_space ours = bat_rotation();
-    return space->point_dim == ours.point_dim && space->distance == ours.distance && space->log == ours.log &&
-           space->exp == ours.exp && space->transport == ours.transport && space->inner == ours.inner &&
-           space->geodesic == ours.geodesic;
-}
-
 row_average *hermite_row_average(const bat_space *space)
 {
     if (space_is_sphere(space))
         return hermite_average_sphere;
-    return is_rotation(space) ? hermite_average_rotation : average_any;
+    return space_is_rotation(space) ? hermite_average_rotation : average_any;
 }

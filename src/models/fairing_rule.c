@@ -7,16 +7,17 @@
 
 #include <math.h>
 
-static const char *fault(const bat_angle_rule *rule, const bat_space *space)
+const char *fairing_rule_fault(const bat_angle_rule *rule, const bat_space *space)
 {
     (void)rule;
-    bool known = space_is_plane(space) || space_is_sphere(space) || space_is_disk(space);
-    return known ? NULL : "the network knows the plane, the sphere and the disk";
+    int curvature;
+    return space_is_surface(space, &curvature) ? NULL : "the network knows the plane, the sphere and the disk";
 }
 
 static void angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *chosen, void *scratch)
 {
-    double curvature = space_is_disk(view->space) ? -1 : space_is_plane(view->space) ? 0 : 1;
+    int curvature = 0;
+    (void)space_is_surface(view->space, &curvature);
     fairing_inference_angles(rule->parameters, view->count, view->angles, view->lengths, curvature, view->fairness, chosen,
                              scratch);
 }
@@ -26,7 +27,7 @@ static const bat_angle_rule SHIPPED = {
     .reach = FAIRING_REACH,
     .scratch_size = sizeof(fairing_scratch),
     .parameters = &weights_fairing,
-    .fault = fault,
+    .fault = fairing_rule_fault,
     .angles = angles,
 };
 

@@ -329,7 +329,8 @@ bat_status bat_scheme_by_name(const char *name, bat_scheme *scheme, bat_error *e
 /// Whether the network knows the space.
 static bool is_learned(const bat_space *space)
 {
-    return space_is_plane(space) || space_is_sphere(space) || space_is_disk(space);
+    int curvature;
+    return space_is_surface(space, &curvature);
 }
 
 const char *bat_scheme_name_for_space(const bat_space *space)

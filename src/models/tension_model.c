@@ -25,13 +25,6 @@ typedef struct model_run
     real features[(BAT_ANGLE_RULE_EDGES + LEARN_TILE) * TENSION_FEATURES];
 } model_run;
 
-static const char *fault(const bat_angle_rule *rule, const bat_space *space)
-{
-    (void)rule;
-    bool known = space_is_plane(space) || space_is_sphere(space) || space_is_disk(space);
-    return known ? NULL : "the network knows the plane, the sphere and the disk";
-}
-
 /// Eq. (17) without the curvature. The product with 1 / mean is that of the training.
 static void published_features(const bat_angle_rule_view *view, real *features)
 {
@@ -51,9 +44,10 @@ static void learned_angles(const bat_angle_rule *rule, const bat_angle_rule_view
 {
     const bat_tension_model *model = rule->parameters;
     model_run *run = scratch;
-    size_t curvature_and_one = space_is_disk(view->space) ? 0 : space_is_plane(view->space) ? 1 : 2;
+    int curvature = 0;
+    (void)space_is_surface(view->space, &curvature);
     published_features(view, run->features);
-    tension_inference_angles(&model->published, curvature_and_one, view->count, run->features, angles, run->scratch);
+    tension_inference_angles(&model->published, (size_t)(curvature + 1), view->count, run->features, angles, run->scratch);
 }
 
 static bat_status take_published(const safetensors *content, bat_tension_model *model, bat_error *error)
@@ -71,7 +65,7 @@ static bat_status take_published(const safetensors *content, bat_tension_model *
         .wants_mean_length = true,
         .scratch_size = sizeof(model_run),
         .parameters = model,
-        .fault = fault,
+        .fault = fairing_rule_fault,
         .angles = learned_angles,
     };
     return status;

@@ -1,5 +1,7 @@
 #include "space/known.h"
 
+#include "batten/manifold.h"
+
 static bool is_same(const bat_space *a, const bat_space *b)
 {
     return a->dimension == b->dimension && a->point_dim == b->point_dim && a->tangent_dim == b->tangent_dim &&
@@ -30,4 +32,19 @@ bool space_is_disk(const bat_space *space)
 {
     bat_space ours = bat_disk();
     return is_same(space, &ours);
+}
+
+bool space_is_rotation(const bat_space *space)
+{
+    bat_space ours = bat_rotation();
+    return is_same(space, &ours);
+}
+
+bool space_is_surface(const bat_space *space, int *curvature)
+{
+    bool disk = space_is_disk(space), sphere = space_is_sphere(space);
+    if (!disk && !sphere && !space_is_plane(space))
+        return false;
+    *curvature = disk ? -1 : sphere ? 1 : 0;
+    return true;
 }

@@ -9,5 +9,10 @@ bool space_is_euclidean(const bat_space *space);
 bool space_is_plane(const bat_space *space);
 bool space_is_sphere(const bat_space *space); ///< S^2
 bool space_is_disk(const bat_space *space);
+bool space_is_rotation(const bat_space *space);
+
+/// Whether a space is one of the three oriented surfaces: plane, S^2 or disk.
+/// @param curvature receives 0, 1 or -1 where it is
+bool space_is_surface(const bat_space *space, int *curvature);
 
 #endif
