@@ -9,6 +9,7 @@
 #include "models/tension_family.h"
 #include "models/tension_set.h"
 #include "models/train_files.h"
+#include "models/wave.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -80,12 +81,6 @@ bat_fairing_train_options bat_fairing_train_defaults(void)
 
 // Samples
 
-/// A whole number from least to most.
-static size_t draw_whole(bat_random *random, size_t least, size_t most)
-{
-    return least + (size_t)(bat_random_uniform(random) * (double)(most - least + 1));
-}
-
 /// How the control points of a sample lie on its curve. Half of the polygons have as many as the published; most of those are
 /// evenly spaced.
 static tension_control_plan draw_plan(bat_random *random)
@@ -94,7 +89,7 @@ static tension_control_plan draw_plan(bat_random *random)
     bool from_start = bat_random_uniform(random) < 0.25;
     double start = bat_random_uniform(random), jitter = bat_random_uniform(random);
     return (tension_control_plan){
-        .count = published ? PUBLISHED_COUNT : draw_whole(random, LEAST_COUNT, MOST_COUNT),
+        .count = published ? PUBLISHED_COUNT : (size_t)draw_whole(random, LEAST_COUNT, MOST_COUNT),
         .start = from_start ? 0 : start,
         .jitter = even ? 0 : jitter,
     };
@@ -106,7 +101,7 @@ static size_t cut(bat_tension_space space, bat_random *random, double *truth)
 {
     const bat_space spaces[BAT_TENSION_SPACE_COUNT] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
     const bat_space *here = &spaces[space];
-    size_t dim = here->point_dim, kept = draw_whole(random, TRUTH / 3, TRUTH - TRUTH / 20);
+    size_t dim = here->point_dim, kept = (size_t)draw_whole(random, TRUTH / 3, TRUTH - TRUTH / 20);
     double end[MOST_DIM], velocity[MOST_DIM], step[MOST_DIM];
     memcpy(end, truth + (kept - 1) * dim, dim * sizeof *end);
     if (here->log(here, end, truth, velocity) != BAT_OK)
@@ -145,12 +140,12 @@ static void mark(size_t corner, const double *lengths, size_t count, size_t *sam
 static tension_sample draw_sample(bat_tension_space space, bat_random *random, double *truth, double *control)
 {
     double lengths[TRUTH + 1];
-    size_t samples[MOST_COUNT], dim = space == BAT_TENSION_SPHERE ? 3 : 2;
+    size_t samples[MOST_COUNT], dim = tension_dim(space);
     tension_control_plan plan;
     size_t corner;
     do
     {
-        size_t family = draw_whole(random, 0, tension_family_count(space, false) - 1);
+        size_t family = (size_t)draw_whole(random, 0, (int)tension_family_count(space, false) - 1);
         tension_family_draw(space, false, family, random, TRUTH, truth);
         corner = bat_random_uniform(random) < 0.2 ? cut(space, random, truth) : 0;
         plan = draw_plan(random);
@@ -164,7 +159,7 @@ static tension_sample draw_sample(bat_tension_space space, bat_random *random, d
         memcpy(control + k * dim, truth + samples[k] * dim, dim * sizeof *control);
     // Open curves are pieces of closed ones.
     bool open = bat_random_uniform(random) < 0.15;
-    size_t count = open ? draw_whole(random, LEAST_COUNT, plan.count) : plan.count;
+    size_t count = open ? (size_t)draw_whole(random, LEAST_COUNT, (int)plan.count) : plan.count;
     return (tension_sample){
         .control = {.points = control, .count = count, .surface = tension_surface(space), .closed = !open},
         .truth = truth,
@@ -303,12 +298,7 @@ static learn_options learning_of(const bat_fairing_train_options *given, const c
     options.name = name;
     options.resume = given->resume;
     options.progress = given->progress;
-    if (given->folder != NULL)
-    {
-        options.checkpoint = files->checkpoint;
-        options.log = files->log;
-        options.chart = files->chart;
-    }
+    train_files_use(files, &options);
     return options;
 }
 
@@ -344,17 +334,15 @@ bat_status fairing_train_by(const bat_fairing_train_options *options, fairing_ep
     if (options->epochs == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "training needs at least 1 epoch");
     training t = {0};
-    train_files files = {0};
+    train_files files;
     learn_report made;
     char name[64];
     (void)snprintf(name, sizeof name, "tension batten, %llu epochs", (unsigned long long)options->epochs);
-    bat_status status = options->folder != NULL ? train_files_folder(options->folder, error) : BAT_OK;
+    bat_status status = train_files_make(options->folder, &files, error);
     if (status == BAT_OK)
         status = training_make(options, epoch, &t, error);
     if (status == BAT_OK)
     {
-        if (options->folder != NULL)
-            train_files_name(options->folder, &files);
         learn_options learning = learning_of(options, name, &files);
         status = run(&t, &learning, &made, error);
     }

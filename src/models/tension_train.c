@@ -206,12 +206,7 @@ static learn_options published_options(const bat_tension_train_options *given, c
     options.name = name;
     options.resume = given->resume;
     options.progress = given->progress;
-    if (given->folder != NULL)
-    {
-        options.checkpoint = files->checkpoint;
-        options.log = files->log;
-        options.chart = files->chart;
-    }
+    train_files_use(files, &options);
     return options;
 }
 
@@ -249,19 +244,17 @@ bat_status tension_train_on(const bat_tension_data *data, const bat_tension_trai
                             bat_tension_train_report *report, bat_error *error)
 {
     training t = {0};
-    train_files files = {0};
+    train_files files;
     learn_report made;
     char name[NAME_SIZE];
     bat_status status = check_options(options, error);
-    if (status == BAT_OK && options->folder != NULL)
-        status = train_files_folder(options->folder, error);
+    if (status == BAT_OK)
+        status = train_files_make(options->folder, &files, error);
     if (status == BAT_OK)
         status = training_make(data, options, &t, error);
     if (status == BAT_OK)
     {
         write_name(options, name);
-        if (options->folder != NULL)
-            train_files_name(options->folder, &files);
         learn_options learning = published_options(options, name, &files);
         status = run(&t, &learning, &made, error);
     }

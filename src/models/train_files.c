@@ -7,7 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-bat_status train_files_folder(const char *folder, bat_error *error)
+/// Make a folder and those that it lies in.
+static bat_status make_folder(const char *folder, bat_error *error)
 {
     char part[TRAIN_PATH_SIZE];
     size_t length = strlen(folder);
@@ -27,10 +28,26 @@ bat_status train_files_folder(const char *folder, bat_error *error)
     return BAT_OK;
 }
 
-void train_files_name(const char *folder, train_files *files)
+bat_status train_files_make(const char *folder, train_files *files, bat_error *error)
 {
+    *files = (train_files){0};
+    if (folder == NULL)
+        return BAT_OK;
+    bat_status status = make_folder(folder, error);
+    if (status != BAT_OK)
+        return status;
     (void)snprintf(files->checkpoint, TRAIN_PATH_SIZE, "%s/checkpoint.safetensors", folder);
     (void)snprintf(files->log, TRAIN_PATH_SIZE, "%s/log.csv", folder);
     (void)snprintf(files->chart, TRAIN_PATH_SIZE, "%s/log.png", folder);
     (void)snprintf(files->model, TRAIN_PATH_SIZE, "%s/model.safetensors", folder);
+    return BAT_OK;
+}
+
+void train_files_use(const train_files *files, learn_options *options)
+{
+    if (files->checkpoint[0] == '\0')
+        return;
+    options->checkpoint = files->checkpoint;
+    options->log = files->log;
+    options->chart = files->chart;
 }

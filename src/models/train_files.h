@@ -1,7 +1,7 @@
 #ifndef MODELS_TRAIN_FILES_H
 #define MODELS_TRAIN_FILES_H
 
-#include "batten/base.h"
+#include "learn/train.h"
 
 /// @file
 /// The files that a training leaves in its folder.
@@ -11,6 +11,7 @@ enum
     TRAIN_PATH_SIZE = 4096
 };
 
+/// Names; all empty where nothing is kept.
 typedef struct train_files
 {
     char checkpoint[TRAIN_PATH_SIZE]; ///< checkpoint.safetensors
@@ -19,10 +20,11 @@ typedef struct train_files
     char model[TRAIN_PATH_SIZE];      ///< model.safetensors
 } train_files;
 
-/// Make a folder and those that it lies in, where they are not there.
+/// Make a folder and those that it lies in, where they are not there, and name the files. All names are empty for a null
+/// folder.
 /// @return BAT_OK or BAT_FILE_ACCESS
-bat_status train_files_folder(const char *folder, bat_error *error);
-/// The names of the files in a folder that was made.
-void train_files_name(const char *folder, train_files *files);
+bat_status train_files_make(const char *folder, train_files *files, bat_error *error);
+/// Let a training keep its checkpoint, log and chart there, if there is a folder. `files` must stay as long as the options.
+void train_files_use(const train_files *files, learn_options *options);
 
 #endif
