@@ -47,7 +47,8 @@ static void learned_angles(const bat_angle_rule *rule, const bat_angle_rule_view
     int curvature = 0;
     (void)space_is_surface(view->space, &curvature);
     published_features(view, run->features);
-    tension_inference_angles(&model->published, (size_t)(curvature + 1), view->count, run->features, angles, run->scratch);
+    tension_inference_angles(&model->published, (size_t)((ptrdiff_t)curvature + 1), view->count, run->features, angles,
+                             run->scratch);
 }
 
 static bat_status take_published(const safetensors *content, bat_tension_model *model, bat_error *error)
