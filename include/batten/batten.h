@@ -13,6 +13,7 @@
 #include "batten/hermite_study.h"
 #include "batten/manifold.h"
 #include "batten/measure.h"
+#include "batten/mesh.h"
 #include "batten/motion.h"
 #include "batten/picture.h"
 #include "batten/scheme.h"

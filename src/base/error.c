@@ -49,6 +49,8 @@ const char *bat_status_name(bat_status status)
         return "file access";
     case BAT_CANCELLED:
         return "cancelled";
+    case BAT_NOT_MANIFOLD:
+        return "not manifold";
     }
     return "unknown status";
 }

@@ -1,0 +1,157 @@
+#include "batten/mesh.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void bat_mesh_connectivity_free(bat_mesh_connectivity *connectivity)
+{
+    free(connectivity->twin);
+    free(connectivity->first);
+    free(connectivity->edge);
+    *connectivity = (bat_mesh_connectivity){0};
+}
+
+static uint32_t end_of(const uint32_t *faces, uint32_t half_edge)
+{
+    return faces[bat_mesh_next(half_edge)];
+}
+
+static bat_status check_corners(const bat_mesh *mesh, bat_error *error)
+{
+    if (mesh->face_count > BAT_MESH_MOST_FACES || mesh->vertex_count >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
+                         BAT_MESH_MOST_FACES, (size_t)BAT_MESH_NONE);
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * f;
+        if (corner[0] >= mesh->vertex_count || corner[1] >= mesh->vertex_count || corner[2] >= mesh->vertex_count)
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu names a vertex beyond the %zu there are", f,
+                             mesh->vertex_count);
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
+                             corner[0] == corner[1] ? corner[0] : corner[2]);
+    }
+    return BAT_OK;
+}
+
+/// Count every vertex's faces.
+static void count_faces(const bat_mesh *mesh, uint32_t *faces_at)
+{
+    memset(faces_at, 0, mesh->vertex_count * sizeof *faces_at);
+    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+        faces_at[mesh->faces[i]]++;
+}
+
+/// Join half-edges to their twins. A half-edge looks for its twin among the earlier ones that hang in a chain from the edge's
+/// poorer vertex, the one with fewer faces: so a hub of very many faces costs nothing, and all chains together are as long as the
+/// mesh times its arboricity (Chiba and Nishizeki, 1985), at most 3 for a planar one.
+/// `head` (one a vertex) and `chain` (one a half-edge) are room to work in.
+static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uint32_t *twin, uint32_t *head, uint32_t *chain,
+                             bat_error *error)
+{
+    const uint32_t *faces = mesh->faces;
+    uint32_t count = (uint32_t)(3 * mesh->face_count);
+    memset(head, 0xff, mesh->vertex_count * sizeof *head);
+    for (uint32_t h = 0; h < count; h++)
+    {
+        uint32_t a = faces[h], b = end_of(faces, h);
+        bool a_is_poorer = faces_at[a] != faces_at[b] ? faces_at[a] < faces_at[b] : a < b;
+        uint32_t poor = a_is_poorer ? a : b, rich = a_is_poorer ? b : a;
+        twin[h] = BAT_MESH_NONE;
+        uint32_t other = head[poor];
+        while (other != BAT_MESH_NONE && faces[other] != rich && end_of(faces, other) != rich)
+            other = chain[other];
+        if (other == BAT_MESH_NONE)
+        {
+            chain[h] = head[poor];
+            head[poor] = h;
+            continue;
+        }
+        if (twin[other] != BAT_MESH_NONE)
+            return error_set(error, BAT_NOT_MANIFOLD, h / 3, 0, "face %u is the third at the edge of vertices %u and %u",
+                             h / 3, a, b);
+        if (faces[other] == a)
+            return error_set(error, BAT_NOT_MANIFOLD, h / 3, 0,
+                             "faces %u and %u run along the edge of vertices %u and %u in the same direction", other / 3,
+                             h / 3, a, b);
+        twin[h] = other;
+        twin[other] = h;
+    }
+    return BAT_OK;
+}
+
+/// Number the edges, count them, and choose every vertex's first half-edge.
+static void number_edges(const bat_mesh *mesh, bat_mesh_connectivity *made)
+{
+    uint32_t count = (uint32_t)(3 * mesh->face_count), edges = 0;
+    memset(made->first, 0xff, mesh->vertex_count * sizeof *made->first);
+    for (uint32_t h = 0; h < count; h++)
+    {
+        uint32_t twin = made->twin[h], *first = &made->first[mesh->faces[h]];
+        made->edge[h] = twin < h ? made->edge[twin] : edges++;
+        made->boundary_edge_count += twin == BAT_MESH_NONE;
+        if (*first == BAT_MESH_NONE || twin == BAT_MESH_NONE)
+            *first = h;
+    }
+    made->edge_count = edges;
+}
+
+/// Turning around a vertex from its first half-edge must pass all its faces.
+static bat_status check_fans(const bat_mesh_connectivity *made, const uint32_t *faces_at, bat_error *error)
+{
+    for (size_t v = 0; v < made->vertex_count; v++)
+    {
+        uint32_t first = made->first[v], h = first;
+        if (first == BAT_MESH_NONE)
+            continue;
+        uint32_t fan = 0;
+        do
+        {
+            fan++;
+            h = bat_mesh_next_around(made, h);
+        } while (h != BAT_MESH_NONE && h != first);
+        if (fan != faces_at[v])
+            return error_set(error, BAT_NOT_MANIFOLD, first / 3, 0,
+                             "vertex %zu joins several fans of faces: %u of its %u faces hang together, among them face %u",
+                             v, fan, faces_at[v], first / 3);
+    }
+    return BAT_OK;
+}
+
+bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connectivity, bat_error *error)
+{
+    bat_status status = check_corners(mesh, error);
+    if (status != BAT_OK)
+        return status;
+    size_t half_edges = 3 * mesh->face_count;
+    bat_mesh_connectivity made = {.twin = memory_array(half_edges, sizeof *made.twin),
+                                  .first = memory_array(mesh->vertex_count, sizeof *made.first),
+                                  .edge = memory_array(half_edges, sizeof *made.edge),
+                                  .vertex_count = mesh->vertex_count,
+                                  .face_count = mesh->face_count};
+    uint32_t *faces_at = memory_array(mesh->vertex_count, sizeof *faces_at);
+    if (made.twin == NULL || made.first == NULL || made.edge == NULL || faces_at == NULL)
+        status = error_memory(error, half_edges * sizeof *made.twin);
+    if (status == BAT_OK)
+    {
+        count_faces(mesh, faces_at);
+        // `first` and `edge` are filled in afterwards; before, they are room to work in.
+        status = join_twins(mesh, faces_at, made.twin, made.first, made.edge, error);
+    }
+    if (status == BAT_OK)
+    {
+        number_edges(mesh, &made);
+        status = check_fans(&made, faces_at, error);
+    }
+    free(faces_at);
+    if (status != BAT_OK)
+    {
+        bat_mesh_connectivity_free(&made);
+        return status;
+    }
+    *connectivity = made;
+    return BAT_OK;
+}

@@ -1,0 +1,142 @@
+#include "batten/mesh.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void bat_mesh_free(bat_mesh *mesh)
+{
+    free(mesh->positions);
+    free(mesh->faces);
+    free(mesh->texture);
+    free(mesh->texture_faces);
+    free(mesh->channels);
+    for (size_t i = 0; i < mesh->channel_count && mesh->channel_names != NULL; i++)
+        free(mesh->channel_names[i]);
+    free(mesh->channel_names);
+    free(mesh->creases);
+    free(mesh->corners);
+    *mesh = (bat_mesh){0};
+}
+
+/// A copy of an array that may be absent. False when out of memory.
+static bool copy_array(const void *from, size_t count, size_t size, void **to)
+{
+    *to = NULL;
+    if (from == NULL || count == 0)
+        return true;
+    *to = memory_array(count, size);
+    if (*to != NULL)
+        memcpy(*to, from, count * size);
+    return *to != NULL;
+}
+
+static bool copy_names(const bat_mesh *mesh, bat_mesh *copy)
+{
+    if (mesh->channel_count == 0)
+        return true;
+    copy->channel_names = calloc(mesh->channel_count, sizeof *copy->channel_names);
+    if (copy->channel_names == NULL)
+        return false;
+    for (size_t i = 0; i < mesh->channel_count; i++)
+    {
+        size_t size = strlen(mesh->channel_names[i]) + 1;
+        copy->channel_names[i] = malloc(size);
+        if (copy->channel_names[i] == NULL)
+            return false;
+        memcpy(copy->channel_names[i], mesh->channel_names[i], size);
+    }
+    return true;
+}
+
+bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
+{
+    bat_mesh made = *mesh;
+    made.channel_names = NULL;
+    bool positions = copy_array(mesh->positions, mesh->vertex_count, 3 * sizeof(double), (void **)&made.positions);
+    bool faces = copy_array(mesh->faces, mesh->face_count, 3 * sizeof(uint32_t), (void **)&made.faces);
+    bool texture = copy_array(mesh->texture, mesh->texture_count, 2 * sizeof(double), (void **)&made.texture);
+    bool texture_faces =
+        copy_array(mesh->texture_faces, mesh->face_count, 3 * sizeof(uint32_t), (void **)&made.texture_faces);
+    bool channels =
+        copy_array(mesh->channels, mesh->vertex_count, mesh->channel_count * sizeof(double), (void **)&made.channels);
+    bool creases = copy_array(mesh->creases, mesh->crease_count, sizeof *mesh->creases, (void **)&made.creases);
+    bool corners = copy_array(mesh->corners, mesh->corner_count, sizeof *mesh->corners, (void **)&made.corners);
+    bool names = copy_names(mesh, &made);
+    if (!positions || !faces || !texture || !texture_faces || !channels || !creases || !corners || !names)
+    {
+        bat_mesh_free(&made);
+        return error_memory(error, mesh->vertex_count * 3 * sizeof(double));
+    }
+    *copy = made;
+    return BAT_OK;
+}
+
+static bat_status check_vertices(const bat_mesh *mesh, bat_error *error)
+{
+    for (size_t i = 0; i < mesh->vertex_count * 3; i++)
+        if (!isfinite(mesh->positions[i]))
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "vertex %zu is not finite", i / 3);
+    for (size_t i = 0; i < mesh->vertex_count * mesh->channel_count; i++)
+        if (!isfinite(mesh->channels[i]))
+            return error_set(error, BAT_INVALID_POINT, i / mesh->channel_count, 0,
+                             "vertex %zu carries a value that is not finite", i / mesh->channel_count);
+    for (size_t i = 0; i < mesh->texture_count * 2; i++)
+        if (!isfinite(mesh->texture[i]))
+            return error_set(error, BAT_INVALID_POINT, i / 2, 0, "texture coordinate %zu is not finite", i / 2);
+    return BAT_OK;
+}
+
+static bat_status check_faces(const bat_mesh *mesh, bat_error *error)
+{
+    if (mesh->face_count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has no faces");
+    if (mesh->face_count > BAT_MESH_MOST_FACES || mesh->vertex_count >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
+                         BAT_MESH_MOST_FACES, (size_t)BAT_MESH_NONE);
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * f;
+        for (int c = 0; c < 3; c++)
+            if (corner[c] >= mesh->vertex_count)
+                return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu names vertex %u, but there are %zu", f, corner[c],
+                                 mesh->vertex_count);
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
+                             corner[0] == corner[1] ? corner[0] : corner[2]);
+    }
+    for (size_t i = 0; mesh->texture_faces != NULL && i < mesh->face_count * 3; i++)
+        if (mesh->texture_faces[i] >= mesh->texture_count)
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "face %zu names texture coordinate %u, but there are %zu",
+                             i / 3, mesh->texture_faces[i], mesh->texture_count);
+    return BAT_OK;
+}
+
+static bat_status check_marks(const bat_mesh *mesh, bat_error *error)
+{
+    for (size_t i = 0; i < mesh->crease_count; i++)
+    {
+        const bat_mesh_crease *crease = &mesh->creases[i];
+        if (crease->a >= mesh->vertex_count || crease->b >= mesh->vertex_count || crease->a == crease->b)
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are no edge", i,
+                             crease->a, crease->b);
+        if (!(crease->sharpness >= 0))
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu has sharpness %g", i, crease->sharpness);
+    }
+    for (size_t i = 0; i < mesh->corner_count; i++)
+        if (mesh->corners[i].vertex >= mesh->vertex_count || !(mesh->corners[i].sharpness >= 0))
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "corner %zu names vertex %u with sharpness %g", i,
+                             mesh->corners[i].vertex, mesh->corners[i].sharpness);
+    return BAT_OK;
+}
+
+bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = check_faces(mesh, error);
+    if (status == BAT_OK)
+        status = check_vertices(mesh, error);
+    return status == BAT_OK ? check_marks(mesh, error) : status;
+}
