@@ -1,0 +1,59 @@
+#ifndef BATTEN_DECIMATE_H
+#define BATTEN_DECIMATE_H
+
+#include "batten/mesh.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Coarse meshes from fine ones by edge collapses, and the bijective map between the two: quadric errors of Garland and Heckbert
+/// (1997), successive self-parameterization of Liu et al., "Neural Subdivision" (2020), section 4 and appendices B to E.
+
+/// How to decimate. Begin with bat_decimate_defaults().
+typedef struct bat_decimate_options
+{
+    size_t vertices; ///< stop at so many vertices; default 0, which stops where nothing more can be collapsed
+    size_t
+        candidates; ///< 0: always the edge of least error; else the least of so many random ones (appendix E: 100); default 0
+    uint64_t seed;  ///< of the random choice; default 1
+    double least_normal;    ///< the least scalar product of a face's unit normals before and after a collapse; default .2
+    double least_quality;   ///< the least triangle quality after a collapse, 0 to 1; default .2
+    double boundary_weight; ///< of the planes through boundary edges, against those of the faces; default 1000
+    bat_progress progress;
+} bat_decimate_options;
+
+/// The options' default values.
+BAT_API bat_decimate_options bat_decimate_defaults(void);
+
+/// A point on a mesh.
+typedef struct bat_mesh_point
+{
+    uint32_t face;
+    double barycentric[3]; ///< of the face's corners, 0 to 1, of sum 1
+} bat_mesh_point;
+
+/// A bijective map between a mesh and its decimation. Opaque.
+typedef struct bat_mesh_map bat_mesh_map;
+
+/// Decimate a mesh.
+///
+/// @param fine   one or more manifold pieces, with or without boundaries
+/// @param coarse receives the decimated mesh
+/// @param map    receives the map between the two; release it with bat_mesh_map_free(). Null: none is made, which is faster
+/// @return BAT_OK (also when nothing more could be collapsed before the wanted number was reached); what bat_mesh_check() and
+///         bat_mesh_connect() return; BAT_INVALID_ARGUMENT; BAT_NO_MEMORY; BAT_CANCELLED; results are untouched on failure
+BAT_API bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_decimate_options *options, bat_mesh *coarse,
+                                     bat_mesh_map **map, bat_error *error);
+
+/// Carry points of the coarse mesh to the fine one, in place.
+/// @return BAT_OK, BAT_INVALID_POINT with the index of a point that is not on the mesh, BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error);
+/// Carry points of the fine mesh to the coarse one, in place.
+BAT_API bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error);
+
+/// Free a map. Does nothing to null.
+BAT_API void bat_mesh_map_free(bat_mesh_map *map);
+
+BAT_C_END
+
+#endif
