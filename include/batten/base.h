@@ -47,7 +47,7 @@ typedef enum bat_status
     BAT_BAD_FILE,         ///< the content of a file is wrong; bat_error::line says where
     BAT_FILE_ACCESS,      ///< a file cannot be opened, read, written or renamed
     BAT_CANCELLED,        ///< the caller's progress function asked to stop
-    BAT_NOT_MANIFOLD      ///< a mesh has an edge of three faces, faces that run against each other, or a vertex of several fans
+    BAT_NOT_MANIFOLD ///< a mesh has an edge of three faces, faces that run against each other, or a vertex of several fans
 } bat_status;
 
 /// A short name of a status, for example "invalid point". Never null.
