@@ -14,6 +14,8 @@
 #include "batten/manifold.h"
 #include "batten/measure.h"
 #include "batten/mesh.h"
+#include "batten/mesh_file.h"
+#include "batten/mesh_repair.h"
 #include "batten/motion.h"
 #include "batten/picture.h"
 #include "batten/scheme.h"
