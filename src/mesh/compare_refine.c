@@ -47,9 +47,22 @@ static double bound_by_way(const piece *part)
     return fmin(bound, greatest + longest * PER_ROOT_OF_THREE);
 }
 
+/// bound_by_triangles() for the triangle closest to the piece's centre.
+static double bound_by_centre(const piece *part, const closest_tree *onto)
+{
+    double centre[3], greatest = 0;
+    uint32_t place = part->places[0];
+    for (int k = 0; k < 3; k++)
+        centre[k] = (part->corners[0][k] + part->corners[1][k] + part->corners[2][k]) / 3;
+    (void)closest_find(onto, centre, &place);
+    for (int c = 0; c < 3; c++)
+        greatest = fmax(greatest, closest_to_place(onto, part->corners[c], place));
+    return greatest;
+}
+
 /// The distance from one triangle of the other side is a convex function, greatest at a corner; and the distance from the
-/// whole side is no greater.
-static double bound_by_triangle(const piece *part, const closest_tree *onto)
+/// whole side is no greater. Tried are the triangles closest to the corners.
+static double bound_by_triangles(const piece *part, const closest_tree *onto)
 {
     double bound = INFINITY;
     for (int t = 0; t < 3; t++)
@@ -70,7 +83,9 @@ static void find_bound(piece *part, const closest_tree *onto, double limit)
 {
     part->bound = bound_by_way(part);
     if (part->bound > limit)
-        part->bound = fmin(part->bound, bound_by_triangle(part, onto));
+        part->bound = fmin(part->bound, bound_by_triangles(part, onto));
+    if (part->bound > limit)
+        part->bound = fmin(part->bound, bound_by_centre(part, onto));
 }
 
 static piece whole_face(const compare_side *side, uint32_t face)
