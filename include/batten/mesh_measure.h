@@ -21,15 +21,14 @@ typedef struct bat_mesh_compare_options
 {
     /// Measure from the vertices alone, all of equal weight, instead of from the whole surface. Default false.
     bool vertices;
-    /// Points on the faces of each mesh, in proportion to area; default BAT_MESH_SAMPLES. The error of means falls about as
-    /// 1 / samples.
+    /// Points on the faces of each mesh, about so many, in proportion to area but at least three a face; default
+    /// BAT_MESH_SAMPLES.
     size_t samples;
     /// Where to stop looking for a still greater distance: when none can exceed the greatest found by more than this share of
     /// it, or of a millionth of the diagonal where that is more. 0: the greatest distance of a vertex or sample is taken.
     /// Default 1e-4.
     double tolerance;
-    uint64_t seed; ///< of the places of the samples; default 1
-    int threads;   ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
 } bat_mesh_compare_options;
 
@@ -56,9 +55,9 @@ typedef struct bat_mesh_distance
 } bat_mesh_distance;
 
 /// Measure the distances between two surfaces: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified surfaces"
-/// (1998). Means are over samples in proportion to area. The greatest distance is that over vertices and samples, and from
-/// there triangles that might hold a greater one are halved until none can (see docs/measures.md), for as long as that takes
-/// no more points than `samples`; hausdorff_most says what is certain then.
+/// (1998). Means are over samples that stand for equal parts of their face. The greatest distance is that over vertices and
+/// samples; from there triangles that might hold a greater one are halved until none can (see docs/measures.md), for as long as
+/// that takes no more points than `samples`. What is certain then is in hausdorff_most.
 ///
 /// @param options null for the defaults
 /// @return BAT_OK; what bat_mesh_check() returns for either mesh, the text saying which; BAT_INVALID_ARGUMENT (no samples, a

@@ -9,16 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// Numbers up to this, squared or summed over the faces, stay exact in a double and within size_t.
+static const size_t MOST_SAMPLES = (size_t)1 << 40;
+
 bat_mesh_compare_options bat_mesh_compare_defaults(void)
 {
-    return (bat_mesh_compare_options){.samples = BAT_MESH_SAMPLES, .tolerance = 1e-4, .seed = 1};
+    return (bat_mesh_compare_options){.samples = BAT_MESH_SAMPLES, .tolerance = 1e-4};
 }
 
-void compare_sum_up(const compare_tally *tallies, size_t blocks, size_t count, compare_way *way)
+void compare_sum_up(const compare_tally *tallies, size_t blocks, compare_way *way)
 {
     compare_tally all = {.greatest = -1};
     for (size_t b = 0; b < blocks; b++)
     {
+        all.weight += tallies[b].weight;
         all.sum += tallies[b].sum;
         all.squares += tallies[b].squares;
         if (tallies[b].greatest > all.greatest)
@@ -27,8 +31,8 @@ void compare_sum_up(const compare_tally *tallies, size_t blocks, size_t count, c
             memcpy(all.farthest, tallies[b].farthest, sizeof all.farthest);
         }
     }
-    way->mean = all.sum / (double)count;
-    way->mean_square = all.squares / (double)count;
+    way->mean = all.sum / all.weight;
+    way->mean_square = all.squares / all.weight;
     if (all.greatest > way->greatest)
     {
         way->greatest = all.greatest;
@@ -58,7 +62,7 @@ static void measure_block(compare_side *from, const compare_side *onto, size_t b
         double distance = closest_find(&onto->tree, point, &place);
         from->distances[vertex] = distance;
         from->places[vertex] = place;
-        compare_count(tally, distance, point);
+        compare_count(tally, distance, 1, point);
     }
 }
 
@@ -80,7 +84,7 @@ static bat_status measure_vertices(compare_side *from, const compare_side *onto,
         }
     *way = (compare_way){.from = from, .onto = onto, .greatest = -1, .most = INFINITY};
     if (!work->cancelled)
-        compare_sum_up(tallies, blocks, from->vertex_count, way);
+        compare_sum_up(tallies, blocks, way);
     free(tallies);
     return BAT_OK;
 }
@@ -91,6 +95,7 @@ static void side_free(compare_side *side)
     free(side->vertices);
     free(side->distances);
     free(side->places);
+    free(side->samples);
     closest_free(&side->tree);
 }
 
@@ -112,7 +117,8 @@ static void list_vertices(compare_side *side)
 }
 
 /// `side` is all zero on entry, and to be freed also on failure.
-static bat_status side_make(const bat_mesh *mesh, double scale, compare_side *side, bat_error *error)
+static bat_status side_make(const bat_mesh *mesh, const char *which, double scale, const bat_mesh_compare_options *options,
+                            compare_side *side, bat_error *error)
 {
     size_t count = mesh->vertex_count;
     side->mesh = (bat_mesh){.faces = mesh->faces, .face_count = mesh->face_count, .vertex_count = count};
@@ -125,9 +131,10 @@ static bat_status side_make(const bat_mesh *mesh, double scale, compare_side *si
     for (size_t i = 0; i < 3 * count; i++)
         side->mesh.positions[i] = mesh->positions[i] * scale;
     bat_status status = closest_build(&side->mesh, 1, &side->tree, error);
-    if (status == BAT_OK)
-        list_vertices(side);
-    return status;
+    if (status != BAT_OK)
+        return status;
+    list_vertices(side);
+    return options->vertices ? BAT_OK : compare_plan_samples(side, which, options->samples, error);
 }
 
 /// Of the box around the faces.
@@ -148,9 +155,9 @@ static double diagonal_of(const compare_side *side)
 static bat_status measure_ways(compare_side sides[2], const bat_mesh_compare_options *options, compare_way ways[2],
                                bat_error *error)
 {
-    static const char *const NAMES[2] = {"first", "second"};
-    size_t sample_blocks = options->vertices ? 0 : blocks_of(options->samples), piece = 0;
-    size_t pieces = blocks_of(sides[0].vertex_count) + blocks_of(sides[1].vertex_count) + 2 * sample_blocks;
+    size_t pieces = 0, piece = 0;
+    for (int s = 0; s < 2; s++)
+        pieces += blocks_of(sides[s].vertex_count) + compare_sample_blocks(&sides[s]);
     shared_work work = shared_work_make(pieces, options->progress);
     bat_status status = BAT_OK;
     double diagonal = diagonal_of(&sides[1]);
@@ -158,10 +165,12 @@ static bat_status measure_ways(compare_side sides[2], const bat_mesh_compare_opt
     {
         status = measure_vertices(&sides[w], &sides[1 - w], options->threads, piece, &work, &ways[w], error);
         piece += blocks_of(sides[w].vertex_count);
-        if (status == BAT_OK && !options->vertices)
-            status = compare_samples(&ways[w], NAMES[w], options, piece, &work, error);
-        piece += sample_blocks;
-        if (status == BAT_OK && !options->vertices)
+        if (options->vertices)
+            continue;
+        if (status == BAT_OK)
+            status = compare_samples(&ways[w], options->threads, piece, &work, error);
+        piece += compare_sample_blocks(&sides[w]);
+        if (status == BAT_OK)
             status = compare_refine(&ways[w], diagonal, options, &work, error);
     }
     return status == BAT_OK ? shared_work_end(&work, error) : status;
@@ -209,7 +218,7 @@ static bat_status check_options(const bat_mesh_compare_options *options, bat_err
 {
     if (!options->vertices && options->samples == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "at least one sample is needed");
-    if (!options->vertices && options->samples > SIZE_MAX / 8)
+    if (!options->vertices && options->samples > MOST_SAMPLES)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu samples are too many", options->samples);
     if (!(options->tolerance >= 0) || isinf(options->tolerance))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
@@ -233,9 +242,9 @@ bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const
     double scale = closest_scale(closest_largest(second->positions, 3 * second->vertex_count, largest));
     compare_side sides[2] = {0};
     compare_way ways[2];
-    status = side_make(first, scale, &sides[0], error);
+    status = side_make(first, "first", scale, options, &sides[0], error);
     if (status == BAT_OK)
-        status = side_make(second, scale, &sides[1], error);
+        status = side_make(second, "second", scale, options, &sides[1], error);
     if (status == BAT_OK)
         status = measure_ways(sides, options, ways, error);
     if (status == BAT_OK)

@@ -24,6 +24,9 @@ typedef struct compare_side
     size_t vertex_count;
     double *distances; ///< of every vertex (that has a face) from the other side
     uint32_t *places;  ///< where in the other side's tree that distance was found
+    size_t *samples;   ///< the first sample of each face, in the order of the tree, and at the end their number; or null
+    double area;       ///< of all faces, when samples are planned
+    double wanted;     ///< samples
 } compare_side;
 
 /// What is known of the distances of one side from the other.
@@ -39,15 +42,16 @@ typedef struct compare_way
 /// What some distances amount to.
 typedef struct compare_tally
 {
-    double sum, squares;
+    double weight, sum, squares;
     double greatest;
     double farthest[3];
 } compare_tally;
 
-static inline void compare_count(compare_tally *tally, double distance, const double point[3])
+static inline void compare_count(compare_tally *tally, double distance, double weight, const double point[3])
 {
-    tally->sum += distance;
-    tally->squares += distance * distance;
+    tally->weight += weight;
+    tally->sum += weight * distance;
+    tally->squares += weight * (distance * distance);
     if (distance <= tally->greatest)
         return;
     tally->greatest = distance;
@@ -60,15 +64,26 @@ static inline const double *compare_corner(const compare_side *side, uint32_t fa
     return side->mesh.positions + 3 * (size_t)side->mesh.faces[3 * (size_t)face + (size_t)corner];
 }
 
-/// Put the tallies of blocks together, in their order: means over `count` distances, and the greatest.
-void compare_sum_up(const compare_tally *tallies, size_t blocks, size_t count, compare_way *way);
+/// Put the tallies of blocks together, in their order: the means and the greatest.
+void compare_sum_up(const compare_tally *tallies, size_t blocks, compare_way *way);
 
-/// The mean and the greatest distance of samples on the faces. Each block of samples is a piece of `work`, from `first_piece`
-/// on; the vertices' distances must be there.
+/// Choose the samples: every face is cut into k^2 equal triangles, and in each three points are taken, whose mean is exact for
+/// quadratic functions (Strang and Fix, "An analysis of the finite element method", 1973, section 4.3: barycentric coordinates
+/// 2/3, 1/6, 1/6). 3 k^2 is near the face's share of the samples by its area; k is at least 1.
 /// @param which "first" or "second", for the message
-/// @return BAT_OK, also when `work` was cancelled; BAT_INVALID_ARGUMENT when the side has no area; BAT_NO_MEMORY
-bat_status compare_samples(compare_way *way, const char *which, const bat_mesh_compare_options *options, size_t first_piece,
-                           shared_work *work, bat_error *error);
+/// @return BAT_OK; BAT_INVALID_ARGUMENT when the side has no area; BAT_NO_MEMORY
+bat_status compare_plan_samples(compare_side *side, const char *which, size_t samples, bat_error *error);
+
+/// The blocks that a side's samples make, 0 where none are planned.
+static inline size_t compare_sample_blocks(const compare_side *side)
+{
+    return side->samples == NULL ? 0 : (side->samples[side->mesh.face_count] + COMPARE_BLOCK - 1) / COMPARE_BLOCK;
+}
+
+/// The means over the samples, and their greatest distance. Each block of samples is a piece of `work`, from `first_piece` on;
+/// the vertices' distances must be there.
+/// @return BAT_OK, also when `work` was cancelled, or BAT_NO_MEMORY
+bat_status compare_samples(compare_way *way, int threads, size_t first_piece, shared_work *work, bat_error *error);
 
 /// Make the greatest distance as exact as the options ask, and find out what it cannot exceed.
 /// @param diagonal of the bounding box

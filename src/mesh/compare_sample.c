@@ -7,18 +7,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// The samples: number i lies on the face below (i + shift) / count of the area, so that each face has its share to less than
-/// one sample, at the i-th point of Roberts' sequence R2 ("The unreasonable effectiveness of quasirandom sequences", 2018), which
-/// covers the unit square evenly, folded into a triangle.
-typedef struct sampler
+enum
 {
-    double *areas; ///< of the faces up to each, in the order of the tree
-    size_t faces, count;
-    double shift, shift_u, shift_v;
-} sampler;
-
-/// 1 / g and 1 / g^2 for the real root g of g^3 = g + 1.
-static const double R2_U = 0.75487766624669276005, R2_V = 0.56984029099805326591;
+    /// The points of a small triangle, each near one of its corners.
+    POINTS = 3
+};
 
 static double area_of(const compare_side *side, uint32_t face)
 {
@@ -28,81 +21,90 @@ static double area_of(const compare_side *side, uint32_t face)
     return sqrt(x * x + y * y + z * z) / 2;
 }
 
-static bat_status sampler_make(const compare_side *side, const bat_mesh_compare_options *options, sampler *made,
-                               bat_error *error)
+/// Into how many parts a face's edges are cut.
+static double parts_of(const compare_side *side, double area)
+{
+    return fmax(1, round(sqrt(area / side->area * side->wanted / POINTS)));
+}
+
+bat_status compare_plan_samples(compare_side *side, const char *which, size_t samples, bat_error *error)
 {
     size_t faces = side->mesh.face_count;
-    bat_random random = bat_random_seed(options->seed);
-    *made = (sampler){.areas = memory_array(faces, sizeof *made->areas), .faces = faces, .count = options->samples};
-    if (made->areas == NULL)
-        return error_memory(error, faces * sizeof *made->areas);
-    made->shift = bat_random_uniform(&random);
-    made->shift_u = bat_random_uniform(&random);
-    made->shift_v = bat_random_uniform(&random);
-    double sum = 0;
+    side->wanted = (double)samples;
+    side->area = 0;
     for (size_t f = 0; f < faces; f++)
-        made->areas[f] = sum += area_of(side, side->tree.faces[f]);
+        side->area += area_of(side, side->tree.faces[f]);
+    if (!(side->area > 0))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s mesh has no area", which);
+    side->samples = memory_array(faces + 1, sizeof *side->samples);
+    if (side->samples == NULL)
+        return error_memory(error, faces * sizeof *side->samples);
+    side->samples[0] = 0;
+    for (size_t f = 0; f < faces; f++)
+    {
+        double parts = parts_of(side, area_of(side, side->tree.faces[f]));
+        side->samples[f + 1] = side->samples[f] + (size_t)(POINTS * parts * parts);
+    }
     return BAT_OK;
 }
 
-/// How much of the area lies before sample `i`.
-static double area_before(const sampler *from, size_t i)
+/// The face (by its number in the tree's order) that a sample lies on.
+static size_t face_of(const compare_side *side, size_t sample)
 {
-    return ((double)i + from->shift) / (double)from->count * from->areas[from->faces - 1];
-}
-
-/// The first face up to which there is more than that area.
-static size_t face_at(const sampler *from, double area)
-{
-    size_t begin = 0, end = from->faces - 1;
-    while (begin < end)
+    size_t begin = 0, end = side->mesh.face_count;
+    while (end - begin > 1)
     {
         size_t middle = begin + (end - begin) / 2;
-        if (from->areas[middle] > area)
-            end = middle;
+        if (side->samples[middle] <= sample)
+            begin = middle;
         else
-            begin = middle + 1;
+            end = middle;
     }
     return begin;
 }
 
-static void sample_point(const sampler *from, const compare_side *side, size_t i, uint32_t face, double point[3])
+/// Point number `i` of a face whose edges are cut in `parts`. Row r of small triangles, counted from corner 0, has 2 r + 1 of them,
+/// by turns with the tip towards corner 0 and away from it; column c is as many parts of the third edge away from the first.
+static void sample_point(const compare_side *side, uint32_t face, size_t i, double parts, double point[3])
 {
-    double u = from->shift_u + (double)i * R2_U, v = from->shift_v + (double)i * R2_V;
-    u -= floor(u);
-    v -= floor(v);
-    if (u + v > 1)
+    static const double NEAR = 2.0 / 3, FAR = 1.0 / 6;
+    double triangle = (double)(i / POINTS), row = floor(sqrt(triangle)), at = triangle - row * row, column = floor(at / 2);
+    bool away = at != 2 * column;
+    const double rows[POINTS] = {row, away ? row : row + 1, row + 1};
+    const double columns[POINTS] = {column, away ? column + 1 : column, column + 1};
+    double down = 0, across = 0;
+    for (size_t corner = 0; corner < POINTS; corner++)
     {
-        u = 1 - u;
-        v = 1 - v;
+        double weight = (corner == i % POINTS ? NEAR : FAR) / parts;
+        down += weight * rows[corner];
+        across += weight * columns[corner];
     }
     const double *a = compare_corner(side, face, 0), *b = compare_corner(side, face, 1), *c = compare_corner(side, face, 2);
     for (int k = 0; k < 3; k++)
-        point[k] = a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]);
+        point[k] = a[k] + (down - across) * (b[k] - a[k]) + across * (c[k] - a[k]);
 }
 
-static void sample_block(const sampler *from, const compare_way *way, size_t block, compare_tally *tally)
+static void sample_block(const compare_side *side, const closest_tree *onto, size_t block, compare_tally *tally)
 {
-    const compare_side *side = way->from;
-    size_t begin = block * COMPARE_BLOCK;
-    size_t end = from->count - begin < COMPARE_BLOCK ? from->count : begin + COMPARE_BLOCK;
-    size_t at = face_at(from, area_before(from, begin));
+    size_t i = block * COMPARE_BLOCK, count = side->samples[side->mesh.face_count];
+    size_t end = count - i < COMPARE_BLOCK ? count : i + COMPARE_BLOCK;
     *tally = (compare_tally){.greatest = -1};
-    uint32_t place = side->places[side->mesh.faces[3 * (size_t)side->tree.faces[at]]];
-    for (size_t i = begin; i < end; i++)
+    for (size_t f = face_of(side, i); i < end; f++)
     {
-        double area = area_before(from, i), point[3];
-        while (at + 1 < from->faces && from->areas[at] <= area)
-            at++;
-        sample_point(from, side, i, side->tree.faces[at], point);
-        compare_count(tally, closest_find(&way->onto->tree, point, &place), point);
+        uint32_t face = side->tree.faces[f], place = side->places[side->mesh.faces[3 * (size_t)face]];
+        double area = area_of(side, face), parts = parts_of(side, area), weight = area / (POINTS * parts * parts);
+        for (; i < end && i < side->samples[f + 1]; i++)
+        {
+            double point[3];
+            sample_point(side, face, i - side->samples[f], parts, point);
+            compare_count(tally, closest_find(onto, point, &place), weight, point);
+        }
     }
 }
 
-static bat_status take_samples(const sampler *from, compare_way *way, int threads, size_t first_piece, shared_work *work,
-                               bat_error *error)
+bat_status compare_samples(compare_way *way, int threads, size_t first_piece, shared_work *work, bat_error *error)
 {
-    size_t blocks = (from->count + COMPARE_BLOCK - 1) / COMPARE_BLOCK;
+    size_t blocks = compare_sample_blocks(way->from);
     compare_tally *tallies = memory_array(blocks, sizeof *tallies);
     if (tallies == NULL)
         return error_memory(error, blocks * sizeof *tallies);
@@ -111,24 +113,11 @@ static bat_status take_samples(const sampler *from, compare_way *way, int thread
     for (size_t block = 0; block < blocks; block++)
         if (shared_work_wants(work, first_piece + block))
         {
-            sample_block(from, way, block, &tallies[block]);
+            sample_block(way->from, &way->onto->tree, block, &tallies[block]);
             shared_work_finish(work, first_piece + block, BAT_OK, NULL);
         }
     if (!work->cancelled)
-        compare_sum_up(tallies, blocks, from->count, way);
+        compare_sum_up(tallies, blocks, way);
     free(tallies);
     return BAT_OK;
-}
-
-bat_status compare_samples(compare_way *way, const char *which, const bat_mesh_compare_options *options, size_t first_piece,
-                           shared_work *work, bat_error *error)
-{
-    sampler from;
-    bat_status status = sampler_make(way->from, options, &from, error);
-    if (status == BAT_OK && !(from.areas[from.faces - 1] > 0))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s mesh has no area", which);
-    if (status == BAT_OK)
-        status = take_samples(&from, way, options->threads, first_piece, work, error);
-    free(from.areas);
-    return status;
 }
