@@ -4,6 +4,7 @@
 
 #include "batten/batten.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,7 @@ typedef enum form
     FORM_NUMBER,
     FORM_COUNT,
     FORM_SIGNED, ///< a whole number that may be negative
+    FORM_GENUS,  ///< a whole number, negative for none
     FORM_FLAG,
     FORM_POINT
 } form;
@@ -125,7 +127,7 @@ static const row FIGURES[] = {
     {"oriented", "oriented", FORM_FLAG, offsetof(bat_mesh_summary, oriented)},
     {"closed", "closed", FORM_FLAG, offsetof(bat_mesh_summary, closed)},
     {"euler", "Euler characteristic", FORM_SIGNED, offsetof(bat_mesh_summary, euler)},
-    {"genus", "genus", FORM_SIGNED, offsetof(bat_mesh_summary, genus)},
+    {"genus", "genus", FORM_GENUS, offsetof(bat_mesh_summary, genus)},
     {"area", "area", FORM_NUMBER, offsetof(bat_mesh_summary, area)},
     {"volume", "volume", FORM_NUMBER, offsetof(bat_mesh_summary, volume)},
     {"low", "lowest coordinates", FORM_POINT, offsetof(bat_mesh_summary, low)},
@@ -151,6 +153,8 @@ static json_t *row_json(const row *at, const char *base)
         return json_integer((json_int_t) * (const size_t *)value);
     case FORM_SIGNED:
         return json_integer((json_int_t) * (const int64_t *)value);
+    case FORM_GENUS:
+        return *(const int64_t *)value < 0 ? json_null() : json_integer((json_int_t) * (const int64_t *)value);
     case FORM_FLAG:
         return json_boolean(*(const bool *)value);
     case FORM_POINT:
@@ -178,6 +182,12 @@ static void print_row(const row *at, const char *base, double diagonal)
     case FORM_SIGNED:
         (void)printf("%14lld\n", (long long)*(const int64_t *)value);
         break;
+    case FORM_GENUS:
+        if (*(const int64_t *)value < 0)
+            (void)printf("%14s\n", "none");
+        else
+            (void)printf("%14lld\n", (long long)*(const int64_t *)value);
+        break;
     case FORM_FLAG:
         (void)printf("%14s\n", *(const bool *)value ? "yes" : "no");
         break;
@@ -185,7 +195,10 @@ static void print_row(const row *at, const char *base, double diagonal)
         (void)printf("%14.8g %14.8g %14.8g\n", numbers[0], numbers[1], numbers[2]);
         break;
     case FORM_NUMBER:
-        (void)printf("%14.8g\n", *numbers);
+        if (isnan(*numbers))
+            (void)printf("%14s\n", "none");
+        else
+            (void)printf("%14.8g\n", *numbers);
         break;
     case FORM_LENGTH:
         (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
