@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum
 {
@@ -23,25 +24,32 @@ typedef enum kind
     KIND_MESH
 } kind;
 
-/// What the first element of an OBJ file is, or a first line that names a format of meshes.
+/// What a line of an OBJ file says when it begins with that word, or the first line of a format of meshes.
+static kind kind_by_line(const char *word, bool first)
+{
+    static const char *const FORMATS[] = {"ply", "OFF"};
+    bool ended = word[0] != '\0' && (word[1] == ' ' || word[1] == '\t');
+    for (size_t i = 0; i < sizeof FORMATS / sizeof FORMATS[0]; i++)
+        if (first && strncmp(word, FORMATS[i], strlen(FORMATS[i])) == 0)
+            return KIND_MESH;
+    return !ended || strchr("fl", word[0]) == NULL ? KIND_UNCLEAR : word[0] == 'f' ? KIND_MESH : KIND_CURVES;
+}
+
+/// What the first line that says something says. A pipe is left alone: what is read from it is gone.
 static kind kind_by_content(const char *path)
 {
     char text[256];
-    FILE *file = fopen(path, "rb");
+    struct stat about;
+    FILE *file = stat(path, &about) == 0 && S_ISREG(about.st_mode) ? fopen(path, "rb") : NULL;
     if (file == NULL)
         return KIND_UNCLEAR;
     kind found = KIND_UNCLEAR;
-    bool line_begins = true, first_line = true;
+    bool line_begins = true, first = true;
     while (found == KIND_UNCLEAR && fgets(text, sizeof text, file) != NULL)
     {
-        const char *word = text + strspn(text, " \t");
-        if (first_line && (strncmp(word, "ply", 3) == 0 || strncmp(word, "OFF", 3) == 0))
-            found = KIND_MESH;
-        else if (line_begins && (strncmp(word, "f ", 2) == 0 || strncmp(word, "f\t", 2) == 0))
-            found = KIND_MESH;
-        else if (line_begins && (strncmp(word, "l ", 2) == 0 || strncmp(word, "l\t", 2) == 0))
-            found = KIND_CURVES;
-        first_line = false;
+        if (line_begins)
+            found = kind_by_line(text + strspn(text, " \t"), first);
+        first = false;
         line_begins = strchr(text, '\n') != NULL;
     }
     (void)fclose(file);

@@ -130,9 +130,11 @@ static bat_status side_make(const bat_mesh *mesh, const char *which, double scal
         return error_memory(error, count * 3 * sizeof(double));
     for (size_t i = 0; i < 3 * count; i++)
         side->mesh.positions[i] = mesh->positions[i] * scale;
-    bat_status status = closest_build(&side->mesh, 1, &side->tree, error);
+    closest_tree tree;
+    bat_status status = closest_build(&side->mesh, 1, &tree, error);
     if (status != BAT_OK)
         return status;
+    side->tree = tree;
     list_vertices(side);
     return options->vertices ? BAT_OK : compare_plan_samples(side, which, options->samples, error);
 }

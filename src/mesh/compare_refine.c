@@ -139,7 +139,7 @@ static void halve(const piece *part, const closest_tree *onto, double limit, pie
 
 static bool make_room(pieces *parts, size_t count)
 {
-    if (count <= parts->room)
+    if (parts->list != NULL && count <= parts->room)
         return true;
     size_t room = count + count / 2;
     free(parts->list);

@@ -68,7 +68,8 @@ static size_t face_of(const compare_side *side, size_t sample)
 static void sample_point(const compare_side *side, uint32_t face, size_t i, double parts, double point[3])
 {
     static const double NEAR = 2.0 / 3, FAR = 1.0 / 6;
-    double triangle = (double)(i / POINTS), row = floor(sqrt(triangle)), at = triangle - row * row, column = floor(at / 2);
+    size_t number = i / POINTS;
+    double triangle = (double)number, row = floor(sqrt(triangle)), at = triangle - row * row, column = floor(at / 2);
     bool away = at != 2 * column;
     const double rows[POINTS] = {row, away ? row : row + 1, row + 1};
     const double columns[POINTS] = {column, away ? column + 1 : column, column + 1};
