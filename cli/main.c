@@ -13,7 +13,7 @@ static const struct
     const char *summary;
 } VERBS[] = {
     {"curve", verb_curve, "refine the curves of a file, to a file and a picture"},
-    {"measure", verb_measure, "how far two curves are apart, and how fair each is"},
+    {"measure", verb_measure, "how far two curves or meshes are apart, and each in figures"},
     {"analyze", verb_analyze, "what a linear scheme does in the limit, with proven bounds"},
     {"reproduce", verb_reproduce, "published tables and figures beside ours"},
     {"train", verb_train, "train a learned scheme from the published recipe"},

@@ -1,6 +1,7 @@
 #include "verbs.h"
 
 #include "arguments.h"
+#include "measure_mesh.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -18,10 +19,15 @@ static const option_spec OPTIONS[] = {
     {"geodesic", 0, NULL, "geodesic distances; default: straight ones between coordinates, as published"},
     {"to-segments", 0, NULL, "distances to the other curve's edges instead of its points"},
     {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the files imply"},
-    {"from", 0, "FORMAT", "csv, geojson or obj; default: by the files' endings"},
+    {"from", 0, "FORMAT", "csv, geojson or obj; of meshes obj, ply, off or stl; default: by the files' endings"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
     {"project", 0, NULL, "move points that are off their space onto it"},
+    {"mesh", 0, NULL, "take the files as meshes; default: where their endings or contents say so"},
+    {"vertices", 0, NULL, "distances of meshes from their vertices alone; default: from the whole surface"},
+    {"samples", 0, "N", "points on the surface of each mesh; default: 200000"},
+    {"tolerance", 0, "SHARE", "of the Hausdorff distance of meshes; 0: that of the samples; default: 1e-4"},
+    {"triangulate", 0, NULL, "cut faces of meshes of more than three corners into triangles"},
     {"threads", 0, "N", "default: all"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
@@ -33,7 +39,9 @@ static const verb_spec SPEC = {
         "How fair the curves of A and B are (bending energy, largest exterior angle), and how far they are from each "
         "other:\n"
         "nearest-neighbour and Hausdorff distances, curve i of A with curve i of B. Files of several curves give the\n"
-        "mean and the median over the curves.",
+        "mean and the median over the curves.\n"
+        "Of one mesh its figures (size, topology, area, volume, quality), of two the Hausdorff and mean distances of\n"
+        "their surfaces, by Metro's definitions.",
     .options = OPTIONS,
     .least_positional = 1,
     .most_positional = 2,
@@ -252,6 +260,9 @@ static bool read_job(const arguments *given, measure_job *job)
         fault = "--closed and --open exclude each other";
     else if (job->measure.geodesic && job->measure.to_segments)
         fault = "--geodesic and --to-segments exclude each other";
+    else if (argument_flag(given, "vertices") || argument(given, "samples") != NULL ||
+             argument(given, "tolerance") != NULL || argument_flag(given, "triangulate"))
+        fault = "--vertices, --samples, --tolerance and --triangulate are for meshes";
     else if (job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments))
         fault = "--geodesic and --to-segments need a second file to measure the distance from";
     if (fault != NULL)
@@ -266,5 +277,7 @@ int verb_measure(int argc, char **argv)
     measure_job job;
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
+    if (measure_means_meshes(&given))
+        return measure_meshes(&given);
     return read_job(&given, &job) ? read_and_measure(&job) : EXIT_BAD_USAGE;
 }

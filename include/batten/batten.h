@@ -15,6 +15,7 @@
 #include "batten/measure.h"
 #include "batten/mesh.h"
 #include "batten/mesh_file.h"
+#include "batten/mesh_measure.h"
 #include "batten/mesh_repair.h"
 #include "batten/motion.h"
 #include "batten/picture.h"

@@ -1,6 +1,7 @@
 #include "batten/measure.h"
 
 #include "base/error.h"
+#include "base/exact_sum.h"
 #include "base/memory.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
@@ -23,24 +24,6 @@ enum
 bat_measure_options bat_measure_defaults(void)
 {
     return (bat_measure_options){.bending_offset = BAT_BENDING_OFFSET};
-}
-
-/// A sum that does not lose the low digits of its terms (Neumaier 1974).
-typedef struct exact_sum
-{
-    double value, lost;
-} exact_sum;
-
-static void sum_add(exact_sum *sum, double term)
-{
-    double value = sum->value + term;
-    sum->lost += fabs(sum->value) >= fabs(term) ? (sum->value - value) + term : (term - value) + sum->value;
-    sum->value = value;
-}
-
-static double sum_total(const exact_sum *sum)
-{
-    return isfinite(sum->lost) ? sum->value + sum->lost : sum->value;
 }
 
 /// What answers for a curve when asked for the nearest of its vertices or edges.

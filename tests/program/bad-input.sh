@@ -194,6 +194,16 @@ refused 1 'there is no space' curve good.in.csv --space torus -o out.csv
 refused 1 'missing' measure missing.in.csv good.in.csv
 refused 1 'cannot be compared|coordinates' measure good.in.csv antipodal.in.csv
 refused 2 'missing' measure
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > face.in.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' > beyond.in.obj
+printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' > flat.in.obj
+refused 1 'beyond.in.obj:4' measure beyond.in.obj
+refused 1 'good.in.csv' measure face.in.obj good.in.csv
+refused 1 'second mesh has no area' measure face.in.obj flat.in.obj
+refused 2 'geodesic is for curves' measure face.in.obj face.in.obj --geodesic
+refused 2 'are for meshes' measure good.in.csv good.in.csv --samples 5
+refused 2 'needs a second file' measure face.in.obj --vertices
+refused 2 'tolerance' measure face.in.obj face.in.obj --tolerance -1
 refused 2 'no result' reproduce table99
 refused 2 'no pictures' reproduce tension-table2 -o folder
 refused 2 'no pictures' reproduce hermite-order -o folder

@@ -67,6 +67,18 @@ check "the space list has the manifolds" sh -c "'$batten' list spaces | grep -q 
 check "the report of curve is JSON" json report.json '"bending"'
 "$batten" measure out.csv "$examples/outline.csv" --json > measure.json
 check "measure prints JSON" json measure.json '"hausdorff"'
+
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' > pyramid.obj
+printf 'OFF\n4 2 0\n0 0 3\n1 0 3\n1 1 3\n0 1 3\n3 0 1 2\n3 0 2 3\n' > square.off
+"$batten" measure pyramid.obj --json > pyramid.json
+check "an OBJ file of faces is a mesh" json pyramid.json '"genus": 0'
+check "a mesh has its figures" sh -c '"$1" measure square.off | grep -q "boundary loops  *1$"' sh "$batten"
+"$batten" measure pyramid.obj square.off --json > distance.json
+check "the distance of two meshes" json distance.json '"hausdorff_there": 3.0'
+"$batten" measure --mesh - square.off --json < pyramid.obj > again.json
+check "a mesh from standard input gives the same" same distance.json again.json
+"$batten" measure square.off square.off --vertices --json > vertices.json
+check "vertices alone prove nothing" json vertices.json '"hausdorff_most": null'
 "$batten" analyze chaikin --json > analyze.json
 check "analyze prints JSON" json analyze.json '"mask"'
 "$batten" list schemes --json > list.json

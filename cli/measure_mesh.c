@@ -1,0 +1,337 @@
+#include "measure_mesh.h"
+
+#include "report.h"
+
+#include "batten/batten.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum
+{
+    MOST_THREADS = 1024,
+    MOST_SAMPLES = 1000000000
+};
+
+/// What a file's ending or content says.
+typedef enum kind
+{
+    KIND_UNCLEAR,
+    KIND_CURVES,
+    KIND_MESH
+} kind;
+
+/// What a line of an OBJ file says when it begins with that word, or the first line of a format of meshes.
+static kind kind_by_line(const char *word, bool first)
+{
+    static const char *const FORMATS[] = {"ply", "OFF"};
+    bool ended = word[0] != '\0' && (word[1] == ' ' || word[1] == '\t');
+    for (size_t i = 0; i < sizeof FORMATS / sizeof FORMATS[0]; i++)
+        if (first && strncmp(word, FORMATS[i], strlen(FORMATS[i])) == 0)
+            return KIND_MESH;
+    return !ended || strchr("fl", word[0]) == NULL ? KIND_UNCLEAR : word[0] == 'f' ? KIND_MESH : KIND_CURVES;
+}
+
+/// What the first line that says something says. A pipe is left alone: what is read from it is gone.
+static kind kind_by_content(const char *path)
+{
+    char text[256];
+    struct stat about;
+    FILE *file = stat(path, &about) == 0 && S_ISREG(about.st_mode) ? fopen(path, "rb") : NULL;
+    if (file == NULL)
+        return KIND_UNCLEAR;
+    kind found = KIND_UNCLEAR;
+    bool line_begins = true, first = true;
+    while (found == KIND_UNCLEAR && fgets(text, sizeof text, file) != NULL)
+    {
+        if (line_begins)
+            found = kind_by_line(text + strspn(text, " \t"), first);
+        first = false;
+        line_begins = strchr(text, '\n') != NULL;
+    }
+    (void)fclose(file);
+    return found;
+}
+
+static kind kind_of_file(const char *path)
+{
+    bat_mesh_format mesh = bat_mesh_format_of_path(path);
+    bat_file_format curves = bat_file_format_of_path(path);
+    if (strcmp(path, "-") == 0)
+        return KIND_UNCLEAR;
+    if (mesh != BAT_MESH_FORMAT_AUTO && curves == BAT_FORMAT_AUTO)
+        return KIND_MESH;
+    return mesh == BAT_MESH_FORMAT_AUTO && curves != BAT_FORMAT_AUTO ? KIND_CURVES : kind_by_content(path);
+}
+
+bool measure_means_meshes(const arguments *given)
+{
+    bat_mesh_format mesh;
+    bat_file_format curves;
+    const char *from = argument(given, "from");
+    if (argument_flag(given, "mesh"))
+        return true;
+    if (from != NULL && bat_mesh_format_by_name(from, &mesh, NULL) == BAT_OK &&
+        bat_file_format_by_name(from, &curves, NULL) != BAT_OK)
+        return true;
+    kind found = KIND_UNCLEAR;
+    for (size_t i = 0; i < given->positional_count && found == KIND_UNCLEAR; i++)
+        found = kind_of_file(given->positional[i]);
+    return found == KIND_MESH;
+}
+
+/// How a figure is printed.
+typedef enum form
+{
+    FORM_LENGTH, ///< also as a share of the diagonal
+    FORM_NUMBER,
+    FORM_COUNT,
+    FORM_SIGNED, ///< a whole number that may be negative
+    FORM_GENUS,  ///< a whole number, negative for none
+    FORM_FLAG,
+    FORM_POINT
+} form;
+
+/// A row of a report: where its figure is in the struct.
+typedef struct row
+{
+    const char *key, *name;
+    form form;
+    size_t offset;
+} row;
+
+static const row DISTANCES[] = {
+    {"hausdorff_there", "greatest distance, A to B", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff_there)},
+    {"hausdorff_back", "greatest distance, B to A", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff_back)},
+    {"hausdorff", "Hausdorff distance", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff)},
+    {"hausdorff_most", "  proven to be at most", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff_most)},
+    {"mean_there", "mean distance, A to B", FORM_LENGTH, offsetof(bat_mesh_distance, mean_there)},
+    {"mean_back", "mean distance, B to A", FORM_LENGTH, offsetof(bat_mesh_distance, mean_back)},
+    {"mean", "mean distance, both ways", FORM_LENGTH, offsetof(bat_mesh_distance, mean)},
+    {"mean_greater", "greater of the two means", FORM_LENGTH, offsetof(bat_mesh_distance, mean_greater)},
+    {"rms_there", "root mean square, A to B", FORM_LENGTH, offsetof(bat_mesh_distance, rms_there)},
+    {"rms_back", "root mean square, B to A", FORM_LENGTH, offsetof(bat_mesh_distance, rms_back)},
+    {"diagonal", "diagonal of B's bounding box", FORM_LENGTH, offsetof(bat_mesh_distance, diagonal)},
+    {"farthest_there", "farthest point of A", FORM_POINT, offsetof(bat_mesh_distance, farthest_there)},
+    {"farthest_back", "farthest point of B", FORM_POINT, offsetof(bat_mesh_distance, farthest_back)},
+};
+
+static const row FIGURES[] = {
+    {"vertices", "vertices", FORM_COUNT, offsetof(bat_mesh_summary, vertices)},
+    {"isolated_vertices", "  without a face", FORM_COUNT, offsetof(bat_mesh_summary, isolated_vertices)},
+    {"edges", "edges", FORM_COUNT, offsetof(bat_mesh_summary, edges)},
+    {"boundary_edges", "  at a boundary", FORM_COUNT, offsetof(bat_mesh_summary, boundary_edges)},
+    {"crowded_edges", "  of more than two faces", FORM_COUNT, offsetof(bat_mesh_summary, crowded_edges)},
+    {"reversed_edges", "  of faces that run against each other", FORM_COUNT, offsetof(bat_mesh_summary, reversed_edges)},
+    {"faces", "faces", FORM_COUNT, offsetof(bat_mesh_summary, faces)},
+    {"degenerate_faces", "  degenerate", FORM_COUNT, offsetof(bat_mesh_summary, degenerate_faces)},
+    {"components", "components", FORM_COUNT, offsetof(bat_mesh_summary, components)},
+    {"boundary_loops", "boundary loops", FORM_COUNT, offsetof(bat_mesh_summary, boundary_loops)},
+    {"pinched_vertices", "vertices of several fans of faces", FORM_COUNT, offsetof(bat_mesh_summary, pinched_vertices)},
+    {"manifold", "manifold", FORM_FLAG, offsetof(bat_mesh_summary, manifold)},
+    {"oriented", "oriented", FORM_FLAG, offsetof(bat_mesh_summary, oriented)},
+    {"closed", "closed", FORM_FLAG, offsetof(bat_mesh_summary, closed)},
+    {"euler", "Euler characteristic", FORM_SIGNED, offsetof(bat_mesh_summary, euler)},
+    {"genus", "genus", FORM_GENUS, offsetof(bat_mesh_summary, genus)},
+    {"area", "area", FORM_NUMBER, offsetof(bat_mesh_summary, area)},
+    {"volume", "volume", FORM_NUMBER, offsetof(bat_mesh_summary, volume)},
+    {"low", "lowest coordinates", FORM_POINT, offsetof(bat_mesh_summary, low)},
+    {"high", "highest coordinates", FORM_POINT, offsetof(bat_mesh_summary, high)},
+    {"diagonal", "diagonal of the bounding box", FORM_NUMBER, offsetof(bat_mesh_summary, diagonal)},
+    {"least_edge", "shortest edge", FORM_NUMBER, offsetof(bat_mesh_summary, least_edge)},
+    {"mean_edge", "mean edge", FORM_NUMBER, offsetof(bat_mesh_summary, mean_edge)},
+    {"greatest_edge", "longest edge", FORM_NUMBER, offsetof(bat_mesh_summary, greatest_edge)},
+    {"least_quality", "least triangle quality", FORM_NUMBER, offsetof(bat_mesh_summary, least_quality)},
+    {"least_quality_face", "  of face", FORM_COUNT, offsetof(bat_mesh_summary, least_quality_face)},
+    {"mean_quality", "mean triangle quality", FORM_NUMBER, offsetof(bat_mesh_summary, mean_quality)},
+    {"least_angle", "least angle, radians", FORM_NUMBER, offsetof(bat_mesh_summary, least_angle)},
+    {"least_valence", "least valence", FORM_COUNT, offsetof(bat_mesh_summary, least_valence)},
+    {"greatest_valence", "greatest valence", FORM_COUNT, offsetof(bat_mesh_summary, greatest_valence)},
+};
+
+static json_t *row_json(const row *at, const char *base)
+{
+    const void *value = base + at->offset;
+    switch (at->form)
+    {
+    case FORM_COUNT:
+        return json_integer((json_int_t) * (const size_t *)value);
+    case FORM_SIGNED:
+        return json_integer((json_int_t) * (const int64_t *)value);
+    case FORM_GENUS:
+        return *(const int64_t *)value < 0 ? json_null() : json_integer((json_int_t) * (const int64_t *)value);
+    case FORM_FLAG:
+        return json_boolean(*(const bool *)value);
+    case FORM_POINT:
+    {
+        const double *point = value;
+        return json_pack("[o, o, o]", report_number(point[0]), report_number(point[1]), report_number(point[2]));
+    }
+    case FORM_LENGTH:
+    case FORM_NUMBER:
+        break;
+    }
+    return report_number(*(const double *)value);
+}
+
+static void print_row(const row *at, const char *base, double diagonal)
+{
+    const void *value = base + at->offset;
+    const double *numbers = value;
+    (void)printf("%-38s ", at->name);
+    switch (at->form)
+    {
+    case FORM_COUNT:
+        (void)printf("%14zu\n", *(const size_t *)value);
+        break;
+    case FORM_SIGNED:
+        (void)printf("%14lld\n", (long long)*(const int64_t *)value);
+        break;
+    case FORM_GENUS:
+        if (*(const int64_t *)value < 0)
+            (void)printf("%14s\n", "none");
+        else
+            (void)printf("%14lld\n", (long long)*(const int64_t *)value);
+        break;
+    case FORM_FLAG:
+        (void)printf("%14s\n", *(const bool *)value ? "yes" : "no");
+        break;
+    case FORM_POINT:
+        (void)printf("%14.8g %14.8g %14.8g\n", numbers[0], numbers[1], numbers[2]);
+        break;
+    case FORM_NUMBER:
+        if (isnan(*numbers))
+            (void)printf("%14s\n", "none");
+        else
+            (void)printf("%14.8g\n", *numbers);
+        break;
+    case FORM_LENGTH:
+        (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
+        break;
+    }
+}
+
+static int report_rows(const row *rows, size_t count, const void *base, double diagonal, bool as_json)
+{
+    if (!as_json)
+    {
+        for (size_t i = 0; i < count; i++)
+            print_row(&rows[i], base, diagonal);
+        return EXIT_DONE;
+    }
+    json_t *object = json_object();
+    for (size_t i = 0; i < count && object != NULL; i++)
+        if (json_object_set_new(object, rows[i].key, row_json(&rows[i], base)) != 0)
+        {
+            json_decref(object);
+            object = NULL;
+        }
+    return report_json(object);
+}
+
+/// What the command line asks for.
+typedef struct mesh_job
+{
+    const char *paths[2]; ///< the second null when there is only A
+    bat_mesh_read_options read;
+    bat_mesh_compare_options compare;
+    bool json;
+} mesh_job;
+
+static int report_summary(const mesh_job *job, const bat_mesh *mesh)
+{
+    bat_mesh_summary summary;
+    bat_error error;
+    if (bat_mesh_summarize(mesh, &summary, &error) != BAT_OK)
+        return report_failure(job->paths[0], &error);
+    return report_rows(FIGURES, sizeof FIGURES / sizeof FIGURES[0], &summary, summary.diagonal, job->json);
+}
+
+static int report_distance(const mesh_job *job, const bat_mesh meshes[2])
+{
+    bat_mesh_distance distance;
+    bat_error error;
+    bat_mesh_compare_options how = job->compare;
+    how.progress = report_progress("measuring distances");
+    bat_status status = bat_mesh_compare(&meshes[0], &meshes[1], &how, &distance, &error);
+    report_progress_end();
+    if (status != BAT_OK)
+        return report_failure(NULL, &error);
+    if (!job->json)
+        (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
+    return report_rows(DISTANCES, sizeof DISTANCES / sizeof DISTANCES[0], &distance, distance.diagonal, job->json);
+}
+
+static int read_and_measure(const mesh_job *job)
+{
+    bat_mesh meshes[2] = {{0}, {0}};
+    bat_error error;
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
+        if (bat_mesh_read(job->paths[i], &job->read, &meshes[i], &error) != BAT_OK)
+            code = report_failure(job->paths[i], &error);
+    if (code == EXIT_DONE)
+        code = job->paths[1] == NULL ? report_summary(job, &meshes[0]) : report_distance(job, meshes);
+    bat_mesh_free(&meshes[0]);
+    bat_mesh_free(&meshes[1]);
+    return code;
+}
+
+/// Options that have no meaning for meshes, and ones that need two of them.
+static bool check_options(const arguments *given)
+{
+    static const char *const FOR_CURVES[] = {"geodesic", "to-segments", "space", "closed", "open", "project"};
+    static const char *const FOR_TWO[] = {"vertices", "samples", "tolerance"};
+    for (size_t i = 0; i < sizeof FOR_CURVES / sizeof FOR_CURVES[0]; i++)
+        if (argument(given, FOR_CURVES[i]) != NULL)
+        {
+            (void)usage_error(given, "--%s is for curves, but %s is a mesh", FOR_CURVES[i], given->positional[0]);
+            return false;
+        }
+    for (size_t i = 0; i < sizeof FOR_TWO / sizeof FOR_TWO[0] && given->positional_count < 2; i++)
+        if (argument(given, FOR_TWO[i]) != NULL)
+        {
+            (void)usage_error(given, "--%s needs a second file to measure the distance from", FOR_TWO[i]);
+            return false;
+        }
+    return true;
+}
+
+static bool read_job(const arguments *given, mesh_job *job)
+{
+    bat_error error;
+    long threads, samples;
+    const char *from = argument(given, "from");
+    *job = (mesh_job){
+        .read = bat_mesh_read_defaults(), .compare = bat_mesh_compare_defaults(), .json = argument_flag(given, "json")};
+    for (size_t i = 0; i < given->positional_count; i++)
+        job->paths[i] = given->positional[i];
+    if (!check_options(given) || !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
+        !argument_whole(given, "samples", 1, MOST_SAMPLES, (long)job->compare.samples, &samples) ||
+        !argument_number(given, "tolerance", job->compare.tolerance, &job->compare.tolerance))
+        return false;
+    job->compare.threads = (int)threads;
+    job->compare.samples = (size_t)samples;
+    job->compare.vertices = argument_flag(given, "vertices");
+    job->read.triangulate = argument_flag(given, "triangulate");
+    if (from != NULL && bat_mesh_format_by_name(from, &job->read.format, &error) != BAT_OK)
+    {
+        (void)usage_error(given, "%s", error.text);
+        return false;
+    }
+    if (job->compare.tolerance < 0)
+    {
+        (void)usage_error(given, "--tolerance is at least 0");
+        return false;
+    }
+    return true;
+}
+
+int measure_meshes(const arguments *given)
+{
+    mesh_job job;
+    return read_job(given, &job) ? read_and_measure(&job) : EXIT_BAD_USAGE;
+}

@@ -1,0 +1,134 @@
+#ifndef BATTEN_MESH_MEASURE_H
+#define BATTEN_MESH_MEASURE_H
+
+#include "batten/decimate.h"
+#include "batten/mesh.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// How far apart two meshes are, the closest points of a mesh, and what a mesh is in figures.
+///
+/// The surface of a mesh is its faces: vertices without a face do not belong to it. Faces may be degenerate and edges may have
+/// more than two faces; only bat_mesh_check() must pass. Coordinates may have any size up to DBL_MAX / 4; distances below 1e-150
+/// of the largest coordinate are taken for 0.
+
+/// How many points bat_mesh_compare() takes on a surface by default: enough for means and Hausdorff distances to 3 digits.
+#define BAT_MESH_SAMPLES ((size_t)200000)
+
+/// How to compare two meshes. Begin with bat_mesh_compare_defaults().
+typedef struct bat_mesh_compare_options
+{
+    /// Measure from the vertices alone, all of equal weight, instead of from the whole surface. Default false.
+    bool vertices;
+    /// Points on the faces of each mesh, about so many, in proportion to area but at least three a face; default
+    /// BAT_MESH_SAMPLES.
+    size_t samples;
+    /// Where to stop looking for a still greater distance: when none can exceed the greatest found by more than this share of
+    /// it, or of a millionth of the diagonal where that is more. 0: the greatest distance of a vertex or sample is taken.
+    /// Default 1e-4.
+    double tolerance;
+    int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress;
+} bat_mesh_compare_options;
+
+/// The options' default values.
+BAT_API bat_mesh_compare_options bat_mesh_compare_defaults(void);
+
+/// How far apart two meshes are. A point's distance is that to the closest point of the other mesh's surface.
+typedef struct bat_mesh_distance
+{
+    double hausdorff_there; ///< the greatest distance of a point of the first mesh from the second
+    double hausdorff_back;  ///< the greatest distance of a point of the second mesh from the first
+    double hausdorff;       ///< the greater of the two
+    /// Proven: no point of either mesh is farther from the other than this. Infinite when only vertices are measured.
+    double hausdorff_most;
+    double mean_there;        ///< the mean over the first mesh's area (Metro's E_m)
+    double mean_back;         ///< the mean over the second mesh's area
+    double mean;              ///< half the sum of the two
+    double mean_greater;      ///< the greater of the two, which Metro calls the symmetric one
+    double rms_there;         ///< root of the mean square over the first mesh's area
+    double rms_back;          ///< root of the mean square over the second mesh's area
+    double farthest_there[3]; ///< a point of the first mesh at hausdorff_there
+    double farthest_back[3];  ///< a point of the second mesh at hausdorff_back
+    double diagonal;          ///< of the second mesh's bounding box, to relate distances to
+} bat_mesh_distance;
+
+/// Measure the distances between two surfaces: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified surfaces"
+/// (1998). Means are over samples that stand for equal parts of their face. The greatest distance is that over vertices and
+/// samples; from there triangles that might hold a greater one are halved until none can (see docs/measures.md), for as long as
+/// that takes no more points than `samples`. What is certain then is in hausdorff_most.
+///
+/// @param options null for the defaults
+/// @return BAT_OK; what bat_mesh_check() returns for either mesh, the text saying which; BAT_INVALID_ARGUMENT (no samples, a
+///         negative tolerance, a mesh of no area unless only vertices are measured); BAT_INVALID_POINT (a coordinate beyond
+///         DBL_MAX / 4); BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched on failure
+BAT_API bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const bat_mesh_compare_options *options,
+                                    bat_mesh_distance *distance, bat_error *error);
+
+/// The point of a mesh that is closest to another point.
+typedef struct bat_mesh_closest_point
+{
+    bat_mesh_point at;
+    double position[3];
+    double distance;
+} bat_mesh_closest_point;
+
+/// Find the closest points of a mesh, exactly. Of several equally close ones any may come out, but the same for any number of
+/// threads. Fastest when neighbouring queries lie near each other.
+///
+/// @param points  count x 3
+/// @param threads 0: as many as OpenMP gives
+/// @param closest receives `count` results
+/// @return BAT_OK; what bat_mesh_check() returns; BAT_INVALID_POINT with the index of a point that is not finite or beyond
+///         DBL_MAX / 4; BAT_NO_MEMORY; `closest` is untouched on failure
+BAT_API bat_status bat_mesh_closest(const bat_mesh *mesh, const double *points, size_t count, int threads,
+                                    bat_mesh_closest_point *closest, bat_error *error);
+
+/// The distances of all vertices of one mesh, also of those without a face, from the surface of another, as for error colours.
+/// @param distances receives from->vertex_count distances
+/// @return as bat_mesh_closest()
+BAT_API bat_status bat_mesh_vertex_distances(const bat_mesh *from, const bat_mesh *onto, int threads, double *distances,
+                                             bat_error *error);
+
+/// A mesh in figures. Lengths and areas that no double can hold are infinite.
+typedef struct bat_mesh_summary
+{
+    size_t vertices;          ///< also those without a face
+    size_t isolated_vertices; ///< without a face
+    size_t edges;
+    size_t faces;
+    size_t components;         ///< of faces that share vertices
+    size_t boundary_edges;     ///< edges of one face
+    size_t boundary_loops;     ///< closed walks along boundary edges
+    size_t crowded_edges;      ///< edges of more than two faces
+    size_t reversed_edges;     ///< edges of two faces that run through them in the same direction
+    size_t pinched_vertices;   ///< vertices at which several fans of faces meet
+    size_t degenerate_faces;   ///< whose height is below 1e-14 of their longest edge
+    int64_t euler;             ///< vertices with a face - edges + faces
+    bool manifold;             ///< neither crowded edges nor pinched vertices
+    bool oriented;             ///< no reversed edges, no crowded ones
+    bool closed;               ///< no boundary
+    int64_t genus;             ///< the sum over the components of a closed, oriented manifold; else -1
+    double area;               ///< of all faces
+    double volume;             ///< enclosed by a closed, oriented mesh, negative when it is inside out; else NaN
+    double low[3], high[3];    ///< the box around all faces
+    double diagonal;           ///< of the box
+    double least_edge;         ///< length
+    double mean_edge;          ///< length
+    double greatest_edge;      ///< length
+    double least_quality;      ///< 4 sqrt(3) area / (a^2 + b^2 + c^2): 1 of an equilateral face, 0 of a degenerate one
+    double mean_quality;       ///< over the faces
+    double least_angle;        ///< at a face's corner, radians
+    size_t least_valence;      ///< edges at a vertex that has a face
+    size_t greatest_valence;   ///< edges at a vertex
+    size_t least_quality_face; ///< the first face of least quality
+} bat_mesh_summary;
+
+/// Sum up a mesh. Takes time in proportion to it.
+/// @return BAT_OK, what bat_mesh_check() returns, or BAT_NO_MEMORY; `summary` is untouched on failure
+BAT_API bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, bat_error *error);
+
+BAT_C_END
+
+#endif
