@@ -6,7 +6,7 @@ void mesh_share(mesh_range *range, const void *job, size_t count, int threads)
 {
     enum
     {
-        LEAST = 2048,
+        LEAST = 16384, ///< elements a thread that are worth waking one
         RANGES_A_THREAD = 8
     };
     int team = threads_for(threads, count / LEAST + 1);
