@@ -1,0 +1,113 @@
+#include "batten/mesh_model.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "io/safetensors.h"
+#include "models/mesh_inference.h"
+#include "models/tension_weights.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    /// Levels that the published networks were trained for.
+    PUBLISHED_LEVELS = 2
+};
+
+struct bat_mesh_model
+{
+    bat_mesh_rule rule;
+    mesh_inference published;
+};
+
+// The unit box
+
+/// v = low + size u
+typedef struct unit_box
+{
+    double low[3], size;
+} unit_box;
+
+static unit_box box_of(const bat_mesh *mesh)
+{
+    unit_box box = {{INFINITY, INFINITY, INFINITY}, 0};
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
+        box.low[i % 3] = fmin(box.low[i % 3], mesh->positions[i]);
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
+        box.size = fmax(box.size, mesh->positions[i] - box.low[i % 3]);
+    if (!(box.size > 0))
+        box.size = 1;
+    return box;
+}
+
+static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *coarse,
+                                   const bat_mesh_connectivity *connectivity, size_t levels, int threads, bat_mesh *fine,
+                                   size_t *fallback, bat_error *error)
+{
+    const bat_mesh_model *model = rule->context;
+    unit_box box = box_of(coarse);
+    mesh_levels all;
+    bat_status status = mesh_levels_make(coarse, connectivity, levels, &all, error);
+    if (status != BAT_OK)
+        return status;
+    real *from = memory_array(coarse->vertex_count, 3 * sizeof *from), *to = memory_array(all.vertex_count, 3 * sizeof *to);
+    if (from == NULL || to == NULL)
+        status = error_memory(error, all.vertex_count * 3 * sizeof *to);
+    for (size_t i = 0; i < 3 * coarse->vertex_count && status == BAT_OK; i++)
+        from[i] = (real)((coarse->positions[i] - box.low[i % 3]) / box.size);
+    if (status == BAT_OK)
+        status = mesh_inference_refine(&model->published, &all, threads, from, to, fallback, error);
+    for (size_t i = 0; i < 3 * all.vertex_count && status == BAT_OK; i++)
+        fine->positions[i] = box.low[i % 3] + box.size * (double)to[i];
+    free(from);
+    free(to);
+    mesh_levels_free(&all);
+    return status;
+}
+
+// Reading
+
+static bat_status take_published(const safetensors *content, const char *prefix, bat_mesh_model *model, bat_error *error)
+{
+    learn_parameters parameters = {0};
+    bat_status status = mesh_network_make((mesh_network_form){0}, &parameters, error);
+    if (status == BAT_OK)
+        status = learn_parameters_extract(&parameters, content, prefix, parameters.values, error);
+    if (status == BAT_OK)
+        status = mesh_inference_make(&parameters, &model->published, error);
+    learn_parameters_free(&parameters);
+    model->rule = (bat_mesh_rule){.levels = PUBLISHED_LEVELS, .context = model, .refine = published_refine};
+    return status;
+}
+
+bat_status bat_mesh_model_read(const char *path, bat_mesh_model **model, bat_error *error)
+{
+    safetensors content;
+    bat_status status = safetensors_read(path, &content, error);
+    if (status != BAT_OK)
+        return status;
+    const char *prefix;
+    (void)tension_weights_prefix(&content, "net_init.layerIn.weight", &prefix);
+    bat_mesh_model *made = calloc(1, sizeof *made);
+    status = made != NULL ? take_published(&content, prefix, made, error) : error_memory(error, sizeof *made);
+    safetensors_free(&content);
+    if (status == BAT_OK)
+        *model = made;
+    else
+        bat_mesh_model_free(made);
+    return status;
+}
+
+void bat_mesh_model_free(bat_mesh_model *model)
+{
+    if (model == NULL)
+        return;
+    mesh_inference_free(&model->published);
+    free(model);
+}
+
+const bat_mesh_rule *bat_mesh_model_rule(const bat_mesh_model *model)
+{
+    return &model->rule;
+}
