@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/flatten.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -162,31 +161,6 @@ bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_me
 
 // Carrying points
 
-/// The corners in the plane of face k of a collapse, before it or after it.
-static void find_corners(const bat_mesh_map *map, const map_collapse *collapse, uint32_t k, bool after,
-                         const double *corners[3])
-{
-    const double *points = map->points + 2 * (size_t)collapse->first_point;
-    uint32_t apex = k >= collapse->j_begin && k < collapse->j_end ? FLAT_J : FLAT_I, outside = k, end = k + 1;
-    if (k >= collapse->count)
-    {
-        bool left = k == collapse->count;
-        apex = left ? FLAT_I : FLAT_J;
-        end = left ? collapse->j_end : collapse->j_begin;
-    }
-    if (collapse->closed && end == collapse->count)
-        end = 0;
-    corners[0] = points + (size_t)2 * (after ? (uint32_t)FLAT_NEW : apex);
-    corners[1] = k >= collapse->count ? points + (size_t)2 * (apex == FLAT_I ? FLAT_J : FLAT_I)
-                                      : points + (size_t)2 * (FLAT_RING + outside);
-    corners[2] = points + (size_t)2 * (FLAT_RING + end);
-}
-
-static double cross(const double *origin, const double *a, const double *b)
-{
-    return (a[0] - origin[0]) * (b[1] - origin[1]) - (a[1] - origin[1]) * (b[0] - origin[0]);
-}
-
 /// Find the face of a collapse, before it or after it, that a point of the plane lies in, the one where its least barycentric coordinate
 /// is greatest. Rounding can leave the point a little outside of all: it is moved in. `barycentric` counts from the apex.
 static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bool after, const double *point,
@@ -194,13 +168,14 @@ static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bo
 {
     uint32_t best = 0, faces = collapse->count + (after ? 0U : collapse->vanishing);
     double best_least = -INFINITY;
+    barycentric[0] = barycentric[1] = barycentric[2] = 1;
     for (uint32_t k = 0; k < faces && best_least < 0; k++)
     {
         const double *corners[3];
-        find_corners(map, collapse, k, after, corners);
-        double a = cross(point, corners[1], corners[2]), b = cross(point, corners[2], corners[0]),
-               c = cross(point, corners[0], corners[1]);
-        double least = fmin(a, fmin(b, c)) / cross(corners[0], corners[1], corners[2]);
+        map_corners(map, collapse, k, after, corners);
+        double a = map_area(point, corners[1], corners[2]), b = map_area(point, corners[2], corners[0]),
+               c = map_area(point, corners[0], corners[1]);
+        double least = fmin(a, fmin(b, c)) / map_area(corners[0], corners[1], corners[2]);
         if (least > best_least)
         {
             best = k;
@@ -221,7 +196,7 @@ static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, dou
 {
     const map_collapse *collapse = &map->collapses[map->collapse[entry]];
     const double *corners[3];
-    find_corners(map, collapse, entry - collapse->first_entry, to_fine, corners);
+    map_corners(map, collapse, entry - collapse->first_entry, to_fine, corners);
     uint32_t corner = map->half_edge[entry] % 3;
     double point[2] = {0};
     for (uint32_t c = 0; c < 3; c++)

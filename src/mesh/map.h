@@ -3,6 +3,7 @@
 
 #include "batten/decimate.h"
 #include "mesh/collapse.h"
+#include "mesh/flatten.h"
 
 /// @file
 /// The map between a mesh and its decimation: the flat rings of all collapses, in order.
@@ -43,6 +44,33 @@ struct bat_mesh_map
     size_t collapse_room, entry_room, point_room; ///< while the map is made
 };
 
+/// The corners in the plane of face k of a collapse, before it or after it. The first one is where the face's half-edge begins.
+static inline void map_corners(const bat_mesh_map *map, const map_collapse *collapse, uint32_t k, bool after,
+                               const double *corners[3])
+{
+    const double *points = map->points + 2 * (size_t)collapse->first_point;
+    uint32_t apex = k >= collapse->j_begin && k < collapse->j_end ? FLAT_J : FLAT_I;
+    uint32_t from = FLAT_RING + k, to = k + 1;
+    if (k >= collapse->count)
+    {
+        bool left = k == collapse->count;
+        apex = left ? FLAT_I : FLAT_J;
+        from = left ? FLAT_J : FLAT_I;
+        to = left ? collapse->j_end : collapse->j_begin;
+    }
+    if (collapse->closed && to == collapse->count)
+        to = 0;
+    corners[0] = points + (size_t)2 * (after ? (uint32_t)FLAT_NEW : apex);
+    corners[1] = points + (size_t)2 * from;
+    corners[2] = points + (size_t)2 * (FLAT_RING + to);
+}
+
+/// Twice the area of a triangle in the plane, positive where it is counter-clockwise.
+static inline double map_area(const double *a, const double *b, const double *c)
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
 /// A map of a mesh of so many faces onto itself.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status map_make(size_t fine_faces, bat_mesh_map **map, bat_error *error);
@@ -59,6 +87,10 @@ void map_link(bat_mesh_map *map);
 bat_status map_allocate_links(bat_mesh_map *map, bat_error *error);
 /// A number that depends on a mesh's faces and their order (FNV-1a).
 uint64_t map_digest(const bat_mesh *mesh);
+/// Check that points can be carried through a map whose arrays are set, links excepted: every collapse works on faces that are still there,
+/// all flat faces have a positive area, and what is left are the faces of `kept`.
+/// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
+bat_status map_inspect(const bat_mesh_map *map, bat_error *error);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT where the map is not one between meshes of these faces. Either may be null.
 bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error);
 

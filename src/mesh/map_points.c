@@ -41,9 +41,13 @@ static bat_status split_allocate(size_t faces, size_t vertices, split_mesh *mesh
 static bat_status split_begin(const bat_mesh *coarse, split_mesh *mesh, bat_error *error)
 {
     static const double WHOLE[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    bat_status status = split_allocate(coarse->face_count, coarse->vertex_count, mesh, error);
+    bat_status status = bat_mesh_check(coarse, error);
+    if (status == BAT_OK)
+        status = split_allocate(coarse->face_count, coarse->vertex_count, mesh, error);
     if (status != BAT_OK)
         return status;
+    for (size_t v = 0; v < coarse->vertex_count; v++)
+        mesh->points[v].face = BAT_MESH_NONE;
     memcpy(mesh->faces, coarse->faces, 3 * coarse->face_count * sizeof *mesh->faces);
     for (size_t f = 0; f < coarse->face_count; f++)
     {
@@ -52,6 +56,12 @@ static bat_status split_begin(const bat_mesh *coarse, split_mesh *mesh, bat_erro
             mesh->points[mesh->faces[3 * f + (size_t)c]] =
                 (bat_mesh_point){(uint32_t)f, {WHOLE[c][0], WHOLE[c][1], WHOLE[c][2]}};
     }
+    for (size_t v = 0; v < coarse->vertex_count; v++)
+        if (mesh->points[v].face == BAT_MESH_NONE)
+        {
+            split_free(mesh);
+            return error_set(error, BAT_INVALID_POINT, v, 0, "vertex %zu has no face", v);
+        }
     return BAT_OK;
 }
 
