@@ -7,6 +7,7 @@
 #include "batten/analysis.h"
 #include "batten/base.h"
 #include "batten/curve.h"
+#include "batten/decimate.h"
 #include "batten/fairing_train.h"
 #include "batten/file.h"
 #include "batten/hermite.h"

@@ -51,6 +51,47 @@ BAT_API bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point 
 /// Carry points of the fine mesh to the coarse one, in place.
 BAT_API bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error);
 
+/// Find the vertices of a mesh subdivided `levels` times, in the numbering of batten/mesh_refine.h, as points of the mesh, its edges being
+/// halved at their midpoints.
+///
+/// @param points receives an array of `count` points; release it with free()
+/// @return BAT_OK, what bat_mesh_connect() returns, BAT_TOO_LARGE
+BAT_API bat_status bat_mesh_midpoints(const bat_mesh *coarse, size_t levels, bat_mesh_point **points, size_t *count,
+                                      bat_error *error);
+
+/// Find where the map takes the vertices of the coarse mesh subdivided `levels` times (bat_mesh_midpoints()): what a subdivision
+/// rule that is learned should give (Liu et al. 2020, section 4).
+///
+/// @param fine, coarse the meshes of the map
+/// @param positions    receives 3 numbers a vertex, on the fine mesh's faces
+/// @param normals      receives unit normals of the fine mesh there, interpolated between the area-weighted ones of its vertices; zero where
+///                     the face has no extent. May be null
+/// @return BAT_OK, BAT_INVALID_ARGUMENT when the map belongs to other meshes, BAT_TOO_LARGE, BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
+                                        double *positions, double *normals, bat_error *error);
+
+/// Carry the texture coordinates and channels of the fine mesh to a refinement of the coarse one, by the map.
+///
+/// Every vertex has one texture coordinate afterwards, so a face across a seam of the texture is not drawn right.
+///
+/// @param refined the coarse mesh (levels = 0), or what a scheme that splits faces in four makes of it; what texture and channels it has
+///                are replaced
+/// @return as bat_mesh_map_targets(); also BAT_INVALID_ARGUMENT when `refined` has other numbers of vertices or faces. `refined` is
+///         untouched on failure
+BAT_API bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse,
+                                         size_t levels, bat_mesh *refined, bat_error *error);
+
+/// Write a map to a file, whole or not at all. The format is described in docs/decimation.md.
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_map_write(const char *path, const bat_mesh_map *map, bat_error *error);
+
+/// Read a map. Everything that carrying points relies on is checked.
+///
+/// @param fine, coarse the meshes it must belong to; null: not checked
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_INVALID_ARGUMENT when it belongs to other meshes, BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_map_read(const char *path, const bat_mesh *fine, const bat_mesh *coarse, bat_mesh_map **map,
+                                     bat_error *error);
+
 /// Free a map. Does nothing to null.
 BAT_API void bat_mesh_map_free(bat_mesh_map *map);
 

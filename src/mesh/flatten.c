@@ -1,0 +1,388 @@
+#include "mesh/flatten.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Triangles flatter than this, in parts of their base, count as that high: a degenerate face has no conformal map.
+static const double LEAST_HEIGHT = 1e-3;
+/// Twice the least area of a flat face, in parts of its longest edge squared.
+static const double LEAST_AREA = 1e-7;
+/// Added to the diagonal in parts of its mean: a ring that is flat already makes the matrix singular.
+static const double SHIFT = 1e-8;
+
+enum
+{
+    /// Of the inverse iteration. Eigenvalues of nearly developable rings lie far apart: two steps leave less than a percent.
+    ITERATIONS = 3
+};
+
+/// 4 sqrt(3): times the area, over the sum of squared edges, is the quality of a triangle.
+static const double QUALITY_FACTOR = 6.92820323027550917411;
+
+static void subtract(const double *a, const double *b, double *difference)
+{
+    for (int c = 0; c < 3; c++)
+        difference[c] = a[c] - b[c];
+}
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double *a, const double *b, double *product)
+{
+    product[0] = a[1] * b[2] - a[2] * b[1];
+    product[1] = a[2] * b[0] - a[0] * b[2];
+    product[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/// A triangle in its own plane: the edges opposite to its corners, as complex numbers, and twice its area.
+typedef struct flat_triangle
+{
+    double edge[3][2];
+    double area;
+} flat_triangle;
+
+/// False for a triangle without extent.
+static bool unfold(const double *a, const double *b, const double *c, flat_triangle *made)
+{
+    double ab[3], ac[3], normal[3];
+    subtract(b, a, ab);
+    subtract(c, a, ac);
+    cross(ab, ac, normal);
+    double length = sqrt(dot(ab, ab));
+    if (!(length > 0))
+        return false;
+    double x = dot(ab, ac) / length, y = sqrt(dot(normal, normal)) / length;
+    y = fmax(y, LEAST_HEIGHT * fmax(length, fabs(x)));
+    *made = (flat_triangle){{{x - length, y}, {-x, -y}, {length, 0}}, length * y};
+    return true;
+}
+
+/// The rows of the matrix: a point's row, or FLAT_UNKNOWNS for one that is held.
+typedef struct flat_rows
+{
+    uint32_t row[FLAT_MOST];
+    uint32_t count;
+} flat_rows;
+
+static void choose_rows(const collapse_ring *ring, bool on_line, flat_room *room, flat_rows *rows)
+{
+    uint32_t last = FLAT_RING + collapse_ring_vertices(ring) - 1;
+    rows->count = 0;
+    rows->row[FLAT_NEW] = FLAT_UNKNOWNS;
+    for (uint32_t p = 0; p <= last; p++)
+    {
+        bool held = p == FLAT_NEW || (on_line && (p <= FLAT_RING || p == last));
+        rows->row[p] = held ? FLAT_UNKNOWNS : rows->count;
+        if (!held)
+            room->unknown[rows->count++] = p;
+    }
+}
+
+/// Add |sum_k W_k z_k|^2 / (2 area), twice the part of the energy that a face contributes: to the matrix for its unknown points, to the
+/// right side for its held ones.
+static void add_face(const flat_triangle *face, const uint32_t *corners, const flat_rows *rows, const double (*flat)[2],
+                     flat_room *room)
+{
+    double scale = 1 / face->area;
+    for (int p = 0; p < 3; p++)
+    {
+        uint32_t row = rows->row[corners[p]];
+        if (row == FLAT_UNKNOWNS)
+            continue;
+        for (int q = 0; q < 3; q++)
+        {
+            const double *w = face->edge[p], *v = face->edge[q];
+            double real = scale * (w[0] * v[0] + w[1] * v[1]), imaginary = scale * (w[0] * v[1] - w[1] * v[0]);
+            uint32_t column = rows->row[corners[q]];
+            if (column == FLAT_UNKNOWNS)
+            {
+                const double *z = flat[corners[q]];
+                room->right[row][0] -= real * z[0] - imaginary * z[1];
+                room->right[row][1] -= real * z[1] + imaginary * z[0];
+            }
+            else if (column <= row)
+            {
+                room->real[row][column] += real;
+                room->imaginary[row][column] += imaginary;
+            }
+        }
+    }
+}
+
+/// The matrix, and for held points the right side. False for a ring with a face without extent.
+static bool assemble(const collapse_ring *ring, const double (*points)[3], const flat_rows *rows, const double (*flat)[2],
+                     flat_room *room)
+{
+    for (uint32_t r = 0; r < rows->count; r++)
+    {
+        memset(room->real[r], 0, (r + 1) * sizeof room->real[r][0]);
+        memset(room->imaginary[r], 0, (r + 1) * sizeof room->imaginary[r][0]);
+        room->right[r][0] = room->right[r][1] = 0;
+    }
+    for (uint32_t k = 0; k < ring->count + ring->vanishing; k++)
+    {
+        uint32_t corners[3];
+        flat_triangle face;
+        flat_corners(ring, k, false, corners);
+        if (!unfold(points[corners[0]], points[corners[1]], points[corners[2]], &face))
+            return false;
+        add_face(&face, corners, rows, flat, room);
+    }
+    return true;
+}
+
+/// Cholesky's factor L of the matrix in place, L L^H. False where it is not positive definite.
+static bool factorize(flat_room *room, uint32_t count, double shift)
+{
+    for (uint32_t r = 0; r < count; r++)
+    {
+        double *real = room->real[r], *imaginary = room->imaginary[r];
+        double pivot = real[r] + shift;
+        for (uint32_t c = 0; c < r; c++)
+        {
+            const double *other_real = room->real[c], *other_imaginary = room->imaginary[c];
+            double x = real[c], y = imaginary[c];
+            for (uint32_t k = 0; k < c; k++)
+            {
+                x -= real[k] * other_real[k] + imaginary[k] * other_imaginary[k];
+                y -= imaginary[k] * other_real[k] - real[k] * other_imaginary[k];
+            }
+            real[c] = x *= room->inverse_pivot[c];
+            imaginary[c] = y *= room->inverse_pivot[c];
+            pivot -= x * x + y * y;
+        }
+        if (!(pivot > 0))
+            return false;
+        room->inverse_pivot[r] = 1 / sqrt(pivot);
+    }
+    return true;
+}
+
+/// Solve L L^H z = right in place.
+static void solve(flat_room *room, uint32_t count)
+{
+    double(*z)[2] = room->right;
+    for (uint32_t r = 0; r < count; r++)
+    {
+        double x = z[r][0], y = z[r][1];
+        for (uint32_t c = 0; c < r; c++)
+        {
+            x -= room->real[r][c] * z[c][0] - room->imaginary[r][c] * z[c][1];
+            y -= room->real[r][c] * z[c][1] + room->imaginary[r][c] * z[c][0];
+        }
+        z[r][0] = x * room->inverse_pivot[r];
+        z[r][1] = y * room->inverse_pivot[r];
+    }
+    for (uint32_t r = count; r-- > 0;)
+    {
+        double x = z[r][0] *= room->inverse_pivot[r], y = z[r][1] *= room->inverse_pivot[r];
+        for (uint32_t c = 0; c < r; c++)
+        {
+            z[c][0] -= room->real[r][c] * x + room->imaginary[r][c] * y;
+            z[c][1] -= room->real[r][c] * y - room->imaginary[r][c] * x;
+        }
+    }
+}
+
+/// The ring seen along its mean normal, where the iteration begins.
+static void project(const collapse_ring *ring, const double (*points)[3], double (*flat)[2])
+{
+    double normal[3] = {0};
+    for (uint32_t k = 0; k < ring->count + ring->vanishing; k++)
+    {
+        uint32_t corners[3];
+        double ab[3], ac[3], product[3];
+        flat_corners(ring, k, false, corners);
+        subtract(points[corners[1]], points[corners[0]], ab);
+        subtract(points[corners[2]], points[corners[0]], ac);
+        cross(ab, ac, product);
+        for (int c = 0; c < 3; c++)
+            normal[c] += product[c];
+    }
+    // The axis least along the normal gives a direction across it.
+    int least = fabs(normal[0]) < fabs(normal[1]) ? (fabs(normal[0]) < fabs(normal[2]) ? 0 : 2)
+                                                  : (fabs(normal[1]) < fabs(normal[2]) ? 1 : 2);
+    double axis[3] = {least == 0, least == 1, least == 2}, across[3], along[3];
+    cross(normal, axis, across);
+    cross(normal, across, along);
+    double of_across = 1 / fmax(sqrt(dot(across, across)), 1e-300), of_along = 1 / fmax(sqrt(dot(along, along)), 1e-300);
+    for (uint32_t p = 0; p < FLAT_RING + collapse_ring_vertices(ring); p++)
+    {
+        flat[p][0] = of_across * dot(points[p], across);
+        flat[p][1] = of_along * dot(points[p], along);
+    }
+}
+
+/// Move the mean of the boundary points to the origin and make their mean square 1, and copy them to the right side, interior points
+/// being zero there. False when they all coincide.
+static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*flat)[2], flat_room *room)
+{
+    uint32_t boundary = 0;
+    double mean[2] = {0}, square = 0;
+    for (uint32_t r = 0; r < unknowns; r++)
+    {
+        const double *z = flat[room->unknown[r]];
+        bool inside = room->unknown[r] == FLAT_J || (room->unknown[r] == FLAT_I && ring->closed);
+        boundary += !inside;
+        for (int c = 0; c < 2 && !inside; c++)
+            mean[c] += z[c];
+    }
+    mean[0] /= boundary;
+    mean[1] /= boundary;
+    for (uint32_t r = 0; r < unknowns; r++)
+    {
+        double *z = flat[room->unknown[r]];
+        bool inside = room->unknown[r] == FLAT_J || (room->unknown[r] == FLAT_I && ring->closed);
+        for (int c = 0; c < 2; c++)
+            room->right[r][c] = inside ? 0 : z[c] - mean[c];
+        square += room->right[r][0] * room->right[r][0] + room->right[r][1] * room->right[r][1];
+    }
+    double scale = sqrt(boundary / square);
+    if (!isfinite(scale))
+        return false;
+    for (uint32_t r = 0; r < unknowns; r++)
+        for (int c = 0; c < 2; c++)
+        {
+            room->right[r][c] *= scale;
+            flat[room->unknown[r]][c] = (flat[room->unknown[r]][c] - mean[c]) * scale;
+        }
+    return true;
+}
+
+/// The eigenvector of least conformal energy over the moment of the boundary, by inverse iteration.
+static bool flatten_free(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+{
+    flat_rows rows;
+    choose_rows(ring, false, room, &rows);
+    if (!assemble(ring, points, &rows, (const double(*)[2])flat, room))
+        return false;
+    double trace = 0;
+    for (uint32_t r = 0; r < rows.count; r++)
+        trace += room->real[r][r];
+    if (!factorize(room, rows.count, SHIFT * trace / rows.count))
+        return false;
+    project(ring, points, flat);
+    for (int i = 0; i < ITERATIONS; i++)
+    {
+        if (!normalize(ring, rows.count, flat, room))
+            return false;
+        solve(room, rows.count);
+        for (uint32_t r = 0; r < rows.count; r++)
+            memcpy(flat[room->unknown[r]], room->right[r], sizeof flat[0]);
+    }
+    return normalize(ring, rows.count, flat, room);
+}
+
+/// The least-squares conformal map with the boundary on the real axis.
+static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+{
+    const uint32_t line[4] = {FLAT_RING + ring->count, FLAT_I, FLAT_J, FLAT_RING};
+    flat_rows rows;
+    choose_rows(ring, true, room, &rows);
+    double length = 0;
+    for (int k = 0; k < 4; k++)
+    {
+        double step[3] = {0};
+        if (k > 0)
+            subtract(points[line[k]], points[line[k - 1]], step);
+        length += sqrt(dot(step, step));
+        flat[line[k]][0] = length;
+        flat[line[k]][1] = 0;
+    }
+    if (!assemble(ring, points, &rows, (const double(*)[2])flat, room) || !factorize(room, rows.count, 0))
+        return false;
+    solve(room, rows.count);
+    for (uint32_t r = 0; r < rows.count; r++)
+        memcpy(flat[room->unknown[r]], room->right[r], sizeof flat[0]);
+    return true;
+}
+
+/// Place the new vertex by least squares, everything else held; on the real axis if `on_line`.
+static bool place_new(const collapse_ring *ring, const double (*points)[3], bool on_line, double (*flat)[2])
+{
+    double weight = 0, sum[2] = {0};
+    for (uint32_t k = 0; k < ring->count; k++)
+    {
+        uint32_t corners[3];
+        flat_triangle face;
+        flat_corners(ring, k, true, corners);
+        if (!unfold(points[corners[0]], points[corners[1]], points[corners[2]], &face))
+            return false;
+        const double *w = face.edge[0];
+        weight += (w[0] * w[0] + w[1] * w[1]) / face.area;
+        for (int q = 1; q < 3; q++)
+        {
+            const double *v = face.edge[q], *z = flat[corners[q]];
+            double real = (w[0] * v[0] + w[1] * v[1]) / face.area, imaginary = (w[0] * v[1] - w[1] * v[0]) / face.area;
+            sum[0] -= real * z[0] - imaginary * z[1];
+            sum[1] -= real * z[1] + imaginary * z[0];
+        }
+    }
+    flat[FLAT_NEW][0] = sum[0] / weight;
+    flat[FLAT_NEW][1] = on_line ? 0 : sum[1] / weight;
+    return true;
+}
+
+bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+{
+    bool on_line = ring->vanishing == 1;
+    if (on_line ? !flatten_on_line(ring, points, room, flat) : !flatten_free(ring, points, room, flat))
+        return false;
+    if (ring->closed || on_line)
+        return place_new(ring, points, on_line, flat);
+    memcpy(flat[FLAT_NEW], flat[FLAT_I], sizeof flat[0]);
+    return true;
+}
+
+/// Twice the area of a flat triangle, with its sign, and the sum of its squared edges.
+static double flat_area(const double *a, const double *b, const double *c, double *squares)
+{
+    double ab[2] = {b[0] - a[0], b[1] - a[1]}, ac[2] = {c[0] - a[0], c[1] - a[1]}, bc[2] = {c[0] - b[0], c[1] - b[1]};
+    *squares = ab[0] * ab[0] + ab[1] * ab[1] + ac[0] * ac[0] + ac[1] * ac[1] + bc[0] * bc[0] + bc[1] * bc[1];
+    return ab[0] * ac[1] - ab[1] * ac[0];
+}
+
+/// The least quality of the faces; negative where one is turned over or has no area.
+static double worst_quality(const collapse_ring *ring, const double (*flat)[2], bool after)
+{
+    double worst = 1;
+    for (uint32_t k = 0; k < ring->count + (after ? 0 : ring->vanishing); k++)
+    {
+        uint32_t corners[3];
+        flat_corners(ring, k, after, corners);
+        double squares, area = flat_area(flat[corners[0]], flat[corners[1]], flat[corners[2]], &squares);
+        if (!(area > LEAST_AREA * squares))
+            return -1;
+        worst = fmin(worst, QUALITY_FACTOR / 2 * area / squares);
+    }
+    return worst;
+}
+
+/// Whether the faces around the new vertex, all of positive area, go around it just once; on the boundary, less than once. Every turn
+/// passes the direction of vertex[0] once, from its right to its left.
+static bool winds_once(const collapse_ring *ring, const double (*flat)[2])
+{
+    const double *centre = flat[FLAT_NEW];
+    double axis[2] = {flat[FLAT_RING][0] - centre[0], flat[FLAT_RING][1] - centre[1]};
+    uint32_t turns = 0;
+    bool was_right = false;
+    for (uint32_t k = 1; k <= ring->count; k++)
+    {
+        uint32_t vertex = ring->closed && k == ring->count ? 0 : k;
+        const double *z = flat[FLAT_RING + vertex];
+        double side = axis[0] * (z[1] - centre[1]) - axis[1] * (z[0] - centre[0]);
+        bool right = vertex != 0 && side < 0;
+        turns += was_right && !right;
+        was_right = right;
+    }
+    return turns == (ring->closed ? 1 : 0);
+}
+
+bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double least_quality)
+{
+    double before = worst_quality(ring, flat, false), after = worst_quality(ring, flat, true);
+    return before > 0 && after > 0 && after >= fmin(least_quality, before) && winds_once(ring, flat);
+}
