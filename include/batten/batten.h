@@ -15,6 +15,7 @@
 #include "batten/manifold.h"
 #include "batten/measure.h"
 #include "batten/mesh.h"
+#include "batten/mesh_refine.h"
 #include "batten/motion.h"
 #include "batten/picture.h"
 #include "batten/scheme.h"
