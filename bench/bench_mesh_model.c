@@ -153,7 +153,7 @@ static void time_step(const bat_mesh *coarse)
     learn_tape tape = learn_tape_make();
     if (mesh_network_make((mesh_network_form){0}, &parameters, NULL) != BAT_OK ||
         bat_mesh_connect(coarse, &connectivity, NULL) != BAT_OK ||
-        mesh_levels_make(coarse, &connectivity, LEVELS, &levels, NULL) != BAT_OK)
+        mesh_levels_make(coarse->faces, &connectivity, LEVELS, 1, &levels, NULL) != BAT_OK)
         exit(EXIT_FAILURE);
     mesh_network_start(&parameters, 1);
     real *gradient = calloc(parameters.total, sizeof *gradient);

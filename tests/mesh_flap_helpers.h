@@ -5,7 +5,7 @@
 
 #include "check.h"
 
-#include "batten/mesh.h"
+#include "batten/mesh_refine.h"
 #include "io/safetensors.h"
 #include "models/mesh_flap.h"
 
@@ -29,9 +29,20 @@ static inline mesh_levels levels_of(const bat_mesh *mesh, size_t count)
 {
     bat_mesh_connectivity connectivity = connected(mesh);
     mesh_levels levels;
-    check_status(mesh_levels_make(mesh, &connectivity, count, &levels, NULL), BAT_OK);
+    check_status(mesh_levels_make(mesh->faces, &connectivity, count, 2, &levels, NULL), BAT_OK);
     bat_mesh_connectivity_free(&connectivity);
     return levels;
+}
+
+/// Every face split in four, new vertices in the middle.
+static inline bat_mesh split(const bat_mesh *mesh, size_t levels)
+{
+    bat_mesh fine;
+    bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.scheme = BAT_MESH_MIDPOINT;
+    options.levels = levels;
+    check_status(bat_mesh_refine(mesh, &options, &fine, NULL, NULL), BAT_OK);
+    return fine;
 }
 
 /// An octahedron with its vertices moved by up to `jitter`; without its last `missing` faces.

@@ -52,21 +52,18 @@ static void check_levels(const bat_mesh *mesh)
     mesh_levels levels = levels_of(mesh, LEVELS);
     for (size_t count = 0; count < LEVELS; count++)
     {
-        bat_mesh fine = {.vertex_count = mesh->vertex_count, .face_count = mesh->face_count, .faces = mesh->faces};
-        mesh_levels some = {0};
-        if (count > 0)
-        {
-            some = levels_of(mesh, count);
-            fine = (bat_mesh){.vertex_count = some.vertex_count, .face_count = some.face_count, .faces = some.faces};
-        }
+        bat_mesh fine = split(mesh, count);
         mesh_levels own = levels_of(&fine, 1);
         check_flaps(&fine, &levels.level[count]);
         check_order(&levels.level[count]);
         assert_int_equal(own.level[0].count, levels.level[count].count);
         assert_memory_equal(own.level[0].flap, levels.level[count].flap, own.level[0].count * sizeof(mesh_flap));
         mesh_levels_free(&own);
-        mesh_levels_free(&some);
+        bat_mesh_free(&fine);
     }
+    bat_mesh fine = split(mesh, LEVELS);
+    assert_int_equal(levels.vertex_count, fine.vertex_count);
+    bat_mesh_free(&fine);
     mesh_levels_free(&levels);
 }
 
@@ -82,36 +79,10 @@ static void half_flaps_are_what_lies_beside_directed_edges(void **state)
     }
 }
 
-/// Face f becomes 4 f + c at its corners, beginning with that corner, and 4 f + 3 between the new vertices.
-static void faces_split_in_the_promised_order(void **state)
-{
-    (void)state;
-    bat_random random = bat_random_seed(1);
-    bat_mesh mesh = octahedron(3, 0, &random);
-    bat_mesh_connectivity connectivity = connected(&mesh);
-    mesh_levels levels = levels_of(&mesh, 1);
-    uint32_t vertices = (uint32_t)mesh.vertex_count;
-    assert_int_equal(levels.vertex_count, vertices + connectivity.edge_count);
-    assert_int_equal(levels.face_count, 4 * mesh.face_count);
-    for (size_t f = 0; f < mesh.face_count; f++)
-        for (size_t c = 0; c < 3; c++)
-        {
-            const uint32_t *corner = levels.faces + 3 * (4 * f + c);
-            assert_int_equal(corner[0], mesh.faces[3 * f + c]);
-            assert_int_equal(corner[1], vertices + connectivity.edge[3 * f + c]);
-            assert_int_equal(corner[2], vertices + connectivity.edge[3 * f + (c + 2) % 3]);
-            assert_int_equal(levels.faces[3 * (4 * f + 3) + c], vertices + connectivity.edge[3 * f + c]);
-        }
-    mesh_levels_free(&levels);
-    bat_mesh_connectivity_free(&connectivity);
-    bat_mesh_free(&mesh);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(half_flaps_are_what_lies_beside_directed_edges),
-        cmocka_unit_test(faces_split_in_the_promised_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

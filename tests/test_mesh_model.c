@@ -7,20 +7,15 @@
 
 #include <unistd.h>
 
-/// The refined mesh by the model's rule alone.
 static bat_mesh refined(const bat_mesh_model *model, const bat_mesh *coarse, size_t levels, int threads, size_t *fallback)
 {
-    const bat_mesh_rule *rule = bat_mesh_model_rule(model);
-    bat_mesh_connectivity connectivity = connected(coarse);
-    mesh_levels all = levels_of(coarse, levels);
-    bat_mesh fine = {.positions = test_memory(3 * all.vertex_count, sizeof(double)),
-                     .faces = all.faces,
-                     .vertex_count = all.vertex_count,
-                     .face_count = all.face_count};
-    all.faces = NULL;
-    check_status(rule->refine(rule, coarse, &connectivity, levels, threads, &fine, fallback, NULL), BAT_OK);
-    mesh_levels_free(&all);
-    bat_mesh_connectivity_free(&connectivity);
+    bat_mesh fine;
+    bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.scheme = BAT_MESH_LEARNED;
+    options.rule = bat_mesh_model_rule(model);
+    options.levels = levels;
+    options.threads = threads;
+    check_status(bat_mesh_refine(coarse, &options, &fine, fallback, NULL), BAT_OK);
     return fine;
 }
 
@@ -98,7 +93,7 @@ static void inference_is_the_network_on_the_tape(void **state)
     {
         enum
         {
-            LEVELS = 3
+            LEVELS = 2
         };
         bat_mesh coarse = octahedron(missing, 0.2, &random);
         mesh_levels levels = levels_of(&coarse, LEVELS);
@@ -131,30 +126,13 @@ static void inference_is_the_network_on_the_tape(void **state)
     learn_tape_free(&tape);
 }
 
-/// A sphere of many blocks of vertices and edges.
+/// Of many blocks of vertices and edges.
 static bat_mesh many_faces(bat_random *random)
 {
-    bat_mesh mesh = octahedron(3, 0.2, random);
-    for (int level = 0; level < 4; level++)
-    {
-        mesh_levels levels = levels_of(&mesh, 1);
-        double *positions = test_memory(3 * levels.vertex_count, sizeof *positions);
-        const mesh_flaps *flaps = &levels.level[0];
-        memcpy(positions, mesh.positions, 3 * mesh.vertex_count * sizeof *positions);
-        for (size_t f = 0; f < flaps->count; f++)
-            for (size_t a = 0; a < 3; a++)
-                positions[3 * (flaps->vertex_count + flaps->flap[f].edge) + a] +=
-                    0.5 * mesh.positions[3 * flaps->flap[f].corner[0] + a];
-        for (size_t i = 0; i < 3 * levels.vertex_count; i++)
-            positions[i] += 0.02 * bat_random_normal(random);
-        bat_mesh_free(&mesh);
-        mesh = (bat_mesh){.positions = positions,
-                          .faces = levels.faces,
-                          .vertex_count = levels.vertex_count,
-                          .face_count = levels.face_count};
-        levels.faces = NULL;
-        mesh_levels_free(&levels);
-    }
+    bat_mesh base = octahedron(3, 0.2, random), mesh = split(&base, 4);
+    for (size_t i = 0; i < 3 * mesh.vertex_count; i++)
+        mesh.positions[i] += 0.02 * bat_random_normal(random);
+    bat_mesh_free(&base);
     return mesh;
 }
 

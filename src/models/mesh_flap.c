@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/split.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -93,122 +94,69 @@ void mesh_flaps_free(mesh_flaps *flaps)
     *flaps = (mesh_flaps){0};
 }
 
-// Splitting every face in four
+// Levels
 
 /// Faces with their neighbours.
 typedef struct surface
 {
     uint32_t *faces;
-    bat_mesh_connectivity connectivity;
+    bat_mesh_connectivity links;
 } surface;
 
 static void surface_free(surface *s)
 {
     free(s->faces);
-    bat_mesh_connectivity_free(&s->connectivity);
+    bat_mesh_connectivity_free(&s->links);
     s->faces = NULL;
 }
 
-static bool surface_allocate(size_t vertices, size_t faces, surface *s)
+/// Split every face in four.
+static bat_status split(const surface *coarse, int threads, surface *fine, bat_error *error)
 {
-    *s = (surface){.faces = memory_array(faces, 3 * sizeof *s->faces),
-                   .connectivity = {.twin = memory_array(faces, 3 * sizeof(uint32_t)),
-                                    .first = memory_array(vertices, sizeof(uint32_t)),
-                                    .edge = memory_array(faces, 3 * sizeof(uint32_t)),
-                                    .vertex_count = vertices,
-                                    .face_count = faces}};
-    return s->faces != NULL && s->connectivity.twin != NULL && s->connectivity.first != NULL && s->connectivity.edge != NULL;
-}
-
-static uint32_t other_corner(uint32_t corner, uint32_t turns)
-{
-    return (corner + turns) % 3;
-}
-
-static void split_face(const surface *coarse, uint32_t f, surface *fine)
-{
-    const uint32_t *corner = coarse->faces + 3 * f, *edge = coarse->connectivity.edge + 3 * f;
-    uint32_t vertices = (uint32_t)coarse->connectivity.vertex_count, middle = 4 * f + 3;
-    uint32_t *faces = fine->faces + 12 * f, *twin = fine->connectivity.twin + 12 * f;
-    for (uint32_t c = 0; c < 3; c++)
-    {
-        uint32_t before = other_corner(c, 2);
-        uint32_t ahead = coarse->connectivity.twin[3 * f + c], behind = coarse->connectivity.twin[3 * f + before];
-        faces[3 * c] = corner[c];
-        faces[3 * c + 1] = vertices + edge[c];
-        faces[3 * c + 2] = vertices + edge[before];
-        faces[9 + c] = vertices + edge[c];
-        // The first half of an edge is the last of the twin's two halves, which ends at this corner, and the other way round.
-        twin[3 * c] = ahead == BAT_MESH_NONE ? ahead : 3 * (4 * (ahead / 3) + other_corner(ahead % 3, 1)) + 2;
-        twin[3 * c + 1] = 3 * middle + before;
-        twin[3 * c + 2] = behind == BAT_MESH_NONE ? behind : 3 * (4 * (behind / 3) + behind % 3);
-        twin[9 + before] = 3 * (4 * f + c) + 1;
-    }
-}
-
-/// Number edges and choose first half-edges as bat_mesh_connect() does.
-static void number_edges(surface *s)
-{
-    bat_mesh_connectivity *to = &s->connectivity;
-    uint32_t edges = 0;
-    memset(to->first, 0xff, to->vertex_count * sizeof *to->first);
-    to->boundary_edge_count = 0;
-    for (uint32_t h = 0; h < 3 * to->face_count; h++)
-    {
-        uint32_t twin = to->twin[h], *first = &to->first[s->faces[h]];
-        to->edge[h] = twin < h ? to->edge[twin] : edges++;
-        to->boundary_edge_count += twin == BAT_MESH_NONE;
-        if (*first == BAT_MESH_NONE || twin == BAT_MESH_NONE)
-            *first = h;
-    }
-    to->edge_count = edges;
-}
-
-static bat_status split(const surface *coarse, surface *fine, bat_error *error)
-{
-    const bat_mesh_connectivity *from = &coarse->connectivity;
-    size_t vertices = from->vertex_count + from->edge_count;
-    if (from->face_count > BAT_MESH_MOST_FACES / 4 || vertices >= BAT_MESH_NONE)
+    const bat_mesh_connectivity *links = &coarse->links;
+    if (links->face_count > BAT_MESH_MOST_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
                          BAT_MESH_MOST_FACES);
-    if (!surface_allocate(vertices, 4 * from->face_count, fine))
+    size_t bytes = 12 * sizeof(uint32_t);
+    surface made = {.faces = memory_array(links->face_count, bytes)};
+    if (made.faces == NULL)
+        return error_memory(error, links->face_count * bytes);
+    bat_status status = split_links(links, threads, &made.links, error);
+    if (status != BAT_OK)
     {
-        surface_free(fine);
-        return error_memory(error, 12 * from->face_count * sizeof(uint32_t));
+        free(made.faces);
+        return status;
     }
-    for (uint32_t f = 0; f < from->face_count; f++)
-        split_face(coarse, f, fine);
-    number_edges(fine);
+    split_faces(coarse->faces, links, threads, made.faces);
+    *fine = made;
     return BAT_OK;
 }
 
-bat_status mesh_levels_make(const bat_mesh *mesh, const bat_mesh_connectivity *connectivity, size_t count,
+bat_status mesh_levels_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, size_t count, int threads,
                             mesh_levels *levels, bat_error *error)
 {
     mesh_levels made = {.count = count, .level = calloc(count, sizeof *made.level)};
     if (made.level == NULL)
         return error_memory(error, count * sizeof *made.level);
-    surface given = {mesh->faces, *connectivity}, now = given, next;
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    surface now = {0};
+    bat_status status = mesh_flaps_make(faces, connectivity, &made.level[0], error);
+    for (size_t i = 1; i < count && status == BAT_OK; i++)
     {
-        status = mesh_flaps_make(now.faces, &now.connectivity, &made.level[i], error);
-        if (status == BAT_OK)
-            status = split(&now, &next, error);
-        if (i > 0)
-            surface_free(&now);
-        if (status == BAT_OK)
-            now = next;
+        surface given = {(uint32_t *)(uintptr_t)faces, *connectivity}, next;
+        status = split(i == 1 ? &given : &now, threads, &next, error);
+        if (status != BAT_OK)
+            break;
+        surface_free(&now);
+        now = next;
+        status = mesh_flaps_make(now.faces, &now.links, &made.level[i], error);
     }
+    surface_free(&now);
     if (status != BAT_OK)
     {
         mesh_levels_free(&made);
         return status;
     }
-    made.vertex_count = now.connectivity.vertex_count;
-    made.face_count = now.connectivity.face_count;
-    made.faces = now.faces;
-    bat_mesh_connectivity_free(&now.connectivity);
+    made.vertex_count = made.level[count - 1].vertex_count + made.level[count - 1].edge_count;
     *levels = made;
     return BAT_OK;
 }
@@ -218,6 +166,5 @@ void mesh_levels_free(mesh_levels *levels)
     for (size_t i = 0; i < levels->count && levels->level != NULL; i++)
         mesh_flaps_free(&levels->level[i]);
     free(levels->level);
-    free(levels->faces);
     *levels = (mesh_levels){0};
 }

@@ -43,19 +43,17 @@ bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *c
                            bat_error *error);
 void mesh_flaps_free(mesh_flaps *flaps);
 
-/// The half-flaps of a mesh and of what it becomes when faces are split in four, in the numbering of mesh_refine.h.
+/// The half-flaps of a mesh and of what it becomes when faces are split in four, in the numbering of batten/mesh_refine.h.
 typedef struct mesh_levels
 {
     size_t count;        ///< levels of refinement
     mesh_flaps *level;   ///< count: those that a level begins with
     size_t vertex_count; ///< after the last level
-    size_t face_count;   ///< after the last level
-    uint32_t *faces;     ///< after the last level; face_count x 3
 } mesh_levels;
 
 /// @param count at least 1
 /// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY; `levels` is untouched on failure
-bat_status mesh_levels_make(const bat_mesh *mesh, const bat_mesh_connectivity *connectivity, size_t count,
+bat_status mesh_levels_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, size_t count, int threads,
                             mesh_levels *levels, bat_error *error);
 void mesh_levels_free(mesh_levels *levels);
 

@@ -48,7 +48,7 @@ static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *co
     const bat_mesh_model *model = rule->context;
     unit_box box = box_of(coarse);
     mesh_levels all;
-    bat_status status = mesh_levels_make(coarse, connectivity, levels, &all, error);
+    bat_status status = mesh_levels_make(coarse->faces, connectivity, levels, threads, &all, error);
     if (status != BAT_OK)
         return status;
     real *from = memory_array(coarse->vertex_count, 3 * sizeof *from), *to = memory_array(all.vertex_count, 3 * sizeof *to);
