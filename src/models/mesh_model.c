@@ -5,8 +5,8 @@
 #include "io/safetensors.h"
 #include "models/mesh_inference.h"
 #include "models/tension_weights.h"
+#include "models/unit_box.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 enum
@@ -21,32 +21,12 @@ struct bat_mesh_model
     mesh_inference published;
 };
 
-// The unit box
-
-/// v = low + size u
-typedef struct unit_box
-{
-    double low[3], size;
-} unit_box;
-
-static unit_box box_of(const bat_mesh *mesh)
-{
-    unit_box box = {{INFINITY, INFINITY, INFINITY}, 0};
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-        box.low[i % 3] = fmin(box.low[i % 3], mesh->positions[i]);
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-        box.size = fmax(box.size, mesh->positions[i] - box.low[i % 3]);
-    if (!(box.size > 0))
-        box.size = 1;
-    return box;
-}
-
 static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *coarse,
                                    const bat_mesh_connectivity *connectivity, size_t levels, int threads, bat_mesh *fine,
                                    size_t *fallback, bat_error *error)
 {
     const bat_mesh_model *model = rule->context;
-    unit_box box = box_of(coarse);
+    unit_box box = unit_box_of(coarse->positions, coarse->vertex_count);
     mesh_levels all;
     bat_status status = mesh_levels_make(coarse->faces, connectivity, levels, threads, &all, error);
     if (status != BAT_OK)
@@ -55,11 +35,11 @@ static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *co
     if (from == NULL || to == NULL)
         status = error_memory(error, all.vertex_count * 3 * sizeof *to);
     for (size_t i = 0; i < 3 * coarse->vertex_count && status == BAT_OK; i++)
-        from[i] = (real)((coarse->positions[i] - box.low[i % 3]) / box.size);
+        from[i] = (real)unit_box_in(&box, i, coarse->positions[i]);
     if (status == BAT_OK)
         status = mesh_inference_refine(&model->published, &all, threads, from, to, fallback, error);
     for (size_t i = 0; i < 3 * all.vertex_count && status == BAT_OK; i++)
-        fine->positions[i] = box.low[i % 3] + box.size * (double)to[i];
+        fine->positions[i] = unit_box_out(&box, i, (double)to[i]);
     free(from);
     free(to);
     mesh_levels_free(&all);
