@@ -60,6 +60,21 @@ static inline bat_mesh octahedron(size_t missing, double jitter, bat_random *ran
     return mesh;
 }
 
+/// The unit sphere, 8 x 4^levels faces.
+static inline bat_mesh ball(size_t levels)
+{
+    bat_random random = bat_random_seed(1);
+    bat_mesh base = octahedron(0, 0, &random), mesh = split(&base, levels);
+    for (size_t v = 0; v < mesh.vertex_count; v++)
+    {
+        double *p = mesh.positions + 3 * v, length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+        for (size_t a = 0; a < 3; a++)
+            p[a] /= length;
+    }
+    bat_mesh_free(&base);
+    return mesh;
+}
+
 /// False after a message where the file is not there.
 static inline bool read_shared(const char *path, safetensors *content)
 {
