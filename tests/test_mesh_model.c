@@ -60,18 +60,19 @@ static void published_weights_give_published_meshes(void **state)
 // Any weights
 
 /// A model with weights drawn at random times `factor`, by way of a file.
-static bat_mesh_model *random_model(uint64_t seed, double factor)
+static bat_mesh_model *random_model(mesh_network_form form, uint64_t seed, double factor)
 {
     char path[] = "/tmp/test_mesh_model_XXXXXX";
     int file = mkstemp(path);
     assert_true(file >= 0);
     assert_int_equal(close(file), 0);
     learn_parameters parameters = {0};
-    check_status(mesh_network_make((mesh_network_form){0}, &parameters, NULL), BAT_OK);
+    const safetensors_note note = {MESH_NETWORK_FRAMES, MESH_NETWORK_FIXED};
+    check_status(mesh_network_make(form, &parameters, NULL), BAT_OK);
     mesh_network_start(&parameters, seed);
     for (size_t i = 0; i < parameters.total; i++)
         parameters.values[i] = (real)(factor * (double)parameters.values[i]);
-    check_status(learn_parameters_write(&parameters, path, NULL, 0, NULL), BAT_OK);
+    check_status(learn_parameters_write(&parameters, path, &note, form.fixed_frames ? 1 : 0, NULL), BAT_OK);
     bat_mesh_model *model = NULL;
     check_status(bat_mesh_model_read(path, &model, NULL), BAT_OK);
     assert_int_equal(unlink(path), 0);
@@ -80,15 +81,14 @@ static bat_mesh_model *random_model(uint64_t seed, double factor)
 }
 
 /// Against the tape, closed and open, at every level: the tape's state at level l is the inference by l levels.
-static void inference_is_the_network_on_the_tape(void **state)
+static void check_against_tape(mesh_network_form form)
 {
-    (void)state;
     bat_random random = bat_random_seed(4);
     learn_parameters parameters = {0};
     learn_tape tape = learn_tape_make();
-    check_status(mesh_network_make((mesh_network_form){0}, &parameters, NULL), BAT_OK);
+    check_status(mesh_network_make(form, &parameters, NULL), BAT_OK);
     mesh_network_start(&parameters, 4);
-    bat_mesh_model *model = random_model(4, 1);
+    bat_mesh_model *model = random_model(form, 4, 1);
     for (size_t missing = 0; missing < 5; missing++)
     {
         enum
@@ -107,7 +107,7 @@ static void inference_is_the_network_on_the_tape(void **state)
         learn_array *positions = learn_array_make(&tape, 6, 3, false);
         for (size_t i = 0; i < 18; i++)
             positions->value[i] = (real)((coarse.positions[i] - low[i % 3]) / size);
-        mesh_network_refine(&tape, (mesh_network_form){0}, &levels, positions, states);
+        mesh_network_refine(&tape, form, &levels, positions, states);
         for (size_t level = 1; level <= LEVELS; level++)
         {
             size_t fallback;
@@ -126,6 +126,14 @@ static void inference_is_the_network_on_the_tape(void **state)
     learn_tape_free(&tape);
 }
 
+static void inference_is_the_network_on_the_tape(void **state)
+{
+    (void)state;
+    check_against_tape((mesh_network_form){0});
+    check_against_tape((mesh_network_form){.fixed_frames = true});
+    check_against_tape((mesh_network_form){.no_differences = true});
+}
+
 /// Of many blocks of vertices and edges.
 static bat_mesh many_faces(bat_random *random)
 {
@@ -140,7 +148,7 @@ static void threads_do_not_change_a_byte(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(5);
-    bat_mesh_model *model = random_model(5, 1);
+    bat_mesh_model *model = random_model((mesh_network_form){0}, 5, 1);
     bat_mesh coarse = many_faces(&random);
     size_t fallback;
     bat_mesh one = refined(model, &coarse, 2, 1, &fallback);
@@ -160,7 +168,7 @@ static void results_move_with_the_mesh(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(6);
-    bat_mesh_model *model = random_model(6, 1);
+    bat_mesh_model *model = random_model((mesh_network_form){0}, 6, 1);
     bat_mesh coarse = octahedron(1, 0.2, &random), moved = octahedron(1, 0, &random);
     const double shift[3] = {30, -20, 7}, factor = 500;
     for (size_t i = 0; i < 18; i++)
@@ -181,7 +189,7 @@ static void failures_are_counted_and_displace_nothing(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(7);
-    bat_mesh_model *tame = random_model(7, 1), *wild = random_model(7, 1e15);
+    bat_mesh_model *tame = random_model((mesh_network_form){0}, 7, 1), *wild = random_model((mesh_network_form){0}, 7, 1e15);
     bat_mesh coarse = octahedron(0, 0.1, &random);
     // All faces at vertex 4 lose their area.
     memcpy(coarse.positions + 12, coarse.positions + 6, 3 * sizeof(double));

@@ -31,8 +31,7 @@ typedef struct first_layer
 
 static void sort_columns(const real *weight, size_t columns, first_layer *sorted)
 {
-    bool begin = columns == 4 * DIFFERENCES - 3;
-    size_t width = begin ? DIFFERENCES : W;
+    size_t width = (columns + 3) / 4;
     for (size_t o = 0; o < W; o++, weight += columns)
         for (size_t c = 0; c < 4; c++)
         {
@@ -40,9 +39,9 @@ static void sort_columns(const real *weight, size_t columns, first_layer *sorted
             const real *own = weight + c * width;
             for (size_t a = 0; a < 3 && c > 0; a++)
                 sorted->seen[o][3 * (c - 1) + a] = own[a - 3];
-            for (size_t a = 0; a < 3 && begin; a++)
+            for (size_t a = 0; a < 3 && width == DIFFERENCES; a++)
                 sorted->seen[o][FLAP_EDGES + 3 * c + a] = own[a];
-            if (!begin)
+            if (width == W)
                 memcpy(sorted->features[c * W + o], own, sizeof sorted->features[0]);
         }
 }
@@ -63,17 +62,17 @@ static void pack_module(const learn_parameters *parameters, mesh_module which, m
     for (size_t p = 0; p < MESH_MODULE_SIZE; p++)
         values[p] = learn_parameter_values(parameters, first + p);
     sort_columns(values[0], parameters->list[first].columns, &sorted);
-    size_t seen = which == MESH_MODULE_INIT ? MOST_SEEN : FLAP_EDGES;
+    size_t seen = parameters->list[first].columns == 4 * DIFFERENCES - 3 ? MOST_SEEN : FLAP_EDGES;
     module->features = pack(FEATURES, 4 * W, sorted.features[0], FEATURES, zeros, &memory);
     module->seen = pack(seen, W, sorted.seen[0], MOST_SEEN, values[1], &memory);
     module->hidden = pack(W, W, values[2], W, values[3], &memory);
     module->last = pack(W, W, values[4], W, values[5], &memory);
 }
 
-bat_status mesh_inference_make(const learn_parameters *parameters, mesh_inference *network, bat_error *error)
+bat_status mesh_inference_make(const learn_parameters *parameters, mesh_network_form form, mesh_inference *network,
+                               bat_error *error)
 {
-    assert(parameters->total == MESH_WEIGHTS);
-    *network = (mesh_inference){.memory = memory_array(MESH_MODULE_COUNT * MODULE, sizeof(real))};
+    *network = (mesh_inference){.form = form, .memory = memory_array(MESH_MODULE_COUNT * MODULE, sizeof(real))};
     if (network->memory == NULL)
         return error_memory(error, MESH_MODULE_COUNT * MODULE * sizeof(real));
     for (size_t m = 0; m < MESH_MODULE_COUNT; m++)
@@ -92,10 +91,11 @@ void mesh_inference_free(mesh_inference *network)
 /// What the half-flaps of a level look at.
 typedef struct scene
 {
+    flap_view view;
     const mesh_inference_module *module;
     const mesh_flaps *flaps;
     const real *state;    ///< vertices x width
-    size_t width;         ///< W, or DIFFERENCES at the begin
+    size_t width;         ///< W; at the begin that of the first state
     const real *products; ///< vertices x 4 W: the first layer's of the features; null at the begin
 } scene;
 
@@ -139,7 +139,7 @@ static void look(const scene *s, block *b)
     size_t numbers = s->module->seen.inputs;
     for (size_t r = 0; r < b->rows; r++)
         gather_flap(s, b->flap[r], b->vectors + r);
-    flap_frames((flap_view){0}, ROWS, b->vectors, b->frame);
+    flap_frames(s->view, ROWS, b->vectors, b->frame);
     for (size_t n = 0; n < numbers; n += 3)
         flap_turn(ROWS, b->frame, b->vectors + n * ROWS, b->seen + n * ROWS);
     for (size_t r = 0; r < ROWS; r++)
@@ -288,6 +288,12 @@ static void multiply(const run *u, const mesh_inference_module *module, size_t v
     }
 }
 
+static scene scene_of(const run *u, mesh_module module, const mesh_flaps *flaps)
+{
+    flap_view view = {.fixed = u->network->form.fixed_frames};
+    return (scene){view, &u->network->module[module], flaps, u->state, W, u->products};
+}
+
 /// All vertices: from s->state to u->state.
 static void move(run *u, const scene *s)
 {
@@ -327,13 +333,12 @@ static void insert(run *u, const scene *s, size_t columns, real *next)
 /// One level; the last gives positions alone.
 static void refine_level(run *u, const mesh_flaps *flaps, real *fine)
 {
-    const mesh_inference_module *vertex = &u->network->module[MESH_MODULE_VERTEX],
-                                *edge = &u->network->module[MESH_MODULE_EDGE];
     size_t vertices = flaps->vertex_count;
-    multiply(u, vertex, vertices);
-    move(u, &(scene){vertex, flaps, u->state, W, u->products});
-    multiply(u, edge, vertices);
-    scene s = {edge, flaps, u->state, W, u->products};
+    scene s = scene_of(u, MESH_MODULE_VERTEX, flaps);
+    multiply(u, s.module, vertices);
+    move(u, &s);
+    s = scene_of(u, MESH_MODULE_EDGE, flaps);
+    multiply(u, s.module, vertices);
     if (fine == NULL)
     {
         insert(u, &s, W, u->state + vertices * W);
@@ -373,8 +378,14 @@ bat_status mesh_inference_refine(const mesh_inference *network, const mesh_level
     run u = {network, threads, memory, memory + rows * W, memory + 2 * rows * W, 0};
     // The rows that fill a tile up are read.
     memset(memory, 0, 2 * rows * W * sizeof *memory);
-    begin_state(&levels->level[0], positions, u.state);
-    move(&u, &(scene){&network->module[MESH_MODULE_INIT], &levels->level[0], u.state, DIFFERENCES, NULL});
+    scene begin = scene_of(&u, MESH_MODULE_INIT, &levels->level[0]);
+    begin.products = NULL;
+    begin.width = network->form.no_differences ? 3 : DIFFERENCES;
+    if (network->form.no_differences)
+        memcpy(u.state, positions, 3 * begin.flaps->vertex_count * sizeof *positions);
+    else
+        begin_state(begin.flaps, positions, u.state);
+    move(&u, &begin);
     *fallback = (u.failures + 1) / 2;
     u.failures = 0;
     for (size_t i = 0; i < levels->count; i++)

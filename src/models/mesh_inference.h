@@ -18,13 +18,15 @@ typedef struct mesh_inference_module
 
 typedef struct mesh_inference
 {
+    mesh_network_form form;
     mesh_inference_module module[MESH_MODULE_COUNT];
     real *memory; ///< all of them
 } mesh_inference;
 
-/// Lay out weights as mesh_network_make() describes them, of no ablation. Release it with mesh_inference_free().
+/// Lay out weights as mesh_network_make() describes them. Release it with mesh_inference_free().
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status mesh_inference_make(const learn_parameters *parameters, mesh_inference *network, bat_error *error);
+bat_status mesh_inference_make(const learn_parameters *parameters, mesh_network_form form, mesh_inference *network,
+                               bat_error *error);
 void mesh_inference_free(mesh_inference *network);
 
 /// Refine a mesh by levels->count levels, at least 1.

@@ -7,7 +7,9 @@
 #include "models/tension_weights.h"
 #include "models/unit_box.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum
 {
@@ -48,14 +50,28 @@ static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *co
 
 // Reading
 
+/// Which of the published ablations a file holds.
+static mesh_network_form form_of(const safetensors *content, const char *prefix)
+{
+    char name[LEARN_NAME_SIZE];
+    (void)snprintf(name, sizeof name, "%snet_init.layerIn.weight", prefix);
+    const safetensors_array *first = safetensors_find(content, name);
+    const char *frames = safetensors_find_note(content, MESH_NETWORK_FRAMES);
+    return (mesh_network_form){
+        .fixed_frames = frames != NULL && strcmp(frames, MESH_NETWORK_FIXED) == 0,
+        .no_differences = first != NULL && first->rank == 2 && first->shape[1] == FLAP_EDGES,
+    };
+}
+
 static bat_status take_published(const safetensors *content, const char *prefix, bat_mesh_model *model, bat_error *error)
 {
     learn_parameters parameters = {0};
-    bat_status status = mesh_network_make((mesh_network_form){0}, &parameters, error);
+    mesh_network_form form = form_of(content, prefix);
+    bat_status status = mesh_network_make(form, &parameters, error);
     if (status == BAT_OK)
         status = learn_parameters_extract(&parameters, content, prefix, parameters.values, error);
     if (status == BAT_OK)
-        status = mesh_inference_make(&parameters, &model->published, error);
+        status = mesh_inference_make(&parameters, form, &model->published, error);
     learn_parameters_free(&parameters);
     model->rule = (bat_mesh_rule){.levels = PUBLISHED_LEVELS, .context = model, .refine = published_refine};
     return status;

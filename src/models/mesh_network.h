@@ -37,6 +37,10 @@ typedef struct mesh_network_form
     bool no_differences; ///< without differential coordinates
 } mesh_network_form;
 
+/// The note by which a file with weights says that frames are fixed, and its value; other forms show in the arrays' shapes.
+#define MESH_NETWORK_FRAMES "frames"
+#define MESH_NETWORK_FIXED "fixed"
+
 /// The weights' names and shapes, all zero.
 /// @param parameters all zero before the call; release it with learn_parameters_free()
 /// @return BAT_OK or BAT_NO_MEMORY
