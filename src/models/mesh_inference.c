@@ -133,12 +133,40 @@ static inline void gather_flap(const scene *s, const mesh_flap *flap, real *vect
                 vectors[(FLAP_EDGES + 3 * c + a) * ROWS] = corner[c][3 + a];
 }
 
+/// Ask for the products that add_products() will read, far apart in memory as they may be.
+static inline void expect_products(const scene *s, const mesh_flap *flap)
+{
+    enum
+    {
+        LINE = 64 / sizeof(real)
+    };
+    for (size_t c = 0; c < 4; c++)
+        for (size_t i = 0; i < W; i += LINE)
+            __builtin_prefetch(s->products + 4 * W * (size_t)flap->corner[c] + c * W + i);
+}
+
+static inline void expect_positions(const scene *s, const mesh_flap *flap)
+{
+    for (size_t c = 1; c < 4; c++)
+        __builtin_prefetch(s->state + flap->corner[c] * s->width);
+}
+
 /// Fill b->x for the rows of b->flap.
 static void look(const scene *s, block *b)
 {
+    enum
+    {
+        AHEAD = 12 ///< half-flaps
+    };
     size_t numbers = s->module->seen.inputs;
     for (size_t r = 0; r < b->rows; r++)
+    {
+        if (r + AHEAD < b->rows)
+            expect_positions(s, b->flap[r + AHEAD]);
         gather_flap(s, b->flap[r], b->vectors + r);
+        if (s->products != NULL)
+            expect_products(s, b->flap[r]);
+    }
     flap_frames(s->view, ROWS, b->vectors, b->frame);
     for (size_t n = 0; n < numbers; n += 3)
         flap_turn(ROWS, b->frame, b->vectors + n * ROWS, b->seen + n * ROWS);
