@@ -30,6 +30,7 @@ static const option_spec OPTIONS[] = {
     {"pairs", 0, "N", "coarse meshes that are made of each shape; default 200"},
     {"fresh", 0, "N", "of all of them so many are made anew in each epoch; default 0"},
     {"batch", 0, "N", "meshes of a step, which as many threads share; default 1"},
+    {"falling-rate", 0, NULL, "the learning rate falls to 0 along half a wave; else it is constant"},
     {"vertices", 0, "A-B", "of the coarse meshes: from A to B, evenly drawn; default 150-300"},
     {"out", 'o', "FOLDER", "where model, checkpoint, log and its picture go; default out/mesh"},
     {"resume", 0, NULL, "go on from the folder's checkpoint, if there is one"},
@@ -98,6 +99,7 @@ static bool read_options(const arguments *given, bat_mesh_train_options *options
     options->fresh = (size_t)fresh;
     options->batch = (size_t)batch;
     options->threads = (int)threads;
+    options->falling = argument_flag(given, "falling-rate");
     options->learn_loop = argument_flag(given, "learn-loop");
     options->resume = argument_flag(given, "resume");
     options->folder = argument(given, "out") != NULL ? argument(given, "out") : "out/mesh";

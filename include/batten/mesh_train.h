@@ -23,6 +23,7 @@ typedef struct bat_mesh_train_options
     size_t most_vertices;  ///< default 300
     double least_normal, least_quality; ///< bounds of the decimation, as in bat_decimate_options; default .2
     double rate;                        ///< the learning rate of Adam; default 2e-3
+    bool falling;                       ///< the rate falls to 0 along half a wave; else it is constant; default false
     bool fixed_frames; ///< half-flaps are seen through the axes of space instead of their frames (section 6); default false
     bool no_differences; ///< without differential coordinates (appendix H); default false
     bool last_level;     ///< the loss is that of the last level alone (appendix H); default false

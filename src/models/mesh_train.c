@@ -192,10 +192,10 @@ static void write_name(const bat_mesh *shapes, size_t shape_count, const bat_mes
     (void)snprintf(
         name, NAME_SIZE,
         "mesh published, %llu epochs, %zu pairs of each of %zu shapes (%016llx), %zu fresh, batch %zu, %zu to %zu "
-        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s",
+        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s",
         (unsigned long long)options->epochs, options->pairs, shape_count, (unsigned long long)hash, options->fresh,
         options->batch, options->least_vertices, options->most_vertices, options->least_normal, options->least_quality,
-        options->rate, options->fixed_frames ? ", fixed frames" : "",
+        options->rate, options->falling ? " falling" : "", options->fixed_frames ? ", fixed frames" : "",
         options->no_differences ? ", no differential coordinates" : "", options->last_level ? ", last level" : "",
         options->chamfer ? ", Chamfer" : "", options->learn_loop ? ", Loop" : "");
 }
@@ -240,7 +240,8 @@ static learn_options learning_of(const bat_mesh_train_options *given, const char
     options.epochs = given->epochs;
     options.optimizer =
         (learn_optimizer_options){.rule = LEARN_ADAM, .momentum = 0.9, .second = 0.999, .epsilon = 1e-8, .decay = 0};
-    options.schedule = (learn_schedule){.kind = LEARN_CONSTANT, .rate = given->rate, .epochs = given->epochs};
+    options.schedule = (learn_schedule){
+        .kind = given->falling ? LEARN_COSINE : LEARN_CONSTANT, .rate = given->rate, .epochs = given->epochs};
     options.seed = given->seed;
     options.threads = given->threads;
     options.check_every = CHECK_EVERY;
