@@ -3,8 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-/// Triangles flatter than this, in parts of their base, count as that high: a degenerate face has no conformal map.
+/// Twice the area of a triangle that has a conformal map to speak of is at least this, in parts of its longest edge squared.
 static const double LEAST_HEIGHT = 1e-3;
+/// Where a ring has a face flatter than that, its edges are made longer until in every face two edges together are longer than the third
+/// by so much, in parts of the longest.
+static const double MOLLIFICATION = 1e-2;
 /// Twice the least area of a flat face, in parts of its longest edge squared.
 static const double LEAST_AREA = 1e-7;
 /// Added to the diagonal in parts of its mean: a ring that is flat already makes the matrix singular.
@@ -44,20 +47,55 @@ typedef struct flat_triangle
     double area;
 } flat_triangle;
 
-/// False for a triangle without extent.
-static bool unfold(const double *a, const double *b, const double *c, flat_triangle *made)
+/// Lay a triangle into the plane by the lengths of its edges, ab along the real axis; its area by Kahan's formula. False for one that is too
+/// flat.
+static bool unfold(double ab, double bc, double ca, flat_triangle *made)
 {
-    double ab[3], ac[3], normal[3];
-    subtract(b, a, ab);
-    subtract(c, a, ac);
-    cross(ab, ac, normal);
-    double length = sqrt(dot(ab, ab));
-    if (!(length > 0))
+    double longest = fmax(ab, fmax(bc, ca)), shortest = fmin(ab, fmin(bc, ca));
+    double middle = fmax(fmin(ab, bc), fmin(fmax(ab, bc), ca));
+    double product = (longest + (middle + shortest)) * (shortest - (longest - middle)) * (shortest + (longest - middle)) *
+                     (longest + (middle - shortest));
+    if (!(product > 0))
         return false;
-    double x = dot(ab, ac) / length, y = sqrt(dot(normal, normal)) / length;
-    y = fmax(y, LEAST_HEIGHT * fmax(length, fabs(x)));
-    *made = (flat_triangle){{{x - length, y}, {-x, -y}, {length, 0}}, length * y};
+    double area = 0.5 * sqrt(product), height = area / ab;
+    if (!(area > LEAST_HEIGHT * longest * longest))
+        return false;
+    double x = 0.5 * (ab + (ca - bc) * (ca + bc) / ab);
+    *made = (flat_triangle){{{x - ab, height}, {-x, -height}, {ab, 0}}, area};
     return true;
+}
+
+static double distance(const double *a, const double *b)
+{
+    double difference[3];
+    subtract(a, b, difference);
+    return sqrt(dot(difference, difference));
+}
+
+/// Unfold face k of a ring, all lengths greater by `added`.
+static bool unfold_face(const collapse_ring *ring, const double (*points)[3], uint32_t k, bool after, double added,
+                        uint32_t *corners, flat_triangle *made)
+{
+    flat_corners(ring, k, after, corners);
+    const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
+    return unfold(distance(a, b) + added, distance(b, c) + added, distance(c, a) + added, made);
+}
+
+/// A length that, added to all edges of a ring, makes every face a triangle of some height (Sharp and Crane, "A Laplacian for Nonmanifold
+/// Triangle Meshes", 2020). 0 where there is no extent at all.
+static double mollifier(const collapse_ring *ring, const double (*points)[3], bool after)
+{
+    double longest = 0, least_gap = INFINITY;
+    for (uint32_t k = 0; k < ring->count + (after ? 0 : ring->vanishing); k++)
+    {
+        uint32_t corners[3];
+        flat_corners(ring, k, after, corners);
+        const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
+        double ab = distance(a, b), bc = distance(b, c), ca = distance(c, a), most = fmax(ab, fmax(bc, ca));
+        longest = fmax(longest, most);
+        least_gap = fmin(least_gap, ab + bc + ca - 2 * most);
+    }
+    return fmax(MOLLIFICATION * longest - least_gap, 0);
 }
 
 /// The rows of the matrix: a point's row, or FLAT_UNKNOWNS for one that is held.
@@ -112,9 +150,9 @@ static void add_face(const flat_triangle *face, const uint32_t *corners, const f
     }
 }
 
-/// The matrix, and for held points the right side. False for a ring with a face without extent.
-static bool assemble(const collapse_ring *ring, const double (*points)[3], const flat_rows *rows, const double (*flat)[2],
-                     flat_room *room)
+/// The matrix, and for held points the right side, all edges being longer by `added`. False for a ring with a face that is too flat.
+static bool assemble_longer(const collapse_ring *ring, const double (*points)[3], double added, const flat_rows *rows,
+                            const double (*flat)[2], flat_room *room)
 {
     for (uint32_t r = 0; r < rows->count; r++)
     {
@@ -126,12 +164,18 @@ static bool assemble(const collapse_ring *ring, const double (*points)[3], const
     {
         uint32_t corners[3];
         flat_triangle face;
-        flat_corners(ring, k, false, corners);
-        if (!unfold(points[corners[0]], points[corners[1]], points[corners[2]], &face))
+        if (!unfold_face(ring, points, k, false, added, corners, &face))
             return false;
         add_face(&face, corners, rows, flat, room);
     }
     return true;
+}
+
+static bool assemble(const collapse_ring *ring, const double (*points)[3], const flat_rows *rows, const double (*flat)[2],
+                     flat_room *room)
+{
+    return assemble_longer(ring, points, 0, rows, flat, room) ||
+           assemble_longer(ring, points, mollifier(ring, points, false), rows, flat, room);
 }
 
 /// Cholesky's factor L of the matrix in place, L L^H. False where it is not positive definite.
@@ -300,16 +344,17 @@ static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3]
     return true;
 }
 
-/// Place the new vertex by least squares, everything else held; on the real axis if `on_line`.
-static bool place_new(const collapse_ring *ring, const double (*points)[3], bool on_line, double (*flat)[2])
+/// Place the new vertex by least squares, everything else held and all edges longer by `added`; on the real axis if `on_line`. False for a
+/// ring with a face that is too flat.
+static bool place_new_longer(const collapse_ring *ring, const double (*points)[3], double added, bool on_line,
+                             double (*flat)[2])
 {
     double weight = 0, sum[2] = {0};
     for (uint32_t k = 0; k < ring->count; k++)
     {
         uint32_t corners[3];
         flat_triangle face;
-        flat_corners(ring, k, true, corners);
-        if (!unfold(points[corners[0]], points[corners[1]], points[corners[2]], &face))
+        if (!unfold_face(ring, points, k, true, added, corners, &face))
             return false;
         const double *w = face.edge[0];
         weight += (w[0] * w[0] + w[1] * w[1]) / face.area;
@@ -324,6 +369,12 @@ static bool place_new(const collapse_ring *ring, const double (*points)[3], bool
     flat[FLAT_NEW][0] = sum[0] / weight;
     flat[FLAT_NEW][1] = on_line ? 0 : sum[1] / weight;
     return true;
+}
+
+static bool place_new(const collapse_ring *ring, const double (*points)[3], bool on_line, double (*flat)[2])
+{
+    return place_new_longer(ring, points, 0, on_line, flat) ||
+           place_new_longer(ring, points, mollifier(ring, points, true), on_line, flat);
 }
 
 bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
