@@ -1,5 +1,5 @@
-// Decimation against OpenMesh's decimater with its quadric module, in one run: how long each takes, and how far the result is from the
-// mesh it came from.
+// Decimation against OpenMesh's decimater with its quadric module, in one run: how long each takes, and how far the result
+// is from the mesh it came from.
 //
 //   peer_decimate [SHARE [MESH ...]]     SHARE: of the vertices that stay, default .01
 //
@@ -64,7 +64,8 @@ bat_mesh bumpy_sphere(uint32_t rings, uint32_t spokes)
     const double pi = std::acos(-1.0);
     std::vector<double> positions;
     std::vector<uint32_t> faces;
-    auto add = [&](double latitude, double longitude) {
+    auto add = [&](double latitude, double longitude)
+    {
         double x = std::cos(latitude) * std::cos(longitude), y = std::cos(latitude) * std::sin(longitude),
                z = std::sin(latitude), radius = 1 + 0.1 * std::sin(5 * x) * std::sin(6 * y + 1) + 0.05 * std::cos(9 * z + x);
         positions.insert(positions.end(), {radius * x, radius * y, radius * z});
@@ -167,14 +168,15 @@ void compare(const char *name, const bat_mesh &fine, double share)
         times[2][i] = decimate_batten(fine, vertices, true, mapped);
     }
     double openmesh = median_of(times[0], REPEATS), plain = median_of(times[1], REPEATS), map = median_of(times[2], REPEATS);
-    double of_openmesh = mean_distance(theirs, fine), of_plain = mean_distance(ours, fine), of_map = mean_distance(mapped, fine);
+    double of_openmesh = mean_distance(theirs, fine), of_plain = mean_distance(ours, fine),
+           of_map = mean_distance(mapped, fine);
     (void)std::printf("%s: %zu vertices to %zu\n"
                       "  OpenMesh          %6zu vertices  %8.1f ms  mean distance %.3e of the diagonal\n"
                       "  batten            %6zu vertices  %8.1f ms  %.3e   %.1f times as fast, distance times %.3f\n"
                       "  batten with a map %6zu vertices  %8.1f ms  %.3e   %.1f times the time without\n",
                       name, fine.vertex_count, vertices, theirs.vertex_count, 1e3 * openmesh, of_openmesh, ours.vertex_count,
-                      1e3 * plain, of_plain, openmesh / plain, of_plain / of_openmesh, mapped.vertex_count, 1e3 * map, of_map,
-                      map / plain);
+                      1e3 * plain, of_plain, openmesh / plain, of_plain / of_openmesh, mapped.vertex_count, 1e3 * map,
+                      of_map, map / plain);
     bat_mesh_free(&theirs);
     bat_mesh_free(&ours);
     bat_mesh_free(&mapped);

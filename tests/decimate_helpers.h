@@ -106,7 +106,8 @@ static inline bat_mesh shape_sphere(size_t n, double roughness, uint64_t seed)
     return mesh;
 }
 
-/// The unit square of n by n cells, lifted by `height` sin(3 x) cos(2 y), in a tilted plane; its middle cells left out where `hole`.
+/// The unit square of n by n cells, lifted by `height` sin(3 x) cos(2 y), in a tilted plane; its middle cells left out where
+/// `hole`.
 static inline bat_mesh shape_sheet(size_t n, double height, bool hole)
 {
     bat_mesh mesh = shape_room((n + 1) * (n + 1), 2 * n * n);

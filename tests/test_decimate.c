@@ -138,8 +138,8 @@ static void test_error_follows_size(void **state)
             check_near(shape_distance(coarse.positions + 3 * v, (const double[3]){0}), 1, 0.02);
         bat_mesh_free(&coarse);
     }
-    // Equilateral faces with their corners on the sphere, of area A = 4 pi / 796 and edge L, lie L^2 / 8 = A / (2 sqrt(3)) below it on
-    // the average; points of least error do better.
+    // Equilateral faces with their corners on the sphere, of area A = 4 pi / 796 and edge L, lie L^2 / 8 = A / (2 sqrt(3))
+    // below it on the average; points of least error do better.
     assert_true(lost[0] < 4 * 3.14159265358979 * (4 * 3.14159265358979 / 796) / (2 * sqrt(3)));
     check_near(lost[1] / lost[0], 2, 0.4);
     bat_mesh_free(&sphere);

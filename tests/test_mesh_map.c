@@ -56,8 +56,8 @@ static mesh_pair pair_number(size_t number)
     }
 }
 
-/// In every collapse all flat faces lie the right way round, and before and after they cover the same area: with the same outside,
-/// the two are bijections of one polygon.
+/// In every collapse all flat faces lie the right way round, and before and after they cover the same area: with the same
+/// outside, the two are bijections of one polygon.
 static void test_overlays_cover(void **state)
 {
     (void)state;
@@ -223,8 +223,8 @@ static bat_mesh split(const bat_mesh *mesh)
     return fine;
 }
 
-/// The images of the vertices of a coarse sphere subdivided twice make a mesh that covers the sphere once: seen from the centre no
-/// face is turned over, and their solid angles add up to the whole.
+/// The images of the vertices of a coarse sphere subdivided twice make a mesh that covers the sphere once: seen from the
+/// centre no face is turned over, and their solid angles add up to the whole.
 static void test_images_cover_the_sphere(void **state)
 {
     (void)state;
@@ -412,6 +412,8 @@ static void test_files(void **state)
         assert_int_equal(bat_mesh_map_write(path, pair.map, NULL), BAT_OK);
         if (bat_mesh_map_read(path, &pair.fine, &pair.coarse, &read, &error) != BAT_OK)
             fail_msg("%s", error.text);
+        assert_int_equal(bat_mesh_map_size(read).collapses, pair.map->collapse_count);
+        assert_int_equal(bat_mesh_map_size(read).coarse_faces, pair.coarse.face_count);
         bat_mesh_point *points = scatter(&pair.coarse, 500, 5), *others = scatter(&pair.coarse, 500, 5);
         assert_int_equal(bat_mesh_map_to_fine(pair.map, points, 500, NULL), BAT_OK);
         assert_int_equal(bat_mesh_map_to_fine(read, others, 500, NULL), BAT_OK);
