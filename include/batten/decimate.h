@@ -23,7 +23,8 @@ typedef struct bat_decimate_options
     /// The least scalar product of a face's unit normals before and after a collapse, -1 to 1; default .2.
     double least_normal;
     /// The least triangle quality after a collapse, 0 to 1: 4 sqrt(3) times the area over the sum of the squared edges, in
-    /// space and in the plane; default .2. Where a face around the edge is worse already, being as good as that one is enough.
+    /// space and in the plane; default .2. Where a face around the edge is worse already, to be as good as that one is
+    /// enough.
     double least_quality;
     /// How much more the squared distance from a boundary or crease edge counts than that from a face as large as the square
     /// over the edge; default 1000.
@@ -60,8 +61,8 @@ typedef struct bat_mesh_map bat_mesh_map;
 BAT_API bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_decimate_options *options, bat_mesh *coarse,
                                      bat_mesh_map **map, bat_error *error);
 
-/// Carry points of the coarse mesh to the fine one, in place. Points of the boundary go to the boundary. There and back again
-/// leaves rounding errors alone, some 1e-15 of the face's size where triangles are well shaped.
+/// Carry points of the coarse mesh to the fine one, in place. Points of the boundary go to the boundary. There and back
+/// again leaves rounding errors alone, some 1e-15 of the face's size where triangles are well shaped.
 /// @return BAT_OK, or BAT_INVALID_POINT with the index of a point that is not on the mesh; all stay as they are then
 BAT_API bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error);
 /// Carry points of the fine mesh to the coarse one, in place.
