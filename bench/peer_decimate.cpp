@@ -68,7 +68,8 @@ bat_mesh bumpy_sphere(uint32_t rings, uint32_t spokes)
     {
         double x = std::cos(latitude) * std::cos(longitude), y = std::cos(latitude) * std::sin(longitude),
                z = std::sin(latitude), radius = 1 + 0.1 * std::sin(5 * x) * std::sin(6 * y + 1) + 0.05 * std::cos(9 * z + x);
-        positions.insert(positions.end(), {radius * x, radius * y, radius * z});
+        for (double coordinate : {radius * x, radius * y, radius * z})
+            positions.push_back(coordinate);
     };
     for (uint32_t i = 0; i < rings; i++)
         for (uint32_t j = 0; j < spokes; j++)
@@ -81,9 +82,11 @@ bat_mesh bumpy_sphere(uint32_t rings, uint32_t spokes)
         for (uint32_t i = 0; i + 1 < rings; i++)
         {
             uint32_t a = i * spokes + j, b = i * spokes + next, c = a + spokes, d = b + spokes;
-            faces.insert(faces.end(), {a, b, d, a, d, c});
+            for (uint32_t corner : {a, b, d, a, d, c})
+                faces.push_back(corner);
         }
-        faces.insert(faces.end(), {rings * spokes, next, j, top + j, top + next, rings * spokes + 1});
+        for (uint32_t corner : {rings * spokes, next, j, top + j, top + next, rings * spokes + 1})
+            faces.push_back(corner);
     }
     return mesh_of(positions, faces);
 }
