@@ -169,6 +169,74 @@ static void test_seeds(void **state)
     bat_mesh_free(&rough);
 }
 
+/// Decimations side by side do not disturb each other.
+static void test_threads(void **state)
+{
+    (void)state;
+    enum
+    {
+        COUNT = 6
+    };
+    bat_mesh rough = shape_sphere(10, 0.05, 3), alone[COUNT], together[COUNT];
+    for (int i = 0; i < COUNT; i++)
+    {
+        bat_decimate_options options = options_to(80, 100);
+        options.seed = (uint64_t)i;
+        alone[i] = decimate(&rough, &options, true);
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(3)
+    for (int i = 0; i < COUNT; i++)
+    {
+        bat_decimate_options options = options_to(80, 100);
+        options.seed = (uint64_t)i;
+        together[i] = decimate(&rough, &options, true);
+    }
+    for (int i = 0; i < COUNT; i++)
+    {
+        assert_same(&alone[i], &together[i], true);
+        bat_mesh_free(&alone[i]);
+        bat_mesh_free(&together[i]);
+    }
+    bat_mesh_free(&rough);
+}
+
+/// Vertices that coincide, faces without area: nothing but the number of vertices changes.
+static void test_degenerate_faces(void **state)
+{
+    (void)state;
+    bat_mesh snapped = shape_sphere(16, 0, 1), flat = shape_torus(30, 12, 0.4), point = shape_torus(30, 12, 0.4);
+    for (size_t i = 0; i < 3 * snapped.vertex_count; i++)
+        snapped.positions[i] = round(5 * snapped.positions[i]) / 5;
+    for (size_t v = 0; v < flat.vertex_count; v++)
+        flat.positions[3 * v + 2] = 0;
+    memset(point.positions, 0, 3 * point.vertex_count * sizeof(double));
+    check_topology(&snapped, 60);
+    check_topology(&flat, 60);
+    check_topology(&point, 60);
+}
+
+/// Vertices of a thousand faces, where rings are too large at first.
+static void test_hubs(void **state)
+{
+    (void)state;
+    enum
+    {
+        SPOKES = 1000
+    };
+    bat_mesh bipyramid = shape_room(SPOKES + 2, 2 * SPOKES);
+    for (uint32_t i = 0; i < SPOKES; i++)
+    {
+        double angle = 6.28318530717958647692 * i / SPOKES;
+        const double at[3] = {cos(angle), sin(angle), 0};
+        const uint32_t faces[6] = {i, (i + 1) % SPOKES, SPOKES, (i + 1) % SPOKES, i, SPOKES + 1};
+        memcpy(bipyramid.positions + 3 * (size_t)i, at, sizeof at);
+        memcpy(bipyramid.faces + 6 * (size_t)i, faces, sizeof faces);
+    }
+    const double tips[6] = {0, 0, 1, 0, 0, -1};
+    memcpy(bipyramid.positions + (size_t)3 * SPOKES, tips, sizeof tips);
+    check_topology(&bipyramid, 20);
+}
+
 /// Sizes by powers of two change nothing but sizes, to the last bit.
 static void test_scales(void **state)
 {
@@ -452,6 +520,9 @@ int main(void)
         cmocka_unit_test(test_sharp_edges_stay),
         cmocka_unit_test(test_error_follows_size),
         cmocka_unit_test(test_seeds),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_degenerate_faces),
+        cmocka_unit_test(test_hubs),
         cmocka_unit_test(test_scales),
         cmocka_unit_test(test_bounds_hold),
         cmocka_unit_test(test_creases_and_corners_stay),
