@@ -51,8 +51,8 @@ static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, bat_err
 {
     if (mesh->crease_count == 0)
         return BAT_OK;
-    made->sharpness = calloc(made->edge_count, sizeof *made->sharpness);
-    uint8_t *meeting = calloc(made->vertex_count, sizeof *meeting);
+    made->sharpness = calloc(made->edge_count + 1, sizeof *made->sharpness);
+    uint8_t *meeting = calloc(made->vertex_count + 1, sizeof *meeting);
     bat_status status = made->sharpness != NULL && meeting != NULL
                             ? BAT_OK
                             : error_memory(error, made->edge_count * sizeof *made->sharpness);
