@@ -94,7 +94,7 @@ static quadric planes_of_edge(const error_vertex *a, const error_vertex *b, doub
 error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j, uint32_t kept)
 {
     const error_vertex *a = &vertices[i], *b = &vertices[j];
-    double half[3], offset[3];
+    double half[3], offset[3] = {0};
     quadric planes = planes_of_edge(a, b, half);
     double square = 4 * dot(half, half), weight = quadric_weight(&planes), penalty = LENGTH_SHARE * weight * square;
     error_placement placed;
