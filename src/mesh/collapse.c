@@ -51,8 +51,8 @@ static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, bat_err
 {
     if (mesh->crease_count == 0)
         return BAT_OK;
-    made->sharpness = calloc(made->edge_count, sizeof *made->sharpness);
-    uint8_t *meeting = calloc(made->vertex_count, sizeof *meeting);
+    made->sharpness = calloc(made->edge_count + 1, sizeof *made->sharpness);
+    uint8_t *meeting = calloc(made->vertex_count + 1, sizeof *meeting);
     bat_status status = made->sharpness != NULL && meeting != NULL
                             ? BAT_OK
                             : error_memory(error, made->edge_count * sizeof *made->sharpness);
@@ -146,8 +146,8 @@ bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t
     return of_a == COLLAPSE_FREE || of_b == COLLAPSE_FREE;
 }
 
-/// Append the faces from that of `from` on, counter-clockwise around the vertex where it begins, up to that of `until` (not included) or
-/// the boundary. False when there are too many.
+/// Append the faces from that of `from` on, counter-clockwise around the vertex where it begins, up to that of `until` (not
+/// included) or the boundary. False when there are too many.
 static bool append_fan(const collapse_mesh *mesh, collapse_ring *ring, uint32_t from, uint32_t until)
 {
     for (uint32_t h = from; h != until && h != BAT_MESH_NONE; h = next_around(mesh, h))
@@ -169,8 +169,8 @@ static bool find_boundary_ring(const collapse_mesh *mesh, uint32_t h, collapse_r
     return append_fan(mesh, ring, next_around(mesh, h), BAT_MESH_NONE);
 }
 
-/// The fan of an edge between two faces: i's faces (from the boundary, if i is there, else from after the left face) up to the right
-/// face, j's faces, and if i is on the boundary, i's remaining ones.
+/// The fan of an edge between two faces: i's faces (from the boundary, if i is there, else from after the left face) up to
+/// the right face, j's faces, and if i is on the boundary, i's remaining ones.
 static bool find_inner_ring(const collapse_mesh *mesh, uint32_t h, collapse_ring *ring)
 {
     uint32_t back = mesh->twin[h];
@@ -185,8 +185,8 @@ static bool find_inner_ring(const collapse_mesh *mesh, uint32_t h, collapse_ring
     return ring->closed || append_fan(mesh, ring, after_left, BAT_MESH_NONE);
 }
 
-/// Whether the vertices of a ring are all different. Those of a fan are; the neighbours that i and j have in common stand in it once. So
-/// this says that i and j have no other neighbours in common, the boundary's virtual vertex included.
+/// Whether the vertices of a ring are all different. Those of a fan are; the neighbours that i and j have in common stand in
+/// it once. So this says that i and j have no other neighbours in common, the boundary's virtual vertex included.
 static bool vertices_differ(collapse_mesh *mesh, const collapse_ring *ring)
 {
     uint32_t stamp = ++mesh->last_stamp;

@@ -4,8 +4,9 @@
 #include "batten/mesh.h"
 
 /// @file
-/// A mesh whose edges can be collapsed. Faces, half-edges, edges and vertices keep their numbers of the mesh it was made from until
-/// they vanish. A collapse of the half-edge from i to j takes away the faces beside it and gives j's other faces to i.
+/// A mesh whose edges can be collapsed. Faces, half-edges, edges and vertices keep their numbers of the mesh it was
+/// made from until they vanish. A collapse of the half-edge from i to j takes away the faces beside it and gives j's
+/// other faces to i.
 
 /// How free a vertex is to move.
 typedef enum collapse_freedom
@@ -37,12 +38,13 @@ enum
     COLLAPSE_MOST_FACES = 64
 };
 
-/// The neighbourhood of an edge from i to j: the fan of faces that stays when the edge is collapsed, counter-clockwise around it, and
-/// the vertices on its outside.
+/// The neighbourhood of an edge from i to j: the fan of faces that stays when the edge is collapsed, counter-clockwise
+/// around it, and the vertices on its outside.
 ///
-/// Face k of the fan has the corners apex, vertex[k] and vertex[k + 1], the apex being j for j_begin <= k < j_end, else i; half_edge[k]
-/// runs from the apex to vertex[k]. Where the fan is closed, vertex[count] is vertex[0] once more. Then come the one or two faces that
-/// vanish: (i, j, vertex[j_end]) and (j, i, vertex[j_begin]), with the half-edges from i to j and from j to i.
+/// Face k of the fan has the corners apex, vertex[k] and vertex[k + 1], the apex being j for j_begin <= k < j_end, else i;
+/// half_edge[k] runs from the apex to vertex[k]. Where the fan is closed, vertex[count] is vertex[0] once more. Then come
+/// the one or two faces that vanish: (i, j, vertex[j_end]) and (j, i, vertex[j_begin]), with the half-edges from i to j and
+/// from j to i.
 typedef struct collapse_ring
 {
     uint32_t half_edge[COLLAPSE_MOST_FACES + 2];
@@ -61,16 +63,18 @@ void collapse_mesh_free(collapse_mesh *mesh);
 
 /// Whether an edge is a boundary or a crease.
 bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge);
-/// Whether the freedoms of an edge's ends allow its collapse: what is fixed must not move, what is on a curve must stay on it, and curves
-/// must not be pinched together. `kept` receives the end where the new vertex must be, BAT_MESH_NONE where it is free.
+/// Whether the freedoms of an edge's ends allow its collapse: what is fixed must not move, what is on a curve must stay on
+/// it, and curves must not be pinched together. `kept` receives the end where the new vertex must be, BAT_MESH_NONE where it
+/// is free.
 bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept);
 
 /// Find the ring of an edge. Where exactly one of its ends is on the boundary, that one is i.
-/// @return false where the collapse would change the topology: where the link condition of Dey et al. (1999) fails, where a piece
-///         of the mesh would be left with less than a tetrahedron or without faces; also where the ring is too large
+/// @return false where the collapse would change the topology: where the link condition of Dey et al. (1999) fails, where a
+///         piece of the mesh would be left with less than a tetrahedron or without faces; also where the ring is too large
 bool collapse_ring_find(collapse_mesh *mesh, uint32_t edge, collapse_ring *ring);
 
-/// The local number of a face's corner: 0 for i, 1 for j, 2 + k for vertex[k]. `c` counts from the corner where half_edge[face] begins.
+/// The local number of a face's corner: 0 for i, 1 for j, 2 + k for vertex[k]. `c` counts from the corner where
+/// half_edge[face] begins.
 static inline uint32_t collapse_ring_corner(const collapse_ring *ring, uint32_t face, uint32_t c)
 {
     uint32_t apex = face >= ring->j_begin && face < ring->j_end ? 1 : 0;
@@ -89,7 +93,8 @@ static inline uint32_t collapse_ring_vertices(const collapse_ring *ring)
     return ring->closed ? ring->count : ring->count + 1;
 }
 
-/// Collapse the edge of a ring into its vertex i. `gone` receives the two or three edges that vanish, `gone_count` their number.
+/// Collapse the edge of a ring into its vertex i. `gone` receives the two or three edges that vanish, `gone_count` their
+/// number.
 void collapse_apply(collapse_mesh *mesh, const collapse_ring *ring, uint32_t *gone, uint32_t *gone_count);
 
 #endif

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/// Added to the matrix of the least error in parts of its trace: directions that the planes leave open by less do not move the vertex from
-/// the middle.
+/// Added to the matrix of the least error in parts of its trace: directions that the planes leave open by less do not move
+/// the vertex from the middle.
 static const double DAMPING = 1e-6;
 /// An edge's squared length counts by so much: where all errors vanish, short edges go first.
 static const double LENGTH_SHARE = 1e-8;
@@ -12,7 +12,7 @@ static const double LENGTH_SHARE = 1e-8;
 static const double ROUNDING = 1e-14;
 /// The new vertex goes no farther from the middle of the edge than so many times its length.
 static const double FARTHEST = 2;
-/// A face of less quality than this has no normal to speak of.
+/// A face of no more quality than this has no normal to speak of.
 static const double DEGENERATE = 1e-7;
 /// sqrt(12): times twice the area, over the sum of squared edges, is the quality of a triangle, 1 for an equilateral one.
 static const double QUALITY_FACTOR = 3.46410161513775458705;
@@ -94,7 +94,7 @@ static quadric planes_of_edge(const error_vertex *a, const error_vertex *b, doub
 error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j, uint32_t kept)
 {
     const error_vertex *a = &vertices[i], *b = &vertices[j];
-    double half[3], offset[3];
+    double half[3], offset[3] = {0};
     quadric planes = planes_of_edge(a, b, half);
     double square = 4 * dot(half, half), weight = quadric_weight(&planes), penalty = LENGTH_SHARE * weight * square;
     error_placement placed;
@@ -158,6 +158,12 @@ static bool has_quality(const face_shape *shape, double least)
     return shape->square >= bound * bound;
 }
 
+static bool has_normal(const face_shape *shape)
+{
+    double bound = DEGENERATE * shape->edges / QUALITY_FACTOR;
+    return shape->square > bound * bound;
+}
+
 /// The least quality of a ring's faces before the collapse, vanishing ones included.
 static double worst_quality(const error_vertex *vertices, const collapse_ring *ring)
 {
@@ -187,8 +193,7 @@ bool error_faces_stay_sound(const error_vertex *vertices, const collapse_ring *r
         const double *apex = vertices[k >= ring->j_begin && k < ring->j_end ? ring->j : ring->i].position;
         const double *from = vertices[ring->vertex[k]].position, *to = vertices[ring->vertex[k + 1]].position;
         face_shape before = shape_of(apex, from, to), after = shape_of(position, from, to);
-        if (has_quality(&before, DEGENERATE) &&
-            !(dot(before.normal, after.normal) > least_normal * sqrt(before.square * after.square)))
+        if (has_normal(&before) && !(dot(before.normal, after.normal) > least_normal * sqrt(before.square * after.square)))
             return false;
         if (has_quality(&after, least))
             continue;

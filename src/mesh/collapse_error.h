@@ -21,12 +21,12 @@ typedef struct error_placement
     double error; ///< by which edges are ordered
 } error_placement;
 
-/// Give every vertex the planes of its faces, weighted by their areas, and across every boundary and crease edge a plane through it, upright
-/// on its face, weighted by the square of its length times `curve_weight`.
+/// Give every vertex the planes of its faces, weighted by their areas, and across every boundary and crease edge a plane
+/// through it, upright on its face, weighted by the square of its length times `curve_weight`.
 void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, double curve_weight, error_vertex *vertices);
 
-/// Place the new vertex of the edge from i to j where the error is least, at one of its ends or in its middle where that is as good. `kept`
-/// is the end where it must be, or BAT_MESH_NONE.
+/// Place the new vertex of the edge from i to j where the error is least, at one of its ends or in its middle where that is
+/// as good. `kept` is the end where it must be, or BAT_MESH_NONE.
 error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j, uint32_t kept);
 
 /// Give vertex i the place of a collapse and the planes of both.

@@ -251,7 +251,7 @@ static void copy_vertices(decimation *all, bat_mesh *coarse)
         if (mesh->first[v] == BAT_MESH_NONE)
             continue;
         memcpy(coarse->positions + 3 * (size_t)count, all->vertices[v].position, 3 * sizeof(double));
-        if (all->corners != NULL && all->corners[v] > 0)
+        if (coarse->corners != NULL && all->corners[v] > 0)
             coarse->corners[corner++] = (bat_mesh_corner){count, all->corners[v]};
         mesh->stamp[v] = count++;
     }
@@ -271,7 +271,7 @@ static void copy_faces(const decimation *all, bat_mesh *coarse)
             all->map->kept[count] = (uint32_t)f;
         count++;
     }
-    for (size_t e = 0; e < mesh->edge_count && mesh->sharpness != NULL; e++)
+    for (size_t e = 0; e < mesh->edge_count && coarse->creases != NULL; e++)
     {
         uint32_t h = mesh->half_edge[e];
         if (h != BAT_MESH_NONE && mesh->sharpness[e] > 0)

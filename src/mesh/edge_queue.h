@@ -4,8 +4,8 @@
 #include "batten/base.h"
 
 /// @file
-/// The edges that wait to be collapsed, with their errors. Taken in order of their errors (a heap of four children a node), or
-/// each time the least of a few random ones (Liu et al. 2020, appendix E).
+/// The edges that wait to be collapsed, with their errors. Taken in order of their errors (a heap of four children a
+/// node), or each time the least of a few random ones (Liu et al. 2020, appendix E).
 
 typedef struct edge_queue_item
 {

@@ -3,8 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-/// Triangles flatter than this, in parts of their base, count as that high: a degenerate face has no conformal map.
+/// Twice the area of a triangle that has a conformal map to speak of is at least this, in parts of its longest edge squared.
 static const double LEAST_HEIGHT = 1e-3;
+/// Where a ring has a face flatter than that, its edges are made longer until in every face two edges together are longer
+/// than the third by so much, in parts of the longest. Where it has no extent at all, all are as long.
+static const double MOLLIFICATION = 1e-2;
 /// Twice the least area of a flat face, in parts of its longest edge squared.
 static const double LEAST_AREA = 1e-7;
 /// Added to the diagonal in parts of its mean: a ring that is flat already makes the matrix singular.
@@ -16,6 +19,7 @@ enum
     ITERATIONS = 3
 };
 
+static const double TWO_PI = 6.283185307179586476925286766559;
 /// 4 sqrt(3): times the area, over the sum of squared edges, is the quality of a triangle.
 static const double QUALITY_FACTOR = 6.92820323027550917411;
 
@@ -30,13 +34,6 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void cross(const double *a, const double *b, double *product)
-{
-    product[0] = a[1] * b[2] - a[2] * b[1];
-    product[1] = a[2] * b[0] - a[0] * b[2];
-    product[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /// A triangle in its own plane: the edges opposite to its corners, as complex numbers, and twice its area.
 typedef struct flat_triangle
 {
@@ -44,20 +41,55 @@ typedef struct flat_triangle
     double area;
 } flat_triangle;
 
-/// False for a triangle without extent.
-static bool unfold(const double *a, const double *b, const double *c, flat_triangle *made)
+/// Lay a triangle into the plane by the lengths of its edges, ab along the real axis; its area by Kahan's formula. False for
+/// one that is too flat.
+static bool unfold(double ab, double bc, double ca, flat_triangle *made)
 {
-    double ab[3], ac[3], normal[3];
-    subtract(b, a, ab);
-    subtract(c, a, ac);
-    cross(ab, ac, normal);
-    double length = sqrt(dot(ab, ab));
-    if (!(length > 0))
+    double longest = fmax(ab, fmax(bc, ca)), shortest = fmin(ab, fmin(bc, ca));
+    double middle = fmax(fmin(ab, bc), fmin(fmax(ab, bc), ca));
+    double product = (longest + (middle + shortest)) * (shortest - (longest - middle)) * (shortest + (longest - middle)) *
+                     (longest + (middle - shortest));
+    if (!(product > 0))
         return false;
-    double x = dot(ab, ac) / length, y = sqrt(dot(normal, normal)) / length;
-    y = fmax(y, LEAST_HEIGHT * fmax(length, fabs(x)));
-    *made = (flat_triangle){{{x - length, y}, {-x, -y}, {length, 0}}, length * y};
+    double area = 0.5 * sqrt(product), height = area / ab;
+    if (!(area > LEAST_HEIGHT * longest * longest))
+        return false;
+    double x = 0.5 * (ab + (ca - bc) * (ca + bc) / ab);
+    *made = (flat_triangle){{{x - ab, height}, {-x, -height}, {ab, 0}}, area};
     return true;
+}
+
+static double distance(const double *a, const double *b)
+{
+    double difference[3];
+    subtract(a, b, difference);
+    return sqrt(dot(difference, difference));
+}
+
+/// Unfold face k of a ring, all lengths greater by `added`.
+static bool unfold_face(const collapse_ring *ring, const double (*points)[3], uint32_t k, bool after, double added,
+                        uint32_t *corners, flat_triangle *made)
+{
+    flat_corners(ring, k, after, corners);
+    const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
+    return unfold(distance(a, b) + added, distance(b, c) + added, distance(c, a) + added, made);
+}
+
+/// A length that, added to all edges of a ring, makes every face a triangle of some height (Sharp and Crane, "A Laplacian
+/// for Nonmanifold Triangle Meshes", 2020).
+static double mollifier(const collapse_ring *ring, const double (*points)[3], bool after)
+{
+    double longest = 0, least_gap = INFINITY;
+    for (uint32_t k = 0; k < ring->count + (after ? 0 : ring->vanishing); k++)
+    {
+        uint32_t corners[3];
+        flat_corners(ring, k, after, corners);
+        const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
+        double ab = distance(a, b), bc = distance(b, c), ca = distance(c, a), most = fmax(ab, fmax(bc, ca));
+        longest = fmax(longest, most);
+        least_gap = fmin(least_gap, ab + bc + ca - 2 * most);
+    }
+    return longest > 0 ? fmax(MOLLIFICATION * longest - least_gap, 0) : 1;
 }
 
 /// The rows of the matrix: a point's row, or FLAT_UNKNOWNS for one that is held.
@@ -81,8 +113,8 @@ static void choose_rows(const collapse_ring *ring, bool on_line, flat_room *room
     }
 }
 
-/// Add |sum_k W_k z_k|^2 / (2 area), twice the part of the energy that a face contributes: to the matrix for its unknown points, to the
-/// right side for its held ones.
+/// Add |sum_k W_k z_k|^2 / (2 area), twice the part of the energy that a face contributes: to the matrix for its unknown
+/// points, to the right side for its held ones.
 static void add_face(const flat_triangle *face, const uint32_t *corners, const flat_rows *rows, const double (*flat)[2],
                      flat_room *room)
 {
@@ -112,9 +144,10 @@ static void add_face(const flat_triangle *face, const uint32_t *corners, const f
     }
 }
 
-/// The matrix, and for held points the right side. False for a ring with a face without extent.
-static bool assemble(const collapse_ring *ring, const double (*points)[3], const flat_rows *rows, const double (*flat)[2],
-                     flat_room *room)
+/// The matrix, and for held points the right side, all edges being longer by `added`. False for a ring with a face that is
+/// too flat.
+static bool assemble_longer(const collapse_ring *ring, const double (*points)[3], double added, const flat_rows *rows,
+                            const double (*flat)[2], flat_room *room)
 {
     for (uint32_t r = 0; r < rows->count; r++)
     {
@@ -126,12 +159,18 @@ static bool assemble(const collapse_ring *ring, const double (*points)[3], const
     {
         uint32_t corners[3];
         flat_triangle face;
-        flat_corners(ring, k, false, corners);
-        if (!unfold(points[corners[0]], points[corners[1]], points[corners[2]], &face))
+        if (!unfold_face(ring, points, k, false, added, corners, &face))
             return false;
         add_face(&face, corners, rows, flat, room);
     }
     return true;
+}
+
+static bool assemble(const collapse_ring *ring, const double (*points)[3], const flat_rows *rows, const double (*flat)[2],
+                     flat_room *room)
+{
+    return assemble_longer(ring, points, 0, rows, flat, room) ||
+           assemble_longer(ring, points, mollifier(ring, points, false), rows, flat, room);
 }
 
 /// Cholesky's factor L of the matrix in place, L L^H. False where it is not positive definite.
@@ -187,37 +226,24 @@ static void solve(flat_room *room, uint32_t count)
     }
 }
 
-/// The ring seen along its mean normal, where the iteration begins.
-static void project(const collapse_ring *ring, const double (*points)[3], double (*flat)[2])
+/// The outside on a circle, i and j in its centre: where the iteration begins.
+static void lay_on_circle(const collapse_ring *ring, double (*flat)[2])
 {
-    double normal[3] = {0};
-    for (uint32_t k = 0; k < ring->count + ring->vanishing; k++)
+    uint32_t count = collapse_ring_vertices(ring);
+    double angle = TWO_PI / count, cosine = cos(angle), sine = sin(angle), at[2] = {1, 0};
+    for (uint32_t k = 0; k < count; k++)
     {
-        uint32_t corners[3];
-        double ab[3], ac[3], product[3];
-        flat_corners(ring, k, false, corners);
-        subtract(points[corners[1]], points[corners[0]], ab);
-        subtract(points[corners[2]], points[corners[0]], ac);
-        cross(ab, ac, product);
-        for (int c = 0; c < 3; c++)
-            normal[c] += product[c];
+        memcpy(flat[FLAT_RING + k], at, sizeof at);
+        double x = cosine * at[0] - sine * at[1];
+        at[1] = sine * at[0] + cosine * at[1];
+        at[0] = x;
     }
-    // The axis least along the normal gives a direction across it.
-    int least = fabs(normal[0]) < fabs(normal[1]) ? (fabs(normal[0]) < fabs(normal[2]) ? 0 : 2)
-                                                  : (fabs(normal[1]) < fabs(normal[2]) ? 1 : 2);
-    double axis[3] = {least == 0, least == 1, least == 2}, across[3], along[3];
-    cross(normal, axis, across);
-    cross(normal, across, along);
-    double of_across = 1 / fmax(sqrt(dot(across, across)), 1e-300), of_along = 1 / fmax(sqrt(dot(along, along)), 1e-300);
-    for (uint32_t p = 0; p < FLAT_RING + collapse_ring_vertices(ring); p++)
-    {
-        flat[p][0] = of_across * dot(points[p], across);
-        flat[p][1] = of_along * dot(points[p], along);
-    }
+    memset(flat[FLAT_I], 0, sizeof flat[0]);
+    memset(flat[FLAT_J], 0, sizeof flat[0]);
 }
 
-/// Move the mean of the boundary points to the origin and make their mean square 1, and copy them to the right side, interior points
-/// being zero there. False when they all coincide.
+/// Move the mean of the boundary points to the origin and make their mean square 1, and copy them to the right side,
+/// interior points being zero there. False when they all coincide.
 static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*flat)[2], flat_room *room)
 {
     uint32_t boundary = 0;
@@ -264,7 +290,7 @@ static bool flatten_free(const collapse_ring *ring, const double (*points)[3], f
         trace += room->real[r][r];
     if (!factorize(room, rows.count, SHIFT * trace / rows.count))
         return false;
-    project(ring, points, flat);
+    lay_on_circle(ring, flat);
     for (int i = 0; i < ITERATIONS; i++)
     {
         if (!normalize(ring, rows.count, flat, room))
@@ -300,16 +326,17 @@ static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3]
     return true;
 }
 
-/// Place the new vertex by least squares, everything else held; on the real axis if `on_line`.
-static bool place_new(const collapse_ring *ring, const double (*points)[3], bool on_line, double (*flat)[2])
+/// Place the new vertex by least squares, everything else held and all edges longer by `added`; on the real axis if
+/// `on_line`. False for a ring with a face that is too flat.
+static bool place_new_longer(const collapse_ring *ring, const double (*points)[3], double added, bool on_line,
+                             double (*flat)[2])
 {
     double weight = 0, sum[2] = {0};
     for (uint32_t k = 0; k < ring->count; k++)
     {
         uint32_t corners[3];
         flat_triangle face;
-        flat_corners(ring, k, true, corners);
-        if (!unfold(points[corners[0]], points[corners[1]], points[corners[2]], &face))
+        if (!unfold_face(ring, points, k, true, added, corners, &face))
             return false;
         const double *w = face.edge[0];
         weight += (w[0] * w[0] + w[1] * w[1]) / face.area;
@@ -324,6 +351,12 @@ static bool place_new(const collapse_ring *ring, const double (*points)[3], bool
     flat[FLAT_NEW][0] = sum[0] / weight;
     flat[FLAT_NEW][1] = on_line ? 0 : sum[1] / weight;
     return true;
+}
+
+static bool place_new(const collapse_ring *ring, const double (*points)[3], bool on_line, double (*flat)[2])
+{
+    return place_new_longer(ring, points, 0, on_line, flat) ||
+           place_new_longer(ring, points, mollifier(ring, points, true), on_line, flat);
 }
 
 bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
@@ -361,8 +394,8 @@ static double worst_quality(const collapse_ring *ring, const double (*flat)[2], 
     return worst;
 }
 
-/// Whether the faces around the new vertex, all of positive area, go around it just once; on the boundary, less than once. Every turn
-/// passes the direction of vertex[0] once, from its right to its left.
+/// Whether the faces around the new vertex, all of positive area, go around it just once; on the boundary, less than once.
+/// Every turn passes the direction of vertex[0] once, from its right to its left.
 static bool winds_once(const collapse_ring *ring, const double (*flat)[2])
 {
     const double *centre = flat[FLAT_NEW];

@@ -4,7 +4,8 @@
 #include "mesh/collapse.h"
 
 /// @file
-/// A ring in the plane, before and after its edge is collapsed, both covering the same polygon (Liu et al. 2020, section 4.1).
+/// A ring in the plane, before and after its edge is collapsed, both covering the same polygon (Liu et al. 2020,
+/// section 4.1).
 ///
 /// Points of a ring stand in the order i, j, the vertex that replaces them, vertex[0], vertex[1], ….
 
@@ -39,20 +40,21 @@ static inline void flat_corners(const collapse_ring *ring, uint32_t face, bool a
     }
 }
 
-/// Flatten a ring with the least conformal energy that a map of fixed size can have.
-/// Closed rings, and those of an edge with one end on the boundary: spectral conformal parameterization (Mullen, Tong, Alliez and
-/// Desbrun 2008); then the new vertex by least squares with the outside held in place, or where i is, on the boundary.
-/// Rings of a boundary edge: least-squares conformal map that lays the boundary from the last vertex over i and j to the first one on a
-/// line by its lengths, so that the new vertex can be anywhere between; it is placed by least squares along the line.
+/// Flatten a ring with the least conformal energy that a map of fixed size can have. Closed rings, and those of an edge with
+/// one end on the boundary: spectral conformal parameterization (Mullen, Tong, Alliez and Desbrun 2008); then the new vertex
+/// by least squares with the outside held in place, or where i is, on the boundary. Rings of a boundary edge: least-squares
+/// conformal map that lays the boundary from the last vertex over i and j to the first one on a line by its lengths, so that
+/// the new vertex can be anywhere between; it is placed by least squares along the line.
 ///
 /// @param points the ring's points in space
 /// @param flat   receives its points in the plane
 /// @return false where the equations have no solution
 bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2]);
 
-/// Whether the flat ring is a bijection before and after the collapse: all faces have a positive area, and around the new vertex angles
-/// add up to a full turn or, on the boundary, less. Then the outside is a simple polygon, which faces of positive area can
-/// cover only once. And whether every face's quality after the collapse is at least `least_quality` or that of the worst face before.
+/// Whether the flat ring is a bijection before and after the collapse: all faces have a positive area, and around the new
+/// vertex angles add up to a full turn or, on the boundary, less. Then the outside is a simple polygon, which faces of
+/// positive area can cover only once. And whether every face's quality after the collapse is at least `least_quality` or
+/// that of the worst face before.
 bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double least_quality);
 
 #endif

@@ -159,10 +159,17 @@ bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_me
     return BAT_OK;
 }
 
+bat_mesh_map_sizes bat_mesh_map_size(const bat_mesh_map *map)
+{
+    return (bat_mesh_map_sizes){map->fine_vertices, map->fine_faces, map->coarse_vertices, map->coarse_faces,
+                                map->collapse_count};
+}
+
 // Carrying points
 
-/// Find the face of a collapse, before it or after it, that a point of the plane lies in, the one where its least barycentric coordinate
-/// is greatest. Rounding can leave the point a little outside of all: it is moved in. `barycentric` counts from the apex.
+/// Find the face of a collapse, before it or after it, that a point of the plane lies in, the one where its least
+/// barycentric coordinate is greatest. Rounding can leave the point a little outside of all: it is moved in. `barycentric`
+/// counts from the apex.
 static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bool after, const double *point,
                        double *barycentric)
 {
@@ -191,7 +198,8 @@ static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bo
     return best;
 }
 
-/// Carry a point through one collapse, from after it to before it or the other way. Returns the entry of the point's new face.
+/// Carry a point through one collapse, from after it to before it or the other way. Returns the entry of the point's new
+/// face.
 static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, double *barycentric)
 {
     const map_collapse *collapse = &map->collapses[map->collapse[entry]];

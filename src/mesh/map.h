@@ -8,12 +8,13 @@
 /// @file
 /// The map between a mesh and its decimation: the flat rings of all collapses, in order.
 ///
-/// A collapse has an entry for each face of its ring. The entries of a face hang together in the order of the collapses, so that a point
-/// is carried through only those collapses that its face took part in.
+/// A collapse has an entry for each face of its ring. The entries of a face hang together in the order of the collapses, so
+/// that a point is carried through only those collapses that its face took part in.
 
 #define MAP_NONE UINT32_MAX
 
-/// A collapse. Its entries are those of the ring's faces, in the ring's order; its points are i, j, the new vertex, and the outside.
+/// A collapse. Its entries are those of the ring's faces, in the ring's order; its points are i, j, the new vertex, and the
+/// outside.
 typedef struct map_collapse
 {
     uint32_t first_entry, first_point;
@@ -44,7 +45,8 @@ struct bat_mesh_map
     size_t collapse_room, entry_room, point_room; ///< while the map is made
 };
 
-/// The corners in the plane of face k of a collapse, before it or after it. The first one is where the face's half-edge begins.
+/// The corners in the plane of face k of a collapse, before it or after it. The first one is where the face's half-edge
+/// begins.
 static inline void map_corners(const bat_mesh_map *map, const map_collapse *collapse, uint32_t k, bool after,
                                const double *corners[3])
 {
@@ -87,8 +89,8 @@ void map_link(bat_mesh_map *map);
 bat_status map_allocate_links(bat_mesh_map *map, bat_error *error);
 /// A number that depends on a mesh's faces and their order (FNV-1a).
 uint64_t map_digest(const bat_mesh *mesh);
-/// Check that points can be carried through a map whose arrays are set, links excepted: every collapse works on faces that are still there,
-/// all flat faces have a positive area, and what is left are the faces of `kept`.
+/// Check that points can be carried through a map whose arrays are set, links excepted: every collapse works on faces that
+/// are still there, all flat faces have a positive area, and what is left are the faces of `kept`.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
 bat_status map_inspect(const bat_mesh_map *map, bat_error *error);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT where the map is not one between meshes of these faces. Either may be null.

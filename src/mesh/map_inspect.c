@@ -25,7 +25,8 @@ static bool faces_are_upright(const bat_mesh_map *map, const map_collapse *colla
     return true;
 }
 
-/// Mark the faces that a collapse works on by its number and those that vanish for good. False where one is gone, or there twice.
+/// Mark the faces that a collapse works on by its number and those that vanish for good. False where one is gone, or there
+/// twice.
 static bool faces_are_there(const bat_mesh_map *map, uint32_t number, uint32_t *seen)
 {
     const map_collapse *collapse = &map->collapses[number];

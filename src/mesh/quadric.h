@@ -4,9 +4,9 @@
 #include <stdbool.h>
 
 /// @file
-/// Sums of squared distances to planes (Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997), about a
-/// centre: the error of the point centre + d is d'A d + 2 b'd + c. Kept about the vertex that they belong to, they lose no digits
-/// on meshes far from the origin.
+/// Sums of squared distances to planes (Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics",
+/// 1997), about a centre: the error of the point centre + d is d'A d + 2 b'd + c. Kept about the vertex that they
+/// belong to, they lose no digits on meshes far from the origin.
 
 typedef struct quadric
 {
@@ -58,8 +58,8 @@ static inline double quadric_weight(const quadric *q)
     return q->xx + q->yy + q->zz;
 }
 
-/// Where the error is least, from the centre: (A + damping I) d = -b, by Cholesky's factors. Damping keeps d short in directions
-/// that no plane says anything about. False where the matrix is not positive definite.
+/// Where the error is least, from the centre: (A + damping I) d = -b, by Cholesky's factors. Damping keeps d short in
+/// directions that no plane says anything about. False where the matrix is not positive definite.
 static inline bool quadric_least(const quadric *q, double damping, double *d)
 {
     double xx = q->xx + damping;
