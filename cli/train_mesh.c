@@ -107,24 +107,39 @@ static bool read_options(const arguments *given, bat_mesh_train_options *options
     return true;
 }
 
+/// Whether half-edges can hold a shape: here its file's name is known.
+static bat_status check_shape(const bat_mesh *shape, bat_error *error)
+{
+    bat_mesh_connectivity connectivity;
+    bat_status status = bat_mesh_connect(shape, &connectivity, error);
+    if (status == BAT_OK)
+        bat_mesh_connectivity_free(&connectivity);
+    return status;
+}
+
 /// A shape, repaired where that is wanted.
 static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat_error *error)
 {
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.triangulate = true;
     options.keep_degenerate = repair;
-    bat_mesh mesh, whole;
+    bat_mesh mesh, repaired;
     bat_status status = bat_mesh_read(path, &options, &mesh, error);
-    if (status != BAT_OK || !repair)
-    {
-        if (status == BAT_OK)
-            *shape = mesh;
+    if (status != BAT_OK)
         return status;
+    if (repair)
+    {
+        status = bat_mesh_repair(&mesh, NULL, &repaired, error);
+        bat_mesh_free(&mesh);
+        if (status != BAT_OK)
+            return status;
+        mesh = repaired;
     }
-    status = bat_mesh_repair(&mesh, NULL, &whole, error);
-    bat_mesh_free(&mesh);
+    status = check_shape(&mesh, error);
     if (status == BAT_OK)
-        *shape = whole;
+        *shape = mesh;
+    else
+        bat_mesh_free(&mesh);
     return status;
 }
 
