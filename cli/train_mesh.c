@@ -38,6 +38,7 @@ static const option_spec OPTIONS[] = {
     {"without", 0, "PART",
      "leave out: frames, differences (differential coordinates), levels (all but the last one's loss), correspondence "
      "(Chamfer distance instead)"},
+    {"relative", 0, NULL, "half-flaps measure lengths by their own: scale does not matter then, as it does in the paper"},
     {"learn-loop", 0, NULL, "the targets are Loop's refinement of the coarse meshes"},
     {"repair", 0, NULL, "cut shapes where they are no manifold"},
     {"json", 0, NULL, "print one JSON object"},
@@ -100,6 +101,7 @@ static bool read_options(const arguments *given, bat_mesh_train_options *options
     options->batch = (size_t)batch;
     options->threads = (int)threads;
     options->falling = argument_flag(given, "falling-rate");
+    options->relative = argument_flag(given, "relative");
     options->learn_loop = argument_flag(given, "learn-loop");
     options->resume = argument_flag(given, "resume");
     options->folder = argument(given, "out") != NULL ? argument(given, "out") : "out/mesh";

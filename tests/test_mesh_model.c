@@ -67,12 +67,13 @@ static bat_mesh_model *random_model(mesh_network_form form, uint64_t seed, doubl
     assert_true(file >= 0);
     assert_int_equal(close(file), 0);
     learn_parameters parameters = {0};
-    const safetensors_note note = {MESH_NETWORK_FRAMES, MESH_NETWORK_FIXED};
+    const safetensors_note notes[] = {{MESH_NETWORK_FRAMES, form.fixed_frames ? MESH_NETWORK_FIXED : ""},
+                                      {MESH_NETWORK_LENGTHS, form.relative ? MESH_NETWORK_RELATIVE : ""}};
     check_status(mesh_network_make(form, &parameters, NULL), BAT_OK);
     mesh_network_start(&parameters, seed);
     for (size_t i = 0; i < parameters.total; i++)
         parameters.values[i] = (real)(factor * (double)parameters.values[i]);
-    check_status(learn_parameters_write(&parameters, path, &note, form.fixed_frames ? 1 : 0, NULL), BAT_OK);
+    check_status(learn_parameters_write(&parameters, path, notes, 2, NULL), BAT_OK);
     bat_mesh_model *model = NULL;
     check_status(bat_mesh_model_read(path, &model, NULL), BAT_OK);
     assert_int_equal(unlink(path), 0);
@@ -132,6 +133,7 @@ static void inference_is_the_network_on_the_tape(void **state)
     check_against_tape((mesh_network_form){0});
     check_against_tape((mesh_network_form){.fixed_frames = true});
     check_against_tape((mesh_network_form){.no_differences = true});
+    check_against_tape((mesh_network_form){.relative = true});
 }
 
 /// Of many blocks of vertices and edges.

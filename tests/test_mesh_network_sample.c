@@ -209,9 +209,9 @@ static void derivatives_go_through_frames_and_lengths(void **state)
 static void derivatives_go_through_all_levels(void **state)
 {
     (void)state;
-    static const mesh_network_form forms[] = {{0}, {.fixed_frames = true}, {.no_differences = true}};
+    static const mesh_network_form forms[] = {{0}, {.fixed_frames = true}, {.no_differences = true}, {.relative = true}};
     for (size_t missing = 0; missing < 4; missing += 3)
-        for (size_t i = 0; i < 3; i++)
+        for (size_t i = 0; i < sizeof forms / sizeof *forms; i++)
         {
             experiment e = make_experiment(missing, forms[i], 20 + i);
             check_derivatives(&e, measure_network, 97);

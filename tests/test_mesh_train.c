@@ -4,6 +4,7 @@
 #include "mesh_flap_helpers.h"
 
 #include "batten/mesh_train.h"
+#include "models/mesh_network.h"
 
 #include <unistd.h>
 
@@ -136,7 +137,7 @@ static void neither_threads_nor_stops_change_a_byte(void **state)
 static void every_form_learns(void **state)
 {
     (void)state;
-    for (int form = 0; form < 6; form++)
+    for (int form = 0; form < 7; form++)
     {
         bat_mesh_train_report early, late;
         bat_mesh_train_options options = short_options(NULL);
@@ -146,6 +147,7 @@ static void every_form_learns(void **state)
         options.last_level = form == 3;
         options.chamfer = form == 4;
         options.learn_loop = form == 5;
+        options.relative = form == 6;
         options.epochs = 1;
         train(&options, &early);
         options.epochs = 25;
@@ -153,6 +155,31 @@ static void every_form_learns(void **state)
         assert_int_equal(late.epochs, 25);
         assert_true(isfinite(late.loss) && late.loss > 0);
         assert_true(late.errors[2] < 0.7 * early.errors[2]);
+    }
+}
+
+/// What the arrays' shapes do not tell stands in the file's notes.
+static void models_say_of_what_form_they_are(void **state)
+{
+    (void)state;
+    for (int form = 0; form < 4; form++)
+    {
+        bat_mesh_train_options options = short_options(a);
+        safetensors content;
+        char path[100];
+        options.epochs = 1;
+        options.fixed_frames = form % 2 == 1;
+        options.relative = form / 2 == 1;
+        train(&options, NULL);
+        (void)snprintf(path, sizeof path, "%s/model.safetensors", a);
+        check_status(safetensors_read(path, &content, NULL), BAT_OK);
+        const char *frames = safetensors_find_note(&content, MESH_NETWORK_FRAMES);
+        const char *lengths = safetensors_find_note(&content, MESH_NETWORK_LENGTHS);
+        assert_non_null(frames);
+        assert_non_null(lengths);
+        assert_int_equal(strcmp(frames, MESH_NETWORK_FIXED) == 0, options.fixed_frames);
+        assert_int_equal(strcmp(lengths, MESH_NETWORK_RELATIVE) == 0, options.relative);
+        safetensors_free(&content);
     }
 }
 
@@ -184,6 +211,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(neither_threads_nor_stops_change_a_byte),
         cmocka_unit_test(every_form_learns),
+        cmocka_unit_test(models_say_of_what_form_they_are),
         cmocka_unit_test(nonsense_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

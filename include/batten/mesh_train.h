@@ -26,6 +26,7 @@ typedef struct bat_mesh_train_options
     bool falling;                       ///< the rate falls to 0 along half a wave; else it is constant; default false
     bool fixed_frames; ///< half-flaps are seen through the axes of space instead of their frames (section 6); default false
     bool no_differences; ///< without differential coordinates (appendix H); default false
+    bool relative;       ///< lengths by each half-flap's own, so that scale does not matter; default false: by the unit box
     bool last_level;     ///< the loss is that of the last level alone (appendix H); default false
     bool chamfer;        ///< the loss is the Chamfer distance instead of that to each vertex's own target; default false
     bool learn_loop;     ///< the targets are Loop's refinement of the coarse meshes (appendix G); default false

@@ -207,7 +207,8 @@ static void turn_out(block *b)
         real *said = b->said + r * W, out[3];
         const real *frame = b->frame + r;
         for (size_t a = 0; a < 3; a++)
-            out[a] = said[0] * frame[a * ROWS] + said[1] * frame[(3 + a) * ROWS] + said[2] * frame[(6 + a) * ROWS];
+            out[a] = frame[FLAP_UNIT * ROWS] *
+                     (said[0] * frame[a * ROWS] + said[1] * frame[(3 + a) * ROWS] + said[2] * frame[(6 + a) * ROWS]);
         bool finite = isfinite(out[0] + out[1] + out[2]);
         b->failures += !finite;
         for (size_t a = 0; a < 3; a++)
@@ -318,7 +319,7 @@ static void multiply(const run *u, const mesh_inference_module *module, size_t v
 
 static scene scene_of(const run *u, mesh_module module, const mesh_flaps *flaps)
 {
-    flap_view view = {.fixed = u->network->form.fixed_frames};
+    flap_view view = {.fixed = u->network->form.fixed_frames, .relative = u->network->form.relative};
     return (scene){view, &u->network->module[module], flaps, u->state, W, u->products};
 }
 

@@ -59,7 +59,7 @@ static learn_array *ask(learn_tape *tape, mesh_module module, const tape_flap_si
 void mesh_network_refine(learn_tape *tape, mesh_network_form form, const mesh_levels *levels, learn_array *positions,
                          learn_array **states)
 {
-    flap_view view = {.fixed = form.fixed_frames};
+    flap_view view = {.fixed = form.fixed_frames, .relative = form.relative};
     learn_array *state = form.no_differences ? positions : tape_flap_differences(tape, &levels->level[0], positions);
     tape_flap_sight sight = tape_flap_see(tape, &levels->level[0], view, state, form.no_differences ? 0 : 1);
     state = tape_flap_move(tape, &sight, ask(tape, MESH_MODULE_INIT, &sight, state), state);

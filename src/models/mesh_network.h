@@ -30,16 +30,20 @@ enum
     MESH_WEIGHTS = 15104
 };
 
-/// What the published ablations leave out (section 6, appendix H).
+/// What the published ablations leave out (section 6, appendix H), and what scale needs.
 typedef struct mesh_network_form
 {
     bool fixed_frames;   ///< half-flaps are seen through the axes of space
     bool no_differences; ///< without differential coordinates
+    bool relative;       ///< lengths are in units of each half-flap's own, so that scale does not matter
 } mesh_network_form;
 
-/// The note by which a file with weights says that frames are fixed, and its value; other forms show in the arrays' shapes.
+/// The notes by which a file with weights says of what form they are, with their values; what is left out shows in the arrays'
+/// shapes.
 #define MESH_NETWORK_FRAMES "frames"
 #define MESH_NETWORK_FIXED "fixed"
+#define MESH_NETWORK_LENGTHS "lengths"
+#define MESH_NETWORK_RELATIVE "relative"
 
 /// The weights' names and shapes, all zero.
 /// @param parameters all zero before the call; release it with learn_parameters_free()

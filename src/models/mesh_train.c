@@ -76,7 +76,8 @@ static bat_status check_options(size_t shape_count, const bat_mesh_train_options
 
 static mesh_network_form network_form(const bat_mesh_train_options *options)
 {
-    return (mesh_network_form){.fixed_frames = options->fixed_frames, .no_differences = options->no_differences};
+    return (mesh_network_form){
+        .fixed_frames = options->fixed_frames, .no_differences = options->no_differences, .relative = options->relative};
 }
 
 static mesh_sample_loss_form loss_form(const bat_mesh_train_options *options)
@@ -192,12 +193,12 @@ static void write_name(const bat_mesh *shapes, size_t shape_count, const bat_mes
     (void)snprintf(
         name, NAME_SIZE,
         "mesh published, %llu epochs, %zu pairs of each of %zu shapes (%016llx), %zu fresh, batch %zu, %zu to %zu "
-        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s",
+        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s",
         (unsigned long long)options->epochs, options->pairs, shape_count, (unsigned long long)hash, options->fresh,
         options->batch, options->least_vertices, options->most_vertices, options->least_normal, options->least_quality,
         options->rate, options->falling ? " falling" : "", options->fixed_frames ? ", fixed frames" : "",
-        options->no_differences ? ", no differential coordinates" : "", options->last_level ? ", last level" : "",
-        options->chamfer ? ", Chamfer" : "", options->learn_loop ? ", Loop" : "");
+        options->no_differences ? ", no differential coordinates" : "", options->relative ? ", relative lengths" : "",
+        options->last_level ? ", last level" : "", options->chamfer ? ", Chamfer" : "", options->learn_loop ? ", Loop" : "");
 }
 
 static bat_status training_make(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
@@ -280,7 +281,14 @@ static bat_status write_model(const training *t, const char *path, const char *n
     (void)snprintf(best_epoch, sizeof best_epoch, "%llu", (unsigned long long)made->best_epoch + 1);
     (void)snprintf(loss, sizeof loss, "%.6g", made->best);
     const safetensors_note notes[] = {
-        {"recipe", name}, {"seed", seed}, {"epochs", epochs}, {"best_epoch", best_epoch}, {"kept_loss", loss}};
+        {"recipe", name},
+        {"seed", seed},
+        {"epochs", epochs},
+        {"best_epoch", best_epoch},
+        {"kept_loss", loss},
+        {MESH_NETWORK_FRAMES, t->options->fixed_frames ? MESH_NETWORK_FIXED : "of half-flaps"},
+        {MESH_NETWORK_LENGTHS, t->options->relative ? MESH_NETWORK_RELATIVE : "of the unit box"},
+    };
     return learn_parameters_write(&t->parameters, path, notes, sizeof notes / sizeof *notes, error);
 }
 
