@@ -67,13 +67,15 @@ static bat_mesh_model *random_model(mesh_network_form form, uint64_t seed, doubl
     assert_true(file >= 0);
     assert_int_equal(close(file), 0);
     learn_parameters parameters = {0};
-    const safetensors_note notes[] = {{MESH_NETWORK_FRAMES, form.fixed_frames ? MESH_NETWORK_FIXED : ""},
-                                      {MESH_NETWORK_LENGTHS, form.relative ? MESH_NETWORK_RELATIVE : ""}};
+    char recipe[64];
+    (void)snprintf(recipe, sizeof recipe, "a test%s%s", form.fixed_frames ? MESH_NETWORK_FIXED : "",
+                   form.relative ? MESH_NETWORK_RELATIVE : "");
+    const safetensors_note note = {"recipe", recipe};
     check_status(mesh_network_make(form, &parameters, NULL), BAT_OK);
     mesh_network_start(&parameters, seed);
     for (size_t i = 0; i < parameters.total; i++)
         parameters.values[i] = (real)(factor * (double)parameters.values[i]);
-    check_status(learn_parameters_write(&parameters, path, notes, 2, NULL), BAT_OK);
+    check_status(learn_parameters_write(&parameters, path, &note, 1, NULL), BAT_OK);
     bat_mesh_model *model = NULL;
     check_status(bat_mesh_model_read(path, &model, NULL), BAT_OK);
     assert_int_equal(unlink(path), 0);

@@ -13,8 +13,8 @@ typedef struct bat_mesh_model bat_mesh_model;
 
 /// Read a model from a safetensors file: what bat_mesh_train() writes, or any file with the arrays of the published program
 /// ("net_init.layerIn.weight", …) in single or double precision. Of a training's checkpoint the best weights so far are taken.
-/// What the published ablations leave out shows in the arrays; notes in the file, which checkpoints lack, say whether frames
-/// are fixed and lengths are relative (bat_mesh_train_options).
+/// What the published ablations leave out shows in the arrays; whether frames are fixed and lengths are relative
+/// (bat_mesh_train_options) is in the file's note of the recipe.
 ///
 /// @param model receives the model; release it with bat_mesh_model_free()
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);

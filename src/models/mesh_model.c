@@ -50,21 +50,16 @@ static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *co
 
 // Reading
 
-static bool has_note(const safetensors *content, const char *key, const char *value)
-{
-    const char *said = safetensors_find_note(content, key);
-    return said != NULL && strcmp(said, value) == 0;
-}
-
 /// Which form of the network a file holds.
 static mesh_network_form form_of(const safetensors *content, const char *prefix)
 {
     char name[LEARN_NAME_SIZE];
     (void)snprintf(name, sizeof name, "%snet_init.layerIn.weight", prefix);
     const safetensors_array *first = safetensors_find(content, name);
+    const char *recipe = safetensors_find_note(content, "recipe");
     return (mesh_network_form){
-        .fixed_frames = has_note(content, MESH_NETWORK_FRAMES, MESH_NETWORK_FIXED),
-        .relative = has_note(content, MESH_NETWORK_LENGTHS, MESH_NETWORK_RELATIVE),
+        .fixed_frames = recipe != NULL && strstr(recipe, MESH_NETWORK_FIXED) != NULL,
+        .relative = recipe != NULL && strstr(recipe, MESH_NETWORK_RELATIVE) != NULL,
         .no_differences = first != NULL && first->rank == 2 && first->shape[1] == FLAP_EDGES,
     };
 }

@@ -38,12 +38,9 @@ typedef struct mesh_network_form
     bool relative;       ///< lengths are in units of each half-flap's own, so that scale does not matter
 } mesh_network_form;
 
-/// The notes by which a file with weights says of what form they are, with their values; what is left out shows in the arrays'
-/// shapes.
-#define MESH_NETWORK_FRAMES "frames"
-#define MESH_NETWORK_FIXED "fixed"
-#define MESH_NETWORK_LENGTHS "lengths"
-#define MESH_NETWORK_RELATIVE "relative"
+/// What the note "recipe" of a file with weights says of their form; what is left out shows in the arrays' shapes.
+#define MESH_NETWORK_FIXED ", fixed frames"
+#define MESH_NETWORK_RELATIVE ", relative lengths"
 
 /// The weights' names and shapes, all zero.
 /// @param parameters all zero before the call; release it with learn_parameters_free()

@@ -196,8 +196,8 @@ static void write_name(const bat_mesh *shapes, size_t shape_count, const bat_mes
         "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s",
         (unsigned long long)options->epochs, options->pairs, shape_count, (unsigned long long)hash, options->fresh,
         options->batch, options->least_vertices, options->most_vertices, options->least_normal, options->least_quality,
-        options->rate, options->falling ? " falling" : "", options->fixed_frames ? ", fixed frames" : "",
-        options->no_differences ? ", no differential coordinates" : "", options->relative ? ", relative lengths" : "",
+        options->rate, options->falling ? " falling" : "", options->fixed_frames ? MESH_NETWORK_FIXED : "",
+        options->no_differences ? ", no differential coordinates" : "", options->relative ? MESH_NETWORK_RELATIVE : "",
         options->last_level ? ", last level" : "", options->chamfer ? ", Chamfer" : "", options->learn_loop ? ", Loop" : "");
 }
 
@@ -281,14 +281,7 @@ static bat_status write_model(const training *t, const char *path, const char *n
     (void)snprintf(best_epoch, sizeof best_epoch, "%llu", (unsigned long long)made->best_epoch + 1);
     (void)snprintf(loss, sizeof loss, "%.6g", made->best);
     const safetensors_note notes[] = {
-        {"recipe", name},
-        {"seed", seed},
-        {"epochs", epochs},
-        {"best_epoch", best_epoch},
-        {"kept_loss", loss},
-        {MESH_NETWORK_FRAMES, t->options->fixed_frames ? MESH_NETWORK_FIXED : "of half-flaps"},
-        {MESH_NETWORK_LENGTHS, t->options->relative ? MESH_NETWORK_RELATIVE : "of the unit box"},
-    };
+        {"recipe", name}, {"seed", seed}, {"epochs", epochs}, {"best_epoch", best_epoch}, {"kept_loss", loss}};
     return learn_parameters_write(&t->parameters, path, notes, sizeof notes / sizeof *notes, error);
 }
 
