@@ -219,12 +219,70 @@ static void derivatives_go_through_all_levels(void **state)
         }
 }
 
+// Motions
+
+/// A turn about an oblique axis, a shift, and a factor.
+static void move_point(const double *p, double factor, double *moved)
+{
+    static const double turn[9] = {2.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3, -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3};
+    for (size_t a = 0; a < 3; a++)
+        moved[a] = factor * (turn[3 * a] * p[0] + turn[3 * a + 1] * p[1] + turn[3 * a + 2] * p[2] + 0.3 + (double)a);
+}
+
+/// Moving a mesh moves what becomes of it, and leaves features alone.
+static void check_motion(mesh_network_form form, size_t missing, double factor)
+{
+    const double tolerance = DOUBLE ? 1e-11 : 3e-4;
+    experiment e = make_experiment(missing, form, 40 + missing);
+    learn_tape tapes[2] = {learn_tape_make(), learn_tape_make()};
+    learn_array *states[2][LEVELS + 1];
+    real *positions = learn_parameter_values(&e.parameters, MESH_PARAMETERS);
+    for (int i = 0; i < 2; i++)
+    {
+        for (size_t v = 0; v < e.levels.level[0].vertex_count && i == 1; v++)
+        {
+            double p[3] = {(double)positions[3 * v], (double)positions[3 * v + 1], (double)positions[3 * v + 2]}, moved[3];
+            move_point(p, factor, moved);
+            for (size_t a = 0; a < 3; a++)
+                positions[3 * v + a] = (real)moved[a];
+        }
+        learn_tape_begin(&tapes[i], &e.parameters, NULL);
+        mesh_network_refine(&tapes[i], form, &e.levels, learn_parameter_array(&tapes[i], MESH_PARAMETERS), states[i]);
+        check_status(learn_tape_status(&tapes[i], NULL), BAT_OK);
+    }
+    for (size_t level = 0; level <= LEVELS; level++)
+        for (size_t v = 0; v < states[0][level]->rows; v++)
+        {
+            const real *here = states[0][level]->value + v * MESH_WIDTH, *there = states[1][level]->value + v * MESH_WIDTH;
+            double p[3] = {(double)here[0], (double)here[1], (double)here[2]}, moved[3];
+            move_point(p, factor, moved);
+            for (size_t c = 0; c < MESH_WIDTH; c++)
+                check_near((double)there[c], c < 3 ? moved[c] : (double)here[c], tolerance * (c < 3 ? factor : 1));
+        }
+    learn_tape_free(&tapes[0]);
+    learn_tape_free(&tapes[1]);
+    experiment_free(&e);
+}
+
+static void results_move_with_the_mesh(void **state)
+{
+    (void)state;
+    for (size_t missing = 0; missing < 5; missing += 2)
+    {
+        check_motion((mesh_network_form){0}, missing, 1);
+        check_motion((mesh_network_form){.relative = true}, missing, 1);
+        check_motion((mesh_network_form){.relative = true}, missing, 1e-3);
+        check_motion((mesh_network_form){.relative = true}, missing, 1e3);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(published_weights_give_published_meshes),
         cmocka_unit_test(derivatives_go_through_frames_and_lengths),
         cmocka_unit_test(derivatives_go_through_all_levels),
+        cmocka_unit_test(results_move_with_the_mesh),
     };
     blas_single_begin();
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
