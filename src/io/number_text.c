@@ -1,5 +1,6 @@
 #include "io/number_text.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +13,8 @@ enum
 {
     MAX_POWER = 18,         ///< the largest power of ten in an int64_t
     EXACT_POWER = 22,       ///< the largest power of ten that is a double
+    WIDE_POWER = 27,        ///< the largest power of five in a uint64_t
+    MANTISSA_DIGITS = 19,   ///< so many digits always fit a uint64_t
     SIGNIFICANT_DIGITS = 17 ///< always enough for a double
 };
 
@@ -180,8 +183,8 @@ char *number_write(char *out, double value)
 /// The parts of a decimal number: all its digits as one integer, times 10^exponent.
 typedef struct decimal
 {
-    uint64_t mantissa; ///< that integer, as far as 18 digits go
-    int64_t digits;    ///< its significant ones
+    uint64_t mantissa; ///< that integer modulo 2^64: itself with at most 19 significant digits
+    size_t digits;     ///< with leading zeros
     int64_t exponent;
     bool negative;
 } decimal;
@@ -191,17 +194,14 @@ static bool is_digit(const char *at, const char *end)
     return at < end && *at >= '0' && *at <= '9';
 }
 
-static const char *scan_digits(const char *at, const char *end, decimal *number, int exponent_step)
+static const char *scan_digits(const char *at, const char *end, decimal *number)
 {
+    const char *begin = at;
+    uint64_t mantissa = number->mantissa;
     for (; is_digit(at, end); at++)
-    {
-        unsigned digit = (unsigned)(*at - '0');
-        if (number->digits > 0 || digit > 0)
-            number->digits++;
-        if (number->digits <= 18)
-            number->mantissa = 10 * number->mantissa + digit;
-        number->exponent -= exponent_step;
-    }
+        mantissa = 10 * mantissa + (unsigned)(*at - '0');
+    number->mantissa = mantissa;
+    number->digits += (size_t)(at - begin);
     return at;
 }
 
@@ -220,25 +220,22 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
     return at;
 }
 
-/// Whether the whole text is [+-] digits [. digits] [e [+-] digits], with a digit before or after the point.
-static bool scan_decimal(const char *begin, const char *end, decimal *number)
+/// Read [+-] digits [. digits] [e [+-] digits], with a digit before or after the point; returns where it ends, or null.
+static const char *scan_decimal(const char *at, const char *end, decimal *number)
 {
-    const char *at = begin;
-    number->negative = at < end && *at == '-';
+    *number = (decimal){.negative = at < end && *at == '-'};
     if (at < end && (*at == '-' || *at == '+'))
         at++;
-    const char *whole = at;
-    at = scan_digits(at, end, number, 0);
-    bool any = at > whole;
+    at = scan_digits(at, end, number);
     if (at < end && *at == '.')
     {
-        const char *fraction = ++at;
-        at = scan_digits(at, end, number, 1);
-        any = any || at > fraction;
+        const char *fraction = at + 1;
+        at = scan_digits(fraction, end, number);
+        number->exponent = fraction - at;
     }
-    if (any && at < end && (*at == 'e' || *at == 'E'))
-        at = scan_exponent(at + 1, end, number);
-    return any && at == end;
+    if (number->digits == 0)
+        return NULL;
+    return at < end && (*at == 'e' || *at == 'E') ? scan_exponent(at + 1, end, number) : at;
 }
 
 /// The digits as an integer and an exponent, which strtod() reads alike in every locale. No number between two doubles that is
@@ -252,9 +249,11 @@ static double convert_long(const char *at, const char *end, const decimal *numbe
     };
     char text[DIGITS + EXPONENT_SIZE];
     size_t size = 0;
+    int64_t significant = 0;
     for (; at < end && *at != 'e' && *at != 'E'; at++)
-        if (is_digit(at, end) && (size > 0 || *at != '0'))
+        if (is_digit(at, end) && (significant > 0 || *at != '0'))
         {
+            significant++;
             if (size < DIGITS)
                 text[size++] = *at;
             else if (*at != '0')
@@ -263,27 +262,113 @@ static double convert_long(const char *at, const char *end, const decimal *numbe
     if (size == 0)
         return 0.0;
     text[size] = 'e';
-    *number_write_fixed(text + size + 1, number->exponent + number->digits - (int64_t)size, 0) = '\0';
+    *number_write_fixed(text + size + 1, number->exponent + significant - (int64_t)size, 0) = '\0';
     return strtod(text, NULL);
 }
 
-const char *number_read(const char *begin, const char *end, double *value)
+/// `mantissa` * 2^exponent, rounded; the result is far from the ends of the doubles' range.
+static double scale_by_two(uint64_t mantissa, int exponent)
+{
+    uint64_t bits = (uint64_t)(DBL_MAX_EXP - 1 + exponent) << (DBL_MANT_DIG - 1);
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return (double)mantissa * power;
+}
+
+/// `mantissa` * 10^exponent for -27 <= exponent <= 27, by exact integers: at least 62 bits of the product or quotient with 5^27,
+/// the last one set where anything is left over, round as the whole.
+static double convert_wide(uint64_t mantissa, int exponent)
+{
+    static const uint64_t fives[WIDE_POWER + 1] = {1,
+                                                   5,
+                                                   25,
+                                                   125,
+                                                   625,
+                                                   3125,
+                                                   15625,
+                                                   78125,
+                                                   390625,
+                                                   1953125,
+                                                   9765625,
+                                                   48828125,
+                                                   244140625,
+                                                   1220703125,
+                                                   6103515625,
+                                                   30517578125,
+                                                   152587890625,
+                                                   762939453125,
+                                                   3814697265625,
+                                                   19073486328125,
+                                                   95367431640625,
+                                                   476837158203125,
+                                                   2384185791015625,
+                                                   11920928955078125,
+                                                   59604644775390625,
+                                                   298023223876953125,
+                                                   1490116119384765625,
+                                                   7450580596923828125};
+    int shift = __builtin_clzll(mantissa);
+    mantissa <<= shift;
+    if (exponent >= 0)
+    {
+        wide product = (wide)mantissa * fives[exponent];
+        uint64_t high = (uint64_t)(product >> 64), low = (uint64_t)product;
+        if (high == 0)
+            return scale_by_two(low, exponent - shift);
+        int up = __builtin_clzll(high);
+        high = up > 0 ? high << up | low >> (64 - up) : high;
+        return scale_by_two(high | (low << up != 0), 64 - up + exponent - shift);
+    }
+    int divisor_shift = __builtin_clzll(fives[-exponent]);
+    uint64_t divisor = fives[-exponent] << divisor_shift;
+    wide dividend = (wide)mantissa << 63;
+    uint64_t quotient = (uint64_t)(dividend / divisor);
+    bool rest = (uint64_t)dividend != quotient * divisor;
+    return scale_by_two(quotient | rest, divisor_shift - shift - 63 + exponent);
+}
+
+/// The number whose text goes from `begin` to `end`.
+static double convert(const char *begin, const char *end, decimal *number)
 {
     static const double exact_powers[EXACT_POWER + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                          1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                                          1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    decimal number = {0};
-    if (!scan_decimal(begin, end, &number))
-        return "is not a number";
+    static const uint64_t exact_mantissa = (uint64_t)1 << DBL_MANT_DIG;
+    for (const char *at = begin; number->digits > MANTISSA_DIGITS && at < end && (*at < '1' || *at > '9'); at++)
+        number->digits -= *at == '0';
+    int64_t exponent = number->exponent;
+    double value = 0.0;
+    if (number->digits > MANTISSA_DIGITS)
+        value = convert_long(begin, end, number);
+    else if (number->mantissa == 0)
+        value = 0.0;
     // Both factors are exact doubles, so that one operation rounds right (Clinger 1990).
-    if (number.digits <= 15 && number.exponent >= -EXACT_POWER && number.exponent <= EXACT_POWER)
-    {
-        double mantissa = (double)number.mantissa;
-        *value = number.exponent < 0 ? mantissa / exact_powers[-number.exponent] : mantissa * exact_powers[number.exponent];
-    }
+    else if (number->mantissa <= exact_mantissa && exponent >= -EXACT_POWER && exponent <= EXACT_POWER)
+        value = exponent < 0 ? (double)number->mantissa / exact_powers[-exponent]
+                             : (double)number->mantissa * exact_powers[exponent];
+    else if (exponent >= -WIDE_POWER && exponent <= WIDE_POWER)
+        value = convert_wide(number->mantissa, (int)exponent);
     else
-        *value = convert_long(begin, end, &number);
-    *value = number.negative ? -*value : *value;
+        value = convert_long(begin, end, number);
+    return number->negative ? -value : value;
+}
+
+const char *number_scan(const char *begin, const char *end, double *value)
+{
+    decimal number;
+    const char *at = scan_decimal(begin, end, &number);
+    if (at == NULL)
+        return NULL;
+    *value = convert(begin, at, &number);
+    return isfinite(*value) ? at : NULL;
+}
+
+const char *number_read(const char *begin, const char *end, double *value)
+{
+    decimal number;
+    if (scan_decimal(begin, end, &number) != end)
+        return "is not a number";
+    *value = convert(begin, end, &number);
     return isfinite(*value) ? NULL : "is too large";
 }
 

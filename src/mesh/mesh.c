@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/check.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -104,14 +105,23 @@ static bat_status check_faces(const bat_mesh *mesh, bat_error *error)
             if (corner[c] >= mesh->vertex_count)
                 return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu names vertex %u, but there are %zu", f, corner[c],
                                  mesh->vertex_count);
-        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
-            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
-                             corner[0] == corner[1] ? corner[0] : corner[2]);
     }
     for (size_t i = 0; mesh->texture_faces != NULL && i < mesh->face_count * 3; i++)
         if (mesh->texture_faces[i] >= mesh->texture_count)
             return error_set(error, BAT_INVALID_POINT, i / 3, 0, "face %zu names texture coordinate %u, but there are %zu",
                              i / 3, mesh->texture_faces[i], mesh->texture_count);
+    return BAT_OK;
+}
+
+static bat_status check_degenerate(const bat_mesh *mesh, bat_error *error)
+{
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * f;
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
+                             corner[0] == corner[1] ? corner[0] : corner[2]);
+    }
     return BAT_OK;
 }
 
@@ -133,10 +143,16 @@ static bat_status check_marks(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
+bat_status mesh_check_but_degenerate(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = check_faces(mesh, error);
     if (status == BAT_OK)
         status = check_vertices(mesh, error);
     return status == BAT_OK ? check_marks(mesh, error) : status;
+}
+
+bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = mesh_check_but_degenerate(mesh, error);
+    return status == BAT_OK ? check_degenerate(mesh, error) : status;
 }

@@ -1,0 +1,90 @@
+#ifndef BATTEN_MESH_FILE_H
+#define BATTEN_MESH_FILE_H
+
+#include "batten/mesh.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Meshes from files and to files: OBJ, PLY, OFF and STL. docs/formats.md says what each format holds and what is lost in it.
+
+/// The formats of meshes.
+typedef enum bat_mesh_format
+{
+    BAT_MESH_FORMAT_AUTO, ///< by the file's ending; failing that by the content (reading only)
+    BAT_MESH_FORMAT_OBJ,
+    BAT_MESH_FORMAT_PLY,
+    BAT_MESH_FORMAT_OFF,
+    BAT_MESH_FORMAT_STL
+} bat_mesh_format;
+
+/// A format by name: "auto", "obj", "ply", "off" or "stl".
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
+BAT_API bat_status bat_mesh_format_by_name(const char *name, bat_mesh_format *format, bat_error *error);
+/// The format that a path's ending stands for, in either case: .obj, .ply, .off, .stl; else BAT_MESH_FORMAT_AUTO.
+BAT_API bat_mesh_format bat_mesh_format_of_path(const char *path);
+
+/// How to read. Begin with bat_mesh_read_defaults().
+typedef struct bat_mesh_read_options
+{
+    bat_mesh_format format; ///< default BAT_MESH_FORMAT_AUTO
+    /// Cut polygons of more than three corners into triangles (quads along the diagonal that gives the better triangles, convex
+    /// polygons as a fan, others by their ears) instead of refusing them; default false.
+    bool triangulate;
+    /// Keep faces that have the same vertex twice, for bat_mesh_repair() to drop, instead of refusing them; default false.
+    bool keep_degenerate;
+} bat_mesh_read_options;
+
+/// The options' default values.
+BAT_API bat_mesh_read_options bat_mesh_read_defaults(void);
+
+/// Read the mesh of a file: at least one face, finite numbers, faces of vertices that exist. Whether the faces make a surface is
+/// for bat_mesh_connect() to say.
+///
+/// @param path    "-" is standard input
+/// @param options null for the defaults
+/// @param mesh    receives the mesh; release it with bat_mesh_free()
+/// @param error   `line` is the line at fault where the format has lines; `index` the vertex or face of the file at fault
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY; `mesh` is
+///         untouched on failure
+BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
+/// The same from `size` bytes, which need no final zero. BAT_MESH_FORMAT_AUTO goes by the content.
+BAT_API bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                        bat_error *error);
+
+/// How PLY and STL hold numbers; OBJ and OFF are always text.
+typedef enum bat_mesh_encoding
+{
+    BAT_MESH_BINARY,     ///< little-endian: doubles in PLY, single precision in STL
+    BAT_MESH_BIG_ENDIAN, ///< the same with the greater bytes first; PLY only
+    BAT_MESH_TEXT        ///< decimal numbers that bring back the same doubles
+} bat_mesh_encoding;
+
+/// How to write. Begin with bat_mesh_write_defaults().
+typedef struct bat_mesh_write_options
+{
+    bat_mesh_format format;     ///< default BAT_MESH_FORMAT_AUTO
+    bat_mesh_encoding encoding; ///< default BAT_MESH_BINARY
+    int threads;                ///< 0: as many as OpenMP gives; the bytes do not depend on it; default 0
+} bat_mesh_write_options;
+
+/// The options' default values.
+BAT_API bat_mesh_write_options bat_mesh_write_defaults(void);
+
+/// Write a mesh. The file appears whole or not at all; on failure an existing one stays as it was.
+///
+/// @param path    "-" is standard output
+/// @param mesh    what bat_mesh_check() accepts
+/// @param options null for the defaults
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (also where neither `format` nor the path's ending says the format), BAT_INVALID_POINT,
+///         BAT_UNSUPPORTED (the format cannot hold a number or a name that the mesh has), BAT_FILE_ACCESS or BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options,
+                                  bat_error *error);
+/// The same to memory, `options->format` saying the format: `bytes` receives `size` bytes and a final zero; release it with
+/// free().
+BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
+                                         size_t *size, bat_error *error);
+
+BAT_C_END
+
+#endif

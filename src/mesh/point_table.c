@@ -1,0 +1,154 @@
+#include "mesh/point_table.h"
+
+#include "batten/mesh.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// What points are told apart by: coordinates with one zero, or the cube's place in the grid.
+typedef struct point_key
+{
+    double at[3];
+} point_key;
+
+static point_key key_of(const point_table *table, const double point[3])
+{
+    point_key key;
+    for (int k = 0; k < 3; k++)
+        key.at[k] = (table->cell > 0 ? floor(point[k] / table->cell) : point[k]) + 0.0;
+    return key;
+}
+
+static bool keys_equal(const point_key *a, const point_key *b)
+{
+    return a->at[0] == b->at[0] && a->at[1] == b->at[1] && a->at[2] == b->at[2];
+}
+
+/// The slot where looking for a key begins. Bits are mixed by multiplication and folding (the finalizer of MurmurHash3).
+static size_t first_slot(const point_table *table, const point_key *key)
+{
+    uint64_t hash = 0;
+    for (int k = 0; k < 3; k++)
+    {
+        uint64_t bits;
+        memcpy(&bits, &key->at[k], sizeof bits);
+        hash = (hash ^ bits) * UINT64_C(0xff51afd7ed558ccd);
+        hash ^= hash >> 33;
+    }
+    hash *= UINT64_C(0xc4ceb9fe1a85ec53);
+    return (size_t)(hash ^ hash >> 33) & (table->slot_count - 1);
+}
+
+static void put(point_table *table, uint32_t index)
+{
+    point_key key = key_of(table, table->points + 3 * (size_t)index);
+    size_t slot = first_slot(table, &key);
+    while (table->slots[slot] != BAT_MESH_NONE)
+        slot = (slot + 1) & (table->slot_count - 1);
+    table->slots[slot] = index;
+}
+
+bool point_table_reserve(point_table *table, size_t count)
+{
+    enum
+    {
+        FIRST_SLOTS = 64
+    };
+    size_t wanted = table->slot_count > 0 ? table->slot_count : FIRST_SLOTS;
+    while (wanted / 2 < count)
+    {
+        if (wanted > SIZE_MAX / 2)
+            return false;
+        wanted *= 2;
+    }
+    if (wanted == table->slot_count)
+        return true;
+    point_table larger = *table;
+    larger.slots = memory_array(wanted, sizeof *larger.slots);
+    if (larger.slots == NULL)
+        return false;
+    larger.slot_count = wanted;
+    memset(larger.slots, 0xff, wanted * sizeof *larger.slots);
+    for (size_t i = 0; i < table->slot_count; i++)
+        if (table->slots[i] != BAT_MESH_NONE)
+            put(&larger, table->slots[i]);
+    free(table->slots);
+    *table = larger;
+    return true;
+}
+
+void point_table_free(point_table *table)
+{
+    free(table->slots);
+    *table = (point_table){0};
+}
+
+bool point_table_add(point_table *table, uint32_t index)
+{
+    if (!point_table_reserve(table, table->count + 1))
+        return false;
+    put(table, index);
+    table->count++;
+    return true;
+}
+
+uint32_t point_table_find(const point_table *table, const double point[3])
+{
+    if (table->slot_count == 0)
+        return BAT_MESH_NONE;
+    point_key key = key_of(table, point);
+    for (size_t slot = first_slot(table, &key);; slot = (slot + 1) & (table->slot_count - 1))
+    {
+        uint32_t index = table->slots[slot];
+        if (index == BAT_MESH_NONE)
+            return index;
+        const double *other = table->points + 3 * (size_t)index;
+        if (other[0] == point[0] && other[1] == point[1] && other[2] == point[2])
+            return index;
+    }
+}
+
+static bool is_near(const point_table *table, const double a[3], const double b[3])
+{
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]) <= table->cell;
+}
+
+/// The least index, below `best`, of a near point in one cube.
+static uint32_t near_in_cube(const point_table *table, const point_key *cube, const double point[3], uint32_t best)
+{
+    for (size_t slot = first_slot(table, cube); table->slots[slot] != BAT_MESH_NONE;
+         slot = (slot + 1) & (table->slot_count - 1))
+    {
+        uint32_t index = table->slots[slot];
+        if (index >= best)
+            continue;
+        const double *other = table->points + 3 * (size_t)index;
+        point_key key = key_of(table, other);
+        if (keys_equal(&key, cube) && is_near(table, other, point))
+            best = index;
+    }
+    return best;
+}
+
+uint32_t point_table_near(const point_table *table, const double point[3])
+{
+    enum
+    {
+        CUBES = 27
+    };
+    uint32_t best = BAT_MESH_NONE;
+    if (table->slot_count == 0)
+        return best;
+    point_key middle = key_of(table, point);
+    for (int i = 0; i < CUBES; i++)
+    {
+        point_key cube = {{middle.at[0] + i % 3 - 1, middle.at[1] + i / 3 % 3 - 1, middle.at[2] + i / 9 - 1}};
+        for (int k = 0; k < 3; k++)
+            cube.at[k] += 0.0;
+        best = near_in_cube(table, &cube, point, best);
+    }
+    return best;
+}
