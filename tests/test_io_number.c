@@ -146,6 +146,57 @@ static void long_numbers_round_right(void **state)
     assert_true(value == 0.8);
 }
 
+/// Numbers of up to 21 digits and powers of ten of all sizes, against strtod().
+static void numbers_of_any_length_round_right(void **state)
+{
+    (void)state;
+    bat_random random = bat_random_seed(13);
+    for (int i = 0; i < 400000; i++)
+    {
+        char text[64];
+        int digits = 1 + (int)(bat_random_bits(&random) % 21), point = (int)(bat_random_bits(&random) % 24) - 1, size = 0;
+        for (int k = 0; k < digits; k++)
+        {
+            if (k == point)
+                text[size++] = '.';
+            text[size++] = (char)('0' + bat_random_bits(&random) % (i % 2 == 0 ? 10 : 2));
+        }
+        if (i % 3 == 0)
+            size += snprintf(text + size, sizeof text - (size_t)size, "e%d", (int)(bat_random_bits(&random) % 70) - 35);
+        text[size] = '\0';
+        double value = 0.0, expected = strtod(text, NULL);
+        assert_null(number_read(text, text + size, &value));
+        if (value != expected)
+            fail_msg("%s is read as %.17g", text, value);
+    }
+}
+
+static void numbers_end_where_they_end(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text;
+        int size; ///< of the number; -1 when there is none
+    } cases[] = {{"1", 1},  {"-1.5e3 2", 6}, {"1.2.3", 3},  {"1e5e5", 3}, {"7/8", 1},  {"+.5#", 3},
+                 {"1.", 2}, {"1ex", -1},     {"1e", -1},    {"x", -1},    {"", -1},    {"-", -1},
+                 {".", -1}, {"nan", -1},     {"1e400", -1}, {"0x10", 1},  {"12\n", 2}, {"1e-400 ", 6}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        double value;
+        const char *text = cases[i].text, *end = number_scan(text, text + strlen(text), &value);
+        if (cases[i].size < 0)
+            assert_null(end);
+        else
+            assert_ptr_equal(end, text + cases[i].size);
+    }
+    static const char cut[] = "123";
+    double value;
+    assert_ptr_equal(number_scan(cut, cut + 2, &value), cut + 2);
+    assert_true(value == 12);
+    assert_null(number_scan(cut, cut, &value));
+}
+
 static void right_angles_are_exact(void **state)
 {
     (void)state;
@@ -199,6 +250,8 @@ int main(void)
                                        cmocka_unit_test(fixed_numbers_have_no_trailing_zeros),
                                        cmocka_unit_test(what_is_no_decimal_number_is_refused),
                                        cmocka_unit_test(long_numbers_round_right),
+                                       cmocka_unit_test(numbers_of_any_length_round_right),
+                                       cmocka_unit_test(numbers_end_where_they_end),
                                        cmocka_unit_test(right_angles_are_exact),
                                        cmocka_unit_test(degrees_survive_the_unit_vector),
                                        cmocka_unit_test(the_edge_of_the_map_shows_as_such_at_any_precision)};

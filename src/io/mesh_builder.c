@@ -21,13 +21,19 @@ void mesh_builder_free(mesh_builder *builder)
     *builder = (mesh_builder){0};
 }
 
-/// array_grow() through a typed pointer.
-#define GROW(array, capacity, needed) grow((void **)&(array), &(capacity), (needed), sizeof *(array))
-
-static bool grow(void **array, size_t *capacity, size_t needed, size_t size)
+/// array_grow() through the address of a pointer of any type.
+static bool grow(void *place, size_t *capacity, size_t needed, size_t size)
 {
-    return needed <= *capacity || array_grow(array, capacity, needed, size);
+    if (needed <= *capacity)
+        return true;
+    void *array;
+    memcpy(&array, place, sizeof array);
+    bool grown = array_grow(&array, capacity, needed, size);
+    memcpy(place, &array, sizeof array);
+    return grown;
 }
+
+#define GROW(array, capacity, needed) grow((void *)&(array), &(capacity), (needed), sizeof *(array))
 
 double *mesh_builder_vertex(mesh_builder *builder)
 {
@@ -84,7 +90,7 @@ bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangl
 /// Note a corner's texture coordinate. The first one makes the array, in which the corners before have none.
 static bool add_texture_corner(mesh_builder *builder, uint32_t texture)
 {
-    bool first = builder->texture_corners == NULL;
+    bool first = builder->texture_corner_capacity == 0;
     if (first && texture == BAT_MESH_NONE)
         return true;
     size_t at = builder->corner_count;

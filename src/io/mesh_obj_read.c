@@ -192,8 +192,9 @@ static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t cou
     {
         for (uint64_t k = 0; k < step && status == BAT_OK; k++)
             status = read_vertex_number(reader, &reader->scan, &vertices[k], error);
+        mesh_scan value = values;
         if (i < counts[1] && (!scan_number(&values, &sharpness) || sharpness < 0))
-            return scan_word_fault(&values, BAT_NO_INDEX, "is not a sharpness of 0 or more", error);
+            return scan_word_fault(&value, BAT_NO_INDEX, "is not a sharpness of 0 or more", error);
         if (crease && vertices[0] == vertices[1])
             return fault(reader, BAT_NO_INDEX, "a crease joins a vertex with itself", error);
         bool added = crease ? mesh_builder_crease(builder, (bat_mesh_crease){vertices[0], vertices[1], sharpness})

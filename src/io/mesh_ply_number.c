@@ -2,14 +2,33 @@
 
 #include <math.h>
 
-/// The bytes of a number, the lowest first, as one integer.
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+static const bool machine_is_big_endian = true;
+#else
+static const bool machine_is_big_endian = false;
+#endif
+
+/// The bytes of a number as one integer.
 static uint64_t gather(const char *bytes, size_t size, bool big_endian)
 {
-    const unsigned char *b = (const unsigned char *)bytes;
-    uint64_t bits = 0;
-    for (size_t i = 0; i < size; i++)
-        bits = bits << 8 | b[big_endian ? i : size - 1 - i];
-    return bits;
+    bool swap = big_endian != machine_is_big_endian;
+    uint16_t two;
+    uint32_t four;
+    uint64_t eight;
+    switch (size)
+    {
+    case sizeof two:
+        memcpy(&two, bytes, sizeof two);
+        return swap ? __builtin_bswap16(two) : two;
+    case sizeof four:
+        memcpy(&four, bytes, sizeof four);
+        return swap ? __builtin_bswap32(four) : four;
+    case sizeof eight:
+        memcpy(&eight, bytes, sizeof eight);
+        return swap ? __builtin_bswap64(eight) : eight;
+    default:
+        return (unsigned char)*bytes;
+    }
 }
 
 static double float_of(uint64_t bits)

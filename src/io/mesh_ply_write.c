@@ -163,10 +163,12 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
             out = put_double(out, mesh->positions[3 * v + k], plan);
         for (size_t k = 0; k < 2 && plan->texture_by_vertex; k++)
             out = put_double(out, mesh->texture[2 * v + k], plan);
-        const double *channels = mesh->channels + v * mesh->channel_count;
         for (size_t i = 0; i < mesh->channel_count; i++)
-            out = plan->bytes[i] ? put_integer(out, (uint32_t)round(channels[i] * UINT8_MAX), 1, plan)
-                                 : put_double(out, channels[i], plan);
+        {
+            double value = mesh->channels[v * mesh->channel_count + i];
+            out = plan->bytes[i] ? put_integer(out, (uint32_t)round(value * UINT8_MAX), 1, plan)
+                                 : put_double(out, value, plan);
+        }
         text_advance(text, end_row(out, plan));
     }
 }

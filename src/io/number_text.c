@@ -337,16 +337,15 @@ static double convert(const char *begin, const char *end, decimal *number)
     for (const char *at = begin; number->digits > MANTISSA_DIGITS && at < end && (*at < '1' || *at > '9'); at++)
         number->digits -= *at == '0';
     int64_t exponent = number->exponent;
-    double value = 0.0;
-    if (number->digits > MANTISSA_DIGITS)
-        value = convert_long(begin, end, number);
-    else if (number->mantissa == 0)
+    bool exact = number->digits <= MANTISSA_DIGITS;
+    double value;
+    if (exact && number->mantissa == 0)
         value = 0.0;
     // Both factors are exact doubles, so that one operation rounds right (Clinger 1990).
-    else if (number->mantissa <= exact_mantissa && exponent >= -EXACT_POWER && exponent <= EXACT_POWER)
+    else if (exact && number->mantissa <= exact_mantissa && exponent >= -EXACT_POWER && exponent <= EXACT_POWER)
         value = exponent < 0 ? (double)number->mantissa / exact_powers[-exponent]
                              : (double)number->mantissa * exact_powers[exponent];
-    else if (exponent >= -WIDE_POWER && exponent <= WIDE_POWER)
+    else if (exact && exponent >= -WIDE_POWER && exponent <= WIDE_POWER)
         value = convert_wide(number->mantissa, (int)exponent);
     else
         value = convert_long(begin, end, number);

@@ -66,17 +66,17 @@ bool point_table_reserve(point_table *table, size_t count)
     }
     if (wanted == table->slot_count)
         return true;
-    point_table larger = *table;
-    larger.slots = memory_array(wanted, sizeof *larger.slots);
-    if (larger.slots == NULL)
+    uint32_t *old = table->slots, *slots = memory_array(wanted, sizeof *slots);
+    size_t old_count = table->slot_count;
+    if (slots == NULL)
         return false;
-    larger.slot_count = wanted;
-    memset(larger.slots, 0xff, wanted * sizeof *larger.slots);
-    for (size_t i = 0; i < table->slot_count; i++)
-        if (table->slots[i] != BAT_MESH_NONE)
-            put(&larger, table->slots[i]);
-    free(table->slots);
-    *table = larger;
+    memset(slots, 0xff, wanted * sizeof *slots);
+    table->slots = slots;
+    table->slot_count = wanted;
+    for (size_t i = 0; i < old_count; i++)
+        if (old[i] != BAT_MESH_NONE)
+            put(table, old[i]);
+    free(old);
     return true;
 }
 
@@ -145,9 +145,10 @@ uint32_t point_table_near(const point_table *table, const double point[3])
     point_key middle = key_of(table, point);
     for (int i = 0; i < CUBES; i++)
     {
-        point_key cube = {{middle.at[0] + i % 3 - 1, middle.at[1] + i / 3 % 3 - 1, middle.at[2] + i / 9 - 1}};
+        const int steps[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+        point_key cube;
         for (int k = 0; k < 3; k++)
-            cube.at[k] += 0.0;
+            cube.at[k] = middle.at[k] + steps[k] + 0.0;
         best = near_in_cube(table, &cube, point, best);
     }
     return best;

@@ -1,0 +1,93 @@
+#ifndef FUZZ_MESH_ROUND_TRIP_H
+#define FUZZ_MESH_ROUND_TRIP_H
+
+#include "batten/mesh_file.h"
+#include "batten/mesh_repair.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// The promise was broken: stop, so that the fuzzer keeps the input.
+#define PROMISE(condition)                                                                                                  \
+    do                                                                                                                      \
+    {                                                                                                                       \
+        if (!(condition))                                                                                                   \
+            abort();                                                                                                        \
+    } while (0)
+
+/// What a mesh has in common with itself after it went through a file. STL rounds and renumbers.
+static inline void compare_meshes(const bat_mesh *before, const bat_mesh *after, bat_mesh_format format)
+{
+    PROMISE(after->face_count == before->face_count);
+    if (format == BAT_MESH_FORMAT_STL)
+        return;
+    PROMISE(after->vertex_count == before->vertex_count);
+    for (size_t i = 0; i < 3 * before->vertex_count; i++)
+        PROMISE(after->positions[i] == before->positions[i]);
+    PROMISE(memcmp(after->faces, before->faces, before->face_count * 3 * sizeof *before->faces) == 0);
+}
+
+/// What was read can be written in any format or is refused with a reason, and what is written can be read again.
+static inline void write_and_read(const bat_mesh *mesh)
+{
+    for (int i = BAT_MESH_FORMAT_OBJ; i <= BAT_MESH_FORMAT_STL; i++)
+        for (int encoding = BAT_MESH_BINARY; encoding <= BAT_MESH_TEXT; encoding += 2)
+        {
+            bat_mesh_write_options writing = bat_mesh_write_defaults();
+            bat_mesh_read_options reading = bat_mesh_read_defaults();
+            writing.format = reading.format = (bat_mesh_format)i;
+            writing.encoding = (bat_mesh_encoding)encoding;
+            writing.threads = 1;
+            reading.keep_degenerate = i == BAT_MESH_FORMAT_STL; // where vertices were equal or become so
+            char *bytes = NULL;
+            size_t size = 0;
+            bat_status status = bat_mesh_write_memory(mesh, &writing, &bytes, &size, NULL);
+            PROMISE(status == BAT_OK || status == BAT_UNSUPPORTED);
+            if (status != BAT_OK)
+                continue;
+            bat_mesh back;
+            PROMISE(bat_mesh_read_memory(bytes, size, &reading, &back, NULL) == BAT_OK);
+            compare_meshes(mesh, &back, reading.format);
+            free(bytes);
+            bat_mesh_free(&back);
+        }
+}
+
+/// A repaired mesh has neighbours.
+static inline void repair_and_connect(const bat_mesh *mesh)
+{
+    bat_mesh repaired;
+    bat_mesh_connectivity connectivity;
+    if (bat_mesh_repair(mesh, NULL, &repaired, NULL) != BAT_OK)
+        return;
+    PROMISE(bat_mesh_connect(&repaired, &connectivity, NULL) == BAT_OK);
+    bat_mesh_connectivity_free(&connectivity);
+    bat_mesh_free(&repaired);
+}
+
+/// Read bytes in a format, in every way.
+static inline void mesh_round_trip(const uint8_t *data, size_t size, bat_mesh_format format)
+{
+    for (int choice = 0; choice < 3; choice++)
+    {
+        bat_mesh_read_options reading = bat_mesh_read_defaults();
+        reading.format = format;
+        reading.triangulate = choice > 0;
+        reading.keep_degenerate = choice > 1;
+        bat_mesh mesh = {0};
+        bat_error error = {0};
+        bat_status status = bat_mesh_read_memory(data, size, &reading, &mesh, &error);
+        PROMISE(status == error.status);
+        if (status != BAT_OK)
+            continue;
+        bool checked = bat_mesh_check(&mesh, NULL) == BAT_OK;
+        PROMISE(checked || reading.keep_degenerate);
+        if (checked && choice < 2)
+            write_and_read(&mesh);
+        repair_and_connect(&mesh);
+        bat_mesh_free(&mesh);
+    }
+}
+
+#endif
