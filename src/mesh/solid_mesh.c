@@ -20,6 +20,8 @@
 #define CELL_PER_EDGE 1.15
 
 #define ROUNDS 7
+/// Collapses stay a little ahead of splits: so many more vertices are aimed at.
+#define LAST_GAIN 0.985
 /// Steps onto the surface at the end.
 #define LAST_STEPS 4
 
@@ -41,12 +43,33 @@ static double edge_length(const edit_mesh *edit, uint32_t h)
     return distance(edit->positions[edit_from(edit, h)], edit->positions[edit_to(edit, h)]);
 }
 
+/// From an edge to ever longer ones of the same faces, up to one that is the longest in both its faces (Rivara, 1984): only
+/// these are split, so that flat triangles do not beget flatter ones without end.
+static uint32_t longest_near(const edit_mesh *edit, uint32_t h)
+{
+    double longest = edge_length(edit, h) * (1 + 1e-9);
+    for (;;)
+    {
+        uint32_t t = edit->twin[h], best = h;
+        uint32_t around[4] = {bat_mesh_next(h), bat_mesh_previous(h), bat_mesh_next(t), bat_mesh_previous(t)};
+        for (int i = 0; i < 4; i++)
+            if (edge_length(edit, around[i]) > longest)
+            {
+                longest = edge_length(edit, around[i]) * (1 + 1e-9);
+                best = around[i];
+            }
+        if (best == h)
+            return h;
+        h = best;
+    }
+}
+
 static bat_status split_long(remesher *r, bat_error *error)
 {
     edit_mesh *edit = &r->edit;
     for (uint32_t h = 0; h < 3 * edit->face_count; h++)
         while (edge_length(edit, h) > LONGEST_EDGE * r->edge)
-            if (!edit_split(edit, h))
+            if (!edit_split(edit, longest_near(edit, h)))
                 return error_memory(error, 2 * edit->face_room * sizeof *edit->faces);
     return BAT_OK;
 }
@@ -193,6 +216,15 @@ static void settle(remesher *r)
     }
 }
 
+/// The vertices that the mesh has without what is left open: half of its faces.
+static double count_vertices(const remesher *r)
+{
+    size_t faces = 0;
+    for (size_t f = 0; f < r->edit.face_count; f++)
+        faces += !r->shape->surfaces[r->edit.marks[f]].open;
+    return 0.5 * (double)faces;
+}
+
 static bat_status remesh(remesher *r, size_t vertices, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -207,7 +239,7 @@ static bat_status remesh(remesher *r, size_t vertices, bat_error *error)
         for (uint32_t v = 0; v < r->edit.vertex_count; v++)
             relax(r, v);
         if (round > 0)
-            r->edge *= pow((double)r->edit.vertex_count / (double)vertices, 0.5);
+            r->edge *= sqrt(LAST_GAIN * count_vertices(r) / (double)vertices);
     }
     if (status == BAT_OK)
     {
@@ -223,11 +255,14 @@ static bat_status remesh(remesher *r, size_t vertices, bat_error *error)
     return status;
 }
 
-static double area_of(const bat_mesh *mesh)
+/// The area of what is not left open.
+static double area_of(const solid *s, const bat_mesh *mesh, const uint16_t *surfaces)
 {
     double area = 0;
     for (size_t f = 0; f < mesh->face_count; f++)
     {
+        if (s->surfaces[surfaces[f]].open)
+            continue;
         const uint32_t *corner = mesh->faces + 3 * f;
         const double *a = mesh->positions + 3 * corner[0], *b = mesh->positions + 3 * corner[1];
         const double *c = mesh->positions + 3 * corner[2];
@@ -254,7 +289,7 @@ static bat_status choose_edge(const solid *s, size_t vertices, double *edge, bat
     bat_status status = solid_cut(s, longest / FIRST_CELLS, &rough, &surfaces, error);
     if (status != BAT_OK)
         return status;
-    *edge = edge_for(area_of(&rough), vertices);
+    *edge = edge_for(area_of(s, &rough, surfaces), vertices);
     bat_mesh_free(&rough);
     free(surfaces);
     return BAT_OK;
