@@ -59,7 +59,7 @@ static double light_at(const hollow_picture *picture, const tap_list *taps, size
         if (there != here)
             shadow += shadow_of(picture, here, there, x - (double)column, y - (double)row);
     }
-    return fmax(0, 1 - 1.7 * shadow / TAPS);
+    return fmax(0, 1 - 2.0 * shadow / TAPS);
 }
 
 /// The mean over a tile of those pixels that lie about as deep.

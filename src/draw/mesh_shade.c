@@ -13,7 +13,7 @@
 #include <string.h>
 
 /// Colours as cairo takes them; the shading works in linear light.
-static const draw_colour CLAY = {0.87, 0.80, 0.72};
+static const draw_colour CLAY = {0.90, 0.845, 0.775};
 static const draw_colour INSIDE = {0.55, 0.61, 0.68};
 static const draw_colour NO_VALUE = {0.75, 0.75, 0.75};
 static const draw_colour WIRE = {0.13, 0.15, 0.19};
@@ -112,7 +112,7 @@ static double illuminate(const double normal[3], double open)
     double key = fmax((-0.467 * normal[0] + 0.571 * normal[1] + 0.675 * normal[2] + 0.12) / 1.12, 0);
     double fill = fmax(0.80 * normal[0] + 0.12 * normal[1] + 0.588 * normal[2], 0);
     double sky = 0.5 + 0.5 * normal[1];
-    return open * (0.13 + 0.14 * sky) + (0.35 + 0.65 * open) * (0.66 * key + 0.13 * fill);
+    return open * (0.12 + 0.17 * sky) + (0.3 + 0.7 * open) * (0.86 * key + 0.12 * fill);
 }
 
 /// The light of a shiny spot (Blinn, 1977).

@@ -37,6 +37,7 @@ static const shape_maker MAKERS[] = {
     {{"knot", "a tube of varying section along a torus knot", true}, NULL, weave_knot},
     {{"relief", "hills, ridges and folds over a rectangle", false}, NULL, weave_relief},
     {{"shell", "a fan of ribs, sharp at the rim", false}, NULL, weave_shell},
+    {{"cage", "a coarse elephant, to be refined", true}, NULL, weave_cage},
 };
 
 enum
@@ -71,9 +72,15 @@ static bat_random stream_of(const char *name, uint64_t seed)
     return bat_random_seed(hash + seed * 0x9e3779b97f4a7c15u);
 }
 
-/// Move the middle of the box to the origin and scale its longest side to 1.
+/// Move the middle of the box to the origin, scale its longest side to 1, and turn the mesh, made with z upwards, so that y is.
 static void normalize(bat_mesh *mesh)
 {
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+    {
+        double *point = mesh->positions + 3 * v, left = point[1];
+        point[1] = point[2];
+        point[2] = -left;
+    }
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, longest = 0;
     for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
     {

@@ -206,7 +206,7 @@ bat_status weave_shell(size_t vertices, bat_random *random, bat_mesh *mesh, bat_
                    height = rib / ribs * radius * (share * tent + (1 - share) * hump * hump);
             double *point = mesh->positions + 3 * ((size_t)row * grid.columns + column);
             point[0] = radius * cos(angle);
-            point[1] = radius * sin(angle);
+            point[1] = -radius * sin(angle);
             point[2] = height * 2 + deep * (1 - pow(radius, 2)) * cos(0.9 * angle);
             point[2] += noise_sum_at(&rough, point);
         }
