@@ -14,6 +14,8 @@
 #include "batten/manifold.h"
 #include "batten/measure.h"
 #include "batten/mesh.h"
+#include "batten/mesh_picture.h"
+#include "batten/mesh_shapes.h"
 #include "batten/motion.h"
 #include "batten/picture.h"
 #include "batten/scheme.h"

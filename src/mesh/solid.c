@@ -128,7 +128,7 @@ static double dot(const double *a, const double *b)
 
 /// Solve the symmetric system a x = b of up to 3 unknowns by Cholesky's method; x takes b's place. The diagonal is raised a
 /// little, which keeps nearly parallel surfaces solvable.
-static void solve_small(double a[3][3], size_t count, double *b)
+static void solve_small(double a[SOLID_MOST_MEETING][SOLID_MOST_MEETING], size_t count, double *b)
 {
     for (size_t i = 0; i < count; i++)
     {
@@ -160,7 +160,8 @@ static void solve_small(double a[3][3], size_t count, double *b)
 void solid_step_towards(const solid *s, const size_t *surfaces, size_t count, double longest, double difference,
                         double point[3])
 {
-    double gradients[3][3] = {{0}}, products[3][3], weights[3] = {0};
+    double gradients[SOLID_MOST_MEETING][3] = {{0}}, products[SOLID_MOST_MEETING][SOLID_MOST_MEETING];
+    double weights[SOLID_MOST_MEETING] = {0};
     for (size_t i = 0; i < count; i++)
         weights[i] = slope(&s->surfaces[surfaces[i]], point, difference, gradients[i]);
     for (size_t i = 0; i < count; i++)

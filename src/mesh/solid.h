@@ -13,15 +13,11 @@
 enum
 {
     SOLID_MOST_SURFACES = 40,
-    SOLID_MOST_STEPS = 3 * SOLID_MOST_SURFACES
+    SOLID_MOST_STEPS = 3 * SOLID_MOST_SURFACES,
+    SOLID_MOST_MEETING = 3 ///< surfaces at one point
 };
 
-/// Where the boundary cannot be, judged by values: a ball of radius r around a point of value above SOLID_STEEPEST r holds no
-/// zero.
-#define SOLID_STEEPEST 2.0
-
-/// A function of space, much like a distance near its zeros: its gradient there is about 1, and nowhere longer than
-/// SOLID_STEEPEST.
+/// A function of space, much like a distance near its zeros: its gradient there is about 1, and seldom longer than 2.
 typedef double solid_function(const void *context, const double point[3]);
 
 typedef struct solid_surface
@@ -69,7 +65,7 @@ double solid_value(const solid *s, const double point[3]);
 /// Whether a point is inside of the whole that is inside of the surfaces whose bits are set.
 bool solid_is_inside(const solid *s, uint64_t surfaces);
 
-/// A step from a point towards where up to three surfaces are all zero: Newton's, the shortest one.
+/// A step from a point towards where up to SOLID_MOST_MEETING surfaces are all zero: Newton's, the shortest one.
 /// @param surfaces    indices of the surfaces
 /// @param longest     no longer step is made
 /// @param difference  the spacing of finite differences
@@ -83,9 +79,11 @@ void solid_step_towards(const solid *s, const size_t *surfaces, size_t count, do
 /// is what lies between tetrahedra inside and outside.
 ///
 /// @param cell     the lattice's spacing
+/// @param steepest how fast values change at most: a ball of radius r around a point of value above steepest r holds no boundary
 /// @param surfaces receives the surface of every face; release it with free()
-/// @return BAT_OK; BAT_INVALID_ARGUMENT where the lattice meets no boundary; BAT_TOO_LARGE; BAT_NO_MEMORY
-bat_status solid_cut(const solid *s, double cell, bat_mesh *mesh, uint16_t **surfaces, bat_error *error);
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where the lattice meets no boundary; BAT_TOO_LARGE; BAT_NO_MEMORY. A mesh with a boundary
+///         is a sign of values that change faster
+bat_status solid_cut(const solid *s, double cell, double steepest, bat_mesh *mesh, uint16_t **surfaces, bat_error *error);
 
 /// A mesh of the boundary of about so many vertices, its triangles of even size and good shape, its edges along the edges of
 /// the solid.

@@ -18,7 +18,7 @@
 typedef struct tetrahedra
 {
     const solid *shape;
-    double origin[3], cell;
+    double origin[3], cell, steepest;
     double *points; ///< point_count x 3
     double *values; ///< point_count x surface_count; 0 exactly on a surface that was cut along
     size_t point_count, point_room;
@@ -79,7 +79,7 @@ static bool gather_cells(tetrahedra *t, const uint32_t corner[3], uint32_t size)
     for (int c = 0; c < 3; c++)
         middle[c] = t->origin[c] + t->cell * (corner[c] + 0.5 * size);
     double radius = t->cell * (0.5 * sqrt(3) * size + 0.15);
-    if (fabs(solid_value(t->shape, middle)) > SOLID_STEEPEST * radius)
+    if (fabs(solid_value(t->shape, middle)) > t->steepest * radius)
         return true;
     if (size == 1)
     {
@@ -432,9 +432,9 @@ static bool place_lattice(const solid *s, double cell, double origin[3], uint32_
     return *across * cell >= widest;
 }
 
-bat_status solid_cut(const solid *s, double cell, bat_mesh *mesh, uint16_t **surfaces, bat_error *error)
+bat_status solid_cut(const solid *s, double cell, double steepest, bat_mesh *mesh, uint16_t **surfaces, bat_error *error)
 {
-    tetrahedra t = {.shape = s, .cell = cell};
+    tetrahedra t = {.shape = s, .cell = cell, .steepest = steepest};
     shell boundary = {0};
     uint32_t across;
     if (!place_lattice(s, cell, t.origin, &across))

@@ -13,11 +13,17 @@
 /// Edges are split above and collapsed below these multiples of the wanted length.
 #define LONGEST_EDGE (4.0 / 3.0)
 #define SHORTEST_EDGE (4.0 / 5.0)
+/// Corners nearer than this multiple become one.
+#define NEAREST_CORNERS 0.25
 
 /// The first lattice, which measures the area, has so many cells along the box's longest side.
 #define FIRST_CELLS 28.0
 /// The lattice's spacing, as a multiple of the wanted edge length.
 #define CELL_PER_EDGE 1.15
+
+/// How fast values change at most, at first and after gaps.
+#define STEEPEST 2.0
+#define MOST_STEEPEST 16.0
 
 #define ROUNDS 7
 /// Collapses stay a little ahead of splits: so many more vertices are aimed at.
@@ -74,18 +80,23 @@ static bat_status split_long(remesher *r, bat_error *error)
     return BAT_OK;
 }
 
-/// Whether the begin of an edge may go: nothing that is more of a feature may move onto less of one.
-static bool may_go(const edit_mesh *edit, uint32_t h)
+/// Whether the begin of an edge may go: nothing that is more of a feature may move onto less of one. Corners go along a feature to
+/// one another where they are too near for the mesh to tell them apart.
+static bool may_go(const remesher *r, uint32_t h)
 {
-    edit_corner from = edit_corner_of(edit, edit_from(edit, h));
-    return from.feature_count == 0 || (from.feature_count == 2 && edit_is_feature(edit, h));
+    const edit_mesh *edit = &r->edit;
+    size_t from = edit_corner_of(edit, edit_from(edit, h)).feature_count;
+    if (from == 0 || !edit_is_feature(edit, h))
+        return from == 0;
+    size_t to = edit_corner_of(edit, edit_to(edit, h)).feature_count;
+    return from == 2 || (to != 2 && edge_length(edit, h) < NEAREST_CORNERS * r->edge);
 }
 
 static bool collapse_one(remesher *r, uint32_t h)
 {
     edit_mesh *edit = &r->edit;
     uint32_t t = edit->twin[h];
-    bool first_goes = may_go(edit, h), second_goes = may_go(edit, t);
+    bool first_goes = may_go(r, h), second_goes = may_go(r, t);
     if (!first_goes && !second_goes)
         return false;
     const double *a = edit->positions[edit_from(edit, h)], *b = edit->positions[edit_from(edit, t)];
@@ -198,7 +209,8 @@ static void relax(remesher *r, uint32_t vertex)
         for (int c = 0; c < 3; c++)
             point[c] += 0.7 * (towards[c] - out * normal[c]);
     }
-    solid_step_towards(r->shape, corner.marks, corner.mark_count, 0.3 * r->edge, 1e-3 * r->edge, point);
+    if (corner.mark_count <= SOLID_MOST_MEETING)
+        solid_step_towards(r->shape, corner.marks, corner.mark_count, 0.3 * r->edge, 1e-3 * r->edge, point);
     edit_move(edit, vertex, point);
 }
 
@@ -208,10 +220,12 @@ static void settle(remesher *r)
     for (uint32_t v = 0; v < edit->vertex_count; v++)
     {
         edit_corner corner = edit_corner_of(edit, v);
+        if (corner.mark_count > SOLID_MOST_MEETING)
+            continue;
         double point[3];
         memcpy(point, edit->positions[v], sizeof point);
         for (int step = 0; step < LAST_STEPS; step++)
-            solid_step_towards(r->shape, corner.marks, corner.mark_count, 0.2 * r->edge, 1e-3 * r->edge, point);
+            solid_step_towards(r->shape, corner.marks, corner.mark_count, 0.2 * r->edge, 1e-5 * r->edge, point);
         edit_move(edit, v, point);
     }
 }
@@ -286,7 +300,7 @@ static bat_status choose_edge(const solid *s, size_t vertices, double *edge, bat
     double longest = fmax(fmax(s->high[0] - s->low[0], s->high[1] - s->low[1]), s->high[2] - s->low[2]);
     bat_mesh rough;
     uint16_t *surfaces;
-    bat_status status = solid_cut(s, longest / FIRST_CELLS, &rough, &surfaces, error);
+    bat_status status = solid_cut(s, longest / FIRST_CELLS, STEEPEST, &rough, &surfaces, error);
     if (status != BAT_OK)
         return status;
     *edge = edge_for(area_of(s, &rough, surfaces), vertices);
@@ -329,22 +343,34 @@ static bat_status take_mesh(const solid *s, const edit_mesh *edit, bat_mesh *mes
     return BAT_OK;
 }
 
+/// Cut the boundary out of the lattice. Where that left a gap, values change faster than was taken for granted.
+static bat_status begin(remesher *r, bat_error *error)
+{
+    bat_status status = BAT_NOT_MANIFOLD;
+    for (double steepest = STEEPEST; steepest <= MOST_STEEPEST && status == BAT_NOT_MANIFOLD; steepest *= 2)
+    {
+        bat_mesh rough;
+        uint16_t *surfaces;
+        status = solid_cut(r->shape, CELL_PER_EDGE * r->edge, steepest, &rough, &surfaces, error);
+        if (status != BAT_OK)
+            return status;
+        status = edit_mesh_begin(&rough, surfaces, &r->edit, error);
+        bat_mesh_free(&rough);
+        free(surfaces);
+    }
+    return status;
+}
+
 bat_status solid_mesh(const solid *s, size_t vertices, bat_mesh *mesh, bat_error *error)
 {
     remesher r = {.shape = s};
-    bat_mesh rough = {0};
-    uint16_t *surfaces = NULL;
     bat_status status = choose_edge(s, vertices, &r.edge, error);
     if (status == BAT_OK)
-        status = solid_cut(s, CELL_PER_EDGE * r.edge, &rough, &surfaces, error);
-    if (status == BAT_OK)
-        status = edit_mesh_begin(&rough, surfaces, &r.edit, error);
+        status = begin(&r, error);
     if (status == BAT_OK)
         status = remesh(&r, vertices, error);
     if (status == BAT_OK)
         status = take_mesh(s, &r.edit, mesh, error);
-    bat_mesh_free(&rough);
-    free(surfaces);
     edit_mesh_free(&r.edit);
     return status;
 }

@@ -123,7 +123,7 @@ static double bone_distance(const flesh *body, const flesh_part *part, const dou
     side[2] = (along[0] * reference[1] - along[1] * reference[0]) / length;
     double angle = atan2(dot(away, side), dot(away, reference));
     double depth = body->ridges * radius * fmin(1, distance / (0.5 * radius));
-    return distance - radius + depth * (1 - sqrt(pow(cos(0.5 * body->ridge_count * angle), 2) + 0.01));
+    return distance - radius + depth * (1 - sqrt(pow(cos(0.5 * body->ridge_count * angle), 2) + 0.04));
 }
 
 /// Quílez' estimate for ellipsoids: |p/r| (|p/r| - 1) / |p/r^2|.

@@ -11,8 +11,12 @@ static double dot(const double *a, const double *b)
 void mould_body(mesh_mould *mould)
 {
     solid_push(&mould->shape, flesh_value, &mould->body);
-    memcpy(mould->shape.low, mould->body.low, sizeof mould->shape.low);
-    memcpy(mould->shape.high, mould->body.high, sizeof mould->shape.high);
+    double margin = noise_sum_reach(&mould->body.skin) + noise_sum_reach(&mould->body.folds);
+    for (int c = 0; c < 3; c++)
+    {
+        mould->shape.low[c] = mould->body.low[c] - margin;
+        mould->shape.high[c] = mould->body.high[c] + margin;
+    }
 }
 
 cut *mould_cut(mesh_mould *mould, cut_kind kind, const double at[3], int axis, double size)

@@ -43,10 +43,10 @@ typedef struct drawing_out
 } drawing_out;
 
 static const drawing_out DRAWINGS[DRAW_COUNT] = {
-    {FRONT, {0.42, 0, 0.02}, {1, 1.02, 0.98}, 0, false},          //  0 chest
-    {BACK, {-0.42, 0, -0.02}, {1, 0.98, 0.92}, 0, false},         //  1 hips
-    {FRONT, {0.16, 0, 0.2}, {1, 0.7, 0.66}, 0.15, false},         //  2 neck
-    {FRONT, {0.34, 0, 0.1}, {1, 1.1, 1.12}, -0.2, false},         //  3 head
+    {FRONT, {0.42, 0, 0}, {1, 0.88, 0.9}, 0, false},              //  0 chest
+    {BACK, {-0.42, 0, -0.02}, {1, 0.86, 0.86}, 0, false},         //  1 hips
+    {FRONT, {0.15, 0, 0.26}, {1, 0.72, 0.66}, 0.2, false},        //  2 neck
+    {FRONT, {0.33, 0, 0.08}, {1, 1.12, 1.3}, -0.25, false},       //  3 head
     {FRONT, {0.2, 0, -0.08}, {1, 0.48, 0.52}, -0.45, false},      //  4 trunk …
     {FRONT, {0.12, 0, -0.2}, {0.85, 0.85, 0.85}, -0.4, false},    //  5
     {FRONT, {0.03, 0, -0.27}, {0.85, 0.85, 0.85}, -0.35, false},  //  6
@@ -76,7 +76,7 @@ typedef struct half_cage
 
 static void begin_box(half_cage *half)
 {
-    static const double LOW[3] = {-0.34, 0, 0.58}, HIGH[3] = {0.3, 0.36, 1.16};
+    static const double LOW[3] = {-0.34, 0, 0.53}, HIGH[3] = {0.3, 0.41, 1.22};
     static const int FACES[FIRST_FACES][4] = {[FRONT] = {1, 3, 7, 5},
                                               [BACK] = {2, 0, 4, 6},
                                               [SIDE] = {3, 2, 6, 7},

@@ -65,3 +65,15 @@ double noise_sum_at(const noise_sum *noise, const double point[3])
     }
     return sum;
 }
+
+double noise_sum_reach(const noise_sum *noise)
+{
+    double sum = 0, amplitude = fabs(noise->amplitude);
+    for (int octave = 0; octave < noise->octaves; octave++)
+    {
+        // Gradient noise stays within 1.04; folded, it is 1 at most and -1.2 at least.
+        sum += 1.2 * amplitude;
+        amplitude *= noise->gain;
+    }
+    return sum;
+}

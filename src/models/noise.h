@@ -21,6 +21,9 @@ typedef struct noise_sum
     double ridge; ///< 0: as it is; above: octaves are folded, 1 - 2 |noise| smoothed over this height, which gives ridges
 } noise_sum;
 
+/// No value is farther from zero than this.
+double noise_sum_reach(const noise_sum *noise);
+
 double noise_sum_at(const noise_sum *noise, const double point[3]);
 
 #endif
