@@ -10,11 +10,11 @@
 
 typedef enum cut_kind
 {
-    CUT_PLANE,   ///< the half-space below a plane
-    CUT_SLAB,    ///< between two planes
-    CUT_ROUND,   ///< a round bar
-    CUT_CONE,    ///< a round bar whose radius grows along it
-    CUT_BALL,    ///<
+    CUT_PLANE, ///< the half-space below a plane
+    CUT_SLAB,  ///< between two planes
+    CUT_ROUND, ///< a round bar
+    CUT_CONE,  ///< a round bar whose radius grows along it
+    CUT_BALL,
     CUT_PROFILE, ///< turned: the radius is a sum of waves of the height
     CUT_POLAR,   ///< a bar whose radius is a sum of waves of the angle, turning along it
     CUT_TEETH,   ///< the flanks of teeth around an axis

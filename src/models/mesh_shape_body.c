@@ -163,10 +163,10 @@ void mould_figure(bat_random *random, mesh_mould *mould)
 
 static void add_face(bat_random *random, flesh *body)
 {
-    double long_nose = draw_between(random, 0.08, 0.18), brow = draw_between(random, 0.04, 0.08),
+    double long_nose = draw_between(random, 0.04, 0.13), brow = draw_between(random, 0.04, 0.08),
            jaw = draw_between(random, 0.2, 0.32);
     flesh_bone(body, (double[3]){0.42, 0, 0.12}, (double[3]){0.48 + long_nose, 0, -0.06}, 0.045,
-               draw_between(random, 0.05, 0.075), 0.06);
+               draw_between(random, 0.045, 0.065), 0.08);
     flesh_ellipsoid(body, (double[3]){0.3, 0, -0.34}, 0.17, jaw, 0.13, 0.14);
     flesh_ellipsoid(body, (double[3]){0.42, 0, -0.2}, 0.07, 0.11, 0.03, 0.03);
     flesh_ellipsoid(body, (double[3]){0.4, 0, -0.26}, 0.07, 0.1, 0.03, 0.03);

@@ -173,7 +173,9 @@ bat_status weave_relief(size_t vertices, bat_random *random, bat_mesh *mesh, bat
         for (uint32_t column = 0; column < grid.columns; column++)
         {
             double *point = mesh->positions + 3 * ((size_t)row * grid.columns + column);
-            point[0] = -1 + step * (column + 0.5 * (row % 2));
+            // Every second row is shifted by half a step, but for its ends.
+            bool end = column == 0 || column == grid.columns - 1;
+            point[0] = -1 + step * (column + (end ? 0.25 : 0.5 * (row % 2)));
             point[1] = low + down * row;
             point[2] = landscape_height(&land, point[0], point[1]);
         }
