@@ -219,6 +219,15 @@ static void rasters_cover_and_hide(void **state)
                 assert_true(share[0] > -1e-9 && share[1] > -1e-9 && share[2] > -1e-9);
             }
         }
+    // A diagonal of the outer square runs beneath the inner one.
+    unsigned char marks[100] = {0};
+    mesh_raster_line(&raster, 0, 2, 0.5, marks);
+    for (size_t y = 0; y < 10; y++)
+        for (size_t x = 0; x < 10; x++)
+        {
+            bool on = x + y == 9 && x >= 1 && x < 9, below = x >= 3 && x < 7;
+            assert_int_equal(marks[10 * y + x], on && !below);
+        }
     mesh_raster_free(&raster);
 }
 

@@ -57,7 +57,7 @@ BAT_API bat_mesh_picture_options bat_mesh_picture_defaults(void);
 /// Draw meshes into a file, whose ending chooses the format: .png, .svg or .pdf, in small or capital letters. The file appears
 /// whole or not at all; the same input gives the same bytes.
 ///
-/// The automatic view looks from 20 degrees above (more at flat meshes), 35 degrees beside the direction in which the first
+/// The automatic view looks from 18 degrees above (42 at flat meshes), 35 degrees beside the direction in which the first
 /// mesh of the row is thinnest across the upward axis, from the side of the positive axes.
 ///
 /// @param options what bat_mesh_picture_defaults() gives, changed as wanted; null for the defaults

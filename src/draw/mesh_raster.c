@@ -125,6 +125,28 @@ bat_status mesh_raster_make(const bat_mesh *mesh, const raster_placing *placing,
     return BAT_OK;
 }
 
+void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, double width, unsigned char *marks)
+{
+    const double *a = raster->places + 3 * (size_t)from, *b = raster->places + 3 * (size_t)to;
+    double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, half = width / 2;
+    double square = fmax(along[0] * along[0] + along[1] * along[1], 1e-12);
+    size_t top, bottom, left, right;
+    if (!sample_range(fmin(a[1], b[1]) - half, fmax(a[1], b[1]) + half, 0, raster->rows, &top, &bottom) ||
+        !sample_range(fmin(a[0], b[0]) - half, fmax(a[0], b[0]) + half, 0, raster->columns, &left, &right))
+        return;
+    for (size_t y = top; y <= bottom; y++)
+        for (size_t x = left; x <= right; x++)
+        {
+            double across = (double)x + 0.5 - a[0], down = (double)y + 0.5 - a[1];
+            double share = fmin(fmax((across * along[0] + down * along[1]) / square, 0), 1);
+            double depth = a[2] + share * along[2];
+            size_t sample = y * raster->columns + x;
+            if (hypot(across - share * along[0], down - share * along[1]) <= half &&
+                (double)raster->depths[sample] <= depth + width)
+                marks[sample] = 1;
+        }
+}
+
 void mesh_raster_locate(const mesh_raster *raster, const uint32_t corners[3], double x, double y, double barycentric[3])
 {
     const double *a = raster->places + 3 * (size_t)corners[0], *b = raster->places + 3 * (size_t)corners[1];

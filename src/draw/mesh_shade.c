@@ -20,7 +20,8 @@ static const draw_colour WIRE = {0.13, 0.15, 0.19};
 static const draw_colour BOUNDARY = {0.02, 0.33, 0.62};
 
 #define WIRE_OPACITY 0.8
-#define BOUNDARY_WIDENING 3.2
+/// Boundaries are so many times as wide as wires.
+#define BOUNDARY_WIDENING 2.6
 /// Hollows reach so far, as a share of the picture's greater side.
 #define HOLLOW_REACH 0.055
 
@@ -34,6 +35,7 @@ typedef struct shading
     mesh_raster raster;
     mesh_surface surface;
     float *light;                                       ///< of each pixel: the share that hollows leave
+    unsigned char *lines;                               ///< of each sample: whether a boundary is drawn there; null for none
     draw_colour clay, inside, no_value, wire, boundary; ///< in linear light
 } shading;
 
@@ -125,8 +127,8 @@ static double shine(const double normal[3])
     return 0.07 * power;
 }
 
-/// How much of a sample the edges of its face cover, as far as `wanted` edges go.
-static double cover_edges(const shading *s, const glimpse *seen, unsigned wanted, double width)
+/// How much of a sample the edges of its face cover.
+static double cover_edges(const shading *s, const glimpse *seen, double width)
 {
     const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)seen->face;
     double nearest = HUGE_VAL;
@@ -138,8 +140,7 @@ static double cover_edges(const shading *s, const glimpse *seen, unsigned wanted
     {
         int next = (c + 1) % 3, opposite = (c + 2) % 3;
         double length = hypot(at[next][0] - at[c][0], at[next][1] - at[c][1]);
-        if (wanted >> c & 1)
-            nearest = fmin(nearest, seen->share[opposite] * area / fmax(length, 1e-9));
+        nearest = fmin(nearest, seen->share[opposite] * area / fmax(length, 1e-9));
     }
     double half = 0.5 * width * SHADE_SAMPLES;
     return 1 - ramp(half - 0.6, half + 0.6, nearest);
@@ -174,11 +175,8 @@ static draw_colour sample_colour(const shading *s, size_t x, size_t y, double op
     double light = illuminate(seen.normal, open), glow = clay && !seen.behind ? shine(seen.normal) : 0;
     light = clay ? light : 0.38 + 0.66 * light;
     draw_colour colour = {base.red * light + glow, base.green * light + glow, base.blue * light + glow};
-    unsigned boundary = task->boundaries ? s->surface.marks[seen.face] : 0;
     if (task->wires)
-        colour = lay_over(colour, s->wire, wire_opacity(s, &seen) * cover_edges(s, &seen, 7, task->line));
-    if (boundary != 0)
-        colour = lay_over(colour, s->boundary, cover_edges(s, &seen, boundary, BOUNDARY_WIDENING * task->line));
+        colour = lay_over(colour, s->wire, wire_opacity(s, &seen) * cover_edges(s, &seen, task->line));
     return colour;
 }
 
@@ -197,9 +195,11 @@ static uint32_t shade_pixel(const shading *s, size_t column, size_t row)
         for (size_t k = 0; k < SHADE_SAMPLES; k++)
         {
             size_t x = column * SHADE_SAMPLES + k, y = row * SHADE_SAMPLES + i;
-            if (s->raster.faces[y * s->raster.columns + x] == RASTER_NO_FACE)
+            size_t sample = y * s->raster.columns + x;
+            bool line = s->lines != NULL && s->lines[sample] != 0;
+            if (s->raster.faces[sample] == RASTER_NO_FACE && !line)
                 continue;
-            draw_colour colour = sample_colour(s, x, y, open);
+            draw_colour colour = line ? s->boundary : sample_colour(s, x, y, open);
             sum.red += colour.red;
             sum.green += colour.green;
             sum.blue += colour.blue;
@@ -255,6 +255,25 @@ static bat_status find_hollows(shading *s, bat_error *error)
     return status;
 }
 
+/// Draw the boundaries, where there are any.
+static bat_status draw_boundaries(shading *s, bat_error *error)
+{
+    const bat_mesh *mesh = s->task->mesh;
+    size_t count = s->raster.columns * s->raster.rows;
+    for (size_t h = 0; h < 3 * mesh->face_count; h++)
+    {
+        if ((s->surface.marks[h / 3] >> h % 3 & 1) == 0)
+            continue;
+        if (s->lines == NULL)
+            s->lines = calloc(count, 1);
+        if (s->lines == NULL)
+            return error_memory(error, count);
+        mesh_raster_line(&s->raster, mesh->faces[h], mesh->faces[bat_mesh_next((uint32_t)h)],
+                         BOUNDARY_WIDENING * SHADE_SAMPLES * s->task->line, s->lines);
+    }
+    return BAT_OK;
+}
+
 static void shade_all(const shading *s, unsigned char *pixels, size_t stride)
 {
     int threads = threads_for(s->task->threads, s->task->rows / 16 + 1);
@@ -284,10 +303,13 @@ bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stri
                                   task->threads, &s.raster, error);
     if (status == BAT_OK && task->hollows)
         status = find_hollows(&s, error);
+    if (status == BAT_OK && task->boundaries)
+        status = draw_boundaries(&s, error);
     if (status == BAT_OK)
         shade_all(&s, pixels, stride);
     mesh_surface_free(&s.surface);
     mesh_raster_free(&s.raster);
     free(s.light);
+    free(s.lines);
     return status;
 }

@@ -168,8 +168,8 @@ static void add_face(bat_random *random, flesh *body)
     flesh_bone(body, (double[3]){0.42, 0, 0.12}, (double[3]){0.48 + long_nose, 0, -0.06}, 0.045,
                draw_between(random, 0.045, 0.065), 0.08);
     flesh_ellipsoid(body, (double[3]){0.3, 0, -0.34}, 0.17, jaw, 0.13, 0.14);
-    flesh_ellipsoid(body, (double[3]){0.42, 0, -0.2}, 0.07, 0.11, 0.03, 0.03);
-    flesh_ellipsoid(body, (double[3]){0.4, 0, -0.26}, 0.07, 0.1, 0.03, 0.03);
+    flesh_ellipsoid(body, (double[3]){0.41, 0, -0.2}, 0.09, 0.13, 0.045, 0.045);
+    flesh_ellipsoid(body, (double[3]){0.39, 0, -0.275}, 0.09, 0.12, 0.05, 0.045);
     for (int side = -1; side <= 1; side += 2)
     {
         flesh_part *socket = flesh_ellipsoid(body, (double[3]){0.52, 0.17 * side, 0.1}, 0.1, 0.1, 0.07, 0.07);
