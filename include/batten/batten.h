@@ -20,6 +20,8 @@
 #include "batten/mesh_refine.h"
 #include "batten/mesh_repair.h"
 #include "batten/mesh_train.h"
+#include "batten/mesh_picture.h"
+#include "batten/mesh_shapes.h"
 #include "batten/motion.h"
 #include "batten/picture.h"
 #include "batten/scheme.h"
