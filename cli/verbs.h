@@ -7,6 +7,7 @@ int verb_curve(int argc, char **argv);
 int verb_decimate(int argc, char **argv);
 int verb_list(int argc, char **argv);
 int verb_measure(int argc, char **argv);
+int verb_mesh(int argc, char **argv);
 int verb_reproduce(int argc, char **argv);
 int verb_train(int argc, char **argv);
 

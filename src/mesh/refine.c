@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/loop.h"
-#include "mesh/refine_plan.h"
+#include "mesh/plan.h"
 #include "mesh/seams.h"
 #include "mesh/sharpness.h"
 #include "mesh/split.h"
@@ -26,7 +26,7 @@ typedef struct stage
 typedef struct refinement
 {
     const bat_mesh *coarse;
-    const refine_plan *plan;
+    const mesh_plan *plan;
     const bat_mesh_connectivity *links; ///< of the coarse mesh
     stage now;
     double *vertex_sharpness; ///< one a coarse vertex; null: none is sharp
@@ -217,8 +217,8 @@ static void wear_corners(refinement *work)
 
 static bat_status step(refinement *work, size_t level, bat_error *error)
 {
-    const refine_plan *plan = work->plan;
-    bat_mesh_scheme scheme = refine_plan_scheme(plan, level);
+    const mesh_plan *plan = work->plan;
+    bat_mesh_scheme scheme = mesh_plan_scheme(plan, level);
     bool last = level + 1 == plan->options.levels;
     stage next = {.mesh.channel_count = work->coarse->channel_count};
     bat_status status =
@@ -261,7 +261,7 @@ static bat_status prepare(refinement *work, bat_error *error)
     if (status == BAT_OK && coarse->texture_faces != NULL)
         status = seams_connect(coarse, work->links, &work->now.texture_links, error);
     if (status == BAT_OK)
-        status = refine_plan_check_size(work->plan, coarse, work->links, &work->now.texture_links, error);
+        status = mesh_plan_check_size(work->plan, coarse, work->links, &work->now.texture_links, error);
     return status == BAT_OK ? find_irregular(work, error) : status;
 }
 
@@ -271,7 +271,7 @@ static bat_status run_levels(refinement *work, bat_error *error)
     bat_status status = BAT_OK;
     for (size_t level = 0; level < work->plan->options.levels && status == BAT_OK; level++)
     {
-        if (progress->report != NULL && !progress->report(progress->context, refine_plan_share(work->plan, level)))
+        if (progress->report != NULL && !progress->report(progress->context, mesh_plan_share(work->plan, level)))
             return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "refinement was stopped");
         status = step(work, level, error);
     }
@@ -292,7 +292,7 @@ static bat_status copy_names(const bat_mesh *coarse, bat_mesh *fine, bat_error *
 }
 
 /// Refine a mesh whose neighbours are known.
-static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connectivity *links, const refine_plan *plan,
+static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
                                    bat_mesh *fine, size_t *fallback, bat_error *error)
 {
     refinement work = {.coarse = coarse,
@@ -317,7 +317,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connec
 }
 
 /// No levels: a copy, on the limit surface where that is asked for.
-static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivity *links, const refine_plan *plan,
+static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
                               bat_mesh *fine, bat_error *error)
 {
     refinement work = {.coarse = coarse, .plan = plan, .links = links, .now = {.links = *links, .borrowed = true}};
@@ -340,13 +340,13 @@ static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivit
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
                            bat_error *error)
 {
-    refine_plan plan;
+    mesh_plan plan;
     size_t fallbacks = 0;
     bat_mesh made = {0};
     bat_mesh_connectivity links = {0};
     bat_status status = bat_mesh_check(coarse, error);
     if (status == BAT_OK)
-        status = refine_plan_make(coarse, options, &plan, error);
+        status = mesh_plan_make(coarse, options, &plan, error);
     if (status == BAT_OK)
         status = bat_mesh_connect(coarse, &links, error);
     if (status == BAT_OK && options->levels > 0)

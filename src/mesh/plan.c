@@ -1,4 +1,4 @@
-#include "mesh/refine_plan.h"
+#include "mesh/plan.h"
 
 #include "base/error.h"
 
@@ -51,15 +51,14 @@ static bat_status check_support(const bat_mesh *coarse, const bat_mesh_refine_op
     return BAT_OK;
 }
 
-bat_status refine_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, refine_plan *plan,
-                            bat_error *error)
+bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error)
 {
     bat_status status = check_options(options, error);
     if (status == BAT_OK)
         status = check_support(coarse, options, error);
     if (status != BAT_OK)
         return status;
-    *plan = (refine_plan){.options = *options};
+    *plan = (mesh_plan){.options = *options};
     if (options->scheme == BAT_MESH_LEARNED)
         plan->learned_levels = options->levels < options->rule->levels ? options->levels : options->rule->levels;
     // The other schemes' vertices lie on their limit surfaces from the start.
@@ -67,7 +66,7 @@ bat_status refine_plan_make(const bat_mesh *coarse, const bat_mesh_refine_option
     return BAT_OK;
 }
 
-bat_mesh_scheme refine_plan_scheme(const refine_plan *plan, size_t level)
+bat_mesh_scheme mesh_plan_scheme(const mesh_plan *plan, size_t level)
 {
     return level < plan->learned_levels ? BAT_MESH_LEARNED : last_scheme(&plan->options);
 }
@@ -103,13 +102,13 @@ static bool is_numbered(mesh_size size)
     return size.faces <= BAT_MESH_MOST_FACES && size.vertices < BAT_MESH_NONE;
 }
 
-bat_status refine_plan_check_size(const refine_plan *plan, const bat_mesh *coarse, const bat_mesh_connectivity *links,
-                                  const bat_mesh_connectivity *texture_links, bat_error *error)
+bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const bat_mesh_connectivity *links,
+                                const bat_mesh_connectivity *texture_links, bat_error *error)
 {
     mesh_size mesh = size_of(links), texture = size_of(texture_links);
     for (size_t level = 0; level < plan->options.levels; level++)
     {
-        bool turned = refine_plan_scheme(plan, level) == BAT_MESH_SQRT3;
+        bool turned = mesh_plan_scheme(plan, level) == BAT_MESH_SQRT3;
         mesh = turned ? size_of_turned(mesh, level % 2 == 1) : size_of_split(mesh);
         texture = size_of_split(texture);
         if (!is_numbered(mesh) || !is_numbered(texture))
@@ -121,7 +120,7 @@ bat_status refine_plan_check_size(const refine_plan *plan, const bat_mesh *coars
     return BAT_OK;
 }
 
-double refine_plan_share(const refine_plan *plan, size_t level)
+double mesh_plan_share(const mesh_plan *plan, size_t level)
 {
     double growth = plan->options.scheme == BAT_MESH_SQRT3 ? 3 : 4;
     return (pow(growth, (double)level) - 1) / (pow(growth, (double)plan->options.levels) - 1);
