@@ -242,6 +242,20 @@ refused 1 'least triangle quality' decimate mesh.in.obj -o out.csv --to obj --ve
 refused 1 'fins.in.obj: .*third at the edge' decimate fins.in.obj -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 
+refused 2 'missing' mesh
+refused 2 'nothing is asked for' mesh mesh.in.obj --quiet
+refused 2 'one of midpoint' mesh mesh.in.obj -o out.csv --scheme chaikin
+refused 2 'needs --model' mesh mesh.in.obj -o out.csv --scheme learned
+refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --then loop
+refused 2 "need Loop's scheme" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
+refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
+refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33
+refused 2 'exclude each other' mesh mesh.in.obj -o out.csv --to obj --json --quiet
+refused 1 'more faces or vertices' mesh mesh.in.obj -o out.csv --to obj --levels 32
+refused 1 'fins.in.obj: .*third at the edge' mesh fins.in.obj -o out.csv --to obj
+refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj
+refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned --model mesh.in.obj
+
 full --version
 full help list
 full list schemes

@@ -222,7 +222,23 @@ check "another seed gives others" sh -c '! cmp -s random.obj again.obj'
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.obj
 check "--repair splits what is no manifold" "$batten" decimate fins.obj -o again.obj --vertices 9 --repair --quiet
 
-for verb in curve decimate measure analyze reproduce list; do
+"$batten" mesh torus.obj -o fine.obj --quiet
+"$batten" mesh torus.obj -o - --to obj --threads 1 > piped.obj
+check "mesh gives the same bytes to a pipe and with one thread" same piped.obj fine.obj
+for scheme in loop butterfly midpoint; do
+    "$batten" mesh torus.obj -o fine.ply --scheme $scheme --levels 1 --json > mesh.json
+    check "mesh --json says what is made by $scheme" json mesh.json "\"scheme\": \"$scheme\""
+done
+check "a level makes four faces of one" test "$(sed -n 's/.*"faces": \([0-9]*\).*/\1/p' mesh.json | tr '\n' ' ' | awk '{print $2 / $1}')" = 4
+"$batten" mesh torus.obj --levels 1 --limit --crease-angle 80 --picture mesh.png --quiet
+check "mesh draws a picture" sh -c 'head -c 4 mesh.png | grep -q PNG'
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n' > textured.obj
+"$batten" mesh textured.obj -o fine.obj --scheme sqrt3 --quiet 2> note.txt
+check "sqrt3 says that texture is left out" grep -q 'left out' note.txt
+check "mesh --repair splits what is no manifold" "$batten" mesh fins.obj -o fine.obj --repair --quiet
+check "list schemes names those for meshes" sh -c "'$batten' list schemes | grep -q '^butterfly'"
+
+for verb in curve decimate mesh measure analyze reproduce list; do
     for help in "$verb --help" "$verb -h" "help $verb"; do
         check "batten $help" sh -c "'$batten' $help | grep -q '^usage: batten $verb'"
     done
