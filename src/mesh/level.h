@@ -7,7 +7,9 @@
 /// A mesh on its way through the levels of refinement, as the schemes' rules see it, and the loops that they run in.
 
 /// One level of refinement.
-typedef struct mesh_level
+typedef struct mesh_level mesh_level;
+
+struct mesh_level
 {
     const uint32_t *faces; ///< face_count x 3
     const bat_mesh_connectivity *links;
@@ -15,7 +17,8 @@ typedef struct mesh_level
     const double *vertex_sharpness; ///< one a vertex of the coarse mesh; null: no vertex is sharp
     const uint32_t *irregular;      ///< one a vertex of the coarse mesh: 0, or its number of faces where that is not regular
     size_t coarse_count;            ///< vertices of the coarse mesh, which keep their indices; later ones are all regular
-} mesh_level;
+    const mesh_level *parent;       ///< of whose faces these are quarters, with faces and links only; null for none
+};
 
 /// Numbers at the vertices, positions or channels, that a rule takes to the next level.
 typedef struct mesh_rows

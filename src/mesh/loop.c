@@ -63,12 +63,37 @@ static vertex_mask sharp_mask(const mesh_level *level, uint32_t vertex, unsigned
     return mask;
 }
 
-/// A vertex's row. Without faces it stays where it is.
-static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, size_t dim)
+/// The vertex that a half-edge leads to: on the parent's level, to its edge's new vertex.
+static inline uint32_t neighbour_at(const mesh_level *level, uint32_t half_edge, bool in_parent)
+{
+    if (in_parent)
+        return (uint32_t)level->parent->links->vertex_count + level->parent->links->edge[half_edge];
+    return mesh_end(level->faces, half_edge);
+}
+
+/// The last neighbour of a boundary vertex, which no half-edge of its fan leads to.
+static inline uint32_t last_neighbour(const mesh_level *level, uint32_t last, bool in_parent)
+{
+    if (in_parent)
+        return neighbour_at(level, bat_mesh_previous(last), true);
+    return mesh_opposite(level->faces, last);
+}
+
+static inline void write_row(const mesh_rows *rows, uint32_t vertex, const vertex_mask *mask, size_t dim)
+{
+    const double *own = rows->from + vertex * dim, *p = rows->from + mask->ends[0] * dim,
+                 *q = rows->from + mask->ends[1] * dim;
+    double *restrict to = rows->to + vertex * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = mask->own * own[i] + mask->ring * to[i] + mask->pair * (p[i] + q[i]);
+}
+
+/// A vertex's row, whose neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's. Without faces
+/// it stays where it is.
+static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_parent, size_t dim)
 {
     const mesh_level *level = rows->level;
-    const bat_mesh_connectivity *links = level->links;
-    const uint32_t *faces = level->faces;
+    const bat_mesh_connectivity *links = in_parent ? level->parent->links : level->links;
     const double *own = rows->from + vertex * dim;
     double *restrict to = rows->to + vertex * dim;
     uint32_t first = links->first[vertex], h = first, last = first;
@@ -79,7 +104,7 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, size_t dim
     unsigned valence = 0;
     do
     {
-        const double *neighbour = rows->from + mesh_end(faces, h) * dim;
+        const double *neighbour = rows->from + neighbour_at(level, h, in_parent) * dim;
         for (size_t i = 0; i < dim; i++)
             to[i] += neighbour[i];
         valence++;
@@ -90,23 +115,75 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, size_t dim
     if (level->edge_sharpness != NULL || level->vertex_sharpness != NULL)
         mask = sharp_mask(level, vertex, valence);
     else if (h == BAT_MESH_NONE)
-        mask = (vertex_mask){.own = 3.0 / 4, .pair = 1.0 / 8, .ends = {mesh_end(faces, first), mesh_opposite(faces, last)}};
+        mask = (vertex_mask){.own = 3.0 / 4,
+                             .pair = 1.0 / 8,
+                             .ends = {neighbour_at(level, first, in_parent), last_neighbour(level, last, in_parent)}};
     else
         mask = smooth_mask(valence);
-    const double *p = rows->from + mask.ends[0] * dim, *q = rows->from + mask.ends[1] * dim;
+    write_row(rows, vertex, &mask, dim);
+}
+
+/// The row of a vertex that the parent's edge of a half-edge got, which is regular: its neighbours are the edge's ends and the new
+/// vertices of the other edges of both faces.
+static inline void middle_row(const mesh_rows *rows, uint32_t half_edge, size_t dim)
+{
+    const mesh_level *parent = rows->level->parent;
+    const uint32_t *edge = parent->links->edge;
+    uint32_t twin = parent->links->twin[half_edge], new_vertex = (uint32_t)parent->links->vertex_count;
+    uint32_t begin = parent->faces[half_edge], end = mesh_end(parent->faces, half_edge);
+    uint32_t vertex = new_vertex + edge[half_edge];
+    double *restrict to = rows->to + vertex * dim;
+    const double *a = rows->from + begin * dim, *b = rows->from + end * dim;
+    if (twin == BAT_MESH_NONE)
+    {
+        const double *own = rows->from + vertex * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
+        return;
+    }
+    const double *own = rows->from + vertex * dim, *c = rows->from + (new_vertex + edge[bat_mesh_next(half_edge)]) * dim,
+                 *d = rows->from + (new_vertex + edge[bat_mesh_previous(half_edge)]) * dim,
+                 *e = rows->from + (new_vertex + edge[bat_mesh_next(twin)]) * dim,
+                 *f = rows->from + (new_vertex + edge[bat_mesh_previous(twin)]) * dim;
     for (size_t i = 0; i < dim; i++)
-        to[i] = mask.own * own[i] + mask.ring * to[i] + mask.pair * (p[i] + q[i]);
+        to[i] = 5.0 / 8 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + (e[i] + f[i]));
 }
 
 static void vertex_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
-    if (rows->dim == 3)
-        for (size_t v = begin; v < end; v++)
-            vertex_row(rows, (uint32_t)v, 3);
-    else
-        for (size_t v = begin; v < end; v++)
-            vertex_row(rows, (uint32_t)v, rows->dim);
+    for (size_t v = begin; v < end; v++)
+        if (rows->dim == 3)
+            vertex_row(rows, (uint32_t)v, false, 3);
+        else
+            vertex_row(rows, (uint32_t)v, false, rows->dim);
+}
+
+/// Vertices that the parent has, too.
+static void parent_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    for (size_t v = begin; v < end; v++)
+        if (rows->dim == 3)
+            vertex_row(rows, (uint32_t)v, true, 3);
+        else
+            vertex_row(rows, (uint32_t)v, true, rows->dim);
+}
+
+/// The vertices that some of the parent's faces got in their edges.
+static void middle_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    const uint32_t *twin = rows->level->parent->links->twin;
+    for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
+    {
+        if (!mesh_owns(twin, h))
+            continue;
+        if (rows->dim == 3)
+            middle_row(rows, h, 3);
+        else
+            middle_row(rows, h, rows->dim);
+    }
 }
 
 /// The new vertex of an edge: 3/8 of its ends and 1/8 of the opposite vertices, or its middle where it is sharp.
@@ -136,20 +213,27 @@ static void edge_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     const uint32_t *twin = rows->level->links->twin;
-    if (rows->dim == 3)
+    for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
     {
-        for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
-            if (mesh_owns(twin, h))
-                edge_row(rows, h, 3);
+        if (!mesh_owns(twin, h))
+            continue;
+        if (rows->dim == 3)
+            edge_row(rows, h, 3);
+        else
+            edge_row(rows, h, rows->dim);
     }
-    else
-        for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
-            if (mesh_owns(twin, h))
-                edge_row(rows, h, rows->dim);
 }
 
 void loop_rule(const mesh_rows *rows, int threads)
 {
-    mesh_share(vertex_range, rows, rows->level->links->vertex_count, threads);
-    mesh_share(edge_range, rows, rows->level->links->face_count, threads);
+    const mesh_level *level = rows->level, *parent = level->parent;
+    bool smooth = level->edge_sharpness == NULL && level->vertex_sharpness == NULL;
+    if (parent != NULL && smooth)
+    {
+        mesh_share(parent_range, rows, parent->links->vertex_count, threads);
+        mesh_share(middle_range, rows, parent->links->face_count, threads);
+    }
+    else
+        mesh_share(vertex_range, rows, level->links->vertex_count, threads);
+    mesh_share(edge_range, rows, level->links->face_count, threads);
 }

@@ -29,6 +29,8 @@ typedef struct refinement
     const mesh_plan *plan;
     const bat_mesh_connectivity *links; ///< of the coarse mesh
     stage now;
+    stage before;             ///< of the level before, where it was split: faces and links only
+    mesh_level parent;        ///< the same as rules see it
     double *vertex_sharpness; ///< one a coarse vertex; null: none is sharp
     uint32_t *irregular;      ///< one a coarse vertex
     size_t *fallback;
@@ -52,7 +54,8 @@ static mesh_level level_of(const refinement *work)
                         .edge_sharpness = work->now.edge_sharpness,
                         .vertex_sharpness = work->vertex_sharpness,
                         .irregular = work->irregular,
-                        .coarse_count = work->coarse->vertex_count};
+                        .coarse_count = work->coarse->vertex_count,
+                        .parent = work->parent.faces != NULL ? &work->parent : NULL};
 }
 
 /// Find for every vertex of the coarse mesh its number of faces, or 0 where that is 6, or 3 at a boundary.
@@ -215,6 +218,34 @@ static void wear_corners(refinement *work)
         work->vertex_sharpness[v] = sharpness_after_level(work->vertex_sharpness[v]);
 }
 
+/// Let `next` be the level at work, and keep of the one before what the next step looks at, if wanted.
+static void go_on(refinement *work, stage *next, bool keep)
+{
+    stage *before = &work->before;
+    stage_free(before);
+    *before = work->now;
+    work->now = *next;
+    work->parent = (mesh_level){0};
+    if (!keep)
+    {
+        stage_free(before);
+        *before = (stage){0};
+        return;
+    }
+    free(before->edge_sharpness);
+    bat_mesh_connectivity_free(&before->texture_links);
+    before->edge_sharpness = NULL;
+    if (!before->borrowed)
+    {
+        bat_mesh kept = {.faces = before->mesh.faces, .face_count = before->mesh.face_count};
+        before->mesh.faces = NULL;
+        bat_mesh_free(&before->mesh);
+        before->mesh = kept;
+    }
+    work->parent.faces = before->mesh.faces;
+    work->parent.links = &before->links;
+}
+
 static bat_status step(refinement *work, size_t level, bat_error *error)
 {
     const mesh_plan *plan = work->plan;
@@ -231,8 +262,7 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
         return status;
     }
     wear_corners(work);
-    stage_free(&work->now);
-    work->now = next;
+    go_on(work, &next, scheme != BAT_MESH_SQRT3 && !last);
     return BAT_OK;
 }
 
@@ -311,6 +341,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connec
         work.now.mesh = (bat_mesh){0};
     }
     stage_free(&work.now);
+    stage_free(&work.before);
     free(work.vertex_sharpness);
     free(work.irregular);
     return status;
