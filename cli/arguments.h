@@ -10,7 +10,7 @@
 enum
 {
     /// Files or names that a verb takes at most, and options in its table.
-    MOST_POSITIONAL = 8,
+    MOST_POSITIONAL = 64,
     MOST_OPTIONS = 32,
 };
 

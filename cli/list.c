@@ -45,6 +45,17 @@ static const struct
      "the network of Ugail and Howard (2026), 140,505 weights, to compare with; models/tension-published.md"},
 };
 
+static const struct
+{
+    const char *name, *summary;
+} MESH_SCHEMES[] = {
+    {"loop", "meshes: Loop's scheme, smooth, with creases and corners; docs/meshes.md"},
+    {"butterfly", "meshes: the modified butterfly, through all vertices"},
+    {"midpoint", "meshes: every face in four, the surface as it was"},
+    {"sqrt3", "meshes: Kobbelt's square-root-three, three faces from one"},
+    {"learned", "meshes: by a trained network, --model FILE; docs/mesh-network.md"},
+};
+
 /// One row of a list: its name, settings (may be null) and summary.
 typedef bool (*row_function)(size_t index, const char **name, const char **settings, const char **summary);
 
@@ -58,14 +69,30 @@ static bool space_row(size_t index, const char **name, const char **settings, co
     return true;
 }
 
-/// The schemes for points, then those for points with tangents.
+static bool mesh_scheme_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    if (index >= sizeof MESH_SCHEMES / sizeof MESH_SCHEMES[0])
+        return false;
+    *name = MESH_SCHEMES[index].name;
+    *settings = NULL;
+    *summary = MESH_SCHEMES[index].summary;
+    return true;
+}
+
+/// The schemes for points, those for points with tangents, those for meshes.
 static bool scheme_row(size_t index, const char **name, const char **settings, const char **summary)
 {
-    size_t plain = 0;
-    while (bat_scheme_list(plain, name, settings, summary))
-        if (plain++ == index)
-            return true;
-    return bat_hermite_list(index - plain, name, settings, summary);
+    bool (*const lists[])(size_t, const char **, const char **, const char **) = {bat_scheme_list, bat_hermite_list,
+                                                                                  mesh_scheme_row};
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++)
+    {
+        size_t count = 0;
+        while (lists[i](count, name, settings, summary))
+            if (count++ == index)
+                return true;
+        index -= count;
+    }
+    return false;
 }
 
 static bool model_row(size_t index, const char **name, const char **settings, const char **summary)

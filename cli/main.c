@@ -13,6 +13,8 @@ static const struct
     const char *summary;
 } VERBS[] = {
     {"curve", verb_curve, "refine the curves of a file, to a file and a picture"},
+    {"decimate", verb_decimate, "make a coarse mesh of a fine one, with a map between the two"},
+    {"mesh", verb_mesh, "refine a triangle mesh, to a file and a picture"},
     {"measure", verb_measure, "how far two curves or meshes are apart, and each in figures"},
     {"analyze", verb_analyze, "what a linear scheme does in the limit, with proven bounds"},
     {"reproduce", verb_reproduce, "published tables and figures beside ours"},

@@ -1,5 +1,6 @@
 #include "arguments.h"
 #include "report.h"
+#include "train_mesh.h"
 #include "verbs.h"
 
 #include "batten/batten.h"
@@ -42,7 +43,7 @@ static const verb_spec SPEC = {
     .usage = "batten train tension [--recipe published|batten] [--seed N] [--epochs E] [--out FOLDER] [--resume] [options]",
     .summary =
         "Train the learned curve scheme. Ctrl-C writes a checkpoint and stops; with --resume the same command goes on to "
-        "the same result.",
+        "the same result. `batten train mesh --help` tells of meshes.",
     .options = OPTIONS,
     .least_positional = 1,
     .most_positional = 1,
@@ -213,10 +214,12 @@ int verb_train(int argc, char **argv)
 {
     arguments given;
     int code, recipe;
+    if (argc > 1 && strcmp(argv[1], "mesh") == 0)
+        return train_mesh(argc, argv);
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
     if (strcmp(given.positional[0], "tension") != 0)
-        return usage_error(&given, "there is no model '%s' to train; there is tension", given.positional[0]);
+        return usage_error(&given, "there is no model '%s' to train; there are tension and mesh", given.positional[0]);
     if (!argument_word(&given, "recipe", RECIPES, RECIPE_PUBLISHED, &recipe))
         return EXIT_BAD_USAGE;
     return recipe == RECIPE_BATTEN ? train_batten(&given) : train_published(&given);

@@ -46,6 +46,11 @@ static learn_array *apply_linear(learn_tape *tape, learn_array **inputs)
     return learn_linear(tape, inputs[0], inputs[1], inputs[2]);
 }
 
+static learn_array *apply_linear_relu(learn_tape *tape, learn_array **inputs)
+{
+    return learn_linear_relu(tape, inputs[0], inputs[1], inputs[2]);
+}
+
 static learn_array *apply_linear_plain(learn_tape *tape, learn_array **inputs)
 {
     return learn_linear(tape, inputs[0], inputs[1], NULL);
@@ -218,6 +223,7 @@ static learn_array *apply_klein_gelu(learn_tape *tape, learn_array **inputs)
 
 static const operation_case cases[] = {
     {"linear", apply_linear, {{M, N}, {K, N}, {1, K}}, 3, false},
+    {"linear relu", apply_linear_relu, {{M, N}, {K, N}, {1, K}}, 3, false},
     {"linear to one column", apply_linear, {{M, N}, {1, N}, {1, 1}}, 3, false},
     {"linear without bias", apply_linear_plain, {{M, N}, {K, N}}, 2, false},
     {"layer norm", apply_layer_norm, {{M, N}, {1, N}, {1, N}}, 3, false},

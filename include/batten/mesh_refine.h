@@ -11,6 +11,8 @@ BAT_C_BEGIN
 /// All schemes but square-root-three split every face in four: a level keeps the vertices, at the same indices, and appends one
 /// new vertex for every edge, in the order of bat_mesh_connectivity::edge. Face f becomes the faces 4 f + c at its corners c,
 /// each beginning with that corner, and 4 f + 3 in its middle, whose corner c is the new vertex of the edge from corner c.
+/// A level by square-root-three keeps the vertices too and appends those of the faces, in their order; half-edge h becomes the
+/// face h, which begins where h begins. docs/meshes.md has the rules.
 
 /// The schemes.
 typedef enum bat_mesh_scheme
@@ -45,14 +47,47 @@ typedef struct bat_mesh_refine_options
     const bat_mesh_rule *rule; ///< of BAT_MESH_LEARNED; default null
     bat_mesh_scheme then;      ///< the scheme of the levels beyond the rule's; default BAT_MESH_LOOP
     size_t levels;             ///< default 2
-    bool limit;                ///< Loop: move the vertices onto the limit surface at the end; default false
-    double crease_angle; ///< radians: edges whose faces' normals differ by more are creases for ever; 0: none; default 0
-    int threads;         ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    /// Move the vertices at the end to where the scheme, or after a learned one `then`, would take them in infinitely many levels.
+    /// What is semi-sharp still counts as sharp for ever. Default false.
+    bool limit;
+    /// Radians, for Loop's scheme: edges whose faces' normals differ by more are creases for ever; 0: none; default 0.
+    double crease_angle;
+    int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
 } bat_mesh_refine_options;
 
 /// The options' default values.
 BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
+
+/// Refine a mesh by subdivision.
+///
+/// Boundaries follow a rule of their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the
+/// four-point rule in the butterfly. Vertices without a face stay. Channels go by the scheme's weights (halved along edges where the
+/// scheme is learned), but are not moved to the limit. Texture coordinates are halved along edges on their own side of each
+/// seam. Creases and corners act in Loop's scheme only; all schemes hand them on to the fine mesh, with what their sharpness has
+/// left.
+///
+/// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
+/// @param options  what bat_mesh_refine_defaults() gives, changed as wanted
+/// @param fine     receives the refined mesh; release it with bat_mesh_free()
+/// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
+/// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for an option out of range, a learned
+///         scheme without a rule, or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`, texture, creases or
+///         corners, or a crease angle without Loop's scheme; BAT_TOO_LARGE where the fine mesh cannot be numbered; BAT_NO_MEMORY;
+///         BAT_CANCELLED. Results are untouched on failure
+BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
+                                   size_t *fallback, bat_error *error);
+
+/// The unit normals of the surface that Loop's scheme makes of a mesh, at the limits of its vertices. On a crease, the mean of
+/// both sides. At corners and where a crease ends there is no tangent plane in general: the mean of the faces around by area. Zero
+/// for a vertex without a face and where nothing has a direction.
+///
+/// @param mesh    as refinement without `limit` gives it
+/// @param threads 0: as many as OpenMP gives; the result does not depend on it
+/// @param normals receives vertex_count x 3 numbers
+/// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for a crease along no edge;
+///         BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, double *normals, bat_error *error);
 
 BAT_C_END
 

@@ -1,23 +1,47 @@
+// For madvise().
+#define _DEFAULT_SOURCE
+
 #include "base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
+
+/// A large array in large pages where the system has them: entering a page costs about as much as writing it.
+static void *large_array(size_t bytes)
+{
+    enum
+    {
+        LARGE_PAGE = 2 << 20
+    };
+    void *memory = bytes <= SIZE_MAX - LARGE_PAGE
+                       ? aligned_alloc(LARGE_PAGE, (bytes + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE)
+                       : NULL;
+#if defined(MADV_HUGEPAGE)
+    if (memory != NULL)
+        (void)madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
+    return memory;
+}
 
 void *memory_array(size_t count, size_t size)
 {
     enum
     {
-        CACHE_LINE = 64
+        CACHE_LINE = 64,
+        LARGE = 8 << 20 ///< bytes
     };
     size_t bytes;
     if (size_multiply_overflows(count, size, &bytes) || bytes > SIZE_MAX - CACHE_LINE)
         return NULL;
     bytes = (bytes + CACHE_LINE) / CACHE_LINE * CACHE_LINE;
-    return aligned_alloc(CACHE_LINE, bytes);
+    return bytes < LARGE ? aligned_alloc(CACHE_LINE, bytes) : large_array(bytes);
 }
 
 #if defined(__SSE2__)

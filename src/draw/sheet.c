@@ -22,6 +22,7 @@ typedef struct layout
     double box_width;
     double title; ///< height of the title
     double legend;
+    double footer;
     size_t rows;
     double *heights;  ///< of the boxes of each row
     double *captions; ///< height of the captions of each row
@@ -85,6 +86,7 @@ static layout plan_page(const sheet_content *content, cairo_t *cairo)
     plan.box_width = (plan.width - 2.0 * MARGIN - GAP_ACROSS * (columns - 1.0)) / columns;
     plan.legend = legend_height(cairo, content->items, content->item_count, plan.width - 2.0 * MARGIN);
     plan.legend += plan.legend > 0.0 ? LEGEND_GAP : 0.0;
+    plan.footer = content->footer_height > 0.0 ? content->footer_height + LEGEND_GAP : 0.0;
     return plan;
 }
 
@@ -98,7 +100,7 @@ static bat_status plan_layout(const sheet_content *content, cairo_t *cairo, layo
         return error_memory(error, plan->rows * sizeof(double));
     }
     double natural = 0.0;
-    double fixed = 2.0 * MARGIN + plan->title + plan->legend + GAP_DOWN * (double)(plan->rows - 1);
+    double fixed = 2.0 * MARGIN + plan->title + plan->legend + plan->footer + GAP_DOWN * (double)(plan->rows - 1);
     for (size_t row = 0; row < plan->rows; row++)
     {
         plan->heights[row] = row_height(content, row, plan->box_width);
@@ -159,7 +161,13 @@ static bat_status draw_sheet(const sheet_content *content, cairo_t *cairo, const
         }
         y += plan->heights[row] + plan->captions[row] + GAP_DOWN;
     }
-    legend_draw(cairo, content->items, content->item_count, MARGIN, y - GAP_DOWN + LEGEND_GAP, plan->width - 2.0 * MARGIN);
+    y += LEGEND_GAP - GAP_DOWN;
+    legend_draw(cairo, content->items, content->item_count, MARGIN, y, plan->width - 2.0 * MARGIN);
+    if (plan->footer > 0.0)
+    {
+        double box[4] = {MARGIN, y + plan->legend, plan->width - 2.0 * MARGIN, content->footer_height};
+        content->draw_footer(content->context, cairo, box);
+    }
     return BAT_OK;
 }
 

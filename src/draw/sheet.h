@@ -24,6 +24,9 @@ typedef struct sheet_content
     const char *(*caption)(const void *context, size_t index);
     /// Fill box `index`, at (x, y, width, height).
     bat_status (*draw)(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error);
+    double footer_height; ///< of something more below the legend; 0 for none
+    /// Draw it into (x, y, width, height).
+    void (*draw_footer)(const void *context, cairo_t *cairo, const double box[4]);
 } sheet_content;
 
 /// Lay out, draw and put into a file.

@@ -9,7 +9,23 @@
 typedef struct linear
 {
     learn_array *x, *weight, *bias, *y;
+    bool rectified; ///< y = max(0, x W^T + b)
 } linear;
+
+LANES_CLONES
+static void rectify(size_t count, real *y)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] = y[i] > 0 ? y[i] : 0;
+}
+
+/// The gradient before what rectify() made into y.
+LANES_CLONES
+static void rectify_back(size_t count, const real *restrict y, real *restrict gradient)
+{
+    for (size_t i = 0; i < count; i++)
+        gradient[i] = y[i] > 0 ? gradient[i] : 0;
+}
 
 static void linear_forward(const linear *l)
 {
@@ -26,6 +42,8 @@ static void linear_forward(const linear *l)
     else
         REAL_GEMM(CblasRowMajor, CblasNoTrans, CblasTrans, rows, outputs, inputs, 1, x, inputs, weight, inputs, beta, y,
                   outputs);
+    if (l->rectified)
+        rectify(learn_size(l->y), y);
 }
 
 /// sums[c] += the sum of column c
@@ -50,6 +68,9 @@ static void linear_backward(void *context)
     const linear *l = context;
     int rows = (int)l->x->rows, inputs = (int)l->x->columns, outputs = (int)l->y->columns;
     const real *x = l->x->value, *weight = l->weight->value, *dy = l->y->gradient;
+    // Nobody reads the gradient of y after this.
+    if (l->rectified)
+        rectify_back(learn_size(l->y), l->y->value, l->y->gradient);
     if (learn_wants(l->weight))
     {
         real *dweight = learn_gradient(l->weight);
@@ -70,14 +91,14 @@ static void linear_backward(void *context)
               l->x->gradient, inputs);
 }
 
-learn_array *learn_linear(learn_tape *tape, learn_array *x, learn_array *weight, learn_array *bias)
+static learn_array *apply(learn_tape *tape, learn_array *x, learn_array *weight, learn_array *bias, bool rectified)
 {
     bool wants = learn_wants(x) || learn_wants(weight) || (bias != NULL && learn_wants(bias));
     learn_array *y = learn_array_make(tape, x->rows, weight->rows, wants);
     if (tape->status != BAT_OK)
         return y;
     assert(x->columns == weight->columns && (bias == NULL || bias->columns == weight->rows));
-    linear l = {.x = x, .weight = weight, .bias = bias, .y = y};
+    linear l = {.x = x, .weight = weight, .bias = bias, .y = y, .rectified = rectified};
     if (learn_size(y) > 0)
         linear_forward(&l);
     linear *context = wants && learn_size(y) > 0 ? learn_tape_memory(tape, 1, sizeof *context) : NULL;
@@ -87,4 +108,14 @@ learn_array *learn_linear(learn_tape *tape, learn_array *x, learn_array *weight,
         learn_tape_record(tape, y, linear_backward, context);
     }
     return y;
+}
+
+learn_array *learn_linear(learn_tape *tape, learn_array *x, learn_array *weight, learn_array *bias)
+{
+    return apply(tape, x, weight, bias, false);
+}
+
+learn_array *learn_linear_relu(learn_tape *tape, learn_array *x, learn_array *weight, learn_array *bias)
+{
+    return apply(tape, x, weight, bias, true);
 }

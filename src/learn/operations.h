@@ -11,6 +11,8 @@
 
 /// x W^T + b for the rows of x: R x O, with `weight` O x C and `bias` 1 x O or null.
 learn_array *learn_linear(learn_tape *tape, learn_array *x, learn_array *weight, learn_array *bias);
+/// max(0, x W^T + b)
+learn_array *learn_linear_relu(learn_tape *tape, learn_array *x, learn_array *weight, learn_array *bias);
 /// Each row less its mean, over its deviation (1e-5 added to the variance), times `gain` plus `shift`, both 1 x C
 /// (Ba, Kiros and Hinton 2016).
 learn_array *learn_layer_norm(learn_tape *tape, learn_array *x, learn_array *gain, learn_array *shift);

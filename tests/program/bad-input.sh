@@ -227,11 +227,45 @@ refused 2 'only the published recipe' train tension --recipe batten --without be
 refused 2 'epochs' train tension --recipe batten --epochs 0
 refused 1 'folder' train tension --out good.in.csv/folder
 refused 1 'folder' train tension --recipe batten --out good.in.csv/folder
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n' > folded.in.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > triangle.in.obj
+refused 2 'missing' train mesh
+refused 2 'one of published' train mesh triangle.in.obj --recipe unpublished
+refused 2 'two numbers' train mesh triangle.in.obj --vertices 9
+refused 2 'two numbers' train mesh triangle.in.obj --vertices 3-9
+refused 1 'batch' train mesh triangle.in.obj --pairs 2 --batch 3
+refused 1 'none.in.obj: cannot open' train mesh none.in.obj
+refused 1 'folded.in.obj: faces 0 and 1' train mesh triangle.in.obj folded.in.obj
+refused 1 'folder' train mesh triangle.in.obj --out good.in.csv/folder
 refused 2 'no scheme' analyze spline
 refused 2 'linear|mask' analyze angle-4
 refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png
 
 full --help
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > mesh.in.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.in.obj
+refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
+refused 2 '--vertices N is missing' decimate mesh.in.obj -o out.csv
+refused 2 '--seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
+refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
+refused 1 'least triangle quality' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --least-quality 2
+refused 1 'fins.in.obj: .*third at the edge' decimate fins.in.obj -o out.csv --to obj --vertices 3
+refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
+
+refused 2 'missing' mesh
+refused 2 'nothing is asked for' mesh mesh.in.obj --quiet
+refused 2 'one of midpoint' mesh mesh.in.obj -o out.csv --scheme chaikin
+refused 2 'needs --model' mesh mesh.in.obj -o out.csv --scheme learned
+refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --then loop
+refused 2 "need Loop's scheme" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
+refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
+refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33
+refused 2 'exclude each other' mesh mesh.in.obj -o out.csv --to obj --json --quiet
+refused 1 'more faces or vertices' mesh mesh.in.obj -o out.csv --to obj --levels 32
+refused 1 'fins.in.obj: .*third at the edge' mesh fins.in.obj -o out.csv --to obj
+refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj
+refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned --model mesh.in.obj
+
 full --version
 full help list
 full list schemes

@@ -206,7 +206,51 @@ check "tension-table2 --json has published figures beside ours" json noise.json 
 "$batten" analyze lane-riesenfeld:order=40 > spline.txt
 check "equal exponents share a line" grep -q 'orders 0 to 38: Hölder exponent 1, both bounds' spline.txt
 
-for verb in curve measure analyze reproduce list; do
+# A torus of 20 by 10 cells whose texture coordinates are its vertices' numbers.
+awk 'BEGIN {
+    for (i = 0; i < 20; i++) for (j = 0; j < 10; j++) {
+        u = i * 0.314159265; v = j * 0.628318531
+        print "v", (1 + 0.4 * cos(v)) * cos(u), (1 + 0.4 * cos(v)) * sin(u), 0.4 * sin(v)
+        print "vt", i / 20, j / 10
+    }
+    for (i = 0; i < 20; i++) for (j = 0; j < 10; j++) {
+        a = i * 10 + j + 1; b = (i + 1) % 20 * 10 + j + 1; c = (i + 1) % 20 * 10 + (j + 1) % 10 + 1; d = i * 10 + (j + 1) % 10 + 1
+        print "f", a "/" a, b "/" b, c "/" c
+        print "f", a "/" a, c "/" c, d "/" d
+    }
+}' > torus.obj
+"$batten" decimate torus.obj -o coarse.obj --vertices 50 --map map.safetensors --json > decimate.json
+check "decimate --json says what is left" json decimate.json '"reached": true'
+check "200 vertices give 50, a torus has twice as many faces" test "$(grep -c '^v ' coarse.obj) $(grep -c '^f ' coarse.obj)" = "50 100"
+check "texture coordinates go along" test "$(grep -c '^vt ' coarse.obj)" -eq 50
+check "the map is written" test -s map.safetensors
+"$batten" decimate torus.obj -o - --to obj --vertices 50 < /dev/null > piped.obj
+check "standard output gives the same bytes" same piped.obj coarse.obj
+"$batten" decimate - --from obj -o random.obj --vertices 50 --random 100 --seed 7 < torus.obj > /dev/null
+"$batten" decimate torus.obj -o again.obj --vertices 50 --random 100 --seed 7 --quiet
+check "the same seed gives the same bytes" same random.obj again.obj
+"$batten" decimate torus.obj -o again.obj --vertices 50 --random 100 --seed 8 --quiet
+check "another seed gives others" sh -c '! cmp -s random.obj again.obj'
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.obj
+check "--repair splits what is no manifold" "$batten" decimate fins.obj -o again.obj --vertices 9 --repair --quiet
+
+"$batten" mesh torus.obj -o fine.obj --quiet
+"$batten" mesh torus.obj -o - --to obj --threads 1 > piped.obj
+check "mesh gives the same bytes to a pipe and with one thread" same piped.obj fine.obj
+for scheme in loop butterfly midpoint; do
+    "$batten" mesh torus.obj -o fine.ply --scheme $scheme --levels 1 --json > mesh.json
+    check "mesh --json says what is made by $scheme" json mesh.json "\"scheme\": \"$scheme\""
+done
+check "a level makes four faces of one" test "$(sed -n 's/.*"faces": \([0-9]*\).*/\1/p' mesh.json | tr '\n' ' ' | awk '{print $2 / $1}')" = 4
+"$batten" mesh torus.obj --levels 1 --limit --crease-angle 80 --picture mesh.png --quiet
+check "mesh draws a picture" sh -c 'head -c 4 mesh.png | grep -q PNG'
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n' > textured.obj
+"$batten" mesh textured.obj -o fine.obj --scheme sqrt3 --quiet 2> note.txt
+check "sqrt3 says that texture is left out" grep -q 'left out' note.txt
+check "mesh --repair splits what is no manifold" "$batten" mesh fins.obj -o fine.obj --repair --quiet
+check "list schemes names those for meshes" sh -c "'$batten' list schemes | grep -q '^butterfly'"
+
+for verb in curve decimate mesh measure analyze reproduce list; do
     for help in "$verb --help" "$verb -h" "help $verb"; do
         check "batten $help" sh -c "'$batten' $help | grep -q '^usage: batten $verb'"
     done

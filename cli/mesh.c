@@ -1,0 +1,307 @@
+#include "verbs.h"
+
+#include "arguments.h"
+#include "report.h"
+
+#include "batten/batten.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MOST_LEVELS = 32,
+    MOST_THREADS = 1024
+};
+
+static const double DEGREE = 3.14159265358979323846 / 180;
+
+static const option_spec OPTIONS[] = {
+    {"output", 'o', "OUT", "write the refined mesh to OUT (- for standard output)"},
+    {"scheme", 0, "NAME", "loop, butterfly, midpoint, sqrt3 or learned; default loop"},
+    {"model", 0, "FILE", "the network of --scheme learned"},
+    {"levels", 0, "K", "how often to refine; default 2"},
+    {"then", 0, "NAME", "the scheme of the levels beyond the learned ones: loop, butterfly or midpoint; default loop"},
+    {"limit", 0, NULL, "move the vertices onto the limit surface of Loop's scheme"},
+    {"crease-angle", 0, "DEG", "Loop: keep edges sharp at which faces meet at a greater angle, in degrees"},
+    {"picture", 0, "FILE", "draw the mesh before and after, side by side (.png, .svg or .pdf)"},
+    {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
+    {"repair", 0, NULL, "split edges of more than two faces and vertices of several fans first"},
+    {"from", 0, "FORMAT", "obj, ply, off or stl; default: by the file's ending"},
+    {"to", 0, "FORMAT", "the same for OUT"},
+    {"threads", 0, "N", "default: all"},
+    {"json", 0, NULL, "print the report as one JSON object"},
+    {"quiet", 0, NULL, "print no report"},
+    {NULL, 0, NULL, NULL},
+};
+
+static const verb_spec SPEC = {
+    .usage = "batten mesh IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
+    .summary =
+        "Refine a triangle mesh by subdivision (OBJ, PLY, OFF, STL; - for standard input).\n"
+        "Texture coordinates, values at the vertices, creases and corners go along as far as OUT's format holds them.",
+    .options = OPTIONS,
+    .least_positional = 1,
+    .most_positional = 1,
+};
+
+/// The names of bat_mesh_scheme, in its order.
+static const char *const SCHEMES[] = {"midpoint", "loop", "butterfly", "sqrt3", "learned", NULL};
+/// Those that can go on after a learned one.
+static const char *const GOING_ON[] = {"midpoint", "loop", "butterfly", NULL};
+
+/// What the command line asks for.
+typedef struct mesh_job
+{
+    const char *input, *output, *picture, *model; ///< all but the first may be null
+    bat_mesh_read_options read;
+    bat_mesh_write_options write;
+    bat_mesh_refine_options refine;
+    bool repair, json, quiet;
+} mesh_job;
+
+/// What becomes of it.
+typedef struct mesh_result
+{
+    bat_mesh coarse, fine;
+    bat_mesh_model *model; ///< null when no scheme is learned
+    bat_mesh_repair_report repairs;
+    size_t boundary_edges, fallback; ///< boundary edges of the coarse mesh
+    bool texture_dropped;
+} mesh_result;
+
+static bool read_format(const arguments *given, const char *option, bat_mesh_format *format)
+{
+    bat_error error;
+    const char *name = argument(given, option);
+    if (name == NULL || bat_mesh_format_by_name(name, format, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
+}
+
+static bool read_refinement(const arguments *given, bat_mesh_refine_options *options)
+{
+    int scheme, then;
+    long levels, threads;
+    double degrees;
+    if (!argument_word(given, "scheme", SCHEMES, BAT_MESH_LOOP, &scheme) ||
+        !argument_word(given, "then", GOING_ON, BAT_MESH_LOOP, &then) ||
+        !argument_whole(given, "levels", 0, MOST_LEVELS, 2, &levels) ||
+        !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
+        !argument_number(given, "crease-angle", 0, &degrees))
+        return false;
+    options->scheme = (bat_mesh_scheme)scheme;
+    options->then = (bat_mesh_scheme)then;
+    options->levels = (size_t)levels;
+    options->threads = (int)threads;
+    options->crease_angle = degrees * DEGREE;
+    options->limit = argument_flag(given, "limit");
+    return true;
+}
+
+/// What options contradict each other; null for nothing.
+static const char *find_fault(const arguments *given, const mesh_job *job)
+{
+    bool piped = job->output != NULL && strcmp(job->output, "-") == 0;
+    bool learned = job->refine.scheme == BAT_MESH_LEARNED;
+    bat_mesh_scheme last = learned ? job->refine.then : job->refine.scheme;
+    if (job->output == NULL && job->picture == NULL && !job->json && job->quiet)
+        return "nothing is asked for: give -o OUT, --picture FILE or --json";
+    if (job->json && (job->quiet || piped))
+        return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
+    if (!learned && (job->model != NULL || argument(given, "then") != NULL))
+        return "--model and --then need --scheme learned";
+    if (learned && job->model == NULL)
+        return "--scheme learned needs --model FILE";
+    if (last != BAT_MESH_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
+        return "--limit and --crease-angle need Loop's scheme";
+    if (job->refine.crease_angle < 0 || job->refine.crease_angle > 180 * DEGREE)
+        return "--crease-angle takes 0 to 180 degrees";
+    return NULL;
+}
+
+/// False after a message.
+static bool read_job(const arguments *given, mesh_job *job)
+{
+    *job = (mesh_job){.input = given->positional[0],
+                      .output = argument(given, "output"),
+                      .picture = argument(given, "picture"),
+                      .model = argument(given, "model"),
+                      .read = bat_mesh_read_defaults(),
+                      .write = bat_mesh_write_defaults(),
+                      .refine = bat_mesh_refine_defaults(),
+                      .repair = argument_flag(given, "repair"),
+                      .json = argument_flag(given, "json"),
+                      .quiet = argument_flag(given, "quiet")};
+    job->read.triangulate = argument_flag(given, "triangulate");
+    job->read.keep_degenerate = job->repair;
+    if (!read_refinement(given, &job->refine) || !read_format(given, "from", &job->read.format) ||
+        !read_format(given, "to", &job->write.format))
+        return false;
+    job->write.threads = job->refine.threads;
+    const char *fault = find_fault(given, job);
+    if (fault != NULL)
+        (void)usage_error(given, "%s", fault);
+    job->quiet = job->quiet || (job->output != NULL && strcmp(job->output, "-") == 0);
+    return fault == NULL;
+}
+
+/// Edges turned over cross seams and creases: take both away.
+static void drop_texture(mesh_result *result)
+{
+    bat_mesh *mesh = &result->coarse;
+    result->texture_dropped = mesh->texture_faces != NULL || mesh->crease_count > 0 || mesh->corner_count > 0;
+    free(mesh->texture);
+    free(mesh->texture_faces);
+    free(mesh->creases);
+    free(mesh->corners);
+    mesh->texture = NULL;
+    mesh->texture_faces = NULL;
+    mesh->creases = NULL;
+    mesh->corners = NULL;
+    mesh->texture_count = mesh->crease_count = mesh->corner_count = 0;
+}
+
+/// Read the mesh and repair it if that is wanted.
+static int read_coarse(const mesh_job *job, mesh_result *result)
+{
+    bat_error error;
+    bat_mesh mesh;
+    if (bat_mesh_read(job->input, &job->read, &mesh, &error) != BAT_OK)
+        return report_failure(job->input, &error);
+    result->coarse = mesh;
+    if (job->repair)
+    {
+        bat_status status = bat_mesh_repair(&mesh, &result->repairs, &result->coarse, &error);
+        bat_mesh_free(&mesh);
+        if (status != BAT_OK)
+        {
+            result->coarse = (bat_mesh){0};
+            return report_failure(job->input, &error);
+        }
+    }
+    bat_mesh_connectivity links;
+    if (bat_mesh_connect(&result->coarse, &links, &error) != BAT_OK)
+        return report_failure(job->input, &error);
+    result->boundary_edges = links.boundary_edge_count;
+    bat_mesh_connectivity_free(&links);
+    if (job->refine.scheme == BAT_MESH_SQRT3)
+        drop_texture(result);
+    return EXIT_DONE;
+}
+
+static int refine(const mesh_job *job, mesh_result *result)
+{
+    bat_error error;
+    bat_mesh_refine_options options = job->refine;
+    if (options.scheme == BAT_MESH_LEARNED)
+    {
+        if (bat_mesh_model_read(job->model, &result->model, &error) != BAT_OK)
+            return report_failure(job->model, &error);
+        options.rule = bat_mesh_model_rule(result->model);
+    }
+    options.progress = report_progress("refining");
+    bat_status status = bat_mesh_refine(&result->coarse, &options, &result->fine, &result->fallback, &error);
+    report_progress_end();
+    return status == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
+}
+
+static int draw(const mesh_job *job, const mesh_result *result)
+{
+    bat_error error;
+    char title[80];
+    (void)snprintf(title, sizeof title, "%s, %zu level%s", SCHEMES[job->refine.scheme], job->refine.levels,
+                   job->refine.levels == 1 ? "" : "s");
+    bat_mesh_panel panels[2] = {
+        {.mesh = &result->coarse, .title = "coarse", .wires = true, .flat = true},
+        {.mesh = &result->fine, .title = title},
+    };
+    bat_mesh_picture_options options = bat_mesh_picture_defaults();
+    options.threads = job->refine.threads;
+    if (bat_mesh_picture_write(job->picture, panels, 2, &options, &error) != BAT_OK)
+        return report_failure(job->picture, &error);
+    return EXIT_DONE;
+}
+
+static int write_files(const mesh_job *job, const mesh_result *result)
+{
+    bat_error error;
+    if (job->picture != NULL)
+    {
+        int code = draw(job, result);
+        if (code != EXIT_DONE)
+            return code;
+    }
+    if (job->output != NULL && bat_mesh_write(job->output, &result->fine, &job->write, &error) != BAT_OK)
+        return report_failure(job->output, &error);
+    return EXIT_DONE;
+}
+
+static size_t repaired_places(const bat_mesh_repair_report *repairs)
+{
+    return repairs->degenerate_faces + repairs->duplicate_faces + repairs->flipped_faces + repairs->crowded_edges +
+           repairs->opposed_edges + repairs->split_vertices;
+}
+
+static json_t *size_json(const bat_mesh *mesh)
+{
+    return json_pack("{s:I, s:I}", "vertices", (json_int_t)mesh->vertex_count, "faces", (json_int_t)mesh->face_count);
+}
+
+/// Say on standard error what is not as one might expect.
+static void warn(const mesh_job *job, const mesh_result *result)
+{
+    if (result->fallback > 0)
+        (void)fprintf(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->input,
+                      result->fallback);
+    if (result->texture_dropped)
+        (void)fprintf(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
+                      job->input);
+}
+
+static int report(const mesh_job *job, const mesh_result *result)
+{
+    const bat_mesh *coarse = &result->coarse, *fine = &result->fine;
+    if (job->json)
+        return report_json(json_pack("{s:s, s:I, s:o, s:o, s:I, s:I, s:I}", "scheme", SCHEMES[job->refine.scheme], "levels",
+                                     (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine),
+                                     "boundary_edges", (json_int_t)result->boundary_edges, "fallback",
+                                     (json_int_t)result->fallback, "repaired",
+                                     (json_int_t)repaired_places(&result->repairs)));
+    if (job->quiet)
+        return EXIT_DONE;
+    if (job->repair)
+        (void)printf("%zu places repaired\n", repaired_places(&result->repairs));
+    (void)printf("%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n", SCHEMES[job->refine.scheme],
+                 job->refine.levels, coarse->vertex_count, coarse->face_count, fine->vertex_count, fine->face_count,
+                 result->boundary_edges > 0 ? "with boundary" : "closed");
+    return EXIT_DONE;
+}
+
+int verb_mesh(int argc, char **argv)
+{
+    arguments given;
+    int code;
+    mesh_job job;
+    if (!arguments_read(&SPEC, argc, argv, &given, &code))
+        return code;
+    if (!read_job(&given, &job))
+        return EXIT_BAD_USAGE;
+    mesh_result result = {.model = NULL};
+    code = read_coarse(&job, &result);
+    if (code == EXIT_DONE)
+        code = refine(&job, &result);
+    if (code == EXIT_DONE)
+        code = write_files(&job, &result);
+    if (code == EXIT_DONE)
+    {
+        warn(&job, &result);
+        code = report(&job, &result);
+    }
+    bat_mesh_free(&result.coarse);
+    bat_mesh_free(&result.fine);
+    bat_mesh_model_free(result.model);
+    return code;
+}

@@ -1,0 +1,73 @@
+#ifndef BATTEN_MESH_PICTURE_H
+#define BATTEN_MESH_PICTURE_H
+
+#include "batten/mesh.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Shaded pictures of triangle meshes, side by side, with wires, boundaries and colours for numbers at the vertices.
+///
+/// Meshes are seen from far away (orthographically) in a light that comes from over the viewer's left shoulder; hollows are
+/// darker. PNG is the natural format; SVG and PDF hold the same pixels with sharp letters.
+
+/// One mesh of a picture. All zero but `mesh` is a sensible panel: smooth, without wires.
+typedef struct bat_mesh_panel
+{
+    const bat_mesh *mesh; ///< finite, at least one face; need not be manifold; never null
+    const char *title;    ///< UTF-8, beneath the panel; null or "" for none
+    const double *values; ///< vertex_count numbers, shown as colours; NaN for none at a vertex; null: clay
+    bool wires;           ///< draw the edges
+    bool flat; ///< every face by its own normal, else smooth where neighbours' normals differ by less than 40 degrees
+} bat_mesh_panel;
+
+/// The axis of space that points upwards.
+typedef enum bat_mesh_up
+{
+    BAT_MESH_UP_Y, ///< as most meshes have it. The default.
+    BAT_MESH_UP_Z,
+    BAT_MESH_UP_X
+} bat_mesh_up;
+
+/// How to draw. Begin with bat_mesh_picture_defaults().
+typedef struct bat_mesh_picture_options
+{
+    double width;            ///< in points, up to 10000; 0: from the number of columns; default 0
+    double height;           ///< in points, up to 10000; 0: from the content; default 0
+    double pixels_per_point; ///< of the meshes, and of all in PNG, 0.1 to 20; default 2
+    size_t columns;          ///< panels in a row; 0: up to four, evenly filled; default 0
+    bool own_frames;         ///< every panel has its own view and scale, else a row shares them; default false
+    bat_mesh_up up;          ///< default BAT_MESH_UP_Y
+    double longitude;        ///< of the viewer, radians around the upward axis; NaN: automatic; default NaN
+    double latitude;         ///< the same above the horizon, -pi/2 to pi/2; NaN: automatic; default NaN
+    bool hollows;            ///< darken hollows; default true
+    bool boundaries;         ///< mark boundary edges; default true
+    double
+        value_low; ///< what the scale's first colour stands for; NaN: the least value, or 0 where it is positive; default NaN
+    double value_high; ///< the last colour's; NaN: the greatest value of all panels; default NaN
+    const char
+        *value_label;  ///< UTF-8, beside the scale: what the values are, and their unit; null or "" for none; default null
+    const char *title; ///< UTF-8, above the panels; null or "" for none; default null
+    int threads;       ///< 0: as many as OpenMP gives; the picture does not depend on it; default 0
+} bat_mesh_picture_options;
+
+/// The options' default values.
+BAT_API bat_mesh_picture_options bat_mesh_picture_defaults(void);
+
+/// Draw meshes into a file, whose ending chooses the format: .png, .svg or .pdf, in small or capital letters. The file appears
+/// whole or not at all; the same input gives the same bytes.
+///
+/// The automatic view looks from 18 degrees above (42 at flat meshes), 35 degrees beside the direction in which the first
+/// mesh of the row is thinnest across the upward axis, from the side of the positive axes.
+///
+/// @param options what bat_mesh_picture_defaults() gives, changed as wanted; null for the defaults
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a text that is not UTF-8, a size without room;
+///         what bat_mesh_check() returns, with the panel named; BAT_INVALID_POINT with the index of a value that is infinite;
+///         BAT_TOO_LARGE for more than 10000 points of height, 32767 pixels across or 2^28 samples of a panel; BAT_NO_MEMORY;
+///         BAT_FILE_ACCESS
+BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_panel *panels, size_t count,
+                                          const bat_mesh_picture_options *options, bat_error *error);
+
+BAT_C_END
+
+#endif

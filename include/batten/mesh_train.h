@@ -1,0 +1,72 @@
+#ifndef BATTEN_MESH_TRAIN_H
+#define BATTEN_MESH_TRAIN_H
+
+#include "batten/mesh.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Training of learned subdivision by the recipe of Liu et al., "Neural Subdivision" (2020): their network, data and loss.
+
+/// The levels that networks are trained for.
+#define BAT_MESH_TRAIN_LEVELS 2
+
+/// How to train. Begin with bat_mesh_train_defaults(), the published recipe.
+typedef struct bat_mesh_train_options
+{
+    uint64_t seed;         ///< of the first weights, the decimations and the order of pairs; default 1
+    uint64_t epochs;       ///< at least 1; default 700
+    size_t pairs;          ///< coarse meshes made of each shape, at least 1; default 200
+    size_t fresh;          ///< of all pairs so many are made anew in each epoch, in turn, and never come again; default 0
+    size_t batch;          ///< meshes of a step, at least 1; default 1
+    size_t least_vertices; ///< of the coarse meshes: the number is drawn evenly; at least 4; default 150
+    size_t most_vertices;  ///< default 300
+    double least_normal, least_quality; ///< bounds of the decimation, as in bat_decimate_options; default .2
+    double rate;                        ///< the learning rate of Adam; default 2e-3
+    bool falling;                       ///< the rate falls to 0 along half a wave; else it is constant; default false
+    bool fixed_frames; ///< half-flaps are seen through the axes of space instead of their frames (section 6); default false
+    bool no_differences; ///< without differential coordinates (appendix H); default false
+    bool relative;       ///< lengths by each half-flap's own, so that scale does not matter; default false: by the unit box
+    bool last_level;     ///< the loss is that of the last level alone (appendix H); default false
+    bool chamfer;        ///< the loss is the Chamfer distance instead of that to each vertex's own target; default false
+    bool learn_loop;     ///< the targets are Loop's refinement of the coarse meshes (appendix G); default false
+    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`, its
+    /// picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`, the
+    /// best weights. Null for no files; default null.
+    const char *folder;
+    /// Go on from the folder's checkpoint, if there is one, to the same bytes as without the stop; default false.
+    bool resume;
+    int threads; ///< 0: as many as OpenMP gives; pairs are made on all, `batch` of them help with steps; the result
+                 ///< does not depend on it; default 0
+    bat_progress progress; ///< asked before every step; when it says stop, the checkpoint is written first
+} bat_mesh_train_options;
+
+/// The options' default values.
+BAT_API bat_mesh_train_options bat_mesh_train_defaults(void);
+
+/// How a training went. Errors are root mean squares over the coordinates of vertices, in units of the coarse meshes' longest sides,
+/// over pairs kept aside (of a loss by Chamfer distance, the root of that).
+typedef struct bat_mesh_train_report
+{
+    uint64_t epochs;                          ///< done, earlier runs included
+    uint64_t best_epoch;                      ///< after which the weights were best, counted from 1
+    double loss;                              ///< mean over the last epoch of this run; NaN when there was none
+    double errors[BAT_MESH_TRAIN_LEVELS + 1]; ///< of the best weights, at each level
+} bat_mesh_train_report;
+
+/// Train the published network on shapes. Pairs are made by semi-random decimation with a map (batten/decimate.h). Five more of
+/// each shape are kept aside; the best weights are those of least loss on these, which are measured every five epochs. While it
+/// runs, OpenBLAS works on one thread in the whole process.
+///
+/// @param shapes  at least 1, each of what bat_mesh_check() and bat_mesh_connect() accept
+/// @param options null for the defaults, which keep nothing but the report
+/// @param report  may be null
+/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (no shapes, numbers out of range, a checkpoint of another training); what
+///         bat_mesh_decimate() returns; BAT_NO_CONVERGENCE with the step when a loss is not finite; BAT_BAD_FILE, BAT_FILE_ACCESS
+///         or BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_train(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
+                                  bat_mesh_train_report *report, bat_error *error);
+
+BAT_C_END
+
+#endif
