@@ -3,26 +3,38 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/map.h"
+#include "mesh/map_texture.h"
+#include "mesh/midpoints.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/// The images on the fine mesh of the vertices of the coarse one, subdivided.
+/// The coarse mesh subdivided, and the images of its vertices on the fine mesh, to be released with free().
 static bat_status find_images(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
-                              bat_mesh_point **points, size_t *count, bat_error *error)
+                              midpoint_mesh *split, bat_mesh_point **images, bat_error *error)
 {
-    bat_mesh_point *made = NULL;
     bat_status status = map_check(map, fine, coarse, error);
     if (status == BAT_OK)
-        status = bat_mesh_midpoints(coarse, levels, &made, count, error);
-    if (status == BAT_OK)
-        status = bat_mesh_map_to_fine(map, made, *count, error);
+        status = midpoint_mesh_make(coarse, levels, split, error);
     if (status != BAT_OK)
+        return status;
+    bat_mesh_point *made = memory_array(split->vertex_count, sizeof *made);
+    if (made == NULL)
+        status = error_memory(error, split->vertex_count * sizeof *made);
+    if (status == BAT_OK)
+    {
+        memcpy(made, split->points, split->vertex_count * sizeof *made);
+        status = bat_mesh_map_to_fine(map, made, split->vertex_count, error);
+    }
+    if (status != BAT_OK)
+    {
+        midpoint_mesh_free(split);
         free(made);
-    else
-        *points = made;
-    return status;
+        return status;
+    }
+    *images = made;
+    return BAT_OK;
 }
 
 /// The values of a point: those at its face's corners by their barycentric coordinates. `corner` are three rows of `values`.
@@ -91,10 +103,12 @@ bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, c
                                 double *positions, double *normals, bat_error *error)
 {
     bat_mesh_point *points;
-    size_t count;
-    bat_status status = find_images(map, fine, coarse, levels, &points, &count, error);
+    midpoint_mesh split;
+    bat_status status = find_images(map, fine, coarse, levels, &split, &points, error);
     if (status != BAT_OK)
         return status;
+    size_t count = split.vertex_count;
+    midpoint_mesh_free(&split);
     for (size_t i = 0; i < count; i++)
         interpolate(fine->positions, 3, fine->faces + 3 * (size_t)points[i].face, points[i].barycentric, positions + 3 * i);
     if (normals != NULL)
@@ -103,19 +117,18 @@ bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, c
     return status;
 }
 
-/// Room in `refined` for what the fine mesh carries.
-static bat_status allocate_signals(const bat_mesh *fine, size_t count, bat_mesh *signals, bat_error *error)
+/// Channels of the images in a mesh that holds nothing else.
+static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *images, size_t count, bat_mesh *signals,
+                               bat_error *error)
 {
-    *signals = (bat_mesh){0};
-    bool room = true;
-    if (fine->channel_count > 0)
-    {
-        signals->channels = memory_array(count, fine->channel_count * sizeof *signals->channels);
-        signals->channel_names = calloc(fine->channel_count, sizeof *signals->channel_names);
-        signals->channel_count = signals->channel_names != NULL ? fine->channel_count : 0;
-        room = signals->channels != NULL && signals->channel_names != NULL;
-    }
-    for (size_t i = 0; i < fine->channel_count && room; i++)
+    size_t width = fine->channel_count;
+    if (width == 0)
+        return BAT_OK;
+    signals->channels = memory_array(count, width * sizeof *signals->channels);
+    signals->channel_names = calloc(width, sizeof *signals->channel_names);
+    signals->channel_count = signals->channel_names != NULL ? width : 0;
+    bool room = signals->channels != NULL && signals->channel_names != NULL;
+    for (size_t i = 0; i < width && room; i++)
     {
         size_t size = strlen(fine->channel_names[i]) + 1;
         signals->channel_names[i] = malloc(size);
@@ -123,70 +136,53 @@ static bat_status allocate_signals(const bat_mesh *fine, size_t count, bat_mesh 
         if (room)
             memcpy(signals->channel_names[i], fine->channel_names[i], size);
     }
-    if (fine->texture != NULL)
-        signals->texture = memory_array(count, 2 * sizeof *signals->texture);
-    if (room && (fine->texture == NULL || signals->texture != NULL))
-        return BAT_OK;
-    bat_mesh_free(signals);
-    return error_memory(error, count * fine->channel_count * sizeof *signals->channels);
+    if (!room)
+        return error_memory(error, count * width * sizeof *signals->channels);
+    for (size_t i = 0; i < count; i++)
+        interpolate(fine->channels, width, fine->faces + 3 * (size_t)images[i].face, images[i].barycentric,
+                    signals->channels + width * i);
+    return BAT_OK;
 }
 
-/// Move the signals into `refined`, in place of what it has.
-static bat_status set_signals(bat_mesh *signals, size_t count, bat_mesh *refined, bat_error *error)
+/// Move the signals into `refined`, and what it has into `signals`.
+static void exchange_signals(bat_mesh *signals, bat_mesh *refined)
 {
     bat_mesh old = {.texture = refined->texture,
                     .texture_faces = refined->texture_faces,
+                    .texture_count = refined->texture_count,
                     .channels = refined->channels,
                     .channel_names = refined->channel_names,
                     .channel_count = refined->channel_count};
-    if (signals->texture != NULL)
-    {
-        signals->texture_faces = memory_array(refined->face_count, 3 * sizeof *signals->texture_faces);
-        if (signals->texture_faces == NULL)
-            return error_memory(error, refined->face_count * 3 * sizeof *signals->texture_faces);
-        memcpy(signals->texture_faces, refined->faces, refined->face_count * 3 * sizeof *signals->texture_faces);
-    }
     refined->texture = signals->texture;
     refined->texture_faces = signals->texture_faces;
-    refined->texture_count = signals->texture != NULL ? count : 0;
+    refined->texture_count = signals->texture_count;
     refined->channels = signals->channels;
     refined->channel_names = signals->channel_names;
     refined->channel_count = signals->channel_count;
-    *signals = (bat_mesh){0};
-    bat_mesh_free(&old);
-    return BAT_OK;
+    *signals = old;
 }
 
 bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
                                  bat_mesh *refined, bat_error *error)
 {
-    bat_mesh_point *points;
-    bat_mesh signals;
-    size_t count;
-    bat_status status = find_images(map, fine, coarse, levels, &points, &count, error);
+    bat_mesh_point *images;
+    midpoint_mesh split;
+    bat_mesh signals = {0};
+    bat_status status = find_images(map, fine, coarse, levels, &split, &images, error);
     if (status != BAT_OK)
         return status;
-    if (refined->vertex_count != count || refined->face_count != coarse->face_count << 2 * levels)
+    if (refined->vertex_count != split.vertex_count || refined->face_count != split.face_count)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                            "the mesh is not the coarse one subdivided %zu times: it has %zu vertices, not %zu", levels,
-                           refined->vertex_count, count);
+                           refined->vertex_count, split.vertex_count);
     if (status == BAT_OK)
-        status = allocate_signals(fine, count, &signals, error);
+        status = set_channels(fine, images, split.vertex_count, &signals, error);
+    if (status == BAT_OK && fine->texture != NULL)
+        status = map_texture_transfer(map, fine, &split, images, levels, &signals, error);
     if (status == BAT_OK)
-    {
-        for (size_t i = 0; i < count; i++)
-        {
-            const bat_mesh_point *point = &points[i];
-            size_t face = 3 * (size_t)point->face;
-            if (signals.channels != NULL)
-                interpolate(fine->channels, fine->channel_count, fine->faces + face, point->barycentric,
-                            signals.channels + fine->channel_count * i);
-            if (signals.texture != NULL)
-                interpolate(fine->texture, 2, fine->texture_faces + face, point->barycentric, signals.texture + 2 * i);
-        }
-        status = set_signals(&signals, count, refined, error);
-        bat_mesh_free(&signals);
-    }
-    free(points);
+        exchange_signals(&signals, refined);
+    bat_mesh_free(&signals);
+    midpoint_mesh_free(&split);
+    free(images);
     return status;
 }
