@@ -79,10 +79,19 @@ static bool read_numbers(const arguments *given, bat_decimate_options *options)
         !argument_number(given, "least-quality", options->least_quality, &options->least_quality) ||
         !argument_number(given, "boundary-weight", options->boundary_weight, &options->boundary_weight))
         return false;
+    const char *fault = NULL;
+    if (!(options->least_normal >= -1 && options->least_normal <= 1))
+        fault = "--least-normal is from -1 to 1";
+    else if (!(options->least_quality >= 0 && options->least_quality <= 1))
+        fault = "--least-quality is from 0 to 1";
+    else if (!(options->boundary_weight >= 0))
+        fault = "--boundary-weight is 0 or above";
+    if (fault != NULL)
+        (void)usage_error(given, "%s", fault);
     options->vertices = vertices < 0 ? 0 : (size_t)vertices;
     options->candidates = (size_t)candidates;
     options->seed = (uint64_t)seed;
-    return true;
+    return fault == NULL;
 }
 
 /// False after a message.

@@ -345,12 +345,66 @@ static void test_transfer(void **state)
     for (size_t v = 0; v < count; v++)
     {
         check_near(shape_distance(refined.channels + 3 * v, refined.positions + 3 * v), 0, 1e-15);
-        check_near(refined.texture[2 * v + 1], refined.positions[3 * v + 1], 1e-15);
     }
+    for (size_t i = 0; i < 3 * refined.face_count; i++)
+        for (size_t k = 0; k < 2; k++)
+            check_near(refined.texture[2 * refined.texture_faces[i] + k],
+                       refined.positions[3 * (size_t)refined.faces[i] + k], 1e-15);
     bat_error error;
     assert_int_equal(bat_mesh_map_transfer(pair.map, &pair.fine, &pair.coarse, 2, &refined, &error), BAT_INVALID_ARGUMENT);
     bat_mesh_free(&refined);
     pair_free(&pair);
+}
+
+/// A torus whose texture is its own angles has seams where they begin anew. Decimated and transferred, no face's texture is
+/// larger than the face; with nothing decimated, the texture comes back to the last bit.
+static void test_seams(void **state)
+{
+    (void)state;
+    enum
+    {
+        N = 48,
+        M = 20
+    };
+    for (int decimated = 0; decimated < 2; decimated++)
+    {
+        bat_mesh torus = shape_torus(N, M, 0.4);
+        torus.texture_count = (N + 1) * (M + 1);
+        torus.texture = malloc(2 * torus.texture_count * sizeof(double));
+        torus.texture_faces = malloc(3 * torus.face_count * sizeof(uint32_t));
+        for (size_t i = 0; i <= N; i++)
+            for (size_t j = 0; j <= M; j++)
+            {
+                torus.texture[2 * (i * (M + 1) + j)] = (double)i / N;
+                torus.texture[2 * (i * (M + 1) + j) + 1] = (double)j / M;
+            }
+        for (size_t f = 0; f < torus.face_count; f++)
+            for (size_t c = 0; c < 3; c++)
+            {
+                size_t i = f / 2 / M, j = f / 2 % M, v = torus.faces[3 * f + c], vi = v / M, vj = v % M;
+                vi += vi < i ? N : 0;
+                vj += vj < j ? M : 0;
+                torus.texture_faces[3 * f + c] = (uint32_t)(vi * (M + 1) + vj);
+            }
+        mesh_pair pair = pair_of(torus, decimated ? 200 : N * M, 0);
+        assert_int_equal(bat_mesh_map_transfer(pair.map, &pair.fine, &pair.coarse, 0, &pair.coarse, NULL), BAT_OK);
+        assert_int_equal(bat_mesh_check(&pair.coarse, NULL), BAT_OK);
+        double widest = 0;
+        for (size_t f = 0; f < pair.coarse.face_count; f++)
+            for (size_t c = 0; c < 3; c++)
+            {
+                const double *a = pair.coarse.texture + 2 * (size_t)pair.coarse.texture_faces[3 * f + c],
+                             *b = pair.coarse.texture + 2 * (size_t)pair.coarse.texture_faces[3 * f + (c + 1) % 3],
+                             *from = pair.fine.texture + 2 * (size_t)pair.fine.texture_faces[3 * f + c];
+                double length = shape_distance(shape_corner(&pair.coarse, f, c), shape_corner(&pair.coarse, f, (c + 1) % 3));
+                widest = fmax(widest, hypot(a[0] - b[0], a[1] - b[1]) / length);
+                if (!decimated)
+                    assert_memory_equal(a, from, 2 * sizeof(double));
+            }
+        // Lengths in the texture are lengths on the torus over 2 pi 0.4 at most.
+        assert_true(widest < 1.5 / (2 * 3.14159 * 0.4));
+        pair_free(&pair);
+    }
 }
 
 /// With nothing to collapse the map is the identity.
@@ -481,12 +535,12 @@ static void test_spoiled_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_overlays_cover),     cmocka_unit_test(test_round_trips),
-        cmocka_unit_test(test_boundaries_stay),    cmocka_unit_test(test_images_cover_the_sphere),
-        cmocka_unit_test(test_midpoints),          cmocka_unit_test(test_targets),
-        cmocka_unit_test(test_transfer),           cmocka_unit_test(test_identity),
-        cmocka_unit_test(test_points_are_checked), cmocka_unit_test(test_files),
-        cmocka_unit_test(test_spoiled_files),
+        cmocka_unit_test(test_overlays_cover),  cmocka_unit_test(test_round_trips),
+        cmocka_unit_test(test_boundaries_stay), cmocka_unit_test(test_images_cover_the_sphere),
+        cmocka_unit_test(test_midpoints),       cmocka_unit_test(test_targets),
+        cmocka_unit_test(test_transfer),        cmocka_unit_test(test_seams),
+        cmocka_unit_test(test_identity),        cmocka_unit_test(test_points_are_checked),
+        cmocka_unit_test(test_files),           cmocka_unit_test(test_spoiled_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -101,7 +101,8 @@ BAT_API bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh 
 
 /// Carry the texture coordinates and channels of the fine mesh to a refinement of the coarse one, by the map.
 ///
-/// Every vertex has one texture coordinate afterwards, so a face across a seam of the texture is not drawn right.
+/// A vertex can have several texture coordinates afterwards, as where a seam of the texture passes. A face across a seam
+/// takes the texture of the side that most of it lies on, continued linearly.
 ///
 /// @param refined the coarse mesh (levels = 0), or what a scheme that splits faces in four makes of it; what texture and
 ///                channels it has are replaced

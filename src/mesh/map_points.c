@@ -3,154 +3,38 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/map.h"
+#include "mesh/map_texture.h"
+#include "mesh/midpoints.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/// A mesh split at its edges' midpoints, as points of the mesh it was made from. Numbered as batten/mesh_refine.h says.
-typedef struct split_mesh
-{
-    uint32_t *faces;
-    double (*corners)[3][3]; ///< of every face: its corners' barycentric coordinates in face f >> 2 level
-    bat_mesh_point *points;  ///< of every vertex
-    size_t face_count, vertex_count;
-} split_mesh;
-
-static void split_free(split_mesh *mesh)
-{
-    free(mesh->faces);
-    free(mesh->corners);
-    free(mesh->points);
-    *mesh = (split_mesh){0};
-}
-
-static bat_status split_allocate(size_t faces, size_t vertices, split_mesh *mesh, bat_error *error)
-{
-    *mesh = (split_mesh){.faces = memory_array(faces, 3 * sizeof *mesh->faces),
-                         .corners = memory_array(faces, sizeof *mesh->corners),
-                         .points = memory_array(vertices, sizeof *mesh->points),
-                         .face_count = faces,
-                         .vertex_count = vertices};
-    if (mesh->faces != NULL && mesh->corners != NULL && mesh->points != NULL)
-        return BAT_OK;
-    split_free(mesh);
-    return error_memory(error, faces * sizeof *mesh->corners);
-}
-
-static bat_status split_begin(const bat_mesh *coarse, split_mesh *mesh, bat_error *error)
-{
-    static const double WHOLE[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    bat_status status = bat_mesh_check(coarse, error);
-    if (status == BAT_OK)
-        status = split_allocate(coarse->face_count, coarse->vertex_count, mesh, error);
-    if (status != BAT_OK)
-        return status;
-    for (size_t v = 0; v < coarse->vertex_count; v++)
-        mesh->points[v].face = BAT_MESH_NONE;
-    memcpy(mesh->faces, coarse->faces, 3 * coarse->face_count * sizeof *mesh->faces);
-    for (size_t f = 0; f < coarse->face_count; f++)
-    {
-        memcpy(mesh->corners[f], WHOLE, sizeof WHOLE);
-        for (int c = 0; c < 3; c++)
-            mesh->points[mesh->faces[3 * f + (size_t)c]] =
-                (bat_mesh_point){(uint32_t)f, {WHOLE[c][0], WHOLE[c][1], WHOLE[c][2]}};
-    }
-    for (size_t v = 0; v < coarse->vertex_count; v++)
-        if (mesh->points[v].face == BAT_MESH_NONE)
-        {
-            split_free(mesh);
-            return error_set(error, BAT_INVALID_POINT, v, 0, "vertex %zu has no face", v);
-        }
-    return BAT_OK;
-}
-
-/// Faces 4 f + c at the corners of face f and 4 f + 3 in its middle; vertex `vertex_count` + e halves edge e.
-static void split_faces(const split_mesh *mesh, const bat_mesh_connectivity *connectivity, int level, split_mesh *split)
-{
-    memcpy(split->points, mesh->points, mesh->vertex_count * sizeof *split->points);
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        uint32_t middle[3];
-        double halves[3][3];
-        for (uint32_t c = 0; c < 3; c++)
-        {
-            middle[c] = (uint32_t)mesh->vertex_count + connectivity->edge[3 * f + c];
-            for (int k = 0; k < 3; k++)
-                halves[c][k] = (mesh->corners[f][c][k] + mesh->corners[f][(c + 1) % 3][k]) / 2;
-            split->points[middle[c]] =
-                (bat_mesh_point){(uint32_t)(f >> 2 * level), {halves[c][0], halves[c][1], halves[c][2]}};
-        }
-        for (uint32_t c = 0; c < 3; c++)
-        {
-            size_t made = 4 * f + c;
-            const uint32_t corner[3] = {mesh->faces[3 * f + c], middle[c], middle[(c + 2) % 3]};
-            memcpy(split->faces + 3 * made, corner, sizeof corner);
-            memcpy(split->corners[made][0], mesh->corners[f][c], sizeof halves[0]);
-            memcpy(split->corners[made][1], halves[c], sizeof halves[0]);
-            memcpy(split->corners[made][2], halves[(c + 2) % 3], sizeof halves[0]);
-        }
-        memcpy(split->faces + 3 * (4 * f + 3), middle, sizeof middle);
-        memcpy(split->corners[4 * f + 3], halves, sizeof halves);
-    }
-}
-
-static bat_status split_level(split_mesh *mesh, int level, bat_error *error)
-{
-    bat_mesh shell = {.faces = mesh->faces, .face_count = mesh->face_count, .vertex_count = mesh->vertex_count};
-    bat_mesh_connectivity connectivity;
-    split_mesh split;
-    if (mesh->face_count > BAT_MESH_MOST_FACES / 4)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the subdivided mesh would have more than %zu faces",
-                         BAT_MESH_MOST_FACES);
-    bat_status status = bat_mesh_connect(&shell, &connectivity, error);
-    if (status != BAT_OK)
-        return status;
-    status = split_allocate(4 * mesh->face_count, mesh->vertex_count + connectivity.edge_count, &split, error);
-    if (status == BAT_OK)
-    {
-        split_faces(mesh, &connectivity, level, &split);
-        split_free(mesh);
-        *mesh = split;
-    }
-    bat_mesh_connectivity_free(&connectivity);
-    return status;
-}
-
-bat_status bat_mesh_midpoints(const bat_mesh *coarse, size_t levels, bat_mesh_point **points, size_t *count,
-                              bat_error *error)
-{
-    split_mesh mesh;
-    bat_status status = split_begin(coarse, &mesh, error);
-    if (status != BAT_OK)
-        return status;
-    for (size_t level = 0; level < levels && status == BAT_OK; level++)
-        status = split_level(&mesh, (int)level, error);
-    if (status == BAT_OK)
-    {
-        *points = mesh.points;
-        *count = mesh.vertex_count;
-        mesh.points = NULL;
-    }
-    split_free(&mesh);
-    return status;
-}
-
-/// The images on the fine mesh of the vertices of the coarse one, subdivided.
+/// The coarse mesh subdivided, and the images of its vertices on the fine mesh, to be released with free().
 static bat_status find_images(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
-                              bat_mesh_point **points, size_t *count, bat_error *error)
+                              midpoint_mesh *split, bat_mesh_point **images, bat_error *error)
 {
-    bat_mesh_point *made = NULL;
     bat_status status = map_check(map, fine, coarse, error);
     if (status == BAT_OK)
-        status = bat_mesh_midpoints(coarse, levels, &made, count, error);
-    if (status == BAT_OK)
-        status = bat_mesh_map_to_fine(map, made, *count, error);
+        status = midpoint_mesh_make(coarse, levels, split, error);
     if (status != BAT_OK)
+        return status;
+    bat_mesh_point *made = memory_array(split->vertex_count, sizeof *made);
+    if (made == NULL)
+        status = error_memory(error, split->vertex_count * sizeof *made);
+    if (status == BAT_OK)
+    {
+        memcpy(made, split->points, split->vertex_count * sizeof *made);
+        status = bat_mesh_map_to_fine(map, made, split->vertex_count, error);
+    }
+    if (status != BAT_OK)
+    {
+        midpoint_mesh_free(split);
         free(made);
-    else
-        *points = made;
-    return status;
+        return status;
+    }
+    *images = made;
+    return BAT_OK;
 }
 
 /// The values of a point: those at its face's corners by their barycentric coordinates. `corner` are three rows of `values`.
@@ -219,10 +103,12 @@ bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, c
                                 double *positions, double *normals, bat_error *error)
 {
     bat_mesh_point *points;
-    size_t count;
-    bat_status status = find_images(map, fine, coarse, levels, &points, &count, error);
+    midpoint_mesh split;
+    bat_status status = find_images(map, fine, coarse, levels, &split, &points, error);
     if (status != BAT_OK)
         return status;
+    size_t count = split.vertex_count;
+    midpoint_mesh_free(&split);
     for (size_t i = 0; i < count; i++)
         interpolate(fine->positions, 3, fine->faces + 3 * (size_t)points[i].face, points[i].barycentric, positions + 3 * i);
     if (normals != NULL)
@@ -231,19 +117,18 @@ bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, c
     return status;
 }
 
-/// Room in `refined` for what the fine mesh carries.
-static bat_status allocate_signals(const bat_mesh *fine, size_t count, bat_mesh *signals, bat_error *error)
+/// Channels of the images in a mesh that holds nothing else.
+static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *images, size_t count, bat_mesh *signals,
+                               bat_error *error)
 {
-    *signals = (bat_mesh){0};
-    bool room = true;
-    if (fine->channel_count > 0)
-    {
-        signals->channels = memory_array(count, fine->channel_count * sizeof *signals->channels);
-        signals->channel_names = calloc(fine->channel_count, sizeof *signals->channel_names);
-        signals->channel_count = signals->channel_names != NULL ? fine->channel_count : 0;
-        room = signals->channels != NULL && signals->channel_names != NULL;
-    }
-    for (size_t i = 0; i < fine->channel_count && room; i++)
+    size_t width = fine->channel_count;
+    if (width == 0)
+        return BAT_OK;
+    signals->channels = memory_array(count, width * sizeof *signals->channels);
+    signals->channel_names = calloc(width, sizeof *signals->channel_names);
+    signals->channel_count = signals->channel_names != NULL ? width : 0;
+    bool room = signals->channels != NULL && signals->channel_names != NULL;
+    for (size_t i = 0; i < width && room; i++)
     {
         size_t size = strlen(fine->channel_names[i]) + 1;
         signals->channel_names[i] = malloc(size);
@@ -251,70 +136,53 @@ static bat_status allocate_signals(const bat_mesh *fine, size_t count, bat_mesh 
         if (room)
             memcpy(signals->channel_names[i], fine->channel_names[i], size);
     }
-    if (fine->texture != NULL)
-        signals->texture = memory_array(count, 2 * sizeof *signals->texture);
-    if (room && (fine->texture == NULL || signals->texture != NULL))
-        return BAT_OK;
-    bat_mesh_free(signals);
-    return error_memory(error, count * fine->channel_count * sizeof *signals->channels);
+    if (!room)
+        return error_memory(error, count * width * sizeof *signals->channels);
+    for (size_t i = 0; i < count; i++)
+        interpolate(fine->channels, width, fine->faces + 3 * (size_t)images[i].face, images[i].barycentric,
+                    signals->channels + width * i);
+    return BAT_OK;
 }
 
-/// Move the signals into `refined`, in place of what it has.
-static bat_status set_signals(bat_mesh *signals, size_t count, bat_mesh *refined, bat_error *error)
+/// Move the signals into `refined`, and what it has into `signals`.
+static void exchange_signals(bat_mesh *signals, bat_mesh *refined)
 {
     bat_mesh old = {.texture = refined->texture,
                     .texture_faces = refined->texture_faces,
+                    .texture_count = refined->texture_count,
                     .channels = refined->channels,
                     .channel_names = refined->channel_names,
                     .channel_count = refined->channel_count};
-    if (signals->texture != NULL)
-    {
-        signals->texture_faces = memory_array(refined->face_count, 3 * sizeof *signals->texture_faces);
-        if (signals->texture_faces == NULL)
-            return error_memory(error, refined->face_count * 3 * sizeof *signals->texture_faces);
-        memcpy(signals->texture_faces, refined->faces, refined->face_count * 3 * sizeof *signals->texture_faces);
-    }
     refined->texture = signals->texture;
     refined->texture_faces = signals->texture_faces;
-    refined->texture_count = signals->texture != NULL ? count : 0;
+    refined->texture_count = signals->texture_count;
     refined->channels = signals->channels;
     refined->channel_names = signals->channel_names;
     refined->channel_count = signals->channel_count;
-    *signals = (bat_mesh){0};
-    bat_mesh_free(&old);
-    return BAT_OK;
+    *signals = old;
 }
 
 bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
                                  bat_mesh *refined, bat_error *error)
 {
-    bat_mesh_point *points;
-    bat_mesh signals;
-    size_t count;
-    bat_status status = find_images(map, fine, coarse, levels, &points, &count, error);
+    bat_mesh_point *images;
+    midpoint_mesh split;
+    bat_mesh signals = {0};
+    bat_status status = find_images(map, fine, coarse, levels, &split, &images, error);
     if (status != BAT_OK)
         return status;
-    if (refined->vertex_count != count || refined->face_count != coarse->face_count << 2 * levels)
+    if (refined->vertex_count != split.vertex_count || refined->face_count != split.face_count)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                            "the mesh is not the coarse one subdivided %zu times: it has %zu vertices, not %zu", levels,
-                           refined->vertex_count, count);
+                           refined->vertex_count, split.vertex_count);
     if (status == BAT_OK)
-        status = allocate_signals(fine, count, &signals, error);
+        status = set_channels(fine, images, split.vertex_count, &signals, error);
+    if (status == BAT_OK && fine->texture != NULL)
+        status = map_texture_transfer(map, fine, &split, images, levels, &signals, error);
     if (status == BAT_OK)
-    {
-        for (size_t i = 0; i < count; i++)
-        {
-            const bat_mesh_point *point = &points[i];
-            size_t face = 3 * (size_t)point->face;
-            if (signals.channels != NULL)
-                interpolate(fine->channels, fine->channel_count, fine->faces + face, point->barycentric,
-                            signals.channels + fine->channel_count * i);
-            if (signals.texture != NULL)
-                interpolate(fine->texture, 2, fine->texture_faces + face, point->barycentric, signals.texture + 2 * i);
-        }
-        status = set_signals(&signals, count, refined, error);
-        bat_mesh_free(&signals);
-    }
-    free(points);
+        exchange_signals(&signals, refined);
+    bat_mesh_free(&signals);
+    midpoint_mesh_free(&split);
+    free(images);
     return status;
 }

@@ -244,11 +244,11 @@ refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png
 full --help
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > mesh.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.in.obj
-refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
-refused 2 '--vertices N is missing' decimate mesh.in.obj -o out.csv
-refused 2 '--seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
+refused 2 'o OUT is missing' decimate mesh.in.obj --vertices 3
+refused 2 'vertices N is missing' decimate mesh.in.obj -o out.csv
+refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
-refused 1 'least triangle quality' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --least-quality 2
+refused 2 'least-quality is from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --least-quality 2
 refused 1 'fins.in.obj: .*third at the edge' decimate fins.in.obj -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 

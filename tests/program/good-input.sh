@@ -222,7 +222,7 @@ awk 'BEGIN {
 "$batten" decimate torus.obj -o coarse.obj --vertices 50 --map map.safetensors --json > decimate.json
 check "decimate --json says what is left" json decimate.json '"reached": true'
 check "200 vertices give 50, a torus has twice as many faces" test "$(grep -c '^v ' coarse.obj) $(grep -c '^f ' coarse.obj)" = "50 100"
-check "texture coordinates go along" test "$(grep -c '^vt ' coarse.obj)" -eq 50
+check "texture coordinates go along" test "$(grep -c '^vt ' coarse.obj)" -ge 50
 check "the map is written" test -s map.safetensors
 "$batten" decimate torus.obj -o - --to obj --vertices 50 < /dev/null > piped.obj
 check "standard output gives the same bytes" same piped.obj coarse.obj
