@@ -152,27 +152,38 @@ static bool add_face(tetrahedra *t, const uint32_t cell[3], const uint32_t next[
     return true;
 }
 
-static bool fill_lattice(tetrahedra *t, uint32_t across)
+/// Enter the numbers of the cells.
+static bool index_cells(const tetrahedra *t, key_map *kept)
 {
-    if (!gather_cells(t, (uint32_t[3]){0, 0, 0}, across))
-        return false;
-    key_map kept = {0};
-    bool done = true;
-    for (size_t i = 0; i < t->cell_count && done; i++)
+    for (size_t i = 0; i < t->cell_count; i++)
     {
-        uint32_t *known = key_map_at(&kept, cell_key(t->cells[i]));
-        done = known != NULL;
-        if (done)
-            *known = (uint32_t)i;
+        uint32_t *known = key_map_at(kept, cell_key(t->cells[i]));
+        if (known == NULL)
+            return false;
+        *known = (uint32_t)i;
     }
-    for (size_t i = 0; i < t->cell_count && done; i++)
-        for (int axis = 0; axis < 3 && done; axis++)
+    return true;
+}
+
+/// Add the tetrahedra between all neighbouring cells.
+static bool add_faces(tetrahedra *t, const key_map *kept)
+{
+    for (size_t i = 0; i < t->cell_count; i++)
+        for (int axis = 0; axis < 3; axis++)
         {
             uint32_t next[3] = {t->cells[i][0], t->cells[i][1], t->cells[i][2]};
             next[axis]++;
-            if (key_map_find(&kept, cell_key(next)) != UINT32_MAX)
-                done = add_face(t, t->cells[i], next, axis);
+            // NOLINTNEXTLINE(clang-analyzer-unix.Malloc): tetrahedra_free() releases the cells
+            if (key_map_find(kept, cell_key(next)) != UINT32_MAX && !add_face(t, t->cells[i], next, axis))
+                return false;
         }
+    return true;
+}
+
+static bool fill_lattice(tetrahedra *t, uint32_t across)
+{
+    key_map kept = {0};
+    bool done = gather_cells(t, (uint32_t[3]){0, 0, 0}, across) && index_cells(t, &kept) && add_faces(t, &kept);
     key_map_free(&kept);
     return done;
 }
