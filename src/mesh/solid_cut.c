@@ -168,13 +168,13 @@ static bool index_cells(const tetrahedra *t, key_map *kept)
 /// Add the tetrahedra between all neighbouring cells.
 static bool add_faces(tetrahedra *t, const key_map *kept)
 {
+    uint32_t(*cells)[3] = t->cells;
     for (size_t i = 0; i < t->cell_count; i++)
         for (int axis = 0; axis < 3; axis++)
         {
-            uint32_t next[3] = {t->cells[i][0], t->cells[i][1], t->cells[i][2]};
+            uint32_t next[3] = {cells[i][0], cells[i][1], cells[i][2]};
             next[axis]++;
-            // NOLINTNEXTLINE(clang-analyzer-unix.Malloc): tetrahedra_free() releases the cells
-            if (key_map_find(kept, cell_key(next)) != UINT32_MAX && !add_face(t, t->cells[i], next, axis))
+            if (key_map_find(kept, cell_key(next)) != UINT32_MAX && !add_face(t, cells[i], next, axis))
                 return false;
         }
     return true;
