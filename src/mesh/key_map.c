@@ -39,8 +39,9 @@ static bool grow(key_map *map)
         larger.keys[slot] = map->keys[i];
         larger.values[slot] = map->values[i];
     }
-    key_map_free(map);
+    key_map smaller = *map;
     *map = larger;
+    key_map_free(&smaller);
     return true;
 }
 

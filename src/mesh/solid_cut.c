@@ -21,12 +21,10 @@ typedef struct tetrahedra
     double origin[3], cell, steepest;
     double *points; ///< point_count x 3
     double *values; ///< point_count x surface_count; 0 exactly on a surface that was cut along
-    size_t point_count, point_room;
+    size_t point_count, point_room, value_room;
     uint32_t (*corners)[4]; ///< of positive volume
     size_t count, room;
-    uint32_t (*cells)[3]; ///< the lattice's cells near the boundary
-    size_t cell_count, cell_room;
-    key_map at; ///< of cells, then of lattice points, then of cut edges
+    key_map at; ///< of lattice points, then of cut edges
 } tetrahedra;
 
 static void tetrahedra_free(tetrahedra *t)
@@ -34,46 +32,65 @@ static void tetrahedra_free(tetrahedra *t)
     free(t->points);
     free(t->values);
     free(t->corners);
-    free(t->cells);
     key_map_free(&t->at);
 }
 
-/// Room for one more element. False when out of memory.
-static bool reserve(void **array, size_t count, size_t *room, size_t size)
+/// The array, or a larger one in its place, with room for one more element. Null when out of memory; the array is then as it was.
+static void *reserve(void *array, size_t count, size_t *room, size_t size)
 {
     if (count < *room)
-        return true;
+        return array;
     size_t larger = *room == 0 ? 4096 : 2 * *room;
-    void *grown = larger > SIZE_MAX / size ? NULL : realloc(*array, larger * size);
-    if (grown == NULL)
-        return false;
-    *array = grown;
-    *room = larger;
-    return true;
+    void *grown = larger > SIZE_MAX / size ? NULL : realloc(array, larger * size);
+    *room = grown != NULL ? larger : *room;
+    return grown;
 }
 
 static bool add_point(tetrahedra *t, const double *point, uint32_t *index)
 {
-    size_t surfaces = t->shape->surface_count, room = t->point_room;
-    if (!reserve((void **)&t->points, t->point_count, &room, 3 * sizeof(double)) ||
-        !reserve((void **)&t->values, t->point_count, &t->point_room, surfaces * sizeof(double)))
+    double *points = reserve(t->points, t->point_count, &t->point_room, 3 * sizeof *points);
+    if (points == NULL)
         return false;
-    memcpy(t->points + 3 * t->point_count, point, 3 * sizeof(double));
+    t->points = points;
+    double *values = reserve(t->values, t->point_count, &t->value_room, t->shape->surface_count * sizeof *values);
+    if (values == NULL)
+        return false;
+    t->values = values;
+    memcpy(points + 3 * t->point_count, point, 3 * sizeof *points);
     *index = (uint32_t)t->point_count++;
     return true;
 }
 
 static bool add_tetrahedron(tetrahedra *t, const uint32_t corners[4])
 {
-    if (!reserve((void **)&t->corners, t->count, &t->room, sizeof *t->corners))
+    uint32_t(*all)[4] = reserve(t->corners, t->count, &t->room, sizeof *all);
+    if (all == NULL)
         return false;
-    memcpy(t->corners[t->count++], corners, sizeof *t->corners);
+    t->corners = all;
+    memcpy(all[t->count++], corners, sizeof *all);
+    return true;
+}
+
+/// Cells of the lattice.
+typedef struct cell_list
+{
+    uint32_t (*cells)[3];
+    size_t count, room;
+} cell_list;
+
+static bool add_cell(cell_list *list, const uint32_t cell[3])
+{
+    uint32_t(*cells)[3] = reserve(list->cells, list->count, &list->room, sizeof *cells);
+    if (cells == NULL)
+        return false;
+    list->cells = cells;
+    memcpy(cells[list->count++], cell, sizeof *cells);
     return true;
 }
 
 /// Gather the cells of a cube of `size` cells across that may be near the boundary. Those left out have no tetrahedron that the
 /// boundary meets: such a tetrahedron reaches no farther than one cell from the middles of both its cells.
-static bool gather_cells(tetrahedra *t, const uint32_t corner[3], uint32_t size)
+static bool gather_cells(const tetrahedra *t, const uint32_t corner[3], uint32_t size, cell_list *near)
 {
     double middle[3];
     for (int c = 0; c < 3; c++)
@@ -82,18 +99,13 @@ static bool gather_cells(tetrahedra *t, const uint32_t corner[3], uint32_t size)
     if (fabs(solid_value(t->shape, middle)) > t->steepest * radius)
         return true;
     if (size == 1)
-    {
-        if (!reserve((void **)&t->cells, t->cell_count, &t->cell_room, sizeof *t->cells))
-            return false;
-        memcpy(t->cells[t->cell_count++], corner, sizeof *t->cells);
-        return true;
-    }
+        return add_cell(near, corner);
     for (uint32_t child = 0; child < 8; child++)
     {
         uint32_t half = size / 2;
         uint32_t at[3] = {corner[0] + (child & 1) * half, corner[1] + (child >> 1 & 1) * half,
                           corner[2] + (child >> 2) * half};
-        if (!gather_cells(t, at, half))
+        if (!gather_cells(t, at, half, near))
             return false;
     }
     return true;
@@ -152,27 +164,41 @@ static bool add_face(tetrahedra *t, const uint32_t cell[3], const uint32_t next[
     return true;
 }
 
+/// Enter the numbers of the cells.
+static bool index_cells(const cell_list *list, key_map *kept)
+{
+    for (size_t i = 0; i < list->count; i++)
+    {
+        uint32_t *known = key_map_at(kept, cell_key(list->cells[i]));
+        if (known == NULL)
+            return false;
+        *known = (uint32_t)i;
+    }
+    return true;
+}
+
+/// Add the tetrahedra between all neighbouring cells.
+static bool add_faces(tetrahedra *t, const cell_list *list, const key_map *kept)
+{
+    for (size_t i = 0; i < list->count; i++)
+        for (int axis = 0; axis < 3; axis++)
+        {
+            const uint32_t *cell = list->cells[i];
+            uint32_t next[3] = {cell[0], cell[1], cell[2]};
+            next[axis]++;
+            if (key_map_find(kept, cell_key(next)) != UINT32_MAX && !add_face(t, cell, next, axis))
+                return false;
+        }
+    return true;
+}
+
 static bool fill_lattice(tetrahedra *t, uint32_t across)
 {
-    if (!gather_cells(t, (uint32_t[3]){0, 0, 0}, across))
-        return false;
+    cell_list near = {0};
     key_map kept = {0};
-    bool done = true;
-    for (size_t i = 0; i < t->cell_count && done; i++)
-    {
-        uint32_t *known = key_map_at(&kept, cell_key(t->cells[i]));
-        done = known != NULL;
-        if (done)
-            *known = (uint32_t)i;
-    }
-    for (size_t i = 0; i < t->cell_count && done; i++)
-        for (int axis = 0; axis < 3 && done; axis++)
-        {
-            uint32_t next[3] = {t->cells[i][0], t->cells[i][1], t->cells[i][2]};
-            next[axis]++;
-            if (key_map_find(&kept, cell_key(next)) != UINT32_MAX)
-                done = add_face(t, t->cells[i], next, axis);
-        }
+    bool done =
+        gather_cells(t, (uint32_t[3]){0, 0, 0}, across, &near) && index_cells(&near, &kept) && add_faces(t, &near, &kept);
+    free(near.cells);
     key_map_free(&kept);
     return done;
 }
@@ -307,17 +333,21 @@ typedef struct shell
 {
     uint32_t (*faces)[3];
     uint16_t *surfaces;
-    size_t count, room;
+    size_t count, room, surface_room;
 } shell;
 
 static bool add_triangle(shell *boundary, const uint32_t triangle[3], size_t surface)
 {
-    size_t room = boundary->room;
-    if (!reserve((void **)&boundary->faces, boundary->count, &room, sizeof *boundary->faces) ||
-        !reserve((void **)&boundary->surfaces, boundary->count, &boundary->room, sizeof *boundary->surfaces))
+    uint32_t(*faces)[3] = reserve(boundary->faces, boundary->count, &boundary->room, sizeof *faces);
+    if (faces == NULL)
         return false;
-    memcpy(boundary->faces[boundary->count], triangle, sizeof *boundary->faces);
-    boundary->surfaces[boundary->count++] = (uint16_t)surface;
+    boundary->faces = faces;
+    uint16_t *surfaces = reserve(boundary->surfaces, boundary->count, &boundary->surface_room, sizeof *surfaces);
+    if (surfaces == NULL)
+        return false;
+    boundary->surfaces = surfaces;
+    memcpy(faces[boundary->count], triangle, sizeof *faces);
+    surfaces[boundary->count++] = (uint16_t)surface;
     return true;
 }
 

@@ -28,7 +28,8 @@
 #define ROUNDS 7
 /// Collapses stay a little ahead of splits: so many more vertices are aimed at.
 #define LAST_GAIN 0.985
-/// Steps onto the surface at the end.
+/// Passes that only better the triangles, and steps onto the surface at the end.
+#define LAST_PASSES 3
 #define LAST_STEPS 4
 
 typedef struct remesher
@@ -214,6 +215,13 @@ static void relax(remesher *r, uint32_t vertex)
     edit_move(edit, vertex, point);
 }
 
+static void relax_all(remesher *r)
+{
+    for (uint32_t v = 0; v < r->edit.vertex_count; v++)
+        relax(r, v);
+}
+
+/// Move all vertices onto their surfaces.
 static void settle(remesher *r)
 {
     edit_mesh *edit = &r->edit;
@@ -250,23 +258,20 @@ static bat_status remesh(remesher *r, size_t vertices, bat_error *error)
         if (status != BAT_OK)
             break;
         flip_edges(r, round < ROUNDS - 1);
-        for (uint32_t v = 0; v < r->edit.vertex_count; v++)
-            relax(r, v);
+        relax_all(r);
         if (round > 0)
             r->edge *= sqrt(LAST_GAIN * count_vertices(r) / (double)vertices);
     }
-    if (status == BAT_OK)
+    if (status != BAT_OK)
+        return status;
+    for (int pass = 0; pass < LAST_PASSES; pass++)
     {
-        for (int pass = 0; pass < 3; pass++)
-        {
-            flip_edges(r, false);
-            for (uint32_t v = 0; v < r->edit.vertex_count; v++)
-                relax(r, v);
-        }
         flip_edges(r, false);
-        settle(r);
+        relax_all(r);
     }
-    return status;
+    flip_edges(r, false);
+    settle(r);
+    return BAT_OK;
 }
 
 /// The area of what is not left open.

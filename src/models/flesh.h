@@ -58,6 +58,6 @@ flesh_part *flesh_box(flesh *body, const double middle[3], double x, double y, d
 void flesh_turn(flesh_part *part, double x, double y, double z);
 
 /// A solid_function of a flesh.
-double flesh_value(const void *body, const double point[3]);
+double flesh_value(const void *context, const double point[3]);
 
 #endif
