@@ -8,7 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const RECIPES[] = {"published", NULL};
+static const char *const RECIPES[] = {"published", "batten", NULL};
+enum
+{
+    RECIPE_PUBLISHED,
+    RECIPE_BATTEN
+};
 static const char *const PARTS[] = {"frames", "differences", "levels", "correspondence", NULL};
 enum
 {
@@ -20,18 +25,20 @@ enum
 
 enum
 {
-    MOST_SHAPES = MOST_POSITIONAL - 1
+    MOST_SHAPES = MOST_POSITIONAL - 1 + BAT_MESH_TRAINING_SHAPES
 };
 
 static const option_spec OPTIONS[] = {
-    {"recipe", 0, "NAME", "published: the network, data and loss of Liu et al., \"Neural Subdivision\" (2020); the default"},
+    {"recipe", 0, "NAME",
+     "published: the network, data and loss of Liu et al., \"Neural Subdivision\" (2020); the default. batten: "
+     "that of the weights we ship, on SHAPE... and on shapes of our own making"},
     {"seed", 0, "N", "of the weights to begin with and of all other chance; default 1"},
-    {"epochs", 0, "E", "default 700"},
-    {"pairs", 0, "N", "coarse meshes that are made of each shape; default 200"},
-    {"fresh", 0, "N", "of all of them so many are made anew in each epoch; default 0"},
-    {"batch", 0, "N", "meshes of a step, which as many threads share; default 1"},
+    {"epochs", 0, "E", "default 700; batten: 400"},
+    {"pairs", 0, "N", "coarse meshes that are made of each shape; default 200; batten: 16"},
+    {"fresh", 0, "N", "of all of them so many are made anew in each epoch; default 0; batten: 24"},
+    {"batch", 0, "N", "meshes of a step, which as many threads share; default 1; batten: 2"},
     {"falling-rate", 0, NULL, "the learning rate falls to 0 along half a wave; else it is constant"},
-    {"vertices", 0, "A-B", "of the coarse meshes: from A to B, evenly drawn; default 150-300"},
+    {"vertices", 0, "A-B", "of the coarse meshes: from A to B, evenly drawn; default 150-300; batten: 150-500"},
     {"out", 'o', "FOLDER", "where model, checkpoint, log and its picture go; default out/mesh"},
     {"resume", 0, NULL, "go on from the folder's checkpoint, if there is one"},
     {"threads", 0, "N", "default: all processors; the result does not depend on it"},
@@ -39,6 +46,7 @@ static const option_spec OPTIONS[] = {
      "leave out: frames, differences (differential coordinates), levels (all but the last one's loss), correspondence "
      "(Chamfer distance instead)"},
     {"relative", 0, NULL, "half-flaps measure lengths by their own: scale does not matter then, as it does in the paper"},
+    {"surface", 0, NULL, "the loss counts what lies off the shape in full, and what has slipped along it a tenth"},
     {"learn-loop", 0, NULL, "the targets are Loop's refinement of the coarse meshes"},
     {"repair", 0, NULL, "cut shapes where they are no manifold"},
     {"json", 0, NULL, "print one JSON object"},
@@ -46,14 +54,23 @@ static const option_spec OPTIONS[] = {
 };
 
 static const verb_spec SPEC = {
-    .usage = "batten train mesh SHAPE... [--recipe published] [--pairs N] [--epochs E] [--out FOLDER] [--resume] [options]",
+    .usage = "batten train mesh SHAPE... [--recipe published|batten] [--pairs N] [--epochs E] [--out FOLDER] [--resume] "
+             "[options]",
     .summary =
         "Train a learned subdivision of meshes on shapes (OBJ, PLY, OFF, STL). Ctrl-C writes a checkpoint and stops; with "
         "--resume the same command goes on to the same result.",
     .options = OPTIONS,
-    .least_positional = 2,
+    .least_positional = 1,
     .most_positional = MOST_POSITIONAL,
 };
+
+/// The recipe, which has been checked.
+static int recipe_of(const arguments *given)
+{
+    int recipe = RECIPE_PUBLISHED;
+    (void)argument_word(given, "recipe", RECIPES, RECIPE_PUBLISHED, &recipe);
+    return recipe;
+}
 
 static void leave_out(bat_mesh_train_options *options, int part)
 {
@@ -86,11 +103,14 @@ static bool read_options(const arguments *given, bat_mesh_train_options *options
 {
     long seed, epochs, pairs, fresh, batch, threads;
     int recipe, without;
-    *options = bat_mesh_train_defaults();
-    if (!argument_word(given, "recipe", RECIPES, 0, &recipe) || !argument_whole(given, "seed", 0, 1000000000, 1, &seed) ||
+    if (!argument_word(given, "recipe", RECIPES, RECIPE_PUBLISHED, &recipe))
+        return false;
+    *options = recipe == RECIPE_BATTEN ? bat_mesh_train_batten() : bat_mesh_train_defaults();
+    if (!argument_whole(given, "seed", 0, 1000000000, 1, &seed) ||
         !argument_whole(given, "epochs", 1, 1000000, (long)options->epochs, &epochs) ||
         !argument_whole(given, "pairs", 1, 1000000, (long)options->pairs, &pairs) ||
-        !argument_whole(given, "fresh", 0, 1000000, 0, &fresh) || !argument_whole(given, "batch", 1, 1000, 1, &batch) ||
+        !argument_whole(given, "fresh", 0, 1000000, (long)options->fresh, &fresh) ||
+        !argument_whole(given, "batch", 1, 1000, (long)options->batch, &batch) ||
         !argument_whole(given, "threads", 1, 1024, 0, &threads) || !argument_word(given, "without", PARTS, -1, &without) ||
         !read_range(given, &options->least_vertices, &options->most_vertices))
         return false;
@@ -100,8 +120,9 @@ static bool read_options(const arguments *given, bat_mesh_train_options *options
     options->fresh = (size_t)fresh;
     options->batch = (size_t)batch;
     options->threads = (int)threads;
-    options->falling = argument_flag(given, "falling-rate");
-    options->relative = argument_flag(given, "relative");
+    options->falling |= argument_flag(given, "falling-rate");
+    options->relative |= argument_flag(given, "relative");
+    options->surface |= argument_flag(given, "surface");
     options->learn_loop = argument_flag(given, "learn-loop");
     options->resume = argument_flag(given, "resume");
     options->folder = argument(given, "out") != NULL ? argument(given, "out") : "out/mesh";
@@ -145,15 +166,14 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
     return status;
 }
 
-static int print_json(const bat_mesh_train_options *options, const bat_mesh_train_report *report)
+static int print_json(const char *recipe, const bat_mesh_train_options *options, const bat_mesh_train_report *report)
 {
     json_t *errors = json_array();
     for (size_t level = 0; level <= BAT_MESH_TRAIN_LEVELS; level++)
         (void)json_array_append_new(errors, report_number(report->errors[level]));
-    return report_json(json_pack("{s:s, s:I, s:I, s:I, s:o, s:o, s:s}", "recipe", "published", "seed",
-                                 (json_int_t)options->seed, "epochs", (json_int_t)report->epochs, "best_epoch",
-                                 (json_int_t)report->best_epoch, "loss", report_number(report->loss), "errors", errors,
-                                 "folder", options->folder));
+    return report_json(json_pack("{s:s, s:I, s:I, s:I, s:o, s:o, s:s}", "recipe", recipe, "seed", (json_int_t)options->seed,
+                                 "epochs", (json_int_t)report->epochs, "best_epoch", (json_int_t)report->best_epoch, "loss",
+                                 report_number(report->loss), "errors", errors, "folder", options->folder));
 }
 
 static int print_text(const bat_mesh_train_options *options, const bat_mesh_train_report *report)
@@ -173,7 +193,8 @@ static int train(const arguments *given, const bat_mesh *shapes, size_t count, c
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    return argument_flag(given, "json") ? print_json(options, &report) : print_text(options, &report);
+    return argument_flag(given, "json") ? print_json(RECIPES[recipe_of(given)], options, &report)
+                                        : print_text(options, &report);
 }
 
 int train_mesh(int argc, char **argv)
@@ -185,7 +206,9 @@ int train_mesh(int argc, char **argv)
         return code;
     if (!read_options(&given, &options))
         return EXIT_BAD_USAGE;
-    bat_mesh shapes[MOST_SHAPES] = {0};
+    if (given.positional_count < 2 && recipe_of(&given) != RECIPE_BATTEN)
+        return usage_error(&given, "train mesh needs a SHAPE");
+    static bat_mesh shapes[MOST_SHAPES];
     size_t count = 0;
     bat_error error;
     bat_status status = BAT_OK;
@@ -194,6 +217,14 @@ int train_mesh(int argc, char **argv)
         status = read_shape(given.positional[count + 1], argument_flag(&given, "repair"), &shapes[count], &error);
         if (status != BAT_OK)
             code = report_failure(given.positional[count + 1], &error);
+    }
+    if (status == BAT_OK && recipe_of(&given) == RECIPE_BATTEN)
+    {
+        status = bat_mesh_training_shapes(shapes + count, options.threads, (bat_progress){0}, &error);
+        if (status == BAT_OK)
+            count += BAT_MESH_TRAINING_SHAPES;
+        else
+            code = report_failure(NULL, &error);
     }
     if (status == BAT_OK)
     {

@@ -12,6 +12,7 @@ typedef struct mesh_sample_loss_form
 {
     bool last_level; ///< at the last level alone, instead of the sum over all (appendix H)
     bool chamfer;    ///< by the nearest targets instead of each vertex's own (figure 6)
+    bool surface;    ///< by mesh_sample_off_surface(), where the pair has normals
 } mesh_sample_loss_form;
 
 /// The mean of the squares of the coordinates' errors, or half the Chamfer distance of squares, summed over levels. Coarse mesh and
@@ -25,5 +26,14 @@ learn_array *mesh_sample_loss(learn_tape *tape, mesh_network_form network, mesh_
 /// @param state points in its first 3 columns, at least one
 /// @param targets count x 3, at least one
 learn_array *mesh_sample_chamfer(learn_tape *tape, learn_array *state, const double *targets, size_t count);
+
+/// The mean over points of sqrt((n.r)^2 + (r^2 - (n.r)^2) / 10 + e^2) - e for r = point - target and the surface's unit normal n
+/// there: what lies off the surface counts in full, what has slipped along it a tenth of its square, and far ones do not drown the
+/// others, as they would in a mean of squares. It is near the mean distance of surfaces, by which results are measured.
+/// @param state   points in its first 3 columns
+/// @param targets, normals rows x 3
+/// @param slack   e, below which errors count by their squares; above 0
+learn_array *mesh_sample_off_surface(learn_tape *tape, learn_array *state, const double *targets, const double *normals,
+                                     double slack);
 
 #endif

@@ -52,6 +52,20 @@ bat_mesh_train_options bat_mesh_train_defaults(void)
     };
 }
 
+bat_mesh_train_options bat_mesh_train_batten(void)
+{
+    bat_mesh_train_options options = bat_mesh_train_defaults();
+    options.epochs = 400;
+    options.pairs = 16;
+    options.fresh = 24;
+    options.batch = 2;
+    options.most_vertices = 500;
+    options.falling = true;
+    options.relative = true;
+    options.surface = true;
+    return options;
+}
+
 static bat_status check_options(size_t shape_count, const bat_mesh_train_options *options, bat_error *error)
 {
     if (shape_count == 0)
@@ -82,7 +96,8 @@ static mesh_network_form network_form(const bat_mesh_train_options *options)
 
 static mesh_sample_loss_form loss_form(const bat_mesh_train_options *options)
 {
-    return (mesh_sample_loss_form){.last_level = options->last_level, .chamfer = options->chamfer};
+    return (mesh_sample_loss_form){
+        .last_level = options->last_level, .chamfer = options->chamfer, .surface = options->surface};
 }
 
 // What learn_train() asks for
@@ -193,12 +208,13 @@ static void write_name(const bat_mesh *shapes, size_t shape_count, const bat_mes
     (void)snprintf(
         name, NAME_SIZE,
         "mesh published, %llu epochs, %zu pairs of each of %zu shapes (%016llx), %zu fresh, batch %zu, %zu to %zu "
-        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s",
+        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s%s",
         (unsigned long long)options->epochs, options->pairs, shape_count, (unsigned long long)hash, options->fresh,
         options->batch, options->least_vertices, options->most_vertices, options->least_normal, options->least_quality,
         options->rate, options->falling ? " falling" : "", options->fixed_frames ? MESH_NETWORK_FIXED : "",
         options->no_differences ? ", no differential coordinates" : "", options->relative ? MESH_NETWORK_RELATIVE : "",
-        options->last_level ? ", last level" : "", options->chamfer ? ", Chamfer" : "", options->learn_loop ? ", Loop" : "");
+        options->last_level ? ", last level" : "", options->chamfer ? ", Chamfer" : "",
+        options->surface ? ", off the surface" : "", options->learn_loop ? ", Loop" : "");
 }
 
 static bat_status training_make(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
