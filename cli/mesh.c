@@ -19,8 +19,8 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined mesh to OUT (- for standard output)"},
-    {"scheme", 0, "NAME", "loop, butterfly, midpoint, sqrt3 or learned; default loop"},
-    {"model", 0, "FILE", "the network of --scheme learned"},
+    {"scheme", 0, "NAME", "learned (default), loop, butterfly, midpoint or sqrt3"},
+    {"model", 0, "FILE", "learned: a network of your own, a safetensors file; default: the one that comes with batten"},
     {"levels", 0, "K", "how often to refine; default 2"},
     {"then", 0, "NAME", "the scheme of the levels beyond the learned ones: loop, butterfly or midpoint; default loop"},
     {"limit", 0, NULL, "move the vertices onto the limit surface of Loop's scheme"},
@@ -86,7 +86,7 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
     int scheme, then;
     long levels, threads;
     double degrees;
-    if (!argument_word(given, "scheme", SCHEMES, BAT_MESH_LOOP, &scheme) ||
+    if (!argument_word(given, "scheme", SCHEMES, BAT_MESH_LEARNED, &scheme) ||
         !argument_word(given, "then", GOING_ON, BAT_MESH_LOOP, &then) ||
         !argument_whole(given, "levels", 0, MOST_LEVELS, 2, &levels) ||
         !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
@@ -113,8 +113,6 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
     if (!learned && (job->model != NULL || argument(given, "then") != NULL))
         return "--model and --then need --scheme learned";
-    if (learned && job->model == NULL)
-        return "--scheme learned needs --model FILE";
     if (last != BAT_MESH_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
         return "--limit and --crease-angle need Loop's scheme";
     if (job->refine.crease_angle < 0 || job->refine.crease_angle > 180 * DEGREE)
@@ -198,7 +196,9 @@ static int refine(const mesh_job *job, mesh_result *result)
     bat_mesh_refine_options options = job->refine;
     if (options.scheme == BAT_MESH_LEARNED)
     {
-        if (bat_mesh_model_read(job->model, &result->model, &error) != BAT_OK)
+        bat_status status = job->model != NULL ? bat_mesh_model_read(job->model, &result->model, &error)
+                                               : bat_mesh_model_builtin(&result->model, &error);
+        if (status != BAT_OK)
             return report_failure(job->model, &error);
         options.rule = bat_mesh_model_rule(result->model);
     }

@@ -6,7 +6,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Learned refinement of meshes: networks that are read from files.
+/// Learned refinement of meshes: the network that comes with the library, and others from files.
 
 /// A trained network. It does not change, and any number of calls may use it at once.
 typedef struct bat_mesh_model bat_mesh_model;
@@ -20,6 +20,10 @@ typedef struct bat_mesh_model bat_mesh_model;
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
 ///         BAT_FILE_ACCESS, BAT_UNSUPPORTED or BAT_NO_MEMORY; `*model` is untouched on failure
 BAT_API bat_status bat_mesh_model_read(const char *path, bat_mesh_model **model, bat_error *error);
+/// The model that comes with the library (models/mesh.md).
+/// @param model receives the model; release it with bat_mesh_model_free()
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_model_builtin(bat_mesh_model **model, bat_error *error);
 /// Does nothing to null.
 BAT_API void bat_mesh_model_free(bat_mesh_model *model);
 

@@ -6,6 +6,7 @@
 #include "models/mesh_inference.h"
 #include "models/tension_weights.h"
 #include "models/unit_box.h"
+#include "models/weights.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,22 +79,33 @@ static bat_status take_published(const safetensors *content, const char *prefix,
     return status;
 }
 
-bat_status bat_mesh_model_read(const char *path, bat_mesh_model **model, bat_error *error)
+/// Make a model of a file's content, and free that.
+static bat_status model_of(safetensors *content, bat_mesh_model **model, bat_error *error)
 {
-    safetensors content;
-    bat_status status = safetensors_read(path, &content, error);
-    if (status != BAT_OK)
-        return status;
     const char *prefix;
-    (void)tension_weights_prefix(&content, "net_init.layerIn.weight", &prefix);
+    (void)tension_weights_prefix(content, "net_init.layerIn.weight", &prefix);
     bat_mesh_model *made = calloc(1, sizeof *made);
-    status = made != NULL ? take_published(&content, prefix, made, error) : error_memory(error, sizeof *made);
-    safetensors_free(&content);
+    bat_status status = made != NULL ? take_published(content, prefix, made, error) : error_memory(error, sizeof *made);
+    safetensors_free(content);
     if (status == BAT_OK)
         *model = made;
     else
         bat_mesh_model_free(made);
     return status;
+}
+
+bat_status bat_mesh_model_read(const char *path, bat_mesh_model **model, bat_error *error)
+{
+    safetensors content;
+    bat_status status = safetensors_read(path, &content, error);
+    return status == BAT_OK ? model_of(&content, model, error) : status;
+}
+
+bat_status bat_mesh_model_builtin(bat_mesh_model **model, bat_error *error)
+{
+    safetensors content;
+    bat_status status = safetensors_parse(weights_mesh, weights_mesh_size, &content, error);
+    return status == BAT_OK ? model_of(&content, model, error) : status;
 }
 
 void bat_mesh_model_free(bat_mesh_model *model)

@@ -26,4 +26,8 @@ extern const weights_fairing_words weights_fairing;
 extern const unsigned char weights_published[];
 extern const size_t weights_published_size;
 
+/// models/mesh.safetensors.
+extern const unsigned char weights_mesh[];
+extern const size_t weights_mesh_size;
+
 #endif

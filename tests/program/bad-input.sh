@@ -255,8 +255,7 @@ refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map 
 refused 2 'missing' mesh
 refused 2 'nothing is asked for' mesh mesh.in.obj --quiet
 refused 2 'one of midpoint' mesh mesh.in.obj -o out.csv --scheme chaikin
-refused 2 'needs --model' mesh mesh.in.obj -o out.csv --scheme learned
-refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --then loop
+refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --scheme loop --then loop
 refused 2 "need Loop's scheme" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
 refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
 refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33
