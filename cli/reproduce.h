@@ -1,6 +1,7 @@
 #ifndef CLI_REPRODUCE_H
 #define CLI_REPRODUCE_H
 
+#include "batten/mesh.h"
 #include "batten/tension_data.h"
 #include "batten/tension_model.h"
 #include "batten/tension_table.h"
@@ -18,6 +19,11 @@ typedef struct reproduce_job
     uint64_t seed;
     bat_tension_set_kind curves; ///< which curves table 1 is taken on
     bool json;                   ///< print one JSON object
+    const char *const *shapes;   ///< files of meshes, `shape_count` of them
+    size_t shape_count;
+    const char *data;     ///< a folder of meshes; null for none
+    size_t vertices;      ///< that meshes are decimated to; 0 for the default, as the next two
+    size_t epochs, pairs; ///< of trainings on meshes
 } reproduce_job;
 
 /// One result each: print it, write its pictures to the folder where it has any, and return the program's exit code.
@@ -30,6 +36,9 @@ int reproduce_tension_iss(const reproduce_job *job);
 int reproduce_tension_mechanism(const reproduce_job *job);
 int reproduce_hermite_figures(const reproduce_job *job);
 int reproduce_hermite_order(const reproduce_job *job);
+int reproduce_mesh_table2(const reproduce_job *job);
+int reproduce_mesh_ablations(const reproduce_job *job);
+int reproduce_mesh_style(const reproduce_job *job);
 
 // What the results share.
 
@@ -42,5 +51,7 @@ int reproduce_model(const reproduce_job *job, bat_tension_model **model);
 void reproduce_print_figure(double ours, double published, int width);
 /// Add a number to an object if there is one: not for NaN.
 void reproduce_set_number(json_t *object, const char *key, double value);
+/// Read a shape, repairing it where that is needed, and say so. Returns the program's exit code.
+int reproduce_read_shape(const char *path, bat_mesh *mesh);
 
 #endif

@@ -22,6 +22,7 @@
 #include "batten/mesh_refine.h"
 #include "batten/mesh_repair.h"
 #include "batten/mesh_shapes.h"
+#include "batten/mesh_study.h"
 #include "batten/mesh_train.h"
 #include "batten/motion.h"
 #include "batten/picture.h"

@@ -1,0 +1,345 @@
+#include "reproduce.h"
+
+#include "arguments.h"
+#include "report.h"
+
+#include "batten/batten.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    NAME_SIZE = 256,
+    PATH_SIZE = 4096,
+    LEAST_VERTICES = 1000, ///< of shapes worth decimating
+    MOST_METHODS = 3,
+    MOST_SHAPES = 1024
+};
+
+/// The method that others are divided by.
+static const size_t BUTTERFLY = 1;
+
+// Table 2 as printed
+
+static const struct
+{
+    const char *shape;
+    double figures[2][3]; ///< Hausdorff distance, mean surface distance: of Loop, modified butterfly, neural
+} PUBLISHED[] = {
+    {"Cat", {{2.75, 2.17, 2.08}, {0.73, 0.21, 0.17}}},      {"David", {{2.95, 2.13, 1.83}, {0.88, 0.27, 0.20}}},
+    {"Dog", {{3.26, 2.32, 2.11}, {0.84, 0.31, 0.26}}},      {"Gorilla", {{4.53, 3.17, 2.56}, {1.27, 0.48, 0.36}}},
+    {"Horse", {{5.87, 4.53, 4.04}, {1.51, 0.50, 0.45}}},    {"Michael", {{3.88, 2.71, 2.24}, {1.12, 0.38, 0.28}}},
+    {"Victoria", {{4.25, 3.01, 2.36}, {1.12, 0.39, 0.30}}}, {"Wolf", {{2.83, 1.74, 1.63}, {0.69, 0.23, 0.21}}},
+};
+enum
+{
+    PUBLISHED_COUNT = sizeof PUBLISHED / sizeof PUBLISHED[0]
+};
+
+// The shapes
+
+/// Files to take shapes from; all owned.
+typedef struct file_list
+{
+    char *paths[MOST_SHAPES];
+    size_t count;
+} file_list;
+
+static void file_list_free(file_list *files)
+{
+    for (size_t i = 0; i < files->count; i++)
+        free(files->paths[i]);
+}
+
+/// A file's name without folders and ending.
+static void shape_name(const char *path, char name[NAME_SIZE])
+{
+    const char *slash = strrchr(path, '/');
+    (void)snprintf(name, NAME_SIZE, "%s", slash != NULL ? slash + 1 : path);
+    char *dot = strrchr(name, '.');
+    if (dot != NULL && dot != name)
+        *dot = '\0';
+}
+
+/// Whether a file of a folder is a shape to test on: not one that the built-in networks learned from, nor one that is coarse already.
+static bool is_test_shape(const char *file)
+{
+    static const char *const LEARNED_FROM[] = {"bob", "spot"};
+    char name[NAME_SIZE];
+    shape_name(file, name);
+    bool wanted = bat_mesh_format_of_path(file) != BAT_MESH_FORMAT_AUTO && strncmp(name, "coarse-", 7) != 0;
+    for (size_t i = 0; i < sizeof LEARNED_FROM / sizeof LEARNED_FROM[0]; i++)
+        wanted = wanted && strcmp(name, LEARNED_FROM[i]) != 0;
+    return wanted;
+}
+
+static int compare_paths(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/// Add "folder/file", or the file alone where the folder is null. Returns the program's exit code.
+static int add_file(file_list *files, const char *folder, const char *file)
+{
+    char path[PATH_SIZE];
+    int length = snprintf(path, sizeof path, "%s%s%s", folder != NULL ? folder : "", folder != NULL ? "/" : "", file);
+    if (files->count == MOST_SHAPES || length < 0 || (size_t)length >= sizeof path)
+        return report_failure(file, &(bat_error){.text = "too many shapes, or too long a name"});
+    files->paths[files->count] = strdup(path);
+    if (files->paths[files->count] == NULL)
+        return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    files->count++;
+    return EXIT_DONE;
+}
+
+static int list_folder(const char *folder, file_list *files)
+{
+    DIR *stream = opendir(folder);
+    if (stream == NULL)
+    {
+        bat_error error = {0};
+        (void)snprintf(error.text, sizeof error.text, "the folder cannot be opened: %s", strerror(errno));
+        return report_failure(folder, &error);
+    }
+    int code = EXIT_DONE;
+    for (const struct dirent *entry; code == EXIT_DONE && (entry = readdir(stream)) != NULL;)
+        if (is_test_shape(entry->d_name))
+            code = add_file(files, folder, entry->d_name);
+    (void)closedir(stream);
+    if (code == EXIT_DONE && files->count == 0)
+        return report_failure(folder, &(bat_error){.text = "no shapes (OBJ, PLY, OFF, STL) to test on in the folder"});
+    qsort(files->paths, files->count, sizeof *files->paths, compare_paths);
+    return code;
+}
+
+static int list_shapes(const reproduce_job *job, file_list *files)
+{
+    if (job->data != NULL)
+        return list_folder(job->data, files);
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < job->shape_count && code == EXIT_DONE; i++)
+        code = add_file(files, NULL, job->shapes[i]);
+    return code;
+}
+
+int reproduce_read_shape(const char *path, bat_mesh *mesh)
+{
+    bat_error error;
+    bool repaired;
+    bat_mesh_repair_report report;
+    if (bat_mesh_study_read(path, mesh, &repaired, &report, &error) != BAT_OK)
+        return report_failure(path, &error);
+    if (repaired)
+        (void)fprintf(stderr,
+                      "batten: %s: repaired: %zu faces dropped, %zu turned over, %zu edges cut, %zu vertices split\n", path,
+                      report.degenerate_faces + report.duplicate_faces, report.flipped_faces,
+                      report.crowded_edges + report.opposed_edges, report.split_vertices);
+    return EXIT_DONE;
+}
+
+// The table
+
+/// What a table is made with and goes to.
+typedef struct table
+{
+    const reproduce_job *job;
+    bat_mesh_study_options options;
+    bat_mesh_method methods[MOST_METHODS];
+    size_t method_count;
+    json_t *rows, *left_out;        ///< null where text is printed
+    double ratios[2][MOST_METHODS]; ///< sums of the ratios to butterfly: Hausdorff, mean
+    size_t measured;
+} table;
+
+static double figure_of(const bat_mesh_score *score, size_t which)
+{
+    return which == 0 ? score->hausdorff : score->mean;
+}
+
+static void print_head(const table *t)
+{
+    (void)printf("Shapes decimated to about %zu vertices and subdivided twice: distances from the original in %% of its "
+                 "diagonal, and\nin brackets divided by those of the butterfly.\n\n%-16s %8s %6s",
+                 t->options.vertices, "shape", "vertices", "coarse");
+    for (size_t which = 0; which < 2; which++)
+        for (size_t i = 0; i < t->method_count; i++)
+        {
+            char head[NAME_SIZE];
+            (void)snprintf(head, sizeof head, "%s %s", which == 0 ? "H" : "mean", t->methods[i].name);
+            (void)printf(" %15s", head);
+        }
+    (void)printf("\n");
+}
+
+static void print_row(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse,
+                      const bat_mesh_score *scores)
+{
+    (void)printf("%-16s %8zu %6zu", name, shape->vertex_count, coarse->vertex_count);
+    for (size_t which = 0; which < 2; which++)
+        for (size_t i = 0; i < t->method_count; i++)
+            (void)printf(" %8.4f (%4.2f)", 100 * figure_of(&scores[i], which) / scores[i].diagonal,
+                         figure_of(&scores[i], which) / figure_of(&scores[BUTTERFLY], which));
+    (void)printf("\n");
+    (void)fflush(stdout);
+}
+
+static int add_rows(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse,
+                    const bat_mesh_score *scores)
+{
+    for (size_t i = 0; i < t->method_count; i++)
+    {
+        json_t *row =
+            json_pack("{s:s, s:s, s:o, s:o, s:o, s:I, s:I, s:I}", "shape", name, "scheme", t->methods[i].name, "hausdorff",
+                      report_number(scores[i].hausdorff), "mean_distance", report_number(scores[i].mean), "diagonal",
+                      report_number(scores[i].diagonal), "vertices", (json_int_t)shape->vertex_count, "coarse_vertices",
+                      (json_int_t)coarse->vertex_count, "fallback", (json_int_t)scores[i].fallback);
+        if (row == NULL || json_array_append_new(t->rows, row) != 0)
+            return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    }
+    return EXIT_DONE;
+}
+
+/// The picture of a shape: coarse, butterfly and what is learned, original.
+static int draw(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse, const bat_mesh *fine,
+                const bat_mesh_score *scores)
+{
+    char path[PATH_SIZE];
+    bat_error error;
+    if ((size_t)snprintf(path, sizeof path, "%s/%s.png", t->job->folder, name) >= sizeof path)
+        return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
+    if (bat_mesh_study_draw(path, name, shape, coarse, t->methods + BUTTERFLY, fine + BUTTERFLY, scores + BUTTERFLY,
+                            t->method_count - BUTTERFLY, 0, &error) != BAT_OK)
+        return report_failure(path, &error);
+    return EXIT_DONE;
+}
+
+static int measure_shape(table *t, const char *path, const char *name, const bat_mesh *shape)
+{
+    bat_mesh coarse, fine[MOST_METHODS];
+    bat_mesh_score scores[MOST_METHODS];
+    bat_error error;
+    t->options.progress = report_progress(name);
+    bat_status status = bat_mesh_study_shape(shape, t->methods, t->method_count, &t->options, &coarse, fine, scores, &error);
+    report_progress_end();
+    if (status != BAT_OK)
+        return report_failure(path, &error);
+    for (size_t which = 0; which < 2; which++)
+        for (size_t i = 0; i < t->method_count; i++)
+            t->ratios[which][i] += figure_of(&scores[i], which) / figure_of(&scores[BUTTERFLY], which);
+    t->measured++;
+    int code = EXIT_DONE;
+    if (t->job->json)
+        code = add_rows(t, name, shape, &coarse, scores);
+    else
+        print_row(t, name, shape, &coarse, scores);
+    if (code == EXIT_DONE && t->job->folder != NULL)
+        code = draw(t, name, shape, &coarse, fine, scores);
+    bat_mesh_free(&coarse);
+    for (size_t i = 0; i < t->method_count; i++)
+        bat_mesh_free(&fine[i]);
+    return code;
+}
+
+static int read_and_measure(table *t, const char *path)
+{
+    char name[NAME_SIZE];
+    bat_mesh shape = {0};
+    shape_name(path, name);
+    int code = reproduce_read_shape(path, &shape);
+    if (code == EXIT_DONE && shape.vertex_count < LEAST_VERTICES)
+    {
+        (void)fprintf(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
+                      LEAST_VERTICES);
+        if (t->job->json && json_array_append_new(t->left_out, json_string(name)) != 0)
+            code = report_failure(NULL, &(bat_error){.text = "out of memory"});
+    }
+    else if (code == EXIT_DONE)
+        code = measure_shape(t, path, name, &shape);
+    bat_mesh_free(&shape);
+    return code;
+}
+
+/// Means of the ratios to butterfly, ours and those of the published table.
+static void print_ratios(const table *t)
+{
+    double published[2][3] = {{0}};
+    (void)printf("%-32s", "mean ratio to butterfly");
+    for (size_t which = 0; which < 2; which++)
+        for (size_t i = 0; i < t->method_count; i++)
+            (void)printf(" %15.3f", t->ratios[which][i] / (double)t->measured);
+    (void)printf(
+        "\n\nTable 2 of Liu et al. (2020), trained on one category (other shapes; its units), with the same ratios:\n\n"
+        "%-16s %15s %15s %15s %15s %15s %15s\n",
+        "shape", "H loop", "H butterfly", "H neural", "mean loop", "mean butterfly", "mean neural");
+    for (size_t s = 0; s < PUBLISHED_COUNT; s++)
+    {
+        (void)printf("%-16s", PUBLISHED[s].shape);
+        for (size_t which = 0; which < 2; which++)
+            for (size_t i = 0; i < 3; i++)
+            {
+                double ratio = PUBLISHED[s].figures[which][i] / PUBLISHED[s].figures[which][BUTTERFLY];
+                published[which][i] += ratio / PUBLISHED_COUNT;
+                (void)printf(" %8.2f (%4.2f)", PUBLISHED[s].figures[which][i], ratio);
+            }
+        (void)printf("\n");
+    }
+    (void)printf("%-16s", "mean ratio");
+    for (size_t which = 0; which < 2; which++)
+        for (size_t i = 0; i < 3; i++)
+            (void)printf(" %15.3f", published[which][i]);
+    (void)printf("\n");
+}
+
+static int print_table(table *t, const file_list *files)
+{
+    int code = EXIT_DONE;
+    if (!t->job->json)
+        print_head(t);
+    for (size_t i = 0; i < files->count && code == EXIT_DONE; i++)
+        code = read_and_measure(t, files->paths[i]);
+    if (code == EXIT_DONE && t->measured == 0)
+        code = report_failure(NULL, &(bat_error){.text = "no shape is left to measure"});
+    if (code == EXIT_DONE && t->job->json)
+        return report_json(json_pack("{s:O, s:O}", "rows", t->rows, "left_out", t->left_out));
+    if (code == EXIT_DONE)
+        print_ratios(t);
+    return code;
+}
+
+/// The learned subdivision of a file, which is compared beside the classical ones.
+static int add_learned(table *t, const char *path, bat_mesh_model **model)
+{
+    bat_error error;
+    if (bat_mesh_model_read(path, model, &error) != BAT_OK)
+        return report_failure(path, &error);
+    t->methods[t->method_count++] = (bat_mesh_method){"learned", BAT_MESH_LEARNED, bat_mesh_model_rule(*model)};
+    return EXIT_DONE;
+}
+
+int reproduce_mesh_table2(const reproduce_job *job)
+{
+    table t = {.job = job,
+               .options = bat_mesh_study_defaults(),
+               .methods = {{"loop", BAT_MESH_LOOP, NULL}, {"butterfly", BAT_MESH_BUTTERFLY, NULL}},
+               .method_count = 2};
+    file_list files = {.count = 0};
+    bat_mesh_model *model = NULL;
+    if (job->vertices > 0)
+        t.options.vertices = job->vertices;
+    int code = job->model != NULL ? add_learned(&t, job->model, &model) : EXIT_DONE;
+    if (code == EXIT_DONE)
+        code = list_shapes(job, &files);
+    if (code == EXIT_DONE && job->json && ((t.rows = json_array()) == NULL || (t.left_out = json_array()) == NULL))
+        code = report_failure(NULL, &(bat_error){.text = "out of memory"});
+    if (code == EXIT_DONE)
+        code = print_table(&t, &files);
+    json_decref(t.rows);
+    json_decref(t.left_out);
+    file_list_free(&files);
+    bat_mesh_model_free(model);
+    return code;
+}
