@@ -102,7 +102,7 @@ static const option_spec OPTIONS[] = {
      "same, and the picture of the latter; default out/ and their name"},
     {"model", 0, "FILE",
      "tension-table1, -table2, -iss: a learned tension, for a row \"learned-published\"; tension-mechanism: the one to look "
-     "into; mesh-table2: a learned subdivision"},
+     "into; mesh-table2: a learned subdivision, for rows \"given\""},
     {"set", 0, "NAME", "tension-table1: published (default), fresh or unseen curves"},
     {"seed", 0, "N",
      "tension-table2: of the noise; tension-table3, -table4, mesh-ablations, mesh-style: of the trainings; default 1"},
@@ -146,6 +146,8 @@ static int check_meshes(const arguments *given, size_t index)
     if (count > RESULTS[index].most_meshes)
         return use == NO_MESHES ? usage_error(given, "one argument too many: %s takes no shapes", name)
                                 : usage_error(given, "%s takes %zu shapes at most", name, RESULTS[index].most_meshes);
+    if (RESULTS[index].most_meshes == 2 && count == 1)
+        return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
     if (use != SUBDIVIDES && any_given(given, FOR_SUBDIVISION))
         return usage_error(given, "--data and --vertices go with mesh-table2");
     if (use != LEARNS && any_given(given, FOR_LEARNING))

@@ -16,7 +16,7 @@ enum
     NAME_SIZE = 256,
     PATH_SIZE = 4096,
     LEAST_VERTICES = 1000, ///< of shapes worth decimating
-    MOST_METHODS = 3,
+    MOST_METHODS = 4,
     MOST_SHAPES = 1024
 };
 
@@ -310,13 +310,14 @@ static int print_table(table *t, const file_list *files)
     return code;
 }
 
-/// The learned subdivision of a file, which is compared beside the classical ones.
-static int add_learned(table *t, const char *path, bat_mesh_model **model)
+/// Compare a learned subdivision too: that of a file, or the built-in one where the path is null.
+static int add_learned(table *t, const char *name, const char *path, bat_mesh_model **model)
 {
     bat_error error;
-    if (bat_mesh_model_read(path, model, &error) != BAT_OK)
+    bat_status status = path != NULL ? bat_mesh_model_read(path, model, &error) : bat_mesh_model_builtin(model, &error);
+    if (status != BAT_OK)
         return report_failure(path, &error);
-    t->methods[t->method_count++] = (bat_mesh_method){"learned", BAT_MESH_LEARNED, bat_mesh_model_rule(*model)};
+    t->methods[t->method_count++] = (bat_mesh_method){name, BAT_MESH_LEARNED, bat_mesh_model_rule(*model)};
     return EXIT_DONE;
 }
 
@@ -327,10 +328,12 @@ int reproduce_mesh_table2(const reproduce_job *job)
                .methods = {{"loop", BAT_MESH_LOOP, NULL}, {"butterfly", BAT_MESH_BUTTERFLY, NULL}},
                .method_count = 2};
     file_list files = {.count = 0};
-    bat_mesh_model *model = NULL;
+    bat_mesh_model *learned = NULL, *given = NULL;
     if (job->vertices > 0)
         t.options.vertices = job->vertices;
-    int code = job->model != NULL ? add_learned(&t, job->model, &model) : EXIT_DONE;
+    int code = add_learned(&t, "learned", NULL, &learned);
+    if (code == EXIT_DONE && job->model != NULL)
+        code = add_learned(&t, "given", job->model, &given);
     if (code == EXIT_DONE)
         code = list_shapes(job, &files);
     if (code == EXIT_DONE && job->json && ((t.rows = json_array()) == NULL || (t.left_out = json_array()) == NULL))
@@ -340,6 +343,7 @@ int reproduce_mesh_table2(const reproduce_job *job)
     json_decref(t.rows);
     json_decref(t.left_out);
     file_list_free(&files);
-    bat_mesh_model_free(model);
+    bat_mesh_model_free(learned);
+    bat_mesh_model_free(given);
     return code;
 }

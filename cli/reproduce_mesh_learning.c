@@ -167,8 +167,6 @@ int reproduce_mesh_style(const reproduce_job *job)
     bat_mesh_style style = {0};
     bat_mesh *shapes = NULL;
     bat_error error;
-    if (job->shape_count == 1)
-        return report_failure(NULL, &(bat_error){.text = "mesh-style needs two shapes, a smooth and a sharp one, or none"});
     if ((size_t)snprintf(picture, sizeof picture, "%s/style.png", job->folder) >= sizeof picture)
         return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
     int code = read_shapes(job, &shapes);

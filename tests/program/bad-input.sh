@@ -218,6 +218,22 @@ refused 1 'none.in: cannot open' reproduce tension-table2 --model none.in
 refused 1 'none.in: cannot open' reproduce tension-mechanism --model none.in
 refused 1 'good.in.csv: ' reproduce tension-mechanism --model good.in.csv
 refused 1 'folder' reproduce tension-table3 -o good.in.csv/folder
+refused 2 'takes no shapes' reproduce tension-table1 face.in.obj
+refused 2 'comes without any' reproduce mesh-table2
+refused 2 'not both' reproduce mesh-table2 face.in.obj --data .
+refused 2 'go with mesh-table2' reproduce mesh-style --data .
+refused 2 'go with mesh-ablations' reproduce mesh-table2 face.in.obj --epochs 3
+refused 2 '2 shapes at most' reproduce mesh-style face.in.obj face.in.obj face.in.obj
+refused 2 'two shapes' reproduce mesh-style face.in.obj
+refused 2 'whole number' reproduce mesh-table2 face.in.obj --vertices 3
+refused 2 'no row' reproduce mesh-ablations --model good.in.csv
+refused 2 'no chance' reproduce mesh-table2 face.in.obj --seed 2
+refused 1 'none.in: cannot open' reproduce mesh-table2 face.in.obj --model none.in
+refused 1 'none.in.obj: cannot open' reproduce mesh-table2 none.in.obj
+refused 1 'beyond.in.obj:4' reproduce mesh-ablations beyond.in.obj
+refused 1 'cannot be opened' reproduce mesh-table2 --data no/folder
+refused 1 'no shape' reproduce mesh-table2 face.in.obj
+refused 1 'folder' reproduce mesh-ablations -o good.in.csv/folder
 refused 2 'no list' list things
 refused 2 'no model' train curve
 refused 2 'one of published' train tension --recipe unpublished

@@ -247,6 +247,24 @@ check "mesh draws a picture" sh -c 'head -c 4 mesh.png | grep -q PNG'
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n' > textured.obj
 "$batten" mesh textured.obj -o fine.obj --scheme sqrt3 --quiet 2> note.txt
 check "sqrt3 says that texture is left out" grep -q 'left out' note.txt
+"$batten" mesh torus.obj -o round.obj --levels 2 --quiet
+mkdir shapes
+cp round.obj shapes/ring.obj
+cp round.obj shapes/coarse-ring.obj
+cp torus.obj shapes/small.obj
+cp round.obj shapes/spot.obj
+"$batten" reproduce mesh-table2 --data shapes --json -o table > table.json 2> note.txt
+check "mesh-table2 --json has its rows" json table.json '"mean_distance"'
+check "mesh-table2 compares three schemes" test "$(sed -n 's/.*"scheme": "\([a-z]*\)".*/\1/p' table.json | tr '\n' ' ')" = "loop butterfly learned "
+check "what was learned from and what is coarse is left out" sh -c '! grep -q "spot\|coarse-ring" table.json'
+check "a small shape is left out and said to be" sh -c 'grep -q "small.obj: left out" note.txt && grep -q "\"small\"" table.json'
+check "mesh-table2 draws a picture" sh -c 'head -c 4 table/ring.png | grep -q PNG'
+"$batten" reproduce mesh-table2 round.obj --vertices 300 > table.txt
+check "mesh-table2 shows the published ratios" grep -q '^Victoria ' table.txt
+"$batten" reproduce mesh-ablations torus.obj torus.obj -o ablations --epochs 1 --pairs 1 --json > ablations.json
+check "mesh-ablations --json has every variant" json ablations.json '"learn-loop"'
+"$batten" reproduce mesh-style torus.obj torus.obj -o style --epochs 1 --pairs 1 > style.txt
+check "mesh-style draws a picture" sh -c 'head -c 4 style/style.png | grep -q PNG'
 check "mesh --repair splits what is no manifold" "$batten" mesh fins.obj -o fine.obj --repair --quiet
 check "list schemes names those for meshes" sh -c "'$batten' list schemes | grep -q '^butterfly'"
 
