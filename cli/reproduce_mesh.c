@@ -230,7 +230,8 @@ static int measure_shape(table *t, const char *path, const char *name, const bat
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
             t->ratios[which][i] += figure_of(&scores[i], which) / figure_of(&scores[BUTTERFLY], which);
-    t->measured++;
+    if (t->measured++ == 0 && !t->job->json)
+        print_head(t);
     int code = EXIT_DONE;
     if (t->job->json)
         code = add_rows(t, name, shape, &coarse, scores);
@@ -297,8 +298,6 @@ static void print_ratios(const table *t)
 static int print_table(table *t, const file_list *files)
 {
     int code = EXIT_DONE;
-    if (!t->job->json)
-        print_head(t);
     for (size_t i = 0; i < files->count && code == EXIT_DONE; i++)
         code = read_and_measure(t, files->paths[i]);
     if (code == EXIT_DONE && t->measured == 0)

@@ -139,6 +139,9 @@ static void nonsense_and_stops_leave_nothing(void **state)
     check_status(bat_mesh_ablate(&shape, 1, &shape, NULL, rows, NULL), BAT_INVALID_ARGUMENT);
     check_status(bat_mesh_style_make(&shape, &shape, &shape, &options, &style, NULL), BAT_INVALID_ARGUMENT);
     options = small_study();
+    options.epochs = 0;
+    check_status(bat_mesh_ablate(&shape, 1, &shape, &options, rows, NULL), BAT_INVALID_ARGUMENT);
+    options = small_study();
     options.progress = (bat_progress){stop_at_once, &asked};
     check_status(bat_mesh_study_shape(&shape, SCHEMES, METHODS, &options, &coarse, fine, scores, NULL), BAT_CANCELLED);
     assert_null(coarse.positions);
@@ -188,7 +191,7 @@ static void every_variant_is_measured(void **state)
     for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
     {
         assert_string_equal(rows[i].variant, NAMES[i]);
-        assert_int_equal(rows[i].report.epochs, 1);
+        assert_int_equal(rows[i].report.epochs, i == BAT_MESH_LEARN_LOOP ? 3 : 1);
         for (size_t level = 0; level < BAT_MESH_TRAIN_LEVELS; level++)
             assert_true(rows[i].errors[level] > 0 && rows[i].errors[level] < 0.5);
         assert_true(rows[i].straight.mean > 0 && rows[i].turned.mean > 0);

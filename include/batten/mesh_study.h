@@ -19,7 +19,7 @@ typedef struct bat_mesh_study_options
     size_t levels;   ///< of subdivision; default 2
     size_t samples;  ///< on each surface, as in bat_mesh_compare_options; default BAT_MESH_SAMPLES
     uint64_t seed;   ///< of trainings; default 1
-    uint64_t epochs; ///< of each training, at least 1; default 60
+    uint64_t epochs; ///< of each training, 1 to a billion; default 60
     size_t pairs;    ///< coarse meshes of each training shape, at least 1; default 50
     /// Where trainings are kept, each in a folder of its own, as in bat_mesh_train_options. What is there already is gone on
     /// with. Default null, which studies that train refuse.
@@ -90,7 +90,7 @@ typedef enum bat_mesh_variant
     BAT_MESH_NO_DIFFERENCES, ///< "no-differences": without differential coordinates (appendix H)
     BAT_MESH_LAST_LEVEL,     ///< "last-level": the loss is that of the last level alone (appendix H)
     BAT_MESH_CHAMFER,        ///< "chamfer": the Chamfer distance as loss (section 6)
-    BAT_MESH_LEARN_LOOP,     ///< "learn-loop": the targets are Loop's refinement (appendix G)
+    BAT_MESH_LEARN_LOOP,     ///< "learn-loop": the targets are Loop's refinement (appendix G); three times the epochs
     BAT_MESH_VARIANT_COUNT
 } bat_mesh_variant;
 

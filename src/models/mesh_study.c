@@ -15,7 +15,8 @@
 enum
 {
     PATH_SIZE = 4096,
-    TITLE_SIZE = 128
+    TITLE_SIZE = 128,
+    MOST_EPOCHS = 1000000000
 };
 
 bat_mesh_study_options bat_mesh_study_defaults(void)
@@ -75,6 +76,9 @@ bat_status mesh_study_check_training(const bat_mesh_study_options *options, bat_
 {
     if (options == NULL || options->folder == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a study that trains needs a folder");
+    if (options->epochs == 0 || options->epochs > MOST_EPOCHS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%llu epochs: there must be 1 to %d",
+                         (unsigned long long)options->epochs, MOST_EPOCHS);
     return BAT_OK;
 }
 

@@ -232,7 +232,6 @@ refused 1 'none.in: cannot open' reproduce mesh-table2 face.in.obj --model none.
 refused 1 'none.in.obj: cannot open' reproduce mesh-table2 none.in.obj
 refused 1 'beyond.in.obj:4' reproduce mesh-ablations beyond.in.obj
 refused 1 'cannot be opened' reproduce mesh-table2 --data no/folder
-refused 1 'no shape' reproduce mesh-table2 face.in.obj
 refused 1 'folder' reproduce mesh-ablations -o good.in.csv/folder
 refused 2 'no list' list things
 refused 2 'no model' train curve
