@@ -233,7 +233,7 @@ refused 1 'folder' train tension --out good.in.csv/folder
 refused 1 'folder' train tension --recipe batten --out good.in.csv/folder
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n' > folded.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > triangle.in.obj
-refused 2 'missing' train mesh
+refused 2 'needs a SHAPE' train mesh
 refused 2 'one of published' train mesh triangle.in.obj --recipe unpublished
 refused 2 'two numbers' train mesh triangle.in.obj --vertices 9
 refused 2 'two numbers' train mesh triangle.in.obj --vertices 3-9
