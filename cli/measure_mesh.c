@@ -251,10 +251,10 @@ static int report_summary(const mesh_job *job, const bat_mesh *mesh)
     return report_rows(FIGURES, sizeof FIGURES / sizeof FIGURES[0], &summary, summary.diagonal, job->json);
 }
 
-/// What stands behind the last slash.
+/// What stands behind a path's last slash; null for no path.
 static const char *file_name(const char *path)
 {
-    const char *slash = strrchr(path, '/');
+    const char *slash = path == NULL ? NULL : strrchr(path, '/');
     return slash == NULL ? path : slash + 1;
 }
 
