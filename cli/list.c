@@ -53,7 +53,7 @@ static const struct
     {"butterfly", "meshes: the modified butterfly, through all vertices"},
     {"midpoint", "meshes: every face in four, the surface as it was"},
     {"sqrt3", "meshes: Kobbelt's square-root-three, three faces from one"},
-    {"learned", "meshes: by a trained network, --model FILE; docs/mesh-network.md"},
+    {"learned", "meshes: by the network that comes with batten, the default, or by --model FILE; docs/mesh-network.md"},
 };
 
 /// One row of a list: its name, settings (may be null) and summary.
