@@ -15,7 +15,7 @@ static const option_spec OPTIONS[] = {
 };
 
 static const verb_spec SPEC = {
-    .usage = "batten list schemes|spaces|models|results [--json]",
+    .usage = "batten list schemes|spaces|models|shapes|results [--json]",
     .summary = "The names that the other verbs take.",
     .options = OPTIONS,
     .least_positional = 1,
@@ -53,7 +53,7 @@ static const struct
     {"butterfly", "meshes: the modified butterfly, through all vertices"},
     {"midpoint", "meshes: every face in four, the surface as it was"},
     {"sqrt3", "meshes: Kobbelt's square-root-three, three faces from one"},
-    {"learned", "meshes: by a trained network, --model FILE; docs/mesh-network.md"},
+    {"learned", "meshes: by the network that comes with batten, the default, or by --model FILE; docs/mesh-network.md"},
 };
 
 /// One row of a list: its name, settings (may be null) and summary.
@@ -105,6 +105,17 @@ static bool model_row(size_t index, const char **name, const char **settings, co
     return true;
 }
 
+static bool shape_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    const bat_mesh_shape_kind *kind = bat_mesh_shape_at(index);
+    if (kind == NULL)
+        return false;
+    *name = kind->name;
+    *settings = NULL;
+    *summary = kind->summary;
+    return true;
+}
+
 static bool result_row(size_t index, const char **name, const char **settings, const char **summary)
 {
     *settings = NULL;
@@ -151,6 +162,8 @@ int verb_list(int argc, char **argv)
         return print_rows(what, space_row, as_json);
     if (strcmp(what, "models") == 0)
         return print_rows(what, model_row, as_json);
+    if (strcmp(what, "shapes") == 0)
+        return print_rows(what, shape_row, as_json);
     if (strcmp(what, "results") == 0)
         return print_rows(what, result_row, as_json);
     return usage_error(&given, "there is no list of '%s'", what);

@@ -16,10 +16,11 @@ static const struct
     {"decimate", verb_decimate, "make a coarse mesh of a fine one, with a map between the two"},
     {"mesh", verb_mesh, "refine a triangle mesh, to a file and a picture"},
     {"measure", verb_measure, "how far two curves or meshes are apart, and each in figures"},
+    {"shape", verb_shape, "make a mesh of our own kinds: creatures, machine parts, knots, a cage"},
     {"analyze", verb_analyze, "what a linear scheme does in the limit, with proven bounds"},
     {"reproduce", verb_reproduce, "published tables and figures beside ours"},
     {"train", verb_train, "train a learned scheme from the published recipe"},
-    {"list", verb_list, "the schemes, spaces and published results"},
+    {"list", verb_list, "the schemes, spaces, shapes and published results"},
 };
 enum
 {

@@ -236,6 +236,7 @@ static int report_rows(const row *rows, size_t count, const void *base, double d
 typedef struct mesh_job
 {
     const char *paths[2]; ///< the second null when there is only A
+    const char *picture;  ///< null for none
     bat_mesh_read_options read;
     bat_mesh_compare_options compare;
     bool json;
@@ -250,6 +251,41 @@ static int report_summary(const mesh_job *job, const bat_mesh *mesh)
     return report_rows(FIGURES, sizeof FIGURES / sizeof FIGURES[0], &summary, summary.diagonal, job->json);
 }
 
+/// What stands behind a path's last slash; null for no path.
+static const char *file_name(const char *path)
+{
+    const char *slash = path == NULL ? NULL : strrchr(path, '/');
+    return slash == NULL ? path : slash + 1;
+}
+
+/// Draw both meshes, coloured by how far their vertices are from the other.
+static int draw_distances(const mesh_job *job, const bat_mesh meshes[2], double diagonal)
+{
+    bat_error error = {.text = "out of memory"};
+    bat_mesh_panel panels[2];
+    double *shares[2] = {NULL, NULL};
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < 2 && status == BAT_OK; i++)
+    {
+        const bat_mesh *mesh = &meshes[i];
+        shares[i] = calloc(mesh->vertex_count, sizeof *shares[i]);
+        status = shares[i] == NULL
+                     ? BAT_NO_MEMORY
+                     : bat_mesh_vertex_distances(mesh, &meshes[1 - i], job->compare.threads, shares[i], &error);
+        for (size_t v = 0; v < mesh->vertex_count && status == BAT_OK; v++)
+            shares[i][v] *= 100 / diagonal;
+        panels[i] = (bat_mesh_panel){.mesh = mesh, .values = shares[i], .title = file_name(job->paths[i])};
+    }
+    bat_mesh_picture_options options = bat_mesh_picture_defaults();
+    options.threads = job->compare.threads;
+    options.value_label = "distance, % of the diagonal";
+    if (status == BAT_OK)
+        status = bat_mesh_picture_write(job->picture, panels, 2, &options, &error);
+    free(shares[0]);
+    free(shares[1]);
+    return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
+}
+
 static int report_distance(const mesh_job *job, const bat_mesh meshes[2])
 {
     bat_mesh_distance distance;
@@ -260,6 +296,8 @@ static int report_distance(const mesh_job *job, const bat_mesh meshes[2])
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(NULL, &error);
+    if (job->picture != NULL && draw_distances(job, meshes, distance.diagonal) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
     if (!job->json)
         (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
     return report_rows(DISTANCES, sizeof DISTANCES / sizeof DISTANCES[0], &distance, distance.diagonal, job->json);
@@ -284,7 +322,7 @@ static int read_and_measure(const mesh_job *job)
 static bool check_options(const arguments *given)
 {
     static const char *const FOR_CURVES[] = {"geodesic", "to-segments", "space", "closed", "open", "project"};
-    static const char *const FOR_TWO[] = {"vertices", "samples", "tolerance"};
+    static const char *const FOR_TWO[] = {"vertices", "samples", "tolerance", "picture"};
     for (size_t i = 0; i < sizeof FOR_CURVES / sizeof FOR_CURVES[0]; i++)
         if (argument(given, FOR_CURVES[i]) != NULL)
         {
@@ -315,6 +353,7 @@ static bool read_job(const arguments *given, mesh_job *job)
         return false;
     job->compare.threads = (int)threads;
     job->compare.samples = (size_t)samples;
+    job->picture = argument(given, "picture");
     job->compare.vertices = argument_flag(given, "vertices");
     job->read.triangulate = argument_flag(given, "triangulate");
     if (from != NULL && bat_mesh_format_by_name(from, &job->read.format, &error) != BAT_OK)

@@ -26,6 +26,7 @@ static const option_spec OPTIONS[] = {
     {"limit", 0, NULL, "move the vertices onto the limit surface of Loop's scheme"},
     {"crease-angle", 0, "DEG", "Loop: keep edges sharp at which faces meet at a greater angle, in degrees"},
     {"picture", 0, "FILE", "draw the mesh before and after, side by side (.png, .svg or .pdf)"},
+    {"beside", 0, "NAME", "draw also what this scheme makes of the mesh: loop, butterfly, midpoint or sqrt3"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
     {"repair", 0, NULL, "split edges of more than two faces and vertices of several fans first"},
     {"from", 0, "FORMAT", "obj, ply, off or stl; default: by the file's ending"},
@@ -48,6 +49,8 @@ static const verb_spec SPEC = {
 
 /// The names of bat_mesh_scheme, in its order.
 static const char *const SCHEMES[] = {"midpoint", "loop", "butterfly", "sqrt3", "learned", NULL};
+/// Those that can be drawn beside another.
+static const char *const BESIDE[] = {"midpoint", "loop", "butterfly", "sqrt3", NULL};
 /// Those that can go on after a learned one.
 static const char *const GOING_ON[] = {"midpoint", "loop", "butterfly", NULL};
 
@@ -58,6 +61,7 @@ typedef struct mesh_job
     bat_mesh_read_options read;
     bat_mesh_write_options write;
     bat_mesh_refine_options refine;
+    int beside; ///< a bat_mesh_scheme; -1 for none
     bool repair, json, quiet;
 } mesh_job;
 
@@ -113,6 +117,8 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
     if (!learned && (job->model != NULL || argument(given, "then") != NULL))
         return "--model and --then need --scheme learned";
+    if (job->beside >= 0 && job->picture == NULL)
+        return "--beside needs --picture FILE";
     if (last != BAT_MESH_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
         return "--limit and --crease-angle need Loop's scheme";
     if (job->refine.crease_angle < 0 || job->refine.crease_angle > 180 * DEGREE)
@@ -133,6 +139,8 @@ static bool read_job(const arguments *given, mesh_job *job)
                       .repair = argument_flag(given, "repair"),
                       .json = argument_flag(given, "json"),
                       .quiet = argument_flag(given, "quiet")};
+    if (!argument_word(given, "beside", BESIDE, -1, &job->beside))
+        return false;
     job->read.triangulate = argument_flag(given, "triangulate");
     job->read.keep_degenerate = job->repair;
     if (!read_refinement(given, &job->refine) || !read_format(given, "from", &job->read.format) ||
@@ -208,21 +216,43 @@ static int refine(const mesh_job *job, mesh_result *result)
     return status == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
 }
 
+static void make_title(bat_mesh_scheme scheme, size_t levels, char title[80])
+{
+    (void)snprintf(title, 80, "%s, %zu level%s", SCHEMES[scheme], levels, levels == 1 ? "" : "s");
+}
+
+/// Refine by the scheme of --beside, which has no limit and no creases by angles unless it is Loop's.
+static bat_status refine_beside(const mesh_job *job, const bat_mesh *coarse, bat_mesh *other, bat_error *error)
+{
+    bat_mesh_refine_options options = job->refine;
+    options.scheme = (bat_mesh_scheme)job->beside;
+    if (options.scheme != BAT_MESH_LOOP)
+    {
+        options.limit = false;
+        options.crease_angle = 0;
+    }
+    return bat_mesh_refine(coarse, &options, other, NULL, error);
+}
+
 static int draw(const mesh_job *job, const mesh_result *result)
 {
     bat_error error;
-    char title[80];
-    (void)snprintf(title, sizeof title, "%s, %zu level%s", SCHEMES[job->refine.scheme], job->refine.levels,
-                   job->refine.levels == 1 ? "" : "s");
-    bat_mesh_panel panels[2] = {
+    bat_mesh other = {0};
+    char title[80], beside_title[80];
+    if (job->beside >= 0 && refine_beside(job, &result->coarse, &other, &error) != BAT_OK)
+        return report_failure(job->input, &error);
+    make_title(job->refine.scheme, job->refine.levels, title);
+    make_title((bat_mesh_scheme)(job->beside < 0 ? 0 : job->beside), job->refine.levels, beside_title);
+    bat_mesh_panel panels[3] = {
         {.mesh = &result->coarse, .title = "coarse", .wires = true, .flat = true},
         {.mesh = &result->fine, .title = title},
+        {.mesh = &other, .title = beside_title},
     };
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.threads = job->refine.threads;
-    if (bat_mesh_picture_write(job->picture, panels, 2, &options, &error) != BAT_OK)
-        return report_failure(job->picture, &error);
-    return EXIT_DONE;
+    bat_status status = bat_mesh_picture_write(job->picture, panels, job->beside < 0 ? 2 : 3, &options, &error);
+    bat_mesh_free(&other);
+    return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
 }
 
 static int write_files(const mesh_job *job, const mesh_result *result)

@@ -9,6 +9,7 @@ int verb_list(int argc, char **argv);
 int verb_measure(int argc, char **argv);
 int verb_mesh(int argc, char **argv);
 int verb_reproduce(int argc, char **argv);
+int verb_shape(int argc, char **argv);
 int verb_train(int argc, char **argv);
 
 #endif

@@ -28,7 +28,7 @@ refused()
     [ $got -eq "$code" ] || fail "exit code $got instead of $code: batten $*"
     [ "$lines" -eq "$code" ] || fail "$lines lines on standard error: batten $*"
     head -n 1 stderr | grep -q '^batten: ' || fail "no 'batten: ' in front: batten $*"
-    grep -Eq "$pattern" stderr || fail "the message does not match '$pattern': batten $*"
+    grep -Eq -e "$pattern" stderr || fail "the message does not match '$pattern': batten $*"
     [ "$(cat out.csv)" = untouched ] || fail "the output was touched: batten $*"
     [ ! -e out.png ] || fail "a picture was written: batten $*"
     [ -z "$(ls -A | grep -Ev '^(stdout|stderr|out\.csv|.*\.in.*)$')" ] || fail "files are left: $(ls -A): batten $*"
@@ -203,6 +203,10 @@ refused 1 'second mesh has no area' measure face.in.obj flat.in.obj
 refused 2 'geodesic is for curves' measure face.in.obj face.in.obj --geodesic
 refused 2 'are for meshes' measure good.in.csv good.in.csv --samples 5
 refused 2 'needs a second file' measure face.in.obj --vertices
+refused 2 'picture needs a second file' measure face.in.obj --picture out.png
+refused 2 'are for meshes' measure good.in.csv good.in.csv --picture out.png
+refused 1 'no/such' measure face.in.obj face.in.obj --picture no/such/out.png
+refused 1 'picture|ending|png' measure face.in.obj face.in.obj --picture out.gif
 refused 2 'tolerance' measure face.in.obj face.in.obj --tolerance -1
 refused 2 'no result' reproduce table99
 refused 2 'no pictures' reproduce tension-table2 -o folder
@@ -244,7 +248,7 @@ refused 1 'folder' train tension --out good.in.csv/folder
 refused 1 'folder' train tension --recipe batten --out good.in.csv/folder
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n' > folded.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > triangle.in.obj
-refused 2 'missing' train mesh
+refused 2 'needs a SHAPE' train mesh
 refused 2 'one of published' train mesh triangle.in.obj --recipe unpublished
 refused 2 'two numbers' train mesh triangle.in.obj --vertices 9
 refused 2 'two numbers' train mesh triangle.in.obj --vertices 3-9
@@ -259,8 +263,8 @@ refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png
 full --help
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > mesh.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.in.obj
-refused 2 'o OUT is missing' decimate mesh.in.obj --vertices 3
-refused 2 'vertices N is missing' decimate mesh.in.obj -o out.csv
+refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
+refused 2 '--vertices N is missing' decimate mesh.in.obj -o out.csv
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
 refused 2 'least-quality is from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --least-quality 2
@@ -277,8 +281,21 @@ refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33
 refused 2 'exclude each other' mesh mesh.in.obj -o out.csv --to obj --json --quiet
 refused 1 'more faces or vertices' mesh mesh.in.obj -o out.csv --to obj --levels 32
 refused 1 'fins.in.obj: .*third at the edge' mesh fins.in.obj -o out.csv --to obj
+refused 2 'needs --picture' mesh mesh.in.obj -o out.csv --to obj --beside loop
+refused 2 'one of midpoint' mesh mesh.in.obj --picture out.png --beside learned
 refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj
 refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned --model mesh.in.obj
+
+refused 2 'missing' shape
+refused 2 'no shape of that kind' shape unicorn -o out.csv --to obj
+refused 2 '--vertices takes a whole number from 200' shape stone -o out.csv --to obj --vertices 100
+refused 2 'whole number' shape stone -o out.csv --to obj --seed -1
+refused 2 'nothing is asked for' shape stone --quiet
+refused 2 'exclude each other' shape cage -o out.csv --to obj --json --quiet
+refused 2 'both need standard output' shape cage -o - --to obj --json
+refused 2 'format' shape cage -o out.csv --to xyz
+refused 1 'no/such' shape cage -o no/such/cage.obj
+refused 1 'no/such' shape cage -o out.csv --to obj --picture no/such/cage.png
 
 full --version
 full help list
@@ -292,6 +309,8 @@ full measure good.in.csv small.in.csv --json
 full curve good.in.csv
 full curve good.in.csv -o out.csv
 full curve good.in.csv --json
+full shape cage
+full shape cage -o - --to obj
 full reproduce tension-iss
 full reproduce hermite-order
 

@@ -268,7 +268,29 @@ check "mesh-style draws a picture" sh -c 'head -c 4 style/style.png | grep -q PN
 check "mesh --repair splits what is no manifold" "$batten" mesh fins.obj -o fine.obj --repair --quiet
 check "list schemes names those for meshes" sh -c "'$batten' list schemes | grep -q '^butterfly'"
 
-for verb in curve decimate mesh measure analyze reproduce list; do
+"$batten" shape gear -o gear.ply --vertices 2000 --seed 7 --json > gear.json
+check "shape --json says what is made" json gear.json '"seed": 7'
+"$batten" shape gear -o - --to ply --vertices 2000 --seed 7 > piped.ply
+check "the same seed gives the same shape, to a pipe too" same piped.ply gear.ply
+"$batten" shape gear -o other.ply --vertices 2000 --seed 8 --quiet
+check "another seed gives another shape" sh -c '! cmp -s other.ply gear.ply'
+check "a shape is a closed manifold" sh -c "'$batten' measure gear.ply | grep -Eq '^closed +yes'"
+"$batten" shape cage -o cage.obj --picture cage.png > cage.txt
+check "a cage has its own number of vertices" grep -qx 'cage: 162 vertices, 320 faces' cage.txt
+check "shape draws a picture" sh -c 'head -c 4 cage.png | grep -q PNG'
+"$batten" mesh cage.obj --levels 1 --picture alone.png --quiet
+"$batten" mesh cage.obj --levels 1 --picture beside.png --beside butterfly --quiet
+check "mesh --beside draws one more mesh" sh -c '! cmp -s alone.png beside.png'
+"$batten" mesh cage.obj -o fine.ply --quiet
+"$batten" measure fine.ply cage.obj --json > plain.json
+"$batten" measure fine.ply cage.obj --json --picture distances.png > drawn.json
+check "measure --picture changes no figure" same plain.json drawn.json
+check "measure draws a picture of distances" sh -c 'head -c 4 distances.png | grep -q PNG'
+for kind in $("$batten" list shapes | cut -d ' ' -f 1); do
+    check "shape $kind" "$batten" shape "$kind" --vertices 500 -o shape.ply --quiet
+done
+
+for verb in curve decimate mesh measure shape analyze reproduce list; do
     for help in "$verb --help" "$verb -h" "help $verb"; do
         check "batten $help" sh -c "'$batten' $help | grep -q '^usage: batten $verb'"
     done
