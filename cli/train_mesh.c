@@ -178,10 +178,13 @@ static int print_json(const char *recipe, const bat_mesh_train_options *options,
 
 static int print_text(const bat_mesh_train_options *options, const bat_mesh_train_report *report)
 {
-    (void)printf("%llu epochs; the best weights are those after epoch %llu. Errors of coarse meshes kept aside, root mean "
-                 "squares in\nunits of the longest side, at levels 0, 1, 2: %.5f, %.5f, %.5f\n\n%s/model.safetensors\n",
-                 (unsigned long long)report->epochs, (unsigned long long)report->best_epoch, report->errors[0],
-                 report->errors[1], report->errors[2], options->folder);
+    (void)printf("%llu epochs; the best weights are those after epoch %llu. %s\nat levels 0, 1, 2: %.5f, %.5f, %.5f\n\n"
+                 "%s/model.safetensors\n",
+                 (unsigned long long)report->epochs, (unsigned long long)report->best_epoch,
+                 options->surface || options->chamfer
+                     ? "Roots of the losses of coarse meshes kept aside,"
+                     : "Errors of coarse meshes kept aside, root mean squares in units of the longest side,",
+                 report->errors[0], report->errors[1], report->errors[2], options->folder);
     return EXIT_DONE;
 }
 

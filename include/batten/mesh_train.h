@@ -61,7 +61,7 @@ BAT_API bat_mesh_train_options bat_mesh_train_batten(void);
 BAT_API bat_status bat_mesh_training_shapes(bat_mesh *shapes, int threads, bat_progress progress, bat_error *error);
 
 /// How a training went. Errors are root mean squares over the coordinates of vertices, in units of the coarse meshes' longest sides,
-/// over pairs kept aside (of a loss by Chamfer distance, the root of that).
+/// over pairs kept aside (of another loss than that of squares, the root of it).
 typedef struct bat_mesh_train_report
 {
     uint64_t epochs;                          ///< done, earlier runs included
