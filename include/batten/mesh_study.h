@@ -90,7 +90,7 @@ typedef enum bat_mesh_variant
     BAT_MESH_NO_DIFFERENCES, ///< "no-differences": without differential coordinates (appendix H)
     BAT_MESH_LAST_LEVEL,     ///< "last-level": the loss is that of the last level alone (appendix H)
     BAT_MESH_CHAMFER,        ///< "chamfer": the Chamfer distance as loss (section 6)
-    BAT_MESH_LEARN_LOOP,     ///< "learn-loop": the targets are Loop's refinement (appendix G); three times the epochs
+    BAT_MESH_LEARN_LOOP,     ///< "learn-loop": the targets are Loop's refinement (appendix G); eight times the epochs
     BAT_MESH_VARIANT_COUNT
 } bat_mesh_variant;
 
