@@ -125,7 +125,7 @@ typedef struct bat_mesh_style
     bat_mesh by_smooth;               ///< the cage subdivided by the network that learned from the smooth shape
     bat_mesh by_sharp;                ///< and by the one that learned from the sharp shape
     bat_mesh_train_report reports[2]; ///< smooth, sharp
-    /// The shares of edges at which the faces of by_smooth and by_sharp meet at more than 30 degrees.
+    /// The shares of edges at which the faces of by_smooth and by_sharp meet at more than 60 degrees.
     double bent[2];
 } bat_mesh_style;
 

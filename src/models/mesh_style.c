@@ -14,7 +14,7 @@ enum
     MOST_VERTICES = 100
 };
 
-static const double BENT = 30 * 3.14159265358979323846 / 180;
+static const double BENT = 60 * 3.14159265358979323846 / 180;
 
 /// The vector area of a face, times two.
 static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
