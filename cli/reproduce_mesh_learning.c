@@ -144,7 +144,7 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
     if (!job->json)
         (void)printf("A cage of %zu vertices, subdivided by networks that learned from a smooth and from a sharp shape; "
                      "picture: %s\n\n%-8s %9s %14s %28s\n",
-                     style->cage.vertex_count, picture, "teacher", "vertices", "kept error 2", "edges bent over 30 degrees");
+                     style->cage.vertex_count, picture, "teacher", "vertices", "kept error 2", "edges bent over 60 degrees");
     for (size_t i = 0; i < 2; i++)
     {
         double kept = style->reports[i].errors[BAT_MESH_TRAIN_LEVELS];

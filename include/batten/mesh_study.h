@@ -90,7 +90,7 @@ typedef enum bat_mesh_variant
     BAT_MESH_NO_DIFFERENCES, ///< "no-differences": without differential coordinates (appendix H)
     BAT_MESH_LAST_LEVEL,     ///< "last-level": the loss is that of the last level alone (appendix H)
     BAT_MESH_CHAMFER,        ///< "chamfer": the Chamfer distance as loss (section 6)
-    BAT_MESH_LEARN_LOOP,     ///< "learn-loop": the targets are Loop's refinement (appendix G); three times the epochs
+    BAT_MESH_LEARN_LOOP,     ///< "learn-loop": the targets are Loop's refinement (appendix G); eight times the epochs
     BAT_MESH_VARIANT_COUNT
 } bat_mesh_variant;
 
@@ -125,7 +125,7 @@ typedef struct bat_mesh_style
     bat_mesh by_smooth;               ///< the cage subdivided by the network that learned from the smooth shape
     bat_mesh by_sharp;                ///< and by the one that learned from the sharp shape
     bat_mesh_train_report reports[2]; ///< smooth, sharp
-    /// The shares of edges at which the faces of by_smooth and by_sharp meet at more than 30 degrees.
+    /// The shares of edges at which the faces of by_smooth and by_sharp meet at more than 60 degrees.
     double bent[2];
 } bat_mesh_style;
 

@@ -14,7 +14,8 @@ enum
 {
     LEVELS = BAT_MESH_TRAIN_LEVELS,
     TRIALS = 5,         ///< random decimations of the test shape
-    LOOP_PATIENCE = 3,  ///< so many times the epochs for learning Loop's scheme, which is measured against itself alone
+    LOOP_PATIENCE = 8,  ///< so many times the epochs for learning Loop's scheme, which is measured against itself alone
+    FRESH_SHARE = 10,   ///< and this part of its meshes is made anew in each epoch
     CANDIDATES = 100,   ///< appendix E
     SHAPE_SIZE = 3000,  ///< vertices of shapes of our own making
     TRIAL_SEED = 100000 ///< of the first of them
@@ -205,7 +206,10 @@ static bat_status run_variant(const bat_mesh *shapes, size_t count, const probe 
     recipe.chamfer = variant == BAT_MESH_CHAMFER;
     recipe.learn_loop = variant == BAT_MESH_LEARN_LOOP;
     if (recipe.learn_loop)
+    {
         recipe.epochs *= LOOP_PATIENCE;
+        recipe.fresh = options->pairs / FRESH_SHARE;
+    }
     row->variant = NAMES[variant];
     bat_status status = mesh_study_train(shapes, count, options, NAMES[variant], recipe, &row->report, &model, error);
     if (status == BAT_OK)
