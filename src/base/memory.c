@@ -1,4 +1,5 @@
 // For madvise().
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch
 #define _DEFAULT_SOURCE
 
 #include "base/memory.h"
