@@ -145,8 +145,8 @@ static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat
         if (size < 3)
             return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners, fewer than 3", f, size);
         if (size > 3 && !triangulate)
-            return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners and is not to be cut into triangles", f,
-                             size);
+            return error_set(error, BAT_BAD_FILE, f, 0,
+                             "face %zu has %zu corners; the option `triangulate` cuts it in triangles", f, size);
         for (size_t i = begin; i < begin + size; i++)
         {
             if (builder->corners[i] >= builder->vertex_count)
