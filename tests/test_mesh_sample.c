@@ -77,6 +77,64 @@ static void chamfer_is_what_it_says(void **state)
     learn_parameters_free(&parameters);
 }
 
+static double expected_off_surface(const real *points, const double *targets, const double *normals, double slack)
+{
+    double sum = 0;
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double off = 0, all = squared_distance(points + COLUMNS * i, targets + 3 * i);
+        for (size_t a = 0; a < 3; a++)
+            off += ((double)points[COLUMNS * i + a] - targets[3 * i + a]) * normals[3 * i + a];
+        sum += sqrt(off * off + (all - off * off) / 10 + slack * slack) - slack;
+    }
+    return sum / POINTS;
+}
+
+static void what_lies_off_the_surface_counts(void **state)
+{
+    (void)state;
+    const double slack = 0.3, step = 1e-4;
+    bat_random random = bat_random_seed(2);
+    learn_tape tape = learn_tape_make();
+    learn_parameters parameters = {0};
+    double targets[3 * POINTS], normals[3 * POINTS];
+    real gradient[POINTS * COLUMNS] = {0};
+    (void)learn_parameters_add(&parameters, POINTS, COLUMNS, "points");
+    check_status(learn_parameters_allocate(&parameters, NULL), BAT_OK);
+    for (size_t i = 0; i < POINTS * COLUMNS; i++)
+        parameters.values[i] = (real)bat_random_normal(&random);
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double length = 0;
+        for (size_t a = 0; a < 3; a++)
+        {
+            targets[3 * i + a] = bat_random_normal(&random);
+            normals[3 * i + a] = bat_random_normal(&random);
+            length += normals[3 * i + a] * normals[3 * i + a];
+        }
+        for (size_t a = 0; a < 3; a++)
+            normals[3 * i + a] /= sqrt(length);
+    }
+    learn_tape_begin(&tape, &parameters, gradient);
+    learn_array *loss = mesh_sample_off_surface(&tape, learn_parameter_array(&tape, 0), targets, normals, slack);
+    learn_tape_backward(&tape, loss, 1);
+    check_status(learn_tape_status(&tape, NULL), BAT_OK);
+    check_near((double)*loss->value, expected_off_surface(parameters.values, targets, normals, slack),
+               DOUBLE ? 1e-13 : 1e-6);
+    for (size_t i = 0; i < POINTS * COLUMNS && DOUBLE; i++)
+    {
+        real kept = parameters.values[i];
+        parameters.values[i] = (real)((double)kept + step);
+        double above = expected_off_surface(parameters.values, targets, normals, slack);
+        parameters.values[i] = (real)((double)kept - step);
+        double below = expected_off_surface(parameters.values, targets, normals, slack);
+        parameters.values[i] = kept;
+        check_near((double)gradient[i], (above - below) / (2 * step), 1e-8);
+    }
+    learn_tape_free(&tape);
+    learn_parameters_free(&parameters);
+}
+
 /// With all weights zero new vertices halve the edges and nothing else moves: the loss is the mean square of what is left.
 static void the_loss_adds_up_over_levels(void **state)
 {
@@ -124,6 +182,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chamfer_is_what_it_says),
+        cmocka_unit_test(what_lies_off_the_surface_counts),
         cmocka_unit_test(the_loss_adds_up_over_levels),
     };
     blas_single_begin();
