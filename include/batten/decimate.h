@@ -35,13 +35,6 @@ typedef struct bat_decimate_options
 /// The options' default values.
 BAT_API bat_decimate_options bat_decimate_defaults(void);
 
-/// A point on a mesh.
-typedef struct bat_mesh_point
-{
-    uint32_t face;
-    double barycentric[3]; ///< of the face's corners, 0 to 1, of sum 1
-} bat_mesh_point;
-
 /// A bijective map between a mesh and its decimation. Opaque.
 typedef struct bat_mesh_map bat_mesh_map;
 

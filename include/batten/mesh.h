@@ -64,6 +64,13 @@ BAT_API void bat_mesh_free(bat_mesh *mesh);
 /// @return BAT_OK or BAT_NO_MEMORY; `copy` is untouched on failure
 BAT_API bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error);
 
+/// A point on a mesh.
+typedef struct bat_mesh_point
+{
+    uint32_t face;
+    double barycentric[3]; ///< of the face's corners, 0 to 1, of sum 1
+} bat_mesh_point;
+
 /// Check what every call that takes a mesh relies on: at least one face, finite coordinates, faces of three different vertices
 /// that exist, texture coordinates, creases and corners that name what exists.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for no faces or a crease between vertices that are none; BAT_TOO_LARGE; BAT_INVALID_POINT

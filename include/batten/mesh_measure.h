@@ -1,7 +1,6 @@
 #ifndef BATTEN_MESH_MEASURE_H
 #define BATTEN_MESH_MEASURE_H
 
-#include "batten/decimate.h"
 #include "batten/mesh.h"
 
 BAT_C_BEGIN
