@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
+#include "linalg/vector3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,14 +54,9 @@ static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
     normal[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void set_unit(const double normal[3], float unit[3])
 {
-    double length = sqrt(dot(normal, normal));
+    double length = sqrt(vector3_dot(normal, normal));
     for (int c = 0; c < 3; c++)
         unit[c] = length > 0 ? (float)(normal[c] / length) : 0;
 }
@@ -68,12 +64,12 @@ static void set_unit(const double normal[3], float unit[3])
 /// The mean normal at a corner of the faces that go on smoothly there.
 static void corner_normal(const bat_mesh *mesh, const fan_list *fans, uint32_t vertex, const double own[3], float normal[3])
 {
-    double sum[3] = {0, 0, 0}, size = dot(own, own);
+    double sum[3] = {0, 0, 0}, size = vector3_dot(own, own);
     for (size_t i = fans->begin[vertex]; i < fans->begin[vertex + 1]; i++)
     {
         double other[3];
         face_normal(mesh, fans->faces[i], other);
-        if (dot(own, other) >= SMOOTH_COSINE * sqrt(size * dot(other, other)))
+        if (vector3_dot(own, other) >= SMOOTH_COSINE * sqrt(size * vector3_dot(other, other)))
             for (int c = 0; c < 3; c++)
                 sum[c] += other[c];
     }

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector3.h"
 
 #include <float.h>
 #include <math.h>
@@ -127,11 +128,6 @@ static void fill_entries(const bat_mesh *mesh, double scale, entry *entries)
     }
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double per(double squared)
 {
     return squared > DBL_MIN ? 1 / squared : 0;
@@ -146,7 +142,7 @@ static int longest_edge(double corners[3][3])
         double edge[3];
         for (int k = 0; k < 3; k++)
             edge[k] = corners[(c + 1) % 3][k] - corners[c][k];
-        squared[c] = dot(edge, edge);
+        squared[c] = vector3_dot(edge, edge);
     }
     return squared[0] >= squared[1] && squared[0] >= squared[2] ? 0 : squared[1] >= squared[2] ? 1 : 2;
 }
@@ -155,10 +151,10 @@ static int longest_edge(double corners[3][3])
 /// errors along `u`, which a second step takes away.
 static double perpendicular(const double u[3], const double v[3], double per_squared_u, double height[3])
 {
-    double share = dot(u, v) * per_squared_u;
+    double share = vector3_dot(u, v) * per_squared_u;
     for (int k = 0; k < 3; k++)
         height[k] = v[k] - share * u[k];
-    double left = dot(u, height) * per_squared_u;
+    double left = vector3_dot(u, height) * per_squared_u;
     for (int k = 0; k < 3; k++)
         height[k] -= left * u[k];
     return share + left;
@@ -176,11 +172,11 @@ static int fill_lane(closest_packet *packet, int i, double corners[3][3])
         v[k] = c[k] - a[k];
         w[k] = v[k] - u[k];
     }
-    packet->per_along[i] = per(dot(u, u));
-    packet->per_aside[i] = per(dot(v, v));
-    packet->per_across[i] = per(dot(w, w));
+    packet->per_along[i] = per(vector3_dot(u, u));
+    packet->per_aside[i] = per(vector3_dot(v, v));
+    packet->per_across[i] = per(vector3_dot(w, w));
     packet->skew[i] = perpendicular(u, v, packet->per_along[i], height);
-    double per_height = per(dot(height, height));
+    double per_height = per(vector3_dot(height, height));
     for (int k = 0; k < 3; k++)
     {
         packet->corner[k][i] = a[k];

@@ -1,4 +1,5 @@
 #include "mesh/collapse_error.h"
+#include "linalg/vector3.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,36 +18,18 @@ static const double DEGENERATE = 1e-7;
 /// sqrt(12): times twice the area, over the sum of squared edges, is the quality of a triangle, 1 for an equilateral one.
 static const double QUALITY_FACTOR = 3.46410161513775458705;
 
-static void subtract(const double *a, const double *b, double *difference)
-{
-    for (int c = 0; c < 3; c++)
-        difference[c] = a[c] - b[c];
-}
-
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double *a, const double *b, double *product)
-{
-    product[0] = a[1] * b[2] - a[2] * b[1];
-    product[1] = a[2] * b[0] - a[0] * b[2];
-    product[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static void add_curve_plane(const uint32_t *ends, const double *face_normal, double weight, error_vertex *vertices)
 {
     double along[3], upright[3];
-    subtract(vertices[ends[1]].position, vertices[ends[0]].position, along);
-    cross(along, face_normal, upright);
-    double length = sqrt(dot(upright, upright));
+    vector3_subtract(vertices[ends[1]].position, vertices[ends[0]].position, along);
+    vector3_cross(along, face_normal, upright);
+    double length = sqrt(vector3_dot(upright, upright));
     if (!(length > 0))
         return;
     for (int c = 0; c < 3; c++)
         upright[c] /= length;
     for (int end = 0; end < 2; end++)
-        quadric_add_plane(&vertices[ends[end]].planes, upright, weight * dot(along, along));
+        quadric_add_plane(&vertices[ends[end]].planes, upright, weight * vector3_dot(along, along));
 }
 
 void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, double curve_weight, error_vertex *vertices)
@@ -60,10 +43,10 @@ void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, dou
     {
         const uint32_t *corner = mesh->faces + 3 * f;
         double ab[3], ac[3], normal[3];
-        subtract(vertices[corner[1]].position, vertices[corner[0]].position, ab);
-        subtract(vertices[corner[2]].position, vertices[corner[0]].position, ac);
-        cross(ab, ac, normal);
-        double twice_area = sqrt(dot(normal, normal));
+        vector3_subtract(vertices[corner[1]].position, vertices[corner[0]].position, ab);
+        vector3_subtract(vertices[corner[2]].position, vertices[corner[0]].position, ac);
+        vector3_cross(ab, ac, normal);
+        double twice_area = sqrt(vector3_dot(normal, normal));
         if (!(twice_area > 0))
             continue;
         for (int c = 0; c < 3; c++)
@@ -96,7 +79,7 @@ error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j
     const error_vertex *a = &vertices[i], *b = &vertices[j];
     double half[3], offset[3] = {0};
     quadric planes = planes_of_edge(a, b, half);
-    double square = 4 * dot(half, half), weight = quadric_weight(&planes), penalty = LENGTH_SHARE * weight * square;
+    double square = 4 * vector3_dot(half, half), weight = quadric_weight(&planes), penalty = LENGTH_SHARE * weight * square;
     error_placement placed;
     const double back[3] = {-half[0], -half[1], -half[2]};
     if (kept != BAT_MESH_NONE)
@@ -107,7 +90,8 @@ error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j
     }
     double at_a = quadric_error(&planes, back), at_b = quadric_error(&planes, half), at_middle = planes.constant;
     double least = fmin(at_middle, fmin(at_a, at_b)), tolerance = ROUNDING * weight * square;
-    bool solved = quadric_least(&planes, DAMPING * weight, offset) && dot(offset, offset) <= FARTHEST * FARTHEST * square;
+    bool solved =
+        quadric_least(&planes, DAMPING * weight, offset) && vector3_dot(offset, offset) <= FARTHEST * FARTHEST * square;
     double best = solved ? quadric_error(&planes, offset) : INFINITY;
     if (best < least - tolerance)
         for (int c = 0; c < 3; c++)
@@ -124,8 +108,8 @@ error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j
 void error_merge(error_vertex *vertices, uint32_t i, uint32_t j, const double *position)
 {
     double from_i[3], from_j[3];
-    subtract(position, vertices[i].position, from_i);
-    subtract(position, vertices[j].position, from_j);
+    vector3_subtract(position, vertices[i].position, from_i);
+    vector3_subtract(position, vertices[j].position, from_j);
     quadric of_i = quadric_moved(&vertices[i].planes, from_i), of_j = quadric_moved(&vertices[j].planes, from_j);
     vertices[i].planes = quadric_sum(&of_i, &of_j);
     memcpy(vertices[i].position, position, sizeof vertices[i].position);
@@ -142,12 +126,12 @@ static face_shape shape_of(const double *a, const double *b, const double *c)
 {
     double ab[3], ac[3], bc[3];
     face_shape shape;
-    subtract(b, a, ab);
-    subtract(c, a, ac);
-    subtract(c, b, bc);
-    cross(ab, ac, shape.normal);
-    shape.square = dot(shape.normal, shape.normal);
-    shape.edges = dot(ab, ab) + dot(ac, ac) + dot(bc, bc);
+    vector3_subtract(b, a, ab);
+    vector3_subtract(c, a, ac);
+    vector3_subtract(c, b, bc);
+    vector3_cross(ab, ac, shape.normal);
+    shape.square = vector3_dot(shape.normal, shape.normal);
+    shape.edges = vector3_dot(ab, ab) + vector3_dot(ac, ac) + vector3_dot(bc, bc);
     return shape;
 }
 
@@ -193,7 +177,8 @@ bool error_faces_stay_sound(const error_vertex *vertices, const collapse_ring *r
         const double *apex = vertices[k >= ring->j_begin && k < ring->j_end ? ring->j : ring->i].position;
         const double *from = vertices[ring->vertex[k]].position, *to = vertices[ring->vertex[k + 1]].position;
         face_shape before = shape_of(apex, from, to), after = shape_of(position, from, to);
-        if (has_normal(&before) && !(dot(before.normal, after.normal) > least_normal * sqrt(before.square * after.square)))
+        if (has_normal(&before) &&
+            !(vector3_dot(before.normal, after.normal) > least_normal * sqrt(before.square * after.square)))
             return false;
         if (has_quality(&after, least))
             continue;

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -91,17 +92,13 @@ edit_corner edit_corner_of(const edit_mesh *edit, uint32_t vertex)
     return corner;
 }
 
+/// (b - a) x (c - a)
 static void cross(const double *a, const double *b, const double *c, double normal[3])
 {
-    double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    normal[0] = u[1] * v[2] - u[2] * v[1];
-    normal[1] = u[2] * v[0] - u[0] * v[2];
-    normal[2] = u[0] * v[1] - u[1] * v[0];
-}
-
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    double u[3], v[3];
+    vector3_subtract(b, a, u);
+    vector3_subtract(c, a, v);
+    vector3_cross(u, v, normal);
 }
 
 void edit_normal(const edit_mesh *edit, size_t face, double normal[3])
@@ -113,7 +110,7 @@ void edit_normal(const edit_mesh *edit, size_t face, double normal[3])
 /// Whether normals, of any length, look the same way. One without length, of a face that had collapsed, looks every way.
 static bool agree(const double *before, const double *after)
 {
-    return dot(before, after) >= LEAST_COSINE * sqrt(dot(before, before) * dot(after, after));
+    return vector3_dot(before, after) >= LEAST_COSINE * sqrt(vector3_dot(before, before) * vector3_dot(after, after));
 }
 
 /// Whether a face keeps looking its way when one of its vertices moves.
@@ -288,7 +285,7 @@ static bool fan_may_move(const edit_mesh *edit, uint32_t vertex, uint32_t other,
         uint32_t next = edit_to(edit, h), last = edit_from(edit, bat_mesh_previous(h));
         const double *at = edit->positions[next];
         double away[3] = {at[0] - point[0], at[1] - point[1], at[2] - point[2]};
-        if (next != other && dot(away, away) > longest * longest)
+        if (next != other && vector3_dot(away, away) > longest * longest)
             return false;
         if (next != other && last != other && !face_may_move(edit, h / 3, vertex, point))
             return false;

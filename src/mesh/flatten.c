@@ -1,4 +1,5 @@
 #include "mesh/flatten.h"
+#include "linalg/vector3.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,17 +23,6 @@ enum
 static const double TWO_PI = 6.283185307179586476925286766559;
 /// 4 sqrt(3): times the area, over the sum of squared edges, is the quality of a triangle.
 static const double QUALITY_FACTOR = 6.92820323027550917411;
-
-static void subtract(const double *a, const double *b, double *difference)
-{
-    for (int c = 0; c < 3; c++)
-        difference[c] = a[c] - b[c];
-}
-
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// A triangle in its own plane: the edges opposite to its corners, as complex numbers, and twice its area.
 typedef struct flat_triangle
@@ -62,8 +52,8 @@ static bool unfold(double ab, double bc, double ca, flat_triangle *made)
 static double distance(const double *a, const double *b)
 {
     double difference[3];
-    subtract(a, b, difference);
-    return sqrt(dot(difference, difference));
+    vector3_subtract(a, b, difference);
+    return sqrt(vector3_dot(difference, difference));
 }
 
 /// Unfold face k of a ring, all lengths greater by `added`.
@@ -313,8 +303,8 @@ static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3]
     {
         double step[3] = {0};
         if (k > 0)
-            subtract(points[line[k]], points[line[k - 1]], step);
-        length += sqrt(dot(step, step));
+            vector3_subtract(points[line[k]], points[line[k - 1]], step);
+        length += sqrt(vector3_dot(step, step));
         flat[line[k]][0] = length;
         flat[line[k]][1] = 0;
     }

@@ -1,6 +1,7 @@
 #include "batten/mesh_refine.h"
 
 #include "base/error.h"
+#include "linalg/vector3.h"
 #include "mesh/loop.h"
 #include "mesh/sharpness.h"
 
@@ -18,13 +19,6 @@ typedef struct normals_job
     const double *positions;
     double *normals;
 } normals_job;
-
-static void cross(const double a[3], const double b[3], double product[3])
-{
-    product[0] = a[1] * b[2] - a[2] * b[1];
-    product[1] = a[2] * b[0] - a[0] * b[2];
-    product[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 /// Bring to length 1. False, and nothing done, when it has no length.
 static bool normalize(double vector[3])
@@ -56,7 +50,7 @@ static void face_normals(const normals_job *job, uint32_t vertex, double normal[
         double a[3] = {0}, b[3] = {0}, area[3];
         add_way(job, 1, vertex, mesh_end(level->faces, h), a);
         add_way(job, 1, vertex, mesh_opposite(level->faces, h), b);
-        cross(a, b, area);
+        vector3_cross(a, b, area);
         for (int i = 0; i < 3; i++)
             sum[i] += area[i];
         h = bat_mesh_next_around(level->links, h);
@@ -84,7 +78,7 @@ static void smooth_normal(const normals_job *job, uint32_t vertex, double normal
         add_way(job, sin(angle), vertex, mesh_end(level->faces, h), b);
         h = bat_mesh_next_around(level->links, h);
     }
-    cross(a, b, normal);
+    vector3_cross(a, b, normal);
 }
 
 /// One side of a crease, of `faces` faces counter-clockwise from a half-edge along it. Along the crease the eigenvalue is 1/2;
@@ -105,7 +99,7 @@ static void side_normal(const normals_job *job, uint32_t half_edge, unsigned fac
         h = bat_mesh_next_around(level->links, h);
     }
     add_way(job, -1, vertex, end, along);
-    cross(along, across, normal);
+    vector3_cross(along, across, normal);
 }
 
 /// The number of faces counter-clockwise from a half-edge to a neighbour of its vertex, or to the boundary.

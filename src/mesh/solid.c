@@ -1,4 +1,5 @@
 #include "mesh/solid.h"
+#include "linalg/vector3.h"
 
 #include <assert.h>
 #include <math.h>
@@ -121,11 +122,6 @@ static double slope(const solid_surface *surface, const double point[3], double 
     return mean;
 }
 
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /// Solve the symmetric system a x = b of up to 3 unknowns by Cholesky's method; x takes b's place. The diagonal is raised a
 /// little, which keeps nearly parallel surfaces solvable.
 static void solve_small(double a[SOLID_MOST_MEETING][SOLID_MOST_MEETING], size_t count, double *b)
@@ -166,13 +162,13 @@ void solid_step_towards(const solid *s, const size_t *surfaces, size_t count, do
         weights[i] = slope(&s->surfaces[surfaces[i]], point, difference, gradients[i]);
     for (size_t i = 0; i < count; i++)
         for (size_t j = 0; j < count; j++)
-            products[i][j] = dot(gradients[i], gradients[j]);
+            products[i][j] = vector3_dot(gradients[i], gradients[j]);
     solve_small(products, count, weights);
     double step[3] = {0, 0, 0};
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
             step[c] -= weights[i] * gradients[i][c];
-    double length = sqrt(dot(step, step));
+    double length = sqrt(vector3_dot(step, step));
     double share = length > longest ? longest / length : 1;
     for (int c = 0; c < 3; c++)
         point[c] += share * step[c];

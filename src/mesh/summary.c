@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/memory.h"
+#include "linalg/vector3.h"
 #include "mesh/closest.h"
 #include "mesh/edge_groups.h"
 
@@ -143,24 +144,6 @@ static double length_of(const double a[3])
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double product[3])
-{
-    product[0] = a[1] * b[2] - a[2] * b[1];
-    product[1] = a[2] * b[0] - a[0] * b[2];
-    product[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static void difference(const double a[3], const double b[3], double result[3])
-{
-    for (int k = 0; k < 3; k++)
-        result[k] = a[k] - b[k];
-}
-
 /// What is added up over the faces.
 typedef struct face_sums
 {
@@ -171,7 +154,7 @@ static double least_angle_of(double edges[3][3], double twice_area)
 {
     double least = INFINITY;
     for (int c = 0; c < 3; c++)
-        least = fmin(least, atan2(twice_area, -dot(edges[c], edges[(c + 2) % 3])));
+        least = fmin(least, atan2(twice_area, -vector3_dot(edges[c], edges[(c + 2) % 3])));
     return least;
 }
 
@@ -183,11 +166,11 @@ static void measure_face(const view *seen, size_t face, face_sums *sums, bat_mes
         corner_of(seen, 3 * face + c, corners[c]);
     for (int c = 0; c < 3; c++)
     {
-        difference(corners[(c + 1) % 3], corners[c], edges[c]);
-        squares += dot(edges[c], edges[c]);
-        longest = fmax(longest, dot(edges[c], edges[c]));
+        vector3_subtract(corners[(c + 1) % 3], corners[c], edges[c]);
+        squares += vector3_dot(edges[c], edges[c]);
+        longest = fmax(longest, vector3_dot(edges[c], edges[c]));
     }
-    cross(edges[0], edges[1], normal);
+    vector3_cross(edges[0], edges[1], normal);
     double twice_area = length_of(normal);
     double quality = squares > 0 ? 2 * sqrt(3) * twice_area / squares : 0;
     summary->degenerate_faces += twice_area <= LEAST_HEIGHT * longest;
@@ -198,7 +181,7 @@ static void measure_face(const view *seen, size_t face, face_sums *sums, bat_mes
     }
     summary->least_angle = fmin(summary->least_angle, least_angle_of(edges, twice_area));
     sum_add(&sums->area, twice_area / 2);
-    sum_add(&sums->volume, dot(corners[0], normal) / 6);
+    sum_add(&sums->volume, vector3_dot(corners[0], normal) / 6);
     sum_add(&sums->quality, quality);
 }
 
@@ -212,7 +195,7 @@ static void measure_edges(const view *seen, const edge_groups *edges, bat_mesh_s
         double a[3], b[3], edge[3];
         corner_of(seen, h, a);
         corner_of(seen, bat_mesh_next(h), b);
-        difference(b, a, edge);
+        vector3_subtract(b, a, edge);
         double length = length_of(edge) / seen->scale;
         summary->least_edge = fmin(summary->least_edge, length);
         summary->greatest_edge = fmax(summary->greatest_edge, length);

@@ -1,6 +1,7 @@
 #include "mesh/triangulate.h"
 
 #include "base/memory.h"
+#include "linalg/vector3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,18 +32,6 @@ static void corner_at(const outline *polygon, size_t i, double point[3])
         point[k] = position[k] * polygon->scale - origin[k] * polygon->scale;
 }
 
-static void cross(const double a[3], const double b[3], double product[3])
-{
-    product[0] = a[1] * b[2] - a[2] * b[1];
-    product[1] = a[2] * b[0] - a[0] * b[2];
-    product[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /// A triangle of three corners as the normal sees it.
 typedef struct corner_triangle
 {
@@ -62,8 +51,9 @@ static corner_triangle look_at(const outline *polygon, size_t i, size_t j, size_
         ac[d] = c[d] - a[d];
         bc[d] = c[d] - b[d];
     }
-    cross(ab, ac, normal);
-    return (corner_triangle){dot(normal, polygon->normal), dot(ab, ab) + dot(ac, ac) + dot(bc, bc)};
+    vector3_cross(ab, ac, normal);
+    return (corner_triangle){vector3_dot(normal, polygon->normal),
+                             vector3_dot(ab, ab) + vector3_dot(ac, ac) + vector3_dot(bc, bc)};
 }
 
 /// Choose the scale and sum up Newell's normal, twice the polygon's area as a vector.
@@ -82,7 +72,7 @@ static outline outline_of(const double *positions, const uint32_t *corners, size
     for (size_t i = 0; i < count; i++)
     {
         corner_at(&made, i, after);
-        cross(before, after, product);
+        vector3_cross(before, after, product);
         for (int k = 0; k < 3; k++)
         {
             made.normal[k] += product[k];

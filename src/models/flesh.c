@@ -1,13 +1,9 @@
 #include "models/flesh.h"
+#include "linalg/vector3.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
-
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static double clamp(double x, double low, double high)
 {
@@ -105,23 +101,23 @@ static double bone_distance(const flesh *body, const flesh_part *part, const dou
         along[c] = part->b[c] - part->a[c];
         away[c] = point[c] - part->a[c];
     }
-    double share = clamp(dot(away, along) / fmax(dot(along, along), 1e-12), 0, 1);
+    double share = clamp(vector3_dot(away, along) / fmax(vector3_dot(along, along), 1e-12), 0, 1);
     for (int c = 0; c < 3; c++)
         away[c] -= share * along[c];
     double radius = part->radius[0] + share * (part->radius[1] - part->radius[0]);
-    double distance = sqrt(dot(away, away));
+    double distance = sqrt(vector3_dot(away, away));
     if (body->ridges == 0 || distance > 3 * radius)
         return distance - radius;
     // The angle around the bone, from an axis that all bones share.
-    double length = sqrt(dot(along, along)) + 1e-12;
+    double length = sqrt(vector3_dot(along, along)) + 1e-12;
     double reference[3] = {0.31, 0.17, 0.02}, side[3];
-    double slant = dot(reference, along) / (length * length);
+    double slant = vector3_dot(reference, along) / (length * length);
     for (int c = 0; c < 3; c++)
         reference[c] -= slant * along[c];
     side[0] = (along[1] * reference[2] - along[2] * reference[1]) / length;
     side[1] = (along[2] * reference[0] - along[0] * reference[2]) / length;
     side[2] = (along[0] * reference[1] - along[1] * reference[0]) / length;
-    double angle = atan2(dot(away, side), dot(away, reference));
+    double angle = atan2(vector3_dot(away, side), vector3_dot(away, reference));
     double depth = body->ridges * radius * fmin(1, distance / (0.5 * radius));
     return distance - radius + depth * (1 - sqrt(pow(cos(0.5 * body->ridge_count * angle), 2) + 0.04));
 }
@@ -134,7 +130,7 @@ static double ellipsoid_distance(const flesh_part *part, const double *point)
         away[c] = point[c] - part->a[c];
     for (int c = 0; c < 3; c++)
     {
-        double scaled = dot(away, part->axes[c]) / part->radius[c];
+        double scaled = vector3_dot(away, part->axes[c]) / part->radius[c];
         once += scaled * scaled;
         twice += scaled * scaled / (part->radius[c] * part->radius[c]);
     }
@@ -149,8 +145,8 @@ static double ring_distance(const flesh_part *part, const double *point)
     double away[3];
     for (int c = 0; c < 3; c++)
         away[c] = point[c] - part->a[c];
-    double height = dot(away, part->axes[2]);
-    double across = sqrt(fmax(dot(away, away) - height * height, 0)) - part->radius[0];
+    double height = vector3_dot(away, part->axes[2]);
+    double across = sqrt(fmax(vector3_dot(away, away) - height * height, 0)) - part->radius[0];
     return sqrt(across * across + height * height) - part->radius[1];
 }
 
@@ -162,11 +158,11 @@ static double box_distance(const flesh_part *part, const double *point)
         away[c] = point[c] - part->a[c];
     for (int c = 0; c < 3; c++)
     {
-        double beyond = fabs(dot(away, part->axes[c])) - part->radius[c] + rounding;
+        double beyond = fabs(vector3_dot(away, part->axes[c])) - part->radius[c] + rounding;
         most = fmax(most, beyond);
         out[c] = fmax(beyond, 0);
     }
-    return sqrt(dot(out, out)) + fmin(most, 0) - rounding;
+    return sqrt(vector3_dot(out, out)) + fmin(most, 0) - rounding;
 }
 
 static double part_distance(const flesh *body, const flesh_part *part, const double *point)

@@ -1,12 +1,8 @@
 #include "models/mesh_mould.h"
+#include "linalg/vector3.h"
 
 #include <math.h>
 #include <string.h>
-
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 void mould_body(mesh_mould *mould)
 {
@@ -60,7 +56,8 @@ static around_axis see(const cut *c, const double *point)
     double away[3] = {point[0] - c->at[0], point[1] - c->at[1], point[2] - c->at[2]};
     double up[3] = {c->axis[1] * c->side[2] - c->axis[2] * c->side[1], c->axis[2] * c->side[0] - c->axis[0] * c->side[2],
                     c->axis[0] * c->side[1] - c->axis[1] * c->side[0]};
-    around_axis seen = {.height = dot(away, c->axis), .across = dot(away, c->side), .up = dot(away, up)};
+    around_axis seen = {
+        .height = vector3_dot(away, c->axis), .across = vector3_dot(away, c->side), .up = vector3_dot(away, up)};
     seen.radius = sqrt(seen.across * seen.across + seen.up * seen.up);
     return seen;
 }

@@ -1,6 +1,7 @@
 #include "models/mesh_shape.h"
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "batten/mesh_shapes.h"
 
 #include <math.h>
@@ -66,10 +67,7 @@ static const shape_maker *find_maker(const char *name)
 /// The stream of a kind and a seed: kinds that share a seed share no numbers.
 static bat_random stream_of(const char *name, uint64_t seed)
 {
-    uint64_t hash = 0xcbf29ce484222325u; // FNV-1a
-    for (const char *c = name; *c != '\0'; c++)
-        hash = (hash ^ (unsigned char)*c) * 0x100000001b3u;
-    return bat_random_seed(hash + seed * 0x9e3779b97f4a7c15u);
+    return bat_random_seed(hash_bytes(HASH_BEGIN, name, strlen(name)) + seed * 0x9e3779b97f4a7c15u);
 }
 
 /// Move the middle of the box to the origin, scale its longest side to 1, and turn the mesh, made with z upwards, so that y is.

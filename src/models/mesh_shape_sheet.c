@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector3.h"
 
 #include <math.h>
 #include <string.h>
@@ -66,13 +67,6 @@ static double length_of(const double *v)
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-static void cross(const double *a, const double *b, double *out)
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /// A torus knot that turns p times about the axis while it turns q times about the ring.
 typedef struct torus_knot
 {
@@ -94,11 +88,11 @@ static void knot_frame(const torus_knot *knot, double t, double at[3], double ou
     double normal[3] = {cos(b) * cos(a), cos(b) * sin(a), sin(b)}, size = length_of(along);
     for (int c = 0; c < 3; c++)
         along[c] /= size;
-    cross(along, normal, across);
+    vector3_cross(along, normal, across);
     size = length_of(across);
     for (int c = 0; c < 3; c++)
         across[c] /= size;
-    cross(across, along, out);
+    vector3_cross(across, along, out);
 }
 
 bat_status weave_knot(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)

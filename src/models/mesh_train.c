@@ -1,6 +1,7 @@
 #include "batten/mesh_train.h"
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/memory.h"
 #include "learn/train.h"
 #include "models/mesh_sample.h"
@@ -186,20 +187,11 @@ static bat_status check(void *context, uint64_t epoch, double *figures, bat_erro
 
 // All of it
 
-/// A number that changes with the shapes (Fowler, Noll and Vo's hash).
-static uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t size)
-{
-    const unsigned char *byte = bytes;
-    for (size_t i = 0; i < size; i++)
-        hash = (hash ^ byte[i]) * UINT64_C(0x100000001b3);
-    return hash;
-}
-
 /// Everything but the seed that makes one training another, as the name by which a checkpoint is known.
 static void write_name(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
                        char name[NAME_SIZE])
 {
-    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    uint64_t hash = HASH_BEGIN;
     for (size_t s = 0; s < shape_count; s++)
     {
         hash = hash_bytes(hash, shapes[s].positions, shapes[s].vertex_count * 3 * sizeof *shapes[s].positions);
