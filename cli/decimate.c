@@ -1,6 +1,7 @@
 #include "verbs.h"
 
 #include "arguments.h"
+#include "mesh_input.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -59,16 +60,6 @@ typedef struct decimate_result
     bat_mesh_repair_report repairs;
 } decimate_result;
 
-static bool read_format(const arguments *given, const char *option, bat_mesh_format *format)
-{
-    bat_error error;
-    const char *name = argument(given, option);
-    if (name == NULL || bat_mesh_format_by_name(name, format, &error) == BAT_OK)
-        return true;
-    (void)usage_error(given, "%s", error.text);
-    return false;
-}
-
 static bool read_numbers(const arguments *given, bat_decimate_options *options)
 {
     long vertices, candidates, seed;
@@ -107,9 +98,8 @@ static bool read_job(const arguments *given, decimate_job *job)
                           .json = argument_flag(given, "json"),
                           .quiet = argument_flag(given, "quiet")};
     job->read.triangulate = argument_flag(given, "triangulate");
-    job->read.keep_degenerate = job->repair;
-    if (!read_numbers(given, &job->decimate) || !read_format(given, "from", &job->read.format) ||
-        !read_format(given, "to", &job->write.format))
+    if (!read_numbers(given, &job->decimate) || !mesh_format_argument(given, "from", &job->read.format) ||
+        !mesh_format_argument(given, "to", &job->write.format))
         return false;
     bool piped = job->output != NULL && strcmp(job->output, "-") == 0;
     const char *fault = NULL;
@@ -129,21 +119,12 @@ static bool read_job(const arguments *given, decimate_job *job)
     return fault == NULL;
 }
 
-/// Read the mesh and repair it if that is wanted.
 static int read_fine(const decimate_job *job, decimate_result *result)
 {
     bat_error error;
-    bat_mesh mesh;
-    if (bat_mesh_read(job->input, &job->read, &mesh, &error) != BAT_OK)
+    if (mesh_input_read(job->input, &job->read, job->repair, &result->repairs, &result->fine, &error) != BAT_OK)
         return report_failure(job->input, &error);
-    if (!job->repair)
-    {
-        result->fine = mesh;
-        return EXIT_DONE;
-    }
-    bat_status status = bat_mesh_repair(&mesh, &result->repairs, &result->fine, &error);
-    bat_mesh_free(&mesh);
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
+    return EXIT_DONE;
 }
 
 static int decimate(const decimate_job *job, decimate_result *result)
@@ -170,12 +151,6 @@ static int write_files(const decimate_job *job, const decimate_result *result)
     return EXIT_DONE;
 }
 
-static size_t repaired_places(const bat_mesh_repair_report *repairs)
-{
-    return repairs->degenerate_faces + repairs->duplicate_faces + repairs->flipped_faces + repairs->crowded_edges +
-           repairs->opposed_edges + repairs->split_vertices;
-}
-
 static int report(const decimate_job *job, const decimate_result *result)
 {
     const bat_mesh *fine = &result->fine, *coarse = &result->coarse;
@@ -185,11 +160,11 @@ static int report(const decimate_job *job, const decimate_result *result)
                                      (json_int_t)fine->vertex_count, "faces", (json_int_t)fine->face_count, "coarse",
                                      "vertices", (json_int_t)coarse->vertex_count, "faces", (json_int_t)coarse->face_count,
                                      "wanted", (json_int_t)job->decimate.vertices, "reached", (int)reached, "repaired",
-                                     (json_int_t)repaired_places(&result->repairs), "map", job->map));
+                                     (json_int_t)mesh_input_repaired(&result->repairs), "map", job->map));
     if (job->quiet)
         return EXIT_DONE;
     if (job->repair)
-        (void)printf("%zu places repaired\n", repaired_places(&result->repairs));
+        (void)printf("%zu places repaired\n", mesh_input_repaired(&result->repairs));
     (void)printf("%zu vertices, %zu faces -> %zu vertices, %zu faces\n", fine->vertex_count, fine->face_count,
                  coarse->vertex_count, coarse->face_count);
     if (!reached)

@@ -1,6 +1,7 @@
 #include "verbs.h"
 
 #include "arguments.h"
+#include "mesh_input.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -75,16 +76,6 @@ typedef struct mesh_result
     bool texture_dropped;
 } mesh_result;
 
-static bool read_format(const arguments *given, const char *option, bat_mesh_format *format)
-{
-    bat_error error;
-    const char *name = argument(given, option);
-    if (name == NULL || bat_mesh_format_by_name(name, format, &error) == BAT_OK)
-        return true;
-    (void)usage_error(given, "%s", error.text);
-    return false;
-}
-
 static bool read_refinement(const arguments *given, bat_mesh_refine_options *options)
 {
     int scheme, then;
@@ -142,9 +133,8 @@ static bool read_job(const arguments *given, mesh_job *job)
     if (!argument_word(given, "beside", BESIDE, -1, &job->beside))
         return false;
     job->read.triangulate = argument_flag(given, "triangulate");
-    job->read.keep_degenerate = job->repair;
-    if (!read_refinement(given, &job->refine) || !read_format(given, "from", &job->read.format) ||
-        !read_format(given, "to", &job->write.format))
+    if (!read_refinement(given, &job->refine) || !mesh_format_argument(given, "from", &job->read.format) ||
+        !mesh_format_argument(given, "to", &job->write.format))
         return false;
     job->write.threads = job->refine.threads;
     const char *fault = find_fault(given, job);
@@ -170,24 +160,11 @@ static void drop_texture(mesh_result *result)
     mesh->texture_count = mesh->crease_count = mesh->corner_count = 0;
 }
 
-/// Read the mesh and repair it if that is wanted.
 static int read_coarse(const mesh_job *job, mesh_result *result)
 {
     bat_error error;
-    bat_mesh mesh;
-    if (bat_mesh_read(job->input, &job->read, &mesh, &error) != BAT_OK)
+    if (mesh_input_read(job->input, &job->read, job->repair, &result->repairs, &result->coarse, &error) != BAT_OK)
         return report_failure(job->input, &error);
-    result->coarse = mesh;
-    if (job->repair)
-    {
-        bat_status status = bat_mesh_repair(&mesh, &result->repairs, &result->coarse, &error);
-        bat_mesh_free(&mesh);
-        if (status != BAT_OK)
-        {
-            result->coarse = (bat_mesh){0};
-            return report_failure(job->input, &error);
-        }
-    }
     bat_mesh_connectivity links;
     if (bat_mesh_connect(&result->coarse, &links, &error) != BAT_OK)
         return report_failure(job->input, &error);
@@ -269,12 +246,6 @@ static int write_files(const mesh_job *job, const mesh_result *result)
     return EXIT_DONE;
 }
 
-static size_t repaired_places(const bat_mesh_repair_report *repairs)
-{
-    return repairs->degenerate_faces + repairs->duplicate_faces + repairs->flipped_faces + repairs->crowded_edges +
-           repairs->opposed_edges + repairs->split_vertices;
-}
-
 static json_t *size_json(const bat_mesh *mesh)
 {
     return json_pack("{s:I, s:I}", "vertices", (json_int_t)mesh->vertex_count, "faces", (json_int_t)mesh->face_count);
@@ -299,11 +270,11 @@ static int report(const mesh_job *job, const mesh_result *result)
                                      (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine),
                                      "boundary_edges", (json_int_t)result->boundary_edges, "fallback",
                                      (json_int_t)result->fallback, "repaired",
-                                     (json_int_t)repaired_places(&result->repairs)));
+                                     (json_int_t)mesh_input_repaired(&result->repairs)));
     if (job->quiet)
         return EXIT_DONE;
     if (job->repair)
-        (void)printf("%zu places repaired\n", repaired_places(&result->repairs));
+        (void)printf("%zu places repaired\n", mesh_input_repaired(&result->repairs));
     (void)printf("%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n", SCHEMES[job->refine.scheme],
                  job->refine.levels, coarse->vertex_count, coarse->face_count, fine->vertex_count, fine->face_count,
                  result->boundary_edges > 0 ? "with boundary" : "closed");

@@ -1,5 +1,6 @@
 #include "train_mesh.h"
 #include "arguments.h"
+#include "mesh_input.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -64,14 +65,6 @@ static const verb_spec SPEC = {
     .most_positional = MOST_POSITIONAL,
 };
 
-/// The recipe, which has been checked.
-static int recipe_of(const arguments *given)
-{
-    int recipe = RECIPE_PUBLISHED;
-    (void)argument_word(given, "recipe", RECIPES, RECIPE_PUBLISHED, &recipe);
-    return recipe;
-}
-
 static void leave_out(bat_mesh_train_options *options, int part)
 {
     options->fixed_frames = part == PART_FRAMES;
@@ -99,13 +92,13 @@ static bool read_range(const arguments *given, size_t *least, size_t *most)
 }
 
 /// False after a message.
-static bool read_options(const arguments *given, bat_mesh_train_options *options)
+static bool read_options(const arguments *given, int *recipe, bat_mesh_train_options *options)
 {
     long seed, epochs, pairs, fresh, batch, threads;
-    int recipe, without;
-    if (!argument_word(given, "recipe", RECIPES, RECIPE_PUBLISHED, &recipe))
+    int without;
+    if (!argument_word(given, "recipe", RECIPES, RECIPE_PUBLISHED, recipe))
         return false;
-    *options = recipe == RECIPE_BATTEN ? bat_mesh_train_batten() : bat_mesh_train_defaults();
+    *options = *recipe == RECIPE_BATTEN ? bat_mesh_train_batten() : bat_mesh_train_defaults();
     if (!argument_whole(given, "seed", 0, 1000000000, 1, &seed) ||
         !argument_whole(given, "epochs", 1, 1000000, (long)options->epochs, &epochs) ||
         !argument_whole(given, "pairs", 1, 1000000, (long)options->pairs, &pairs) ||
@@ -145,19 +138,10 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
 {
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.triangulate = true;
-    options.keep_degenerate = repair;
-    bat_mesh mesh, repaired;
-    bat_status status = bat_mesh_read(path, &options, &mesh, error);
+    bat_mesh mesh;
+    bat_status status = mesh_input_read(path, &options, repair, NULL, &mesh, error);
     if (status != BAT_OK)
         return status;
-    if (repair)
-    {
-        status = bat_mesh_repair(&mesh, NULL, &repaired, error);
-        bat_mesh_free(&mesh);
-        if (status != BAT_OK)
-            return status;
-        mesh = repaired;
-    }
     status = check_shape(&mesh, error);
     if (status == BAT_OK)
         *shape = mesh;
@@ -188,7 +172,8 @@ static int print_text(const bat_mesh_train_options *options, const bat_mesh_trai
     return EXIT_DONE;
 }
 
-static int train(const arguments *given, const bat_mesh *shapes, size_t count, const bat_mesh_train_options *options)
+static int train(const arguments *given, int recipe, const bat_mesh *shapes, size_t count,
+                 const bat_mesh_train_options *options)
 {
     bat_mesh_train_report report;
     bat_error error;
@@ -196,22 +181,21 @@ static int train(const arguments *given, const bat_mesh *shapes, size_t count, c
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    return argument_flag(given, "json") ? print_json(RECIPES[recipe_of(given)], options, &report)
-                                        : print_text(options, &report);
+    return argument_flag(given, "json") ? print_json(RECIPES[recipe], options, &report) : print_text(options, &report);
 }
 
 int train_mesh(int argc, char **argv)
 {
     arguments given;
     bat_mesh_train_options options;
-    int code;
+    int code, recipe;
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
-    if (!read_options(&given, &options))
+    if (!read_options(&given, &recipe, &options))
         return EXIT_BAD_USAGE;
-    if (given.positional_count < 2 && recipe_of(&given) != RECIPE_BATTEN)
+    if (given.positional_count < 2 && recipe != RECIPE_BATTEN)
         return usage_error(&given, "train mesh needs a SHAPE");
-    static bat_mesh shapes[MOST_SHAPES];
+    bat_mesh shapes[MOST_SHAPES] = {0};
     size_t count = 0;
     bat_error error;
     bat_status status = BAT_OK;
@@ -221,7 +205,7 @@ int train_mesh(int argc, char **argv)
         if (status != BAT_OK)
             code = report_failure(given.positional[count + 1], &error);
     }
-    if (status == BAT_OK && recipe_of(&given) == RECIPE_BATTEN)
+    if (status == BAT_OK && recipe == RECIPE_BATTEN)
     {
         status = bat_mesh_training_shapes(shapes + count, options.threads, (bat_progress){0}, &error);
         if (status == BAT_OK)
@@ -232,7 +216,7 @@ int train_mesh(int argc, char **argv)
     if (status == BAT_OK)
     {
         options.progress = report_progress("training");
-        code = train(&given, shapes, count, &options);
+        code = train(&given, recipe, shapes, count, &options);
     }
     for (size_t s = 0; s < count; s++)
         bat_mesh_free(&shapes[s]);
