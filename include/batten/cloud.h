@@ -1,0 +1,65 @@
+#ifndef BATTEN_CLOUD_H
+#define BATTEN_CLOUD_H
+
+#include "batten/mesh.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Clouds of scattered points that stand for a patch of surface, their boundary, and its parameters.
+
+/// Points of a patch of surface: boundary points first, in order around the loop. Release it with bat_cloud_free().
+typedef struct bat_cloud
+{
+    double *points; ///< count x 3, owned
+    size_t count;
+    size_t boundary_count; ///< 0 while the boundary is not known; else at least 4
+    size_t corners[4];     ///< rising places in the loop: parameters (0, 0), (1, 0), (1, 1), (0, 1)
+    bool has_corners;
+    size_t *order;       ///< count: each point's place in the input; null: as they were. Owned
+    uint32_t *triangles; ///< triangle_count x 3 where the cloud was a mesh; null for none. Owned
+    size_t triangle_count;
+} bat_cloud;
+
+BAT_API void bat_cloud_free(bat_cloud *cloud);
+BAT_API bat_status bat_cloud_copy(const bat_cloud *cloud, bat_cloud *copy, bat_error *error);
+
+/// Check what every call that takes a cloud relies on: points that are finite and no two of which are the same, a boundary of
+/// at least 4 points, rising corners within it, triangles of points that exist.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for no points, a boundary of 1 to 3 or beyond the points, wrong corners; BAT_INVALID_POINT with
+///         the point's place in the input that is not finite or repeats another; BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error);
+
+/// Make a cloud of a mesh with one boundary loop: the loop comes first, the triangles stay.
+/// @return BAT_OK; BAT_UNSUPPORTED for a mesh that is closed, has several loops or several parts; what bat_mesh_connect() returns;
+///         BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error *error);
+
+/// Find the loop of boundary points in a cloud without connectivity, and bring it to the front: points with a wide gap in the
+/// angles of their neighbours in the local plane, joined into one loop. Points within the loop keep their order.
+/// @return BAT_OK; BAT_NO_CONVERGENCE when no single loop is found, the text saying what was; BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error);
+
+/// Find four corners: the places of the loop where it turns most sharply, no two closer than a share of its length. If the loop runs
+/// so that the patch lies to its right it is turned round first when `orient` asks for it (by the first and the last principal
+/// axis there is no telling; loops in files are taken as they are).
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (no boundary) or BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_find_corners(bat_cloud *cloud, bat_error *error);
+
+/// How points of a side get their parameters.
+typedef enum bat_side_parameters
+{
+    BAT_SIDE_CHORD_LENGTH, ///< in proportion to distance (default)
+    BAT_SIDE_CENTRIPETAL,  ///< to its root: Lee (1989)
+    BAT_SIDE_UNIFORM       ///< to their number
+} bat_side_parameters;
+
+/// Parameters of the boundary points: corners go to the corners of [0, 1]^2, sides to its sides. Corners are found where the cloud
+/// has none.
+/// @param parameters receives boundary_count x 2
+BAT_API bat_status bat_cloud_boundary_parameters(const bat_cloud *cloud, bat_side_parameters method, double *parameters,
+                                                 bat_error *error);
+
+BAT_C_END
+
+#endif

@@ -1,0 +1,46 @@
+#ifndef BATTEN_CLOUD_FILE_H
+#define BATTEN_CLOUD_FILE_H
+
+#include "batten/cloud.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Clouds from files.
+
+/// Formats of clouds.
+typedef enum bat_cloud_format
+{
+    BAT_CLOUD_FROM_NAME, ///< by the file's ending
+    BAT_CLOUD_XYZ,       ///< three numbers a line, blanks between; '#' begins a remark; further columns are left out
+    BAT_CLOUD_CSV,       ///< with or without a line of names; x, y, z by name or the first three
+    BAT_CLOUD_PLY,       ///< vertices, ASCII or binary; faces, if there are, make it a mesh
+    BAT_CLOUD_OBJ        ///< vertices; faces, if there are, make it a mesh
+} bat_cloud_format;
+
+/// How to read. All zero: the defaults.
+typedef struct bat_cloud_read_options
+{
+    bat_cloud_format format;
+    /// How many points come first as the boundary loop; 0: what a remark "# N boundary points first" of the file says, or unknown.
+    size_t boundary;
+    /// A second file with the boundary loop: its points go first, and points of the first file that repeat one are left out; null for none.
+    const char *boundary_path;
+    /// Leave out points that repeat an earlier one instead of failing.
+    bool drop_duplicates;
+} bat_cloud_read_options;
+
+/// Read a cloud. A PLY or OBJ file with faces is a mesh and goes through bat_cloud_from_mesh().
+/// @param path    "-" for standard input
+/// @param options null for the defaults
+/// @param cloud   receives the cloud; release it with bat_cloud_free()
+/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_INVALID_POINT with line and point that is not finite or repeats another;
+///         BAT_FILE_ACCESS, BAT_TOO_LARGE, BAT_UNSUPPORTED, BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud,
+                                  bat_error *error);
+/// Write a cloud as XYZ, CSV, PLY or OBJ, by the ending; XYZ says the boundary in its first line.
+BAT_API bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error);
+
+BAT_C_END
+
+#endif

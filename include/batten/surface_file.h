@@ -1,0 +1,45 @@
+#ifndef BATTEN_SURFACE_FILE_H
+#define BATTEN_SURFACE_FILE_H
+
+#include "batten/hierarchical_spline.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Spline surfaces to and from files.
+
+/// Formats of surfaces.
+typedef enum bat_surface_format
+{
+    BAT_SURFACE_FROM_NAME, ///< by the file's ending: .xml, .step or .stp, .vtk, .obj, .json
+    BAT_SURFACE_XML,       ///< G+Smo: THBSpline2 or, of one level, TensorBSpline2; exact
+    BAT_SURFACE_STEP,      ///< ISO 10303-21, B_SPLINE_SURFACE_WITH_KNOTS, one shell of tensor-product patches; exact
+    BAT_SURFACE_VTK,       ///< legacy, a quadrilateral grid of each cell, with level, and the data points with their errors
+    BAT_SURFACE_OBJ,       ///< triangles
+    BAT_SURFACE_JSON       ///< degrees, boxes, functions, control points; exact
+} bat_surface_format;
+
+/// How to write. All zero: the defaults.
+typedef struct bat_surface_write_options
+{
+    bat_surface_format format;
+    size_t samples;       ///< of each cell and direction for VTK and OBJ, at least 1; 0: as many as the degree plus 1
+    const double *points; ///< point_count x 3: data points, for VTK; null for none
+    const double *errors; ///< point_count: their distances, for VTK; null for none
+    size_t point_count;
+} bat_surface_write_options;
+
+/// Write a surface; the file appears whole or not at all.
+/// @param path    "-" for standard output (with a format)
+/// @param surface of dimension 3 (XML and JSON: any)
+/// @param options null for the defaults
+BAT_API bat_status bat_surface_write(const char *path, const bat_spline_surface *surface,
+                                     const bat_surface_write_options *options, bat_error *error);
+/// Read a surface from G+Smo XML (THBSpline2, HBSpline2, TensorBSpline2 on clamped uniform knots) or from our JSON. G+Smo's
+/// numbers of functions and boxes are brought into ours.
+/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_UNSUPPORTED for what is not said above; BAT_FILE_ACCESS; BAT_NO_MEMORY
+BAT_API bat_status bat_surface_read(const char *path, bat_spline_surface *surface, bat_error *error);
+
+BAT_C_END
+
+#endif

@@ -1,0 +1,38 @@
+#ifndef BATTEN_SURFACE_PICTURE_H
+#define BATTEN_SURFACE_PICTURE_H
+
+#include "batten/cloud.h"
+#include "batten/hierarchical_spline.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Pictures of fitted surfaces, as figure 14 of Giannelli et al., "BIDGCN" (2023).
+
+/// What a row of panels shows. Panels whose data is null are left out.
+typedef struct bat_surface_panel
+{
+    const char *title;                 ///< of the row; may be null
+    const bat_cloud *cloud;            ///< the points
+    const bat_spline_surface *surface; ///< of dimension 3
+    const double *distances;           ///< of the cloud's points, for error colours
+    const double *parameters;          ///< of the cloud's points, for the parameter plane
+} bat_surface_panel;
+
+/// How. All zero: the defaults.
+typedef struct bat_surface_picture_options
+{
+    int width;            ///< pixels of a panel; 0: 420
+    double largest_error; ///< the end of the colour scale; 0: the 99th per cent of all distances
+    double
+        view[3];  ///< where the eye is, as seen from the middle; zeros: along the surface's mean normal, a little from above
+    double up[3]; ///< zeros: chosen by the parameters' second direction
+} bat_surface_picture_options;
+
+/// Draw rows of: cloud, surface, points coloured by error, parameter plane with the hierarchical mesh. PNG, SVG or PDF by the ending.
+BAT_API bat_status bat_surface_picture_write(const char *path, const bat_surface_panel *rows, size_t count,
+                                             const bat_surface_picture_options *options, bat_error *error);
+
+BAT_C_END
+
+#endif
