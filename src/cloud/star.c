@@ -5,6 +5,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 /// Corners of the hull that lie this close to a straight line, in proportion, are left out.
 static const double STRAIGHT = 1e-12;
@@ -39,49 +40,66 @@ static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[
     return first;
 }
 
-/// The corner of the hull after `from`: no point lies to the right of the way there; of several in line the last.
+/// Which of two ways from a corner of the hull leaves the other to its left; of two in line the longer.
+static bool is_better_way(const double way[2], const double other[2])
+{
+    double turn = cross(way, other), length = way[0] * way[0] + way[1] * way[1];
+    double other_length = other[0] * other[0] + other[1] * other[1], straight = STRAIGHT * sqrt(length * other_length);
+    return turn < -straight || (turn <= straight && other_length > length);
+}
+
+/// The corner after `from` of the hull of the origin and the points, SIZE_MAX for the origin, as which `from` may be given too.
 static size_t next_corner(const double (*points)[2], size_t count, size_t from)
 {
-    size_t next = from;
-    double way[2] = {0, 0}, length = 0;
+    static const double ORIGIN[2] = {0, 0};
+    const double *at = from == SIZE_MAX ? ORIGIN : points[from];
+    size_t next = SIZE_MAX;
+    double way[2] = {-at[0], -at[1]};
     for (size_t k = 0; k < count; k++)
     {
-        double d[2] = {points[k][0] - points[from][0], points[k][1] - points[from][1]};
-        double square = d[0] * d[0] + d[1] * d[1];
-        if (k == from || square == 0)
+        double other[2] = {points[k][0] - at[0], points[k][1] - at[1]};
+        if ((other[0] == 0 && other[1] == 0) || !is_better_way(way, other))
             continue;
-        double turn = cross(way, d), straight = STRAIGHT * sqrt(length * square);
-        if (length == 0 || turn < -straight || (turn <= straight && square > length))
-        {
-            next = k;
-            way[0] = d[0];
-            way[1] = d[1];
-            length = square;
-        }
+        next = k;
+        way[0] = other[0];
+        way[1] = other[1];
     }
     return next;
 }
 
-size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_RING])
+/// Begins the ring after its gap.
+static void turn_ring(size_t *ring, size_t count, size_t gap)
 {
-    size_t first = invert(planar, count, inverse);
+    size_t kept[STAR_RING];
+    memcpy(kept, ring, count * sizeof *ring);
+    for (size_t k = 0; k < count; k++)
+        ring[k] = kept[(k + gap) % count];
+}
+
+size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_RING], bool *closed)
+{
+    const double(*corners)[2] = (const double(*)[2])inverse;
+    size_t first = invert(planar, count, inverse), found = 0, gap = 0, at = first;
+    *closed = first != SIZE_MAX;
     if (first == SIZE_MAX)
         return 0;
-    const double(*corners)[2] = (const double(*)[2])inverse;
-    size_t found = 0, at = first;
-    while (found < STAR_RING)
+    do
     {
-        ring[found++] = at;
-        size_t next = next_corner(corners, count, at);
-        const double *a = corners[at], *b = corners[next];
-        // The origin lies to the left of every side of the hull around it.
-        if (!(cross(a, b) > STRAIGHT * sqrt((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1]))))
+        if (at != SIZE_MAX && found == STAR_RING)
             return 0;
-        if (next == first)
-            return found >= 3 ? found : 0;
-        at = next;
-    }
-    return 0;
+        if (at != SIZE_MAX)
+            ring[found++] = at;
+        else if (!*closed)
+            return 0; // The origin cannot come twice.
+        else
+        {
+            *closed = false;
+            gap = found;
+        }
+        at = next_corner(corners, count, at);
+    } while (at != first);
+    turn_ring(ring, found, gap % found);
+    return found;
 }
 
 /// Adds the origin's barycentric coordinates in the triangle of corner l and the side after corner r.

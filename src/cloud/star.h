@@ -13,12 +13,13 @@ enum
     STAR_RING = 64 ///< stars of more neighbours are not looked for
 };
 
-/// The neighbours of the origin in the Delaunay triangulation of it and `count` points, counter-clockwise. They are the corners of the convex
-/// hull of the points p / |p|^2, whose polar is the origin's Voronoi cell; among points of one empty circle the fewest that
-/// triangulate. Points at the origin do not count.
+/// The neighbours of the origin in the Delaunay triangulation of it and `count` points, counter-clockwise. They are the corners of the
+/// convex hull of the origin and the points p / |p|^2, which is polar to the origin's Voronoi cell; among points of one empty circle
+/// the fewest that triangulate. Points at the origin do not count.
 /// @param inverse room for `count` pairs
-/// @return how many, at least 3; 0 where the star is open, that is the origin is on the hull of the points, or has more than STAR_RING
-size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_RING]);
+/// @param closed  whether they go all around; else the origin is on the hull of the points, and the gap is after the last
+/// @return how many; 0 for more than STAR_RING
+size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_RING], bool *closed);
 
 /// Floater's shape-preserving weights (1997, section 6): each corner of the ring makes a triangle with the side of the ring across
 /// the origin; the weights are the mean of the origin's barycentric coordinates in these triangles.

@@ -9,12 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// A neighbour of the middle: its place, the direction there, and in how many of the middle's triangles it is.
+/// A neighbour of the middle: its place, and the direction there.
 typedef struct spoke
 {
     double angle;
     size_t place;
-    size_t triangles;
 } spoke;
 
 static int compare_spokes(const void *a, const void *b)
@@ -27,18 +26,15 @@ static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, sp
 {
     for (size_t k = 0; k < *count; k++)
         if (spokes[k].place == place)
-        {
-            spokes[k].triangles++;
             return true;
-        }
     if (*count == STAR_RING)
         return false;
     double angle = atan2(planar[place][1] - planar[middle][1], planar[place][0] - planar[middle][0]);
-    spokes[(*count)++] = (spoke){.angle = angle, .place = place, .triangles = 1};
+    spokes[(*count)++] = (spoke){.angle = angle, .place = place};
     return true;
 }
 
-/// Gathers the corners of the triangles around the middle; returns how many corners there are, 0 where they do not close.
+/// Gathers the corners of the triangles around the middle; returns how many there are, 0 for too many.
 static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, spoke spokes[STAR_RING])
 {
     size_t count = 0;
@@ -57,23 +53,7 @@ static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, s
                 return 0;
         }
     }
-    for (size_t k = 0; k < count; k++)
-        if (spokes[k].triangles != 2)
-            return 0;
     return count;
-}
-
-/// Whether consecutive spokes are less than half a turn apart, all around.
-static bool is_closed(const spoke *spokes, size_t count)
-{
-    const double half_turn = 3.14159265358979323846;
-    for (size_t k = 0; k < count; k++)
-    {
-        double after = k + 1 < count ? spokes[k + 1].angle : spokes[0].angle + 2 * half_turn;
-        if (!(after - spokes[k].angle < half_turn && after > spokes[k].angle))
-            return false;
-    }
-    return count >= 3;
 }
 
 bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_t middle, size_t ring[STAR_RING],
@@ -103,7 +83,7 @@ bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_
     {
         size_t found = gather_spokes(qh, planar, middle, spokes);
         qsort(spokes, found, sizeof *spokes, compare_spokes);
-        *ring_count = is_closed(spokes, found) ? found : 0;
+        *ring_count = found >= 3 ? found : 0;
     }
     for (size_t k = 0; k < *ring_count; k++)
         ring[k] = spokes[k].place;
