@@ -10,14 +10,14 @@
 
 typedef struct oriented_planes
 {
-    local_plane *planes; ///< count: turned so that normals agree, the loop of the boundary running counter-clockwise around the patch
-    size_t *starts;      ///< count + 1: where each point's neighbourhood begins in `items`
-    uint32_t *items;     ///< the neighbourhoods that the planes were fitted to, without the points themselves
+    local_plane *planes; ///< count: right-handed axes, turned so that normals agree and the boundary runs counter-clockwise around them
+    size_t *reach;       ///< count: how many nearest points each was fitted to, its middle among them
 } oriented_planes;
 
 /// Fit a plane around each point, and turn its normal as its neighbours' are: along the tree of neighbours whose planes differ least
-/// (Hoppe et al. 1992), with the turning that most of the boundary asks for, where the patch lies to the left of the loop. What hangs
-/// together without the boundary is turned by itself.
+/// (Hoppe et al. 1992), with the turning that most of the boundary asks for, which has the patch to its left. What hangs together
+/// without the boundary is turned by itself.
+/// @param tree of the cloud's points
 /// @return BAT_OK or BAT_NO_MEMORY; all zero on failure
 bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented,
                                 bat_error *error);
