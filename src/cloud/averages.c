@@ -9,69 +9,120 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Splits rows into the weights of interior points and what the boundary adds.
-static bat_status split_rows(const bat_cloud *cloud, const sparse_rows *rows, const double *boundary, sparse_rows *weights,
-                             double *constant, bat_error *error)
+/// Numbers that stand for points that are given.
+static const uint32_t GIVEN = UINT32_MAX;
+
+/// The unknowns and their system.
+typedef struct average_problem
 {
-    size_t count = rows->row_count;
-    bat_status status = sparse_rows_make(count, count, rows->starts[count], weights, error);
-    if (status != BAT_OK)
-        return status;
-    size_t at = 0;
-    memset(constant, 0, 2 * count * sizeof *constant);
-    for (size_t i = 0; i < count; i++)
+    uint32_t *numbers; ///< of the cloud's points among the unknowns; GIVEN
+    uint32_t *points;  ///< of the unknowns
+    size_t count;
+    sparse_rows weights;
+    double *constant; ///< count x 2
+    double *solution; ///< count x 2
+} average_problem;
+
+static void problem_free(average_problem *problem)
+{
+    free(problem->numbers);
+    free(problem->points);
+    free(problem->constant);
+    free(problem->solution);
+    sparse_rows_free(&problem->weights);
+}
+
+static bat_status number_unknowns(const bat_cloud *cloud, const bool *moved, average_problem *problem, bat_error *error)
+{
+    problem->numbers = memory_array(cloud->count, sizeof *problem->numbers);
+    problem->points = memory_array(cloud->count, sizeof *problem->points);
+    if (problem->numbers == NULL || problem->points == NULL)
+        return error_memory(error, cloud->count * 2 * sizeof *problem->points);
+    for (size_t i = 0; i < cloud->count; i++)
     {
-        weights->starts[i] = at;
-        for (size_t e = rows->starts[i]; e < rows->starts[i + 1]; e++)
-        {
-            size_t column = rows->columns[e];
-            if (column >= cloud->boundary_count)
-            {
-                weights->columns[at] = (uint32_t)(column - cloud->boundary_count);
-                weights->values[at++] = rows->values[e];
-                continue;
-            }
-            for (size_t c = 0; c < 2; c++)
-                constant[2 * i + c] += rows->values[e] * boundary[2 * column + c];
-        }
+        bool unknown = i >= cloud->boundary_count && (moved == NULL || moved[i]);
+        problem->numbers[i] = unknown ? (uint32_t)problem->count : GIVEN;
+        if (unknown)
+            problem->points[problem->count++] = (uint32_t)i;
     }
-    weights->starts[count] = at;
     return BAT_OK;
 }
 
+static bat_status allocate_system(const bat_cloud *cloud, const sparse_rows *rows, average_problem *problem,
+                                  bat_error *error)
+{
+    size_t entries = 0;
+    for (size_t n = 0; n < problem->count; n++)
+    {
+        size_t row = problem->points[n] - cloud->boundary_count;
+        entries += rows->starts[row + 1] - rows->starts[row];
+    }
+    problem->constant = memory_array(problem->count, 2 * sizeof(double));
+    problem->solution = memory_array(problem->count, 2 * sizeof(double));
+    if (problem->constant == NULL || problem->solution == NULL)
+        return error_memory(error, problem->count * 4 * sizeof(double));
+    return sparse_rows_make(problem->count, problem->count, entries, &problem->weights, error);
+}
+
+/// Splits each row into weights of unknowns and what is given.
+static void fill_system(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, average_problem *problem)
+{
+    sparse_rows *weights = &problem->weights;
+    size_t at = 0;
+    for (size_t n = 0; n < problem->count; n++)
+    {
+        size_t row = problem->points[n] - cloud->boundary_count;
+        double given[2] = {0, 0};
+        weights->starts[n] = at;
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+        {
+            size_t point = rows->columns[e];
+            if (problem->numbers[point] == GIVEN)
+                for (size_t c = 0; c < 2; c++)
+                    given[c] += rows->values[e] * parameters[2 * point + c];
+            else
+            {
+                weights->columns[at] = problem->numbers[point];
+                weights->values[at++] = rows->values[e];
+            }
+        }
+        memcpy(problem->constant + 2 * n, given, sizeof given);
+    }
+    weights->starts[problem->count] = at;
+}
+
 /// Averages lie within the box of what they are averages of, but for rounding.
-static void keep_in_box(const bat_cloud *cloud, const double *boundary, double *parameters)
+static void write_solution(const bat_cloud *cloud, const average_problem *problem, double *parameters)
 {
     for (size_t c = 0; c < 2; c++)
     {
         double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < cloud->boundary_count; i++)
-        {
-            low = fmin(low, boundary[2 * i + c]);
-            high = fmax(high, boundary[2 * i + c]);
-        }
-        for (size_t i = cloud->boundary_count; i < cloud->count; i++)
-            parameters[2 * i + c] = fmin(fmax(parameters[2 * i + c], low), high);
+        for (size_t i = 0; i < cloud->count; i++)
+            if (problem->numbers[i] == GIVEN)
+            {
+                low = fmin(low, parameters[2 * i + c]);
+                high = fmax(high, parameters[2 * i + c]);
+            }
+        for (size_t n = 0; n < problem->count; n++)
+            parameters[2 * (size_t)problem->points[n] + c] = fmin(fmax(problem->solution[2 * n + c], low), high);
     }
 }
 
-bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const double *boundary, bool direct,
+bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, bool direct,
                           double *parameters, bat_error *error)
 {
-    sparse_rows weights = {0};
-    double *constant = memory_array(rows->row_count, 2 * sizeof *constant);
-    bat_status status = constant != NULL ? split_rows(cloud, rows, boundary, &weights, constant, error)
-                                         : error_memory(error, rows->row_count * 2 * sizeof *constant);
-    double *interior = parameters + 2 * cloud->boundary_count;
+    average_problem problem = {0};
+    bat_status status = number_unknowns(cloud, moved, &problem, error);
     if (status == BAT_OK)
-        status = direct ? average_solve_direct(&weights, constant, interior, error)
-                        : average_solve_iterative(&weights, constant, interior, error);
+        status = allocate_system(cloud, rows, &problem, error);
     if (status == BAT_OK)
     {
-        memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
-        keep_in_box(cloud, boundary, parameters);
+        fill_system(cloud, rows, parameters, &problem);
+        status = direct ? average_solve_direct(&problem.weights, problem.constant, problem.solution, error)
+                        : average_solve_iterative(&problem.weights, problem.constant, problem.solution, error);
     }
-    sparse_rows_free(&weights);
-    free(constant);
+    if (status == BAT_OK)
+        write_solution(cloud, &problem, parameters);
+    problem_free(&problem);
     return status;
 }

@@ -12,7 +12,8 @@ bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, 
         if (status != BAT_OK)
             return status;
         *plane = local_plane_fit(points, near);
-        if (plane->variance[2] <= THICKEST * plane->variance[1] || wanted >= NEIGHBOURHOOD_MOST || near->count == tree->count)
+        if (plane->variance[2] <= THICKEST * plane->variance[1] || wanted >= NEIGHBOURHOOD_MOST ||
+            near->count == tree->count)
             return BAT_OK;
     }
 }

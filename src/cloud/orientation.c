@@ -167,7 +167,8 @@ bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tr
                                   .reach = memory_array(count, sizeof *oriented->reach)};
     uint32_t *links = memory_array(count, LINKS * sizeof *links);
     double *votes = memory_array(count, sizeof *votes);
-    turning forest = {.above = memory_array(count, sizeof *forest.above), .turns = memory_array(count, sizeof *forest.turns)};
+    turning forest = {.above = memory_array(count, sizeof *forest.above),
+                      .turns = memory_array(count, sizeof *forest.turns)};
     bat_status status = BAT_OK;
     if (oriented->planes == NULL || oriented->reach == NULL || links == NULL || votes == NULL || forest.above == NULL ||
         forest.turns == NULL)

@@ -10,8 +10,9 @@
 
 typedef struct oriented_planes
 {
-    local_plane *planes; ///< count: right-handed axes, turned so that normals agree and the boundary runs counter-clockwise around them
-    size_t *reach;       ///< count: how many nearest points each was fitted to, its middle among them
+    local_plane *
+        planes; ///< count: right-handed axes, turned so that normals agree and the boundary runs counter-clockwise around them
+    size_t *reach; ///< count: how many nearest points each was fitted to, its middle among them
 } oriented_planes;
 
 /// Fit a plane around each point, and turn its normal as its neighbours' are: along the tree of neighbours whose planes differ least

@@ -16,7 +16,8 @@ static const double RADIUS = 3;
 
 const char *bat_parameterization_name(bat_parameterization method)
 {
-    static const char *const names[BAT_PARAMETERIZATIONS] = {"uniform", "inverse-distance", "shape-preserving", "mean-value"};
+    static const char *const names[BAT_PARAMETERIZATIONS] = {"uniform", "inverse-distance", "shape-preserving",
+                                                             "mean-value"};
     return (size_t)method < BAT_PARAMETERIZATIONS ? names[method] : "unknown";
 }
 
@@ -43,25 +44,9 @@ static bat_status check_options(const bat_cloud *cloud, const double *boundary, 
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
     for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
         if (!isfinite(boundary[i]))
-            return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite", i / 2);
+            return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
+                             i / 2);
     return BAT_OK;
-}
-
-/// The longest side of the box around the points.
-static double longest_side(const bat_cloud *cloud)
-{
-    double longest = 0;
-    for (size_t c = 0; c < 3; c++)
-    {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < cloud->count; i++)
-        {
-            low = fmin(low, cloud->points[3 * i + c]);
-            high = fmax(high, cloud->points[3 * i + c]);
-        }
-        longest = fmax(longest, high - low);
-    }
-    return longest;
 }
 
 /// A ball for every point, which may fail, and a direct solution.
@@ -74,7 +59,7 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
     if (status != BAT_OK)
         return status;
     weight_source source = {
-        .cloud = cloud, .tree = &tree, .method = options->method, .radius = radius * longest_side(cloud)};
+        .cloud = cloud, .tree = &tree, .method = options->method, .radius = radius * weights_longest_side(cloud)};
     sparse_rows rows = {0};
     bool star = options->method == BAT_PARAMETERIZE_SHAPE_PRESERVING;
     status = weights_build(&source, star ? weights_of_triangulated_ball : weights_of_ball, options->threads, &rows, error);
@@ -84,25 +69,17 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
     if (status == BAT_OK && unjoined != BAT_NO_INDEX)
     {
         size_t place = weights_input_place(cloud, unjoined);
-        status = error_set(error, BAT_NO_CONVERGENCE, place, 0, "no chain of neighbours joins point %zu to the boundary", place);
+        status =
+            error_set(error, BAT_NO_CONVERGENCE, place, 0, "no chain of neighbours joins point %zu to the boundary", place);
     }
     if (status == BAT_OK)
-        status = averages_solve(cloud, &rows, boundary, true, parameters, error);
+    {
+        memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
+        status = averages_solve(cloud, &rows, NULL, true, parameters, error);
+    }
     sparse_rows_free(&rows);
     neighbour_tree_free(&tree);
     return status;
-}
-
-/// The weights of a cloud whose points are in spatial order.
-static bat_status make_rows(const bat_cloud *cloud, const neighbour_tree *tree, const bat_parameterize_options *options,
-                            sparse_rows *rows, bat_error *error)
-{
-    if (options->method == BAT_PARAMETERIZE_MEAN_VALUE)
-        return weights_of_triangles(cloud, rows, error);
-    weight_source source = {
-        .cloud = cloud, .tree = tree, .method = options->method, .radius = options->radius * longest_side(cloud)};
-    bool star = options->method == BAT_PARAMETERIZE_SHAPE_PRESERVING;
-    return weights_build(&source, star ? weights_of_star : weights_of_nearest, options->threads, rows, error);
 }
 
 static bat_status parameterize_always(const bat_cloud *cloud, const double *boundary,
@@ -111,14 +88,15 @@ static bat_status parameterize_always(const bat_cloud *cloud, const double *boun
     spatial_order order = {0};
     sparse_rows rows = {0};
     double *ordered = memory_array(cloud->count, 2 * sizeof *ordered);
-    bat_status status = ordered != NULL ? spatial_order_make(cloud, &order, error)
-                                        : error_memory(error, cloud->count * 2 * sizeof *ordered);
+    bat_status status =
+        ordered != NULL ? spatial_order_make(cloud, &order, error) : error_memory(error, cloud->count * 2 * sizeof *ordered);
     if (status == BAT_OK)
-        status = make_rows(&order.cloud, &order.tree, options, &rows, error);
+        status = weights_make(&order.cloud, &order.tree, options, &rows, error);
     if (status == BAT_OK)
-        status = weights_join(&order.cloud, &rows, error);
-    if (status == BAT_OK)
-        status = averages_solve(&order.cloud, &rows, boundary, false, ordered, error);
+    {
+        memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
+        status = averages_solve(&order.cloud, &rows, NULL, false, ordered, error);
+    }
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
     sparse_rows_free(&rows);

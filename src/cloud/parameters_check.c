@@ -142,8 +142,8 @@ bat_status bat_parameters_check(const bat_cloud *cloud, const double *parameters
     fold_finder finder = {0};
     parameter_faults faults = {0};
     double *ordered = memory_array(cloud->count, 2 * sizeof *ordered);
-    bat_status status = ordered != NULL ? parameters_check_cloud(cloud, error)
-                                        : error_memory(error, cloud->count * 2 * sizeof *ordered);
+    bat_status status =
+        ordered != NULL ? parameters_check_cloud(cloud, error) : error_memory(error, cloud->count * 2 * sizeof *ordered);
     if (status == BAT_OK)
         status = fold_finder_make(cloud, &finder, error);
     if (status == BAT_OK)

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/threads.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -140,5 +141,36 @@ bat_status weights_build(const weight_source *source, weight_maker *maker, int t
         weight_chunk_free(&chunks[c]);
     free(chunks);
     free(lengths);
+    return status;
+}
+
+double weights_longest_side(const bat_cloud *cloud)
+{
+    double longest = 0;
+    for (size_t c = 0; c < 3; c++)
+    {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < cloud->count; i++)
+        {
+            low = fmin(low, cloud->points[3 * i + c]);
+            high = fmax(high, cloud->points[3 * i + c]);
+        }
+        longest = fmax(longest, high - low);
+    }
+    return longest;
+}
+
+bat_status weights_make(const bat_cloud *cloud, const neighbour_tree *tree, const bat_parameterize_options *options,
+                        sparse_rows *rows, bat_error *error)
+{
+    weight_source source = {
+        .cloud = cloud, .tree = tree, .method = options->method, .radius = options->radius * weights_longest_side(cloud)};
+    bool star = options->method == BAT_PARAMETERIZE_SHAPE_PRESERVING;
+    bat_status status =
+        options->method == BAT_PARAMETERIZE_MEAN_VALUE
+            ? weights_of_triangles(cloud, rows, error)
+            : weights_build(&source, star ? weights_of_star : weights_of_nearest, options->threads, rows, error);
+    if (status == BAT_OK)
+        status = weights_join(cloud, rows, error);
     return status;
 }

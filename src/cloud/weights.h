@@ -46,6 +46,11 @@ bat_status weight_chunk_reserve(weight_chunk *chunk, size_t more, bat_error *err
 typedef bat_status weight_maker(const weight_source *source, weight_scratch *scratch, size_t point, weight_chunk *chunk,
                                 bat_error *error);
 
+/// All rows by the method of the options, with a radius of each point's own, every point joined to the boundary.
+/// @return BAT_OK; BAT_NO_CONVERGENCE for mean values at a point without triangles; BAT_NO_MEMORY
+bat_status weights_make(const bat_cloud *cloud, const neighbour_tree *tree, const bat_parameterize_options *options,
+                        sparse_rows *rows, bat_error *error);
+
 /// All rows, by some threads.
 bat_status weights_build(const weight_source *source, weight_maker *maker, int threads, sparse_rows *rows, bat_error *error);
 
@@ -75,6 +80,9 @@ bat_status weights_find_unjoined(const bat_cloud *cloud, const sparse_rows *rows
 /// Give points that no chain joins to the boundary their nearest neighbours among those that are joined, the closest first, until all
 /// are.
 bat_status weights_join(const bat_cloud *cloud, sparse_rows *rows, bat_error *error);
+
+/// The longest side of the box around the points.
+double weights_longest_side(const bat_cloud *cloud);
 
 /// The place of a point in the input.
 size_t weights_input_place(const bat_cloud *cloud, size_t point);

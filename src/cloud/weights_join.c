@@ -23,8 +23,8 @@ static bat_status mark_joined(const bat_cloud *cloud, const sparse_rows *rows, b
 {
     sparse_rows backward = {0};
     uint32_t *queue = memory_array(cloud->count, sizeof *queue);
-    bat_status status = queue != NULL ? sparse_rows_transpose(rows, &backward, error)
-                                      : error_memory(error, cloud->count * sizeof *queue);
+    bat_status status =
+        queue != NULL ? sparse_rows_transpose(rows, &backward, error) : error_memory(error, cloud->count * sizeof *queue);
     size_t end = 0;
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
     {

@@ -57,7 +57,8 @@ bat_status weights_of_triangulated_ball(const weight_source *source, weight_scra
     local_plane plane = local_plane_fit(points, near);
     for (size_t k = 0; k < near->count; k++)
         local_plane_project(&plane, place, points + 3 * (size_t)near->entries[k].item, scratch->planar[k]);
-    status = triangulated_star_find((const double(*)[2])scratch->planar, near->count, place_of(near, point), ring, &count, error);
+    status =
+        triangulated_star_find((const double(*)[2])scratch->planar, near->count, place_of(near, point), ring, &count, error);
     if (status == BAT_OK && count == 0)
         status = fail_at(source, point, error, "gives it fewer than three neighbours");
     return status == BAT_OK ? append_ring(source, near, point, ring, count, chunk, error) : status;

@@ -47,7 +47,8 @@ static bat_status direct_status(SuiteSparse_long result, bat_error *error)
 static bat_status direct_matrix_make(const sparse_rows *weights, direct_matrix *matrix, bat_error *error)
 {
     size_t count = weights->row_count, entries = weights->starts[count] + count, at = 0;
-    SuiteSparse_long *places = memory_array(entries, 2 * sizeof *places), *columns = places != NULL ? places + entries : NULL;
+    SuiteSparse_long *places = memory_array(entries, 2 * sizeof *places),
+                     *columns = places != NULL ? places + entries : NULL;
     double *values = memory_array(entries, sizeof *values);
     bat_status status = direct_matrix_allocate(count, entries, matrix, error);
     if (status == BAT_OK && (places == NULL || values == NULL))
@@ -64,9 +65,10 @@ static bat_status direct_matrix_make(const sparse_rows *weights, direct_matrix *
         }
     }
     if (status == BAT_OK)
-        status = direct_status(umfpack_dl_triplet_to_col(matrix->count, matrix->count, (SuiteSparse_long)entries, places,
-                                                         columns, values, matrix->starts, matrix->rows, matrix->values, NULL),
-                               error);
+        status =
+            direct_status(umfpack_dl_triplet_to_col(matrix->count, matrix->count, (SuiteSparse_long)entries, places, columns,
+                                                    values, matrix->starts, matrix->rows, matrix->values, NULL),
+                          error);
     free(places);
     free(values);
     return status;
@@ -84,9 +86,9 @@ static bat_status direct_solve_columns(const direct_matrix *matrix, void *numeri
     {
         for (size_t i = 0; i < count; i++)
             right[i] = constant[2 * i + c];
-        status = direct_status(umfpack_dl_solve(UMFPACK_A, matrix->starts, matrix->rows, matrix->values, column, right,
-                                                numeric, NULL, NULL),
-                               error);
+        status = direct_status(
+            umfpack_dl_solve(UMFPACK_A, matrix->starts, matrix->rows, matrix->values, column, right, numeric, NULL, NULL),
+            error);
         for (size_t i = 0; i < count && status == BAT_OK; i++)
             x[2 * i + c] = column[i];
     }
@@ -106,8 +108,8 @@ bat_status average_solve_direct(const sparse_rows *weights, const double *consta
                                                    &symbolic, NULL, NULL),
                                error);
     if (status == BAT_OK)
-        status = direct_status(
-            umfpack_dl_numeric(matrix.starts, matrix.rows, matrix.values, symbolic, &numeric, NULL, NULL), error);
+        status = direct_status(umfpack_dl_numeric(matrix.starts, matrix.rows, matrix.values, symbolic, &numeric, NULL, NULL),
+                               error);
     if (status == BAT_OK)
         status = direct_solve_columns(&matrix, numeric, constant, x, error);
     umfpack_dl_free_symbolic(&symbolic);

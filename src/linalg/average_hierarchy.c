@@ -153,7 +153,8 @@ static bat_status make_prolongation(const sparse_rows *matrix, const uint32_t *g
 }
 
 /// coarse = P^T A P
-static bat_status make_coarse(const sparse_rows *matrix, const sparse_rows *prolongation, sparse_rows *coarse, bat_error *error)
+static bat_status make_coarse(const sparse_rows *matrix, const sparse_rows *prolongation, sparse_rows *coarse,
+                              bat_error *error)
 {
     sparse_rows transposed = {0}, product = {0};
     bat_status status = sparse_rows_transpose(prolongation, &transposed, error);
@@ -185,7 +186,8 @@ static bat_status build_coarser(average_level *level, average_level *coarser, ba
     uint32_t gatherings = gather(&level->matrix, gathering, gathering + count);
     bat_status status = BAT_OK;
     if (gatherings > count / 10 * 9)
-        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the unknowns of a system of averages do not hang together");
+        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                           "the unknowns of a system of averages do not hang together");
     if (status == BAT_OK)
         status = make_prolongation(&level->matrix, gathering, gatherings, &level->prolongation, error);
     free(gathering);

@@ -11,9 +11,9 @@
 
 enum
 {
-    ITERATIONS = 100,   ///< of a run
-    RUNS = 8,           ///< each begins from the true residual
-    SLOW_RUNS = 2,      ///< runs that barely help are forgiven so often once the residual is small
+    ITERATIONS = 100, ///< of a run
+    RUNS = 8,         ///< each begins from the true residual
+    SLOW_RUNS = 2,    ///< runs that barely help are forgiven so often once the residual is small
     VECTORS = 7
 };
 
