@@ -107,9 +107,9 @@ bat_status bat_bezier_cloud(const bat_bezier_cloud_options *options, bat_random 
     if (status != BAT_OK)
         return status;
     size_t side = options->side > 0 ? options->side : 2 + (size_t)lround(sqrt((double)options->interior));
-    const size_t sides[2] = {side, side};
+    const size_t steps[4] = {side - 1, side - 1, side - 1, side - 1};
     sampled_cloud sampled;
-    status = sampled_cloud_make(sides, options->interior, &sampled, error);
+    status = sampled_cloud_make(steps, options->interior, &sampled, error);
     if (status != BAT_OK)
         return status;
     bezier_surface surface;

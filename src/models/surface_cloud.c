@@ -12,32 +12,24 @@ void sampled_cloud_free(sampled_cloud *sampled)
     *sampled = (sampled_cloud){0};
 }
 
-/// The number of points, if they and all sizes made of it can be counted.
-static bool count_points(const size_t sides[2], size_t interior, size_t *count)
+bat_status sampled_cloud_make(const size_t steps[4], size_t interior, sampled_cloud *sampled, bat_error *error)
 {
-    const size_t most = SIZE_MAX / (16 * sizeof(double));
-    if (sides[0] > most / 4 || sides[1] > most / 4 || interior > most)
-        return false;
-    *count = interior + 2 * (sides[0] - 1) + 2 * (sides[1] - 1);
-    return true;
-}
-
-bat_status sampled_cloud_make(const size_t sides[2], size_t interior, sampled_cloud *sampled, bat_error *error)
-{
-    size_t count, across = sides[0] - 1, up = sides[1] - 1;
-    if (!count_points(sides, interior, &count))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                         "a cloud cannot have %zu points inside and sides of %zu and %zu", interior, sides[0], sides[1]);
-    sampled_cloud made = {.cloud = {.points = memory_array(count, 3 * sizeof(double)),
-                                    .count = count,
-                                    .boundary_count = count - interior,
-                                    .corners = {0, across, across + up, 2 * across + up},
-                                    .has_corners = true},
-                          .parameters = memory_array(count, 2 * sizeof(double))};
+    const size_t most = SIZE_MAX / (16 * sizeof(double)) / 8;
+    bat_cloud cloud = {.has_corners = true};
+    for (int s = 0; s < 4; s++)
+    {
+        if (steps[s] > most || interior > most)
+            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a cloud of so many points cannot be counted");
+        cloud.corners[s] = cloud.boundary_count;
+        cloud.boundary_count += steps[s];
+    }
+    cloud.count = cloud.boundary_count + interior;
+    cloud.points = memory_array(cloud.count, 3 * sizeof(double));
+    sampled_cloud made = {.cloud = cloud, .parameters = memory_array(cloud.count, 2 * sizeof(double))};
     if (made.cloud.points == NULL || made.parameters == NULL)
     {
         sampled_cloud_free(&made);
-        return error_memory(error, count * 3 * sizeof(double));
+        return error_memory(error, cloud.count * 3 * sizeof(double));
     }
     *sampled = made;
     return BAT_OK;

@@ -13,10 +13,10 @@ typedef struct sampled_cloud
     double *parameters; ///< count x 2
 } sampled_cloud;
 
-/// Make room for a cloud whose boundary has sides[0] points on each side along the first parameter and sides[1] along the second, both
-/// corners included, and for `interior` points; its corners are set, parameters and points are not.
+/// Make room for a cloud with so many steps along each side of its boundary, at least 1, from (0, 0) counter-clockwise, and so many
+/// points inside. Its corners are set, parameters and points are not.
 /// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY
-bat_status sampled_cloud_make(const size_t sides[2], size_t interior, sampled_cloud *sampled, bat_error *error);
+bat_status sampled_cloud_make(const size_t steps[4], size_t interior, sampled_cloud *sampled, bat_error *error);
 void sampled_cloud_free(sampled_cloud *sampled);
 /// Hand the cloud over, and the parameters unless nobody wants them.
 void sampled_cloud_give(sampled_cloud *sampled, bat_cloud *cloud, double **parameters);
