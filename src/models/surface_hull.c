@@ -12,7 +12,7 @@ void hull_draw(bat_random *random, hull_form *hull)
                         .bilge = draw_between(random, 0.06, 0.09),
                         .bulb_length = draw_between(random, 0.04, 0.05),
                         .bulb_radius = draw_between(random, 0.015, 0.019),
-                        .bulb_height = draw_between(random, 0.2, 0.24),
+                        .bulb_height = draw_between(random, 0.17, 0.21),
                         .knuckle = draw_between(random, 0.09, 0.13),
                         .transom_height = draw_between(random, 0.055, 0.066),
                         .rise_begin = draw_between(random, 0.7, 0.76),

@@ -12,7 +12,7 @@ static const relief_bump FEATURES[] = {
     {0, -0.455, 0.20, 0.048, 0.026},   {0, -0.400, 0.25, 0.016, -0.022}, // between them
     {0, -0.57, 0.22, 0.05, -0.018},                                      // below
     {0, -0.74, 0.20, 0.12, 0.045},                                       // chin
-    {0, -0.25, 0.025, 0.06, -0.010},                                     // groove under the nose
+    {0, -0.25, 0.035, 0.06, -0.006},                                     // groove under the nose
 };
 
 static void add_bump(relief_form *relief, relief_bump bump)
