@@ -1,0 +1,192 @@
+#include "draw/surface_scene.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "draw/colour_scale.h"
+#include "draw/mesh_raster.h"
+#include "draw/mesh_shade.h"
+#include "draw/pixel_image.h"
+#include "draw/surface_dots.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/// The share of its frame that a cloud fills, as a guess.
+#define FILLED_SHARE 0.65
+/// A dot is hidden when the surface is so much nearer to the eye, as a share of the frame, beyond the dot's own distance.
+#define HIDDEN_SHARE 0.02
+#define BOUNDARY_LINE 0.42
+
+static const draw_colour COLOUR_NEAR = {0.05, 0.17, 0.35};
+static const draw_colour COLOUR_FAR = {0.70, 0.79, 0.88};
+
+/// An image of a row's points or surface.
+typedef struct panel_image
+{
+    const surface_row *row;
+    size_t columns, rows;
+    double per_point;
+    mesh_placing placing;
+    double highest;      ///< of the colours for errors
+    const double *blank; ///< NaN at every vertex of the surface, for a grey one
+} panel_image;
+
+static panel_image image_of(const surface_row *row, const pixel_box *place)
+{
+    return (panel_image){.row = row,
+                         .columns = place->columns,
+                         .rows = place->rows,
+                         .per_point = place->per_point,
+                         .placing = mesh_frame_place(&row->frame, &row->view, place->columns, place->rows)};
+}
+
+/// The radius of dots that lie all over the frame.
+static double frame_radius(const panel_image *task, size_t count)
+{
+    const mesh_frame *frame = &task->row->frame;
+    double scale = task->placing.scale;
+    double area = scale * scale * (frame->high[0] - frame->low[0]) * (frame->high[1] - frame->low[1]);
+    return dot_radius(FILLED_SHARE * area, count, task->per_point);
+}
+
+/// The cloud's points where they are seen, ranked by depth.
+static bat_status place_dots(const panel_image *task, image_dot **dots, bat_error *error)
+{
+    const bat_cloud *cloud = task->row->panel->cloud;
+    *dots = memory_array(cloud->count, sizeof **dots);
+    if (*dots == NULL)
+        return error_memory(error, cloud->count * sizeof **dots);
+    for (size_t i = 0; i < cloud->count; i++)
+    {
+        double at[3];
+        mesh_place_point(&task->placing, cloud->points + 3 * i, at);
+        (*dots)[i] = (image_dot){at[0], at[1], at[2], i};
+    }
+    return BAT_OK;
+}
+
+static bat_status paint_cloud(const void *context, unsigned char *pixels, size_t stride, bat_error *error)
+{
+    const panel_image *task = context;
+    const bat_cloud *cloud = task->row->panel->cloud;
+    image_dot *dots;
+    bat_status status = place_dots(task, &dots, error);
+    if (status != BAT_OK)
+        return status;
+    dots_sort(dots, cloud->count);
+    dot_image image = {pixels, stride, task->columns, task->rows};
+    double farthest = dots[0].rank, depth = fmax(dots[cloud->count - 1].rank - farthest, 1e-300);
+    double radius = frame_radius(task, cloud->count);
+    for (size_t k = 0; k < cloud->count; k++)
+    {
+        double near = (dots[k].rank - farthest) / depth;
+        bool inside = dots[k].index >= cloud->boundary_count;
+        draw_colour colour = inside ? style_mix(COLOUR_NEAR, COLOUR_FAR, near)
+                                    : style_mix(COLOUR_BOUNDARY_POINT, COLOUR_PAPER, 0.5 + 0.5 * near);
+        dot_draw(&image, dots[k].x, dots[k].y, inside ? radius : BOUNDARY_POINT_GROWTH * radius, colour);
+    }
+    free(dots);
+    return BAT_OK;
+}
+
+bat_status surface_cloud_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
+                              bat_error *error)
+{
+    pixel_box place = pixel_box_align(cairo, per_point, box);
+    panel_image task = image_of(row, &place);
+    return pixel_image_draw(cairo, &place, paint_cloud, &task, error);
+}
+
+static bat_status paint_patch(const void *context, unsigned char *pixels, size_t stride, bat_error *error)
+{
+    const panel_image *task = context;
+    shade_task shade = {.mesh = &task->row->patch,
+                        .values = task->blank,
+                        .value_high = 1,
+                        .hollows = true,
+                        .boundaries = task->blank == NULL,
+                        .placing = task->placing,
+                        .line = BOUNDARY_LINE * task->per_point,
+                        .columns = task->columns,
+                        .rows = task->rows};
+    return mesh_shade(&shade, pixels, stride, error);
+}
+
+bat_status surface_patch_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
+                              bat_error *error)
+{
+    pixel_box place = pixel_box_align(cairo, per_point, box);
+    panel_image task = image_of(row, &place);
+    return pixel_image_draw(cairo, &place, paint_patch, &task, error);
+}
+
+/// Whether the surface is in front of a dot.
+static bool is_hidden(const panel_image *task, const mesh_raster *raster, const image_dot *dot, double distance)
+{
+    if (raster->faces == NULL ||
+        !(dot->x >= 0 && dot->x < (double)task->columns && dot->y >= 0 && dot->y < (double)task->rows))
+        return false;
+    size_t sample = (size_t)dot->y * task->columns + (size_t)dot->x;
+    double slack = HIDDEN_SHARE * fmax((double)task->columns, (double)task->rows) + task->placing.scale * distance;
+    return (double)raster->depths[sample] > dot->rank + slack;
+}
+
+/// Draw the dots that are not hidden, the farthest from the surface last.
+static void draw_errors(const panel_image *task, const mesh_raster *raster, image_dot *dots, const dot_image *image)
+{
+    const double *distances = task->row->panel->distances;
+    size_t count = task->row->panel->cloud->count, seen = 0;
+    double radius = frame_radius(task, count);
+    for (size_t i = 0; i < count; i++)
+        if (!is_hidden(task, raster, &dots[i], distances[i]))
+        {
+            dots[seen] = dots[i];
+            dots[seen++].rank = distances[i];
+        }
+    dots_sort(dots, seen);
+    for (size_t k = 0; k < seen; k++)
+    {
+        draw_colour light = colour_scale_at(dots[k].rank / task->highest);
+        draw_colour colour = {colour_encode(light.red), colour_encode(light.green), colour_encode(light.blue)};
+        dot_draw(image, dots[k].x, dots[k].y, radius, colour);
+    }
+}
+
+static bat_status paint_errors(const void *context, unsigned char *pixels, size_t stride, bat_error *error)
+{
+    const panel_image *task = context;
+    dot_image image = {pixels, stride, task->columns, task->rows};
+    image_dot *dots;
+    mesh_raster raster = {0};
+    bat_status status = place_dots(task, &dots, error);
+    if (status == BAT_OK && task->blank != NULL)
+        status = paint_patch(task, pixels, stride, error);
+    if (status == BAT_OK && task->blank != NULL)
+        status = mesh_raster_make(&task->row->patch, &task->placing, task->columns, task->rows, 0, &raster, error);
+    if (status == BAT_OK)
+        draw_errors(task, &raster, dots, &image);
+    mesh_raster_free(&raster);
+    free(dots);
+    return status;
+}
+
+bat_status surface_errors_draw(const surface_row *row, double highest, cairo_t *cairo, const double box[4], double per_point,
+                               bat_error *error)
+{
+    pixel_box place = pixel_box_align(cairo, per_point, box);
+    panel_image task = image_of(row, &place);
+    double *blank = NULL;
+    if (row->patch.face_count > 0)
+    {
+        blank = memory_array(row->patch.vertex_count, sizeof *blank);
+        if (blank == NULL)
+            return error_memory(error, row->patch.vertex_count * sizeof *blank);
+        for (size_t v = 0; v < row->patch.vertex_count; v++)
+            blank[v] = NAN;
+    }
+    task.highest = highest;
+    task.blank = blank;
+    bat_status status = pixel_image_draw(cairo, &place, paint_errors, &task, error);
+    free(blank);
+    return status;
+}
