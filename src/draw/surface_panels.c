@@ -13,9 +13,17 @@
 
 /// The share of its frame that a cloud fills, as a guess.
 #define FILLED_SHARE 0.65
+/// Dots that show errors are so many times as large as a cloud's, and stand out from white paper by an edge of so many points.
+#define ERROR_GROWTH 1.25
+#define ERROR_EDGE 0.4
+/// A dot lies behind others when one in its cell, so many of its diameters wide, is nearer to the eye by this share of the picture; it is
+/// drawn with less colour.
+#define CELL_DIAMETERS 2.2
+#define BEHIND_SHARE 0.07
+#define BEHIND_STRENGTH 0.3
 /// A dot is hidden when the surface is so much nearer to the eye, as a share of the frame, beyond the dot's own distance.
 #define HIDDEN_SHARE 0.02
-#define BOUNDARY_LINE 0.42
+#define BOUNDARY_LINE 0.34
 
 static const draw_colour COLOUR_NEAR = {0.05, 0.17, 0.35};
 static const draw_colour COLOUR_FAR = {0.70, 0.79, 0.88};
@@ -65,28 +73,78 @@ static bat_status place_dots(const panel_image *task, image_dot **dots, bat_erro
     return BAT_OK;
 }
 
+/// Depths of the nearest dots in square cells.
+typedef struct depth_cells
+{
+    double side;
+    size_t columns, rows;
+    double *nearest;
+} depth_cells;
+
+static double *depth_at(const depth_cells *cells, const image_dot *dot)
+{
+    size_t column = (size_t)fmin(fmax(dot->x / cells->side, 0), (double)(cells->columns - 1));
+    size_t row = (size_t)fmin(fmax(dot->y / cells->side, 0), (double)(cells->rows - 1));
+    return &cells->nearest[row * cells->columns + column];
+}
+
+static bat_status find_depths(const panel_image *task, const image_dot *dots, double radius, depth_cells *cells,
+                              bat_error *error)
+{
+    double side = CELL_DIAMETERS * 2 * radius;
+    *cells = (depth_cells){.side = side,
+                           .columns = (size_t)((double)task->columns / side) + 1,
+                           .rows = (size_t)((double)task->rows / side) + 1};
+    size_t count = cells->columns * cells->rows;
+    cells->nearest = memory_array(count, sizeof *cells->nearest);
+    if (cells->nearest == NULL)
+        return error_memory(error, count * sizeof *cells->nearest);
+    for (size_t i = 0; i < count; i++)
+        cells->nearest[i] = -HUGE_VAL;
+    for (size_t i = 0; i < task->row->panel->cloud->count; i++)
+    {
+        double *nearest = depth_at(cells, &dots[i]);
+        *nearest = fmax(*nearest, dots[i].rank);
+    }
+    return BAT_OK;
+}
+
+/// Draw sorted dots, the nearer the darker; those behind others faintly.
+static void draw_cloud(const panel_image *task, const image_dot *dots, const depth_cells *cells, double radius,
+                       const dot_image *image)
+{
+    const bat_cloud *cloud = task->row->panel->cloud;
+    double farthest = dots[0].rank, depth = fmax(dots[cloud->count - 1].rank - farthest, 1e-300);
+    double slack = BEHIND_SHARE * fmax((double)task->columns, (double)task->rows);
+    for (size_t k = 0; k < cloud->count; k++)
+    {
+        double near = (dots[k].rank - farthest) / depth;
+        bool inside = dots[k].index >= cloud->boundary_count, behind = *depth_at(cells, &dots[k]) > dots[k].rank + slack;
+        draw_colour colour = inside ? style_mix(COLOUR_NEAR, COLOUR_FAR, near) : COLOUR_BOUNDARY_POINT;
+        if (behind)
+            colour = style_mix(colour, COLOUR_PAPER, BEHIND_STRENGTH);
+        dot_draw(image, dots[k].x, dots[k].y, inside ? radius : BOUNDARY_POINT_GROWTH * radius, colour);
+    }
+}
+
 static bat_status paint_cloud(const void *context, unsigned char *pixels, size_t stride, bat_error *error)
 {
     const panel_image *task = context;
-    const bat_cloud *cloud = task->row->panel->cloud;
+    size_t count = task->row->panel->cloud->count;
     image_dot *dots;
     bat_status status = place_dots(task, &dots, error);
     if (status != BAT_OK)
         return status;
-    dots_sort(dots, cloud->count);
+    dots_sort(dots, count);
     dot_image image = {pixels, stride, task->columns, task->rows};
-    double farthest = dots[0].rank, depth = fmax(dots[cloud->count - 1].rank - farthest, 1e-300);
-    double radius = frame_radius(task, cloud->count);
-    for (size_t k = 0; k < cloud->count; k++)
-    {
-        double near = (dots[k].rank - farthest) / depth;
-        bool inside = dots[k].index >= cloud->boundary_count;
-        draw_colour colour = inside ? style_mix(COLOUR_NEAR, COLOUR_FAR, near)
-                                    : style_mix(COLOUR_BOUNDARY_POINT, COLOUR_PAPER, 0.5 + 0.5 * near);
-        dot_draw(&image, dots[k].x, dots[k].y, inside ? radius : BOUNDARY_POINT_GROWTH * radius, colour);
-    }
+    double radius = frame_radius(task, count);
+    depth_cells cells;
+    status = find_depths(task, dots, radius, &cells, error);
+    if (status == BAT_OK)
+        draw_cloud(task, dots, &cells, radius, &image);
+    free(cells.nearest);
     free(dots);
-    return BAT_OK;
+    return status;
 }
 
 bat_status surface_cloud_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
@@ -136,7 +194,7 @@ static void draw_errors(const panel_image *task, const mesh_raster *raster, imag
 {
     const double *distances = task->row->panel->distances;
     size_t count = task->row->panel->cloud->count, seen = 0;
-    double radius = frame_radius(task, count);
+    double radius = ERROR_GROWTH * frame_radius(task, count);
     for (size_t i = 0; i < count; i++)
         if (!is_hidden(task, raster, &dots[i], distances[i]))
         {
@@ -144,6 +202,8 @@ static void draw_errors(const panel_image *task, const mesh_raster *raster, imag
             dots[seen++].rank = distances[i];
         }
     dots_sort(dots, seen);
+    for (size_t k = 0; k < seen && raster->faces == NULL; k++)
+        dot_draw(image, dots[k].x, dots[k].y, radius + ERROR_EDGE * task->per_point, COLOUR_FRAME);
     for (size_t k = 0; k < seen; k++)
     {
         draw_colour light = colour_scale_at(dots[k].rank / task->highest);

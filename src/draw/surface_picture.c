@@ -21,7 +21,7 @@
 /// The greatest and the least height of a panel over its width.
 #define TALLEST 1.35
 #define FLATTEST 0.45
-#define TITLE_ROOM 17.0
+#define TITLE_ROOM 20.0
 /// The share of distances within the colour scale.
 #define SCALED_SHARE 0.99
 
@@ -236,7 +236,7 @@ static void draw_title(const surface_scene *scene, cairo_t *cairo, const char *t
     text_use(cairo, TEXT_TITLE, true);
     style_use_colour(cairo, COLOUR_INK);
     text_cut(cairo, title, box[2] * (double)scene->columns, cut, sizeof cut);
-    text_draw(cairo, cut, box[0], box[1] + 0.6 * TITLE_ROOM, 0);
+    text_draw(cairo, cut, box[0], box[1] + 0.5 * TITLE_ROOM, 0);
 }
 
 static bat_status draw_panel(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)

@@ -12,6 +12,9 @@
 #define OPEN_SHARE 0.35
 /// It bulges when its middle is farther from its boundary's than this share of its size.
 #define BULGE_SHARE 0.01
+/// It is deep when that distance is more than this share of its size, and leans when it is so much out of line.
+#define DEEP_SHARE 1.5
+#define LEAN_SHARE 0.15
 
 static bool normalize(double v[3])
 {
@@ -74,6 +77,30 @@ static void vector_area(const patch_points *patch, const double middle[3], doubl
     }
 }
 
+/// The normal that points to the side to which the patch bulges.
+static void face_bulge(const patch_points *patch, const double bulge[3], double size, double normal[3])
+{
+    double outwards = vector3_dot(bulge, normal);
+    int steepest = fabs(normal[0]) > fabs(normal[1]) ? 0 : 1;
+    steepest = fabs(normal[2]) > fabs(normal[steepest]) ? 2 : steepest;
+    bool bulges = patch->loop_count > 0 && fabs(outwards) > BULGE_SHARE * size;
+    bool away = bulges ? outwards < 0 : patch->loop_count == 0 && normal[steepest] < 0;
+    for (int c = 0; c < 3 && away; c++)
+        normal[c] = -normal[c];
+}
+
+/// A patch as deep as a head above its neck is seen from the side to which it leans.
+static void face_lean(const double bulge[3], double size, double normal[3])
+{
+    double deep = vector3_dot(bulge, normal), lean[3];
+    for (int c = 0; c < 3; c++)
+        lean[c] = bulge[c] - deep * normal[c];
+    if (deep < DEEP_SHARE * size || sqrt(vector3_dot(lean, lean)) < LEAN_SHARE * deep || !normalize(lean))
+        return;
+    for (int c = 0; c < 3; c++)
+        normal[c] = lean[c];
+}
+
 /// Where the patch faces.
 static void find_normal(const patch_points *patch, double normal[3])
 {
@@ -88,13 +115,9 @@ static void find_normal(const patch_points *patch, double normal[3])
         for (int c = 0; c < 3; c++)
             normal[c] = axes[0][c];
     vector3_subtract(mean, middle, bulge);
-    double outwards = patch->loop_count > 0 ? vector3_dot(bulge, normal) : 0;
-    int steepest = fabs(normal[0]) > fabs(normal[1]) ? 0 : 1;
-    steepest = fabs(normal[2]) > fabs(normal[steepest]) ? 2 : steepest;
-    bool away =
-        fabs(outwards) > BULGE_SHARE * sqrt(variances[2]) ? outwards < 0 : patch->loop_count == 0 && normal[steepest] < 0;
-    for (int c = 0; c < 3 && away; c++)
-        normal[c] = -normal[c];
+    face_bulge(patch, bulge, sqrt(variances[2]), normal);
+    if (patch->loop_count > 0)
+        face_lean(bulge, sqrt(variances[2]), normal);
 }
 
 static bool is_given(const double direction[3])

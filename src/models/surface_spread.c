@@ -9,8 +9,8 @@
 
 /// The grid on which lengths and areas are measured.
 #define CELLS 192
-/// Points leave the middles of their cells by up to half of this share.
-#define JITTER 0.7
+/// Points leave their places in the pattern by up to half of this share of the distance between neighbours.
+#define JITTER 0.6
 
 /// Sums of lengths along both ways of a grid over the square, and of areas, from which parameters are found again.
 typedef struct measured_surface
@@ -163,9 +163,9 @@ static double leave_ends(double share, double step)
     return margin + (1 - 2 * margin) * share;
 }
 
-static double jittered(size_t index, size_t count, bat_random *random)
+static double jittered(double place, size_t count, bat_random *random)
 {
-    return ((double)index + 0.5 + JITTER * (bat_random_uniform(random) - 0.5)) / (double)count;
+    return fmin(fmax((place + JITTER * (bat_random_uniform(random) - 0.5)) / (double)count, 0), 1);
 }
 
 /// Find the parameters of the points inside.
@@ -184,9 +184,11 @@ static void spread_inside(const measured_surface *measured, double distance, bat
         size_t until = (size_t)fmin(rint(share * (double)interior), (double)interior), count = until - done;
         for (size_t i = 0; i < count; i++, parameter += 2)
         {
-            double place = place_of_share(measured->length, leave_ends(jittered(strip, strips, random), step));
+            double place = place_of_share(measured->length, leave_ends(jittered((double)strip + 0.5, strips, random), step));
             size_t cell = (size_t)fmin(place * CELLS, CELLS - 1);
-            double across = leave_ends(jittered(i, count, random), distance / measured->width[cell]);
+            // Points of a strip face the gaps of the one before.
+            double stagger = strip % 2 == 0 ? 0.25 : 0.75;
+            double across = leave_ends(jittered((double)i + stagger, count, random), distance / measured->width[cell]);
             parameter[measured->along] = place;
             parameter[1 - measured->along] = place_of_share(measured->across[cell], across);
         }
