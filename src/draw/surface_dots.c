@@ -6,7 +6,7 @@
 
 /// Dots cover about this share of where they lie, within these radii in points.
 #define COVERAGE 0.42
-#define LEAST_RADIUS 0.42
+#define LEAST_RADIUS 0.34
 #define MOST_RADIUS 1.7
 
 double dot_radius(double area, size_t count, double per_point)
