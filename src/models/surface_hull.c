@@ -83,7 +83,7 @@ void hull_at(const hull_form *hull, const double parameter[2], double point[3])
     // The bulb's waterlines begin on a circle: tanh^2 + sech^2 = 1.
     double bulb = bell(v - hull->bulb_height, 0.13), round = u / 0.03;
     double nose = hull->bulb_length * bulb / cosh(round);
-    double swell = hull->bulb_radius * bulb * tanh(round) * bell(u, 0.2);
+    double swell = hull->bulb_radius * bulb * tanh(v / 0.08) * tanh(round) * bell(u, 0.2);
     // Above the line of the knuckle the flare turns back towards the vertical.
     double turned = ramp_from(v, 0.8, 0.008) * hull->knuckle * tanh(u / 0.04) * bell(u, 0.24);
     double overhang = hull->rake * v * v * v * bell(u, 0.2) - 0.02 * v * pow(u, 8);
