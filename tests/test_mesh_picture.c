@@ -200,7 +200,7 @@ static void rasters_cover_and_hide(void **state)
     uint32_t faces[] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7, 4, 5, 6};
     bat_mesh mesh = {.positions = positions, .vertex_count = 8, .faces = faces, .face_count = 5};
     mesh_view view = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    raster_placing placing = {.view = &view, .scale = 1, .origin = {1, 9}};
+    mesh_placing placing = {.view = &view, .scale = 1, .origin = {1, 9}};
     mesh_raster raster;
     assert_int_equal(mesh_raster_make(&mesh, &placing, 10, 10, 1, &raster, NULL), BAT_OK);
     for (size_t y = 0; y < 10; y++)
