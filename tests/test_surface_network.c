@@ -111,10 +111,84 @@ static void an_independent_program_agrees(void **state)
     safetensors_free(&content);
 }
 
+// What holds of any weights
+
+static surface_sample random_sample(size_t points, uint64_t seed)
+{
+    surface_sample_range range = {
+        .least_points = points, .most_points = points, .least_degree = 2, .most_degree = 2, .noise = 0.01};
+    bat_random random = bat_random_seed(seed);
+    surface_sample sample;
+    check_status(surface_sample_draw(&range, &random, &sample, NULL), BAT_OK);
+    return sample;
+}
+
+/// Weights of no special kind: gains and shifts too.
+static learn_parameters random_weights(const surface_network_kind *kind, uint64_t seed)
+{
+    learn_parameters parameters = {0};
+    bat_random random = bat_random_seed(seed);
+    check_status(kind->make(&parameters, NULL), BAT_OK);
+    kind->start(&parameters, seed);
+    for (size_t i = 0; i < parameters.total; i++)
+        parameters.values[i] += (real)(0.05 * bat_random_normal(&random));
+    return parameters;
+}
+
+static void predict(const surface_network_kind *kind, const learn_parameters *parameters, const surface_sample *sample,
+                    double *interior)
+{
+    learn_tape tape = learn_tape_make();
+    learn_tape_begin(&tape, parameters, NULL);
+    const learn_array *made = kind->predict(&tape, &sample->cloud, sample->parameters);
+    check_status(learn_tape_status(&tape, NULL), BAT_OK);
+    assert_int_equal(made->rows, sample->cloud.count - sample->cloud.boundary_count);
+    for (size_t i = 0; i < 2 * made->rows; i++)
+        interior[i] = (double)made->value[i];
+    learn_tape_free(&tape);
+}
+
+static void infer(const surface_network_kind *kind, const learn_parameters *parameters, const surface_sample *sample,
+                  int threads, double *interior)
+{
+    void *network;
+    check_status(kind->make_network(parameters, &network, NULL), BAT_OK);
+    check_status(kind->infer(network, &sample->cloud, sample->parameters, threads, interior, NULL), BAT_OK);
+    kind->free_network(network);
+}
+
+static void inference_says_the_same_on_any_number_of_threads(void **state)
+{
+    (void)state;
+    static const surface_network_kind *const kinds[] = {&surface_network_published, &surface_network_uninformed};
+    static const size_t points[] = {1, 5, 50, 97, 1000, 1500};
+    for (size_t k = 0; k < 2; k++)
+        for (size_t i = 0; i < sizeof points / sizeof *points; i++)
+        {
+            surface_sample sample = random_sample(points[i], 7 * i + k);
+            learn_parameters parameters = random_weights(kinds[k], i);
+            double *one = test_memory(points[i], 2 * sizeof *one), *many = test_memory(points[i], 2 * sizeof *many);
+            double *tape = test_memory(points[i], 2 * sizeof *tape);
+            infer(kinds[k], &parameters, &sample, 1, one);
+            infer(kinds[k], &parameters, &sample, 3, many);
+            predict(kinds[k], &parameters, &sample, tape);
+            assert_memory_equal(one, many, 2 * points[i] * sizeof *one);
+            // In single precision a neighbour on the rim may be one here and none there.
+            for (size_t j = 0; j < 2 * points[i]; j++)
+                check_near(one[j], tape[j], DOUBLE ? 1e-11 : 2e-3);
+            free(one);
+            free(many);
+            free(tape);
+            learn_parameters_free(&parameters);
+            surface_sample_free(&sample);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_independent_program_agrees),
+        cmocka_unit_test(inference_says_the_same_on_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,9 +35,14 @@ surface_sources surface_sources_make(const real *points, size_t count, size_t wi
     return (surface_sources){points, count, width, product, sqrt(longest)};
 }
 
-/// Which products lie above a bound: `count` numbers, a multiple of 32, as bits.
-LANES_CLONES
-static void compare(size_t count, const real *restrict products, real bound, uint32_t *restrict bits)
+enum
+{
+    CHUNK = 1024, ///< sources that targets are compared with together, so that both stay in the nearest caches
+    CHUNK_WORDS = CHUNK / SURFACE_WORD
+};
+
+/// Which of the next `count` products, a multiple of 32, are not below a bound.
+static inline void compare(size_t count, const real *restrict products, real bound, uint32_t *restrict bits)
 {
     for (size_t begin = 0; begin < count; begin += 32)
     {
@@ -80,56 +85,62 @@ static bounds bounds_of(const surface_sources *sources, const real *target, doub
     return (bounds){(real)(bound + slack), (real)(bound - slack)};
 }
 
-/// The bits of one target; returns how many.
-static uint32_t find(const surface_sources *sources, const real *target, double radius, const real *products, uint64_t *bits)
+/// The bits of one target among a chunk's sources; returns how many.
+LANES_CLONES
+static uint32_t find(const surface_sources *sources, const real *target, double radius, size_t first, size_t columns,
+                     const real *products, uint64_t *bits)
 {
-    enum
-    {
-        RUN = 16 ///< words looked at together
-    };
     bounds b = bounds_of(sources, target, radius);
-    size_t columns = sources->product.columns, words = surface_words(sources->count);
-    uint32_t degree = 0;
-    for (size_t begin = 0; begin < words; begin += RUN)
+    uint32_t degree = 0, surely[2 * CHUNK_WORDS] = {0}, perhaps[2 * CHUNK_WORDS] = {0};
+    compare(columns, products, b.surely, surely);
+    compare(columns, products, b.perhaps, perhaps);
+    for (size_t w = 0; w < (columns + SURFACE_WORD - 1) / SURFACE_WORD; w++)
     {
-        size_t end = begin + RUN < words ? begin + RUN : words, first = begin * SURFACE_WORD;
-        size_t count = (end * SURFACE_WORD < columns ? end * SURFACE_WORD : columns) - first;
-        uint32_t surely[2 * RUN] = {0}, perhaps[2 * RUN] = {0};
-        compare(count, products + first, b.surely, surely);
-        compare(count, products + first, b.perhaps, perhaps);
-        for (size_t w = begin; w < end; w++)
+        uint64_t sure = surely[2 * w] | (uint64_t)surely[2 * w + 1] << 32;
+        uint64_t open = (perhaps[2 * w] | (uint64_t)perhaps[2 * w + 1] << 32) & ~sure;
+        for (; open != 0; open &= open - 1)
         {
-            size_t at = 2 * (w - begin);
-            uint64_t sure = surely[at] | (uint64_t)surely[at + 1] << 32;
-            uint64_t open = (perhaps[at] | (uint64_t)perhaps[at + 1] << 32) & ~sure;
-            for (; open != 0; open &= open - 1)
-            {
-                size_t bit = (size_t)__builtin_ctzll(open);
-                sure |= (uint64_t)is_near(sources, target, w * SURFACE_WORD + bit, radius) << bit;
-            }
-            bits[w] = sure;
-            degree += (uint32_t)__builtin_popcountll(sure);
+            size_t bit = (size_t)__builtin_ctzll(open);
+            sure |= (uint64_t)is_near(sources, target, first + w * SURFACE_WORD + bit, radius) << bit;
         }
+        bits[w] = sure;
+        degree += (uint32_t)__builtin_popcountll(sure);
     }
     return degree;
 }
 
-void surface_neighbours(const surface_sources *sources, const real *targets, size_t rows, double radius, real *scratch,
-                        uint64_t *bits, uint32_t *degrees)
+/// The part of a layer that begins at a column, a multiple of the panel's.
+static learn_packed columns_of(const learn_packed *layer, size_t first, size_t columns)
 {
-    size_t width = sources->width;
-    _Alignas(64) real tile[SURFACE_ROWS * SURFACE_WIDTH] = {0};
-    assert(rows <= SURFACE_ROWS);
-    const real *x = targets;
-    if (rows < SURFACE_ROWS)
+    learn_packed part = *layer;
+    part.weight += first / LEARN_PANEL * layer->panel_stride;
+    part.bias += first;
+    part.columns = columns;
+    return part;
+}
+
+void surface_neighbours(const surface_sources *sources, const real *targets, size_t rows, double radius, uint64_t *bits,
+                        uint32_t *degrees)
+{
+    size_t width = sources->width, words = surface_words(sources->count), all = sources->product.columns;
+    _Alignas(64) real tile[LEARN_TILE * SURFACE_WIDTH] = {0}, products[LEARN_TILE * CHUNK];
+    memset(degrees, 0, rows * sizeof *degrees);
+    for (size_t first = 0; first < all; first += CHUNK)
     {
-        memcpy(tile, targets, rows * width * sizeof *tile);
-        x = tile;
+        size_t columns = all - first < CHUNK ? all - first : CHUNK;
+        learn_packed part = columns_of(&sources->product, first, columns);
+        for (size_t begin = 0; begin < rows; begin += LEARN_TILE)
+        {
+            size_t count = rows - begin < LEARN_TILE ? rows - begin : LEARN_TILE;
+            const real *x = targets + begin * width;
+            if (count < LEARN_TILE)
+                x = memcpy(tile, x, count * width * sizeof *tile);
+            learn_packed_linear(&part, LEARN_TILE, x, width, products);
+            for (size_t r = 0; r < count; r++)
+                degrees[begin + r] += find(sources, x + r * width, radius, first, columns, products + r * columns,
+                                           bits + (begin + r) * words + first / SURFACE_WORD);
+        }
     }
-    learn_packed_linear(&sources->product, SURFACE_ROWS, x, width, scratch);
-    for (size_t r = 0; r < rows; r++)
-        degrees[r] = find(sources, targets + r * width, radius, scratch + r * sources->product.columns,
-                          bits + r * surface_words(sources->count));
 }
 
 // Sums of features

@@ -15,9 +15,8 @@
 
 enum
 {
-    SURFACE_WIDTH = 64,       ///< of features
-    SURFACE_WORD = 64,        ///< sources in a word of bits
-    SURFACE_ROWS = LEARN_TILE ///< targets that are looked at together
+    SURFACE_WIDTH = 64, ///< of features
+    SURFACE_WORD = 64   ///< sources in a word of bits
 };
 
 static inline size_t surface_words(size_t sources)
@@ -40,20 +39,12 @@ size_t surface_sources_size(size_t count, size_t width);
 /// @param memory surface_sources_size() numbers, aligned to 64 bytes
 surface_sources surface_sources_make(const real *points, size_t count, size_t width, real *memory);
 
-/// Numbers of scratch memory that surface_neighbours() needs.
-static inline size_t surface_scratch_size(const surface_sources *sources)
-{
-    return SURFACE_ROWS * sources->product.columns;
-}
-
 /// The neighbours of a run of targets.
 /// @param targets rows x sources->width
-/// @param rows    at most SURFACE_ROWS
-/// @param scratch surface_scratch_size() numbers, aligned to 64 bytes
 /// @param bits    receives rows x surface_words(sources->count); bits behind the last source are 0
 /// @param degrees receives how many neighbours each has
-void surface_neighbours(const surface_sources *sources, const real *targets, size_t rows, double radius, real *scratch,
-                        uint64_t *bits, uint32_t *degrees);
+void surface_neighbours(const surface_sources *sources, const real *targets, size_t rows, double radius, uint64_t *bits,
+                        uint32_t *degrees);
 
 /// Sums of features by words, for surface_sum(): words x SURFACE_WIDTH.
 /// @param features count x SURFACE_WIDTH

@@ -15,18 +15,12 @@ tape_graph tape_graph_make(learn_tape *tape, const learn_array *targets, const l
     size_t width = sources->columns;
     assert(tape->status != BAT_OK || (targets->columns == width && width <= W));
     real *memory = learn_tape_memory(tape, surface_sources_size(sources->rows, width), sizeof *memory);
-    real *scratch = learn_tape_memory(tape, learn_whole_panels(sources->rows), SURFACE_ROWS * sizeof *scratch);
     graph.bits = learn_tape_memory(tape, graph.targets, graph.words * sizeof *graph.bits);
     graph.degrees = learn_tape_memory(tape, graph.targets, sizeof *graph.degrees);
     if (tape->status != BAT_OK)
         return (tape_graph){0};
     surface_sources laid_out = surface_sources_make(sources->value, sources->rows, width, memory);
-    for (size_t i = 0; i < graph.targets; i += SURFACE_ROWS)
-    {
-        size_t left = graph.targets - i, rows = left < SURFACE_ROWS ? left : SURFACE_ROWS;
-        surface_neighbours(&laid_out, targets->value + i * width, rows, radius, scratch, graph.bits + i * graph.words,
-                           graph.degrees + i);
-    }
+    surface_neighbours(&laid_out, targets->value, graph.targets, radius, graph.bits, graph.degrees);
     for (size_t i = 0; i < graph.targets; i++)
         graph.edges += graph.degrees[i];
     return graph;
