@@ -116,6 +116,8 @@ bat_status bezier_fit_make(const double *points, const double *parameters, size_
     else
     {
         collocate(parameters, count, fit->patch.degree, matrix);
+        // Rows without a point are those that LAPACK puts the solution in.
+        memset(sides, 0, 3 * leading * sizeof *sides);
         for (size_t i = 0; i < 3 * count; i++)
             sides[i % 3 * leading + i / 3] = points[i];
         status = solve(count, columns, matrix, sides, error);
