@@ -145,15 +145,6 @@ void surface_neighbours(const surface_sources *sources, const real *targets, siz
 
 // Sums of features
 
-enum
-{
-    LANES = 64 / sizeof(real),
-    VECTORS = SURFACE_WIDTH / LANES
-};
-
-/// Compilers make what the machine has of it.
-typedef real wide __attribute__((vector_size(64), aligned(sizeof(real)), may_alias));
-
 LANES_CLONES
 static void word_sums_of(const real *features, size_t count, real *sums)
 {
@@ -175,9 +166,9 @@ void surface_word_sums(const real *features, size_t count, real *sums)
 LANES_CLONES
 static void sum_of(const uint64_t *bits, const real *features, size_t count, const real *word_sums, real *sum)
 {
-    wide total[VECTORS];
-    for (size_t v = 0; v < VECTORS; v++)
-        total[v] = (wide){0};
+    surface_lanes total[SURFACE_VECTORS];
+    for (size_t v = 0; v < SURFACE_VECTORS; v++)
+        total[v] = (surface_lanes){0};
     for (size_t w = 0; w < surface_words(count); w++)
     {
         const real *rows = features + w * SURFACE_WORD * SURFACE_WIDTH;
@@ -187,22 +178,22 @@ static void sum_of(const uint64_t *bits, const real *features, size_t count, con
             for (; word != 0; word &= word - 1)
             {
                 const real *row = rows + (size_t)__builtin_ctzll(word) * SURFACE_WIDTH;
-                for (size_t v = 0; v < VECTORS; v++)
-                    total[v] += *(const wide *)(row + v * LANES);
+                for (size_t v = 0; v < SURFACE_VECTORS; v++)
+                    total[v] += *(const surface_lanes *)(row + v * SURFACE_LANES);
             }
             continue;
         }
-        for (size_t v = 0; v < VECTORS; v++)
-            total[v] += *(const wide *)(word_sums + w * SURFACE_WIDTH + v * LANES);
+        for (size_t v = 0; v < SURFACE_VECTORS; v++)
+            total[v] += *(const surface_lanes *)(word_sums + w * SURFACE_WIDTH + v * SURFACE_LANES);
         for (word = ~word; word != 0; word &= word - 1)
         {
             const real *row = rows + (size_t)__builtin_ctzll(word) * SURFACE_WIDTH;
-            for (size_t v = 0; v < VECTORS; v++)
-                total[v] -= *(const wide *)(row + v * LANES);
+            for (size_t v = 0; v < SURFACE_VECTORS; v++)
+                total[v] -= *(const surface_lanes *)(row + v * SURFACE_LANES);
         }
     }
-    for (size_t v = 0; v < VECTORS; v++)
-        *(wide *)(sum + v * LANES) = total[v];
+    for (size_t v = 0; v < SURFACE_VECTORS; v++)
+        *(surface_lanes *)(sum + v * SURFACE_LANES) = total[v];
 }
 
 void surface_sum(const uint64_t *bits, const real *features, size_t count, const real *word_sums, real *sum)

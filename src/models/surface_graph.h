@@ -19,6 +19,16 @@ enum
     SURFACE_WORD = 64   ///< sources in a word of bits
 };
 
+/// A few features at once: compilers make what the machine has of it.
+typedef real surface_lanes __attribute__((vector_size(64), aligned(sizeof(real)), may_alias));
+/// What comparisons of them give: all bits of a lane or none.
+typedef __typeof__((surface_lanes){0} > (surface_lanes){0}) surface_mask;
+enum
+{
+    SURFACE_LANES = sizeof(surface_lanes) / sizeof(real),
+    SURFACE_VECTORS = SURFACE_WIDTH / SURFACE_LANES ///< of a row of features
+};
+
 static inline size_t surface_words(size_t sources)
 {
     return (sources + SURFACE_WORD - 1) / SURFACE_WORD;

@@ -324,38 +324,29 @@ static void spread(const run *r, const double *boundary, size_t kind, const fold
     }
 }
 
-enum
-{
-    LANES = 64 / sizeof(real),
-    VECTORS = W / LANES
-};
-
-/// Compilers make what the machine has of it.
-typedef real lanes __attribute__((vector_size(64), aligned(sizeof(real)), may_alias));
-
 /// The sum over neighbours of max(0, begin + near_j).
 LANES_CLONES
 static void sum_messages(const uint64_t *bits, size_t words, const real *near, const real *begin, real *sum)
 {
-    lanes total[VECTORS], own[VECTORS];
-    for (size_t v = 0; v < VECTORS; v++)
+    surface_lanes total[SURFACE_VECTORS], own[SURFACE_VECTORS];
+    for (size_t v = 0; v < SURFACE_VECTORS; v++)
     {
-        total[v] = (lanes){0};
-        own[v] = *(const lanes *)(begin + v * LANES);
+        total[v] = (surface_lanes){0};
+        own[v] = *(const surface_lanes *)(begin + v * SURFACE_LANES);
     }
     for (size_t w = 0; w < words; w++)
         for (uint64_t word = bits[w]; word != 0; word &= word - 1)
         {
             const real *row = near + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * W;
-            for (size_t v = 0; v < VECTORS; v++)
+            for (size_t v = 0; v < SURFACE_VECTORS; v++)
             {
-                lanes z = own[v] + *(const lanes *)(row + v * LANES);
-                __typeof__(z > z) open = z > (lanes){0};
-                total[v] += (lanes)(open & (__typeof__(open))z);
+                surface_lanes z = own[v] + *(const surface_lanes *)(row + v * SURFACE_LANES);
+                surface_mask open = z > (surface_lanes){0};
+                total[v] += (surface_lanes)(open & (surface_mask)z);
             }
         }
-    for (size_t v = 0; v < VECTORS; v++)
-        *(lanes *)(sum + v * LANES) = total[v];
+    for (size_t v = 0; v < SURFACE_VECTORS; v++)
+        *(surface_lanes *)(sum + v * SURFACE_LANES) = total[v];
 }
 
 /// The mean over a point's neighbours of what the first layer says, 0 without neighbours.

@@ -84,142 +84,224 @@ learn_array *tape_graph_mean(learn_tape *tape, learn_array *x, const tape_graph 
 
 // Messages: z_ij = x_i + y_j for each edge, h_ij = (z_ij - mean) rate, and m_i = the mean over j of max(0, gain h_ij + shift)
 //   x and m targets x W, y sources x W, mean and rate 1 x W
+//
+// h_ij = own_i + near_j with own_i = (x_i - mean) rate and near_j = y_j rate.
 
 typedef struct messages
 {
     learn_array *x, *y, *gain, *shift, *m;
     tape_graph graph;
-    double mean[W], rate[W];
+    real *own, *near; ///< targets x W, sources x W
+    real *word_sums;
+    double rate[W];
 } messages;
 
-/// The next neighbour at or behind `*j`, which becomes the place behind it; false when there is none.
-static inline bool next_neighbour(const uint64_t *bits, size_t words, size_t *place, size_t *neighbour)
+enum
 {
-    size_t w = *place / SURFACE_WORD;
-    uint64_t word = w < words ? bits[w] >> (*place % SURFACE_WORD) << (*place % SURFACE_WORD) : 0;
-    while (word == 0 && ++w < words)
-        word = bits[w];
-    if (word == 0)
-        return false;
-    *neighbour = w * SURFACE_WORD + (size_t)__builtin_ctzll(word);
-    *place = *neighbour + 1;
-    return true;
+    LANES = SURFACE_LANES,
+    VECTORS = SURFACE_VECTORS
+};
+
+static inline const surface_lanes *lanes_of(const real *row, size_t v)
+{
+    return (const surface_lanes *)(row + v * LANES);
 }
+
+static inline surface_lanes *lanes_in(real *row, size_t v)
+{
+    return (surface_lanes *)(row + v * LANES);
+}
+
+static inline const real *row_of(const real *rows, size_t word, uint64_t bits)
+{
+    return rows + (word * SURFACE_WORD + (size_t)__builtin_ctzll(bits)) * W;
+}
+
+/// How many targets have each source for a neighbour.
+static void count_targets(const tape_graph *graph, uint32_t *counts)
+{
+    memset(counts, 0, graph->sources * sizeof *counts);
+    for (size_t i = 0; i < graph->targets; i++)
+        for (size_t w = 0; w < graph->words; w++)
+            for (uint64_t word = graph->bits[i * graph->words + w]; word != 0; word &= word - 1)
+                counts[w * SURFACE_WORD + (size_t)__builtin_ctzll(word)]++;
+}
+
+/// sum[c] += factor x[c]
+static inline void add_row(double factor, const real *x, double *sum)
+{
+    for (size_t c = 0; c < W; c++)
+        sum[c] += factor * (double)x[c];
+}
+
+/// The mean and variance of z over edges, from those of x and y and from the sums of x_i times y_j.
+static void find_statistics(const messages *m, const uint32_t *counts, double middle[W], double variance[W])
+{
+    const tape_graph *graph = &m->graph;
+    double mean_x[W] = {0}, mean_y[W] = {0}, edges = (double)graph->edges;
+    for (size_t i = 0; i < graph->targets; i++)
+        add_row(graph->degrees[i] / edges, m->x->value + i * W, mean_x);
+    for (size_t j = 0; j < graph->sources; j++)
+        add_row(counts[j] / edges, m->y->value + j * W, mean_y);
+    memset(variance, 0, W * sizeof *variance);
+    surface_word_sums(m->y->value, graph->sources, m->word_sums);
+    for (size_t i = 0; i < graph->targets; i++)
+    {
+        real sum[W];
+        double degree = graph->degrees[i];
+        surface_sum(graph->bits + i * graph->words, m->y->value, graph->sources, m->word_sums, sum);
+        for (size_t c = 0; c < W; c++)
+        {
+            double x = (double)m->x->value[i * W + c] - mean_x[c];
+            variance[c] += x * (degree * x + 2 * ((double)sum[c] - degree * mean_y[c])) / edges;
+        }
+    }
+    for (size_t j = 0; j < graph->sources; j++)
+        for (size_t c = 0; c < W; c++)
+        {
+            double y = (double)m->y->value[j * W + c] - mean_y[c];
+            variance[c] += counts[j] * y * y / edges;
+        }
+    for (size_t c = 0; c < W; c++)
+        middle[c] = mean_x[c] + mean_y[c];
+}
+
+static void normalize(messages *m, const uint32_t *counts)
+{
+    double middle[W], variance[W];
+    find_statistics(m, counts, middle, variance);
+    for (size_t c = 0; c < W; c++)
+        m->rate[c] = 1 / sqrt(fmax(variance[c], 0) + (double)NORMALIZATION_EPSILON);
+    for (size_t i = 0; i < m->graph.targets; i++)
+        for (size_t c = 0; c < W; c++)
+            m->own[i * W + c] = (real)(m->rate[c] * ((double)m->x->value[i * W + c] - middle[c]));
+    for (size_t j = 0; j < m->graph.sources; j++)
+        for (size_t c = 0; c < W; c++)
+            m->near[j * W + c] = (real)(m->rate[c] * (double)m->y->value[j * W + c]);
+}
+
+/// One target: sum = the sum over j of max(0, gain h_ij + shift).
+LANES_CLONES
+static void sum_messages(const messages *m, size_t i, real *sum)
+{
+    const uint64_t *bits = m->graph.bits + i * m->graph.words;
+    surface_lanes total[VECTORS], begin[VECTORS], gain[VECTORS];
+    for (size_t v = 0; v < VECTORS; v++)
+    {
+        total[v] = (surface_lanes){0};
+        gain[v] = *lanes_of(m->gain->value, v);
+        begin[v] = gain[v] * *lanes_of(m->own + i * W, v) + *lanes_of(m->shift->value, v);
+    }
+    for (size_t w = 0; w < m->graph.words; w++)
+        for (uint64_t word = bits[w]; word != 0; word &= word - 1)
+        {
+            const real *near = row_of(m->near, w, word);
+            for (size_t v = 0; v < VECTORS; v++)
+            {
+                surface_lanes said = gain[v] * *lanes_of(near, v) + begin[v];
+                total[v] += (surface_lanes)((said > (surface_lanes){0}) & (surface_mask)said);
+            }
+        }
+    for (size_t v = 0; v < VECTORS; v++)
+        *lanes_in(sum, v) = total[v];
+}
+
+/// One target's neighbours whose ReLUs let through: how many, and the sum of their near_j.
+LANES_CLONES
+static void sum_open(const messages *m, size_t i, real *count, real *sum)
+{
+    const uint64_t *bits = m->graph.bits + i * m->graph.words;
+    surface_lanes open[VECTORS], total[VECTORS], begin[VECTORS], gain[VECTORS], one = (surface_lanes){0} + 1;
+    for (size_t v = 0; v < VECTORS; v++)
+    {
+        open[v] = total[v] = (surface_lanes){0};
+        gain[v] = *lanes_of(m->gain->value, v);
+        begin[v] = gain[v] * *lanes_of(m->own + i * W, v) + *lanes_of(m->shift->value, v);
+    }
+    for (size_t w = 0; w < m->graph.words; w++)
+        for (uint64_t word = bits[w]; word != 0; word &= word - 1)
+        {
+            const real *near = row_of(m->near, w, word);
+            for (size_t v = 0; v < VECTORS; v++)
+            {
+                surface_lanes n = *lanes_of(near, v);
+                surface_mask mask = gain[v] * n + begin[v] > (surface_lanes){0};
+                open[v] += (surface_lanes)(mask & (surface_mask)one);
+                total[v] += (surface_lanes)(mask & (surface_mask)n);
+            }
+        }
+    for (size_t v = 0; v < VECTORS; v++)
+    {
+        *lanes_in(count, v) = open[v];
+        *lanes_in(sum, v) = total[v];
+    }
+}
+
+/// With g_ij the gradient behind the normalization, dz_ij = g_ij - flat - steep near_j, all three times gain and rate already. What x_i
+/// and y_j share.
+typedef struct edge_gradient
+{
+    real g[W], flat[W], steep[W];
+} edge_gradient;
 
 LANES_CLONES
-static void add_row(const real *restrict from, real *restrict to)
+static void spread_gradient(const messages *m, size_t i, const edge_gradient *e, real *dx, real *dy)
 {
-    for (size_t c = 0; c < W; c++)
-        to[c] += from[c];
+    const uint64_t *bits = m->graph.bits + i * m->graph.words;
+    surface_lanes total[VECTORS], begin[VECTORS], gain[VECTORS];
+    for (size_t v = 0; v < VECTORS; v++)
+    {
+        total[v] = *lanes_of(dx, v);
+        gain[v] = *lanes_of(m->gain->value, v);
+        begin[v] = gain[v] * *lanes_of(m->own + i * W, v) + *lanes_of(m->shift->value, v);
+    }
+    for (size_t w = 0; w < m->graph.words; w++)
+        for (uint64_t word = bits[w]; word != 0; word &= word - 1)
+        {
+            const real *near = row_of(m->near, w, word);
+            real *to = dy + (near - m->near);
+            for (size_t v = 0; v < VECTORS; v++)
+            {
+                surface_lanes n = *lanes_of(near, v);
+                surface_mask mask = gain[v] * n + begin[v] > (surface_lanes){0};
+                surface_lanes dz = (surface_lanes)(mask & (surface_mask)*lanes_of(e->g, v)) - *lanes_of(e->flat, v) -
+                                   *lanes_of(e->steep, v) * n;
+                total[v] += dz;
+                *lanes_in(to, v) = *lanes_of(to, v) + dz;
+            }
+        }
+    for (size_t v = 0; v < VECTORS; v++)
+        *lanes_in(dx, v) = total[v];
 }
 
-/// Add the squares of what z_ij differs from `mean` by.
-LANES_CLONES
-static void add_squares(const real *restrict centred, const real *restrict y, real *restrict squares)
+static void messages_forward(messages *m, const uint32_t *counts)
 {
-    for (size_t c = 0; c < W; c++)
-        squares[c] += (centred[c] + y[c]) * (centred[c] + y[c]);
-}
-
-static void find_mean(messages *m)
-{
-    memset(m->mean, 0, sizeof m->mean);
+    normalize(m, counts);
     for (size_t i = 0; i < m->graph.targets; i++)
     {
-        real sum[W] = {0};
-        for (size_t place = 0, j; next_neighbour(m->graph.bits + i * m->graph.words, m->graph.words, &place, &j);)
-            add_row(m->y->value + j * W, sum);
-        for (size_t c = 0; c < W; c++)
-            m->mean[c] += (double)sum[c] + m->graph.degrees[i] * (double)m->x->value[i * W + c];
-    }
-    for (size_t c = 0; c < W; c++)
-        m->mean[c] /= (double)m->graph.edges;
-}
-
-static void find_rate(messages *m)
-{
-    double squares[W] = {0};
-    for (size_t i = 0; i < m->graph.targets; i++)
-    {
-        real sum[W] = {0}, centred[W];
-        for (size_t c = 0; c < W; c++)
-            centred[c] = (real)((double)m->x->value[i * W + c] - m->mean[c]);
-        for (size_t place = 0, j; next_neighbour(m->graph.bits + i * m->graph.words, m->graph.words, &place, &j);)
-            add_squares(centred, m->y->value + j * W, sum);
-        for (size_t c = 0; c < W; c++)
-            squares[c] += (double)sum[c];
-    }
-    for (size_t c = 0; c < W; c++)
-        m->rate[c] = 1 / sqrt(squares[c] / (double)m->graph.edges + (double)NORMALIZATION_EPSILON);
-}
-
-/// gain h_ij + shift = slope y_j + begin
-static void normalized(const messages *m, size_t i, real slope[W], real begin[W])
-{
-    for (size_t c = 0; c < W; c++)
-    {
-        double s = (double)m->gain->value[c] * m->rate[c];
-        slope[c] = (real)s;
-        begin[c] = (real)(s * ((double)m->x->value[i * W + c] - m->mean[c]) + (double)m->shift->value[c]);
-    }
-}
-
-LANES_CLONES
-static void add_message(const real *restrict slope, const real *restrict begin, const real *restrict y, real *restrict sum)
-{
-    for (size_t c = 0; c < W; c++)
-    {
-        real h = slope[c] * y[c] + begin[c];
-        sum[c] += h > 0 ? h : 0;
-    }
-}
-
-static void messages_forward(messages *m)
-{
-    find_mean(m);
-    find_rate(m);
-    for (size_t i = 0; i < m->graph.targets; i++)
-    {
-        real slope[W], begin[W], *sum = m->m->value + i * W;
-        normalized(m, i, slope, begin);
-        memset(sum, 0, W * sizeof *sum);
-        for (size_t place = 0, j; next_neighbour(m->graph.bits + i * m->graph.words, m->graph.words, &place, &j);)
-            add_message(slope, begin, m->y->value + j * W, sum);
+        real *sum = m->m->value + i * W;
+        sum_messages(m, i, sum);
         for (size_t c = 0; c < W && m->graph.degrees[i] > 0; c++)
             sum[c] /= (real)m->graph.degrees[i];
     }
 }
 
-/// Of the ReLUs of one target that let through: add how many, and their y.
-LANES_CLONES
-static void count_open(const real *restrict slope, const real *restrict begin, const real *restrict y, real *restrict open,
-                       real *restrict sum)
-{
-    for (size_t c = 0; c < W; c++)
-    {
-        bool is_open = slope[c] * y[c] + begin[c] > 0;
-        open[c] += is_open ? 1 : 0;
-        sum[c] += is_open ? y[c] : 0;
-    }
-}
-
-/// dgain and dshift, and their means over edges: with g_ij the gradient behind the ReLU, the means of g_ij h_ij and g_ij.
+/// dgain and dshift, and their means over edges.
 static void gain_backward(const messages *m, double mean_gh[W], double mean_g[W])
 {
     memset(mean_gh, 0, W * sizeof *mean_gh);
     memset(mean_g, 0, W * sizeof *mean_g);
     for (size_t i = 0; i < m->graph.targets; i++)
     {
-        real slope[W], begin[W], open[W] = {0}, sum[W] = {0};
-        normalized(m, i, slope, begin);
-        for (size_t place = 0, j; next_neighbour(m->graph.bits + i * m->graph.words, m->graph.words, &place, &j);)
-            count_open(slope, begin, m->y->value + j * W, open, sum);
-        for (size_t c = 0; c < W && m->graph.degrees[i] > 0; c++)
+        real open[W], sum[W];
+        if (m->graph.degrees[i] == 0)
+            continue;
+        sum_open(m, i, open, sum);
+        for (size_t c = 0; c < W; c++)
         {
             double g = (double)m->m->gradient[i * W + c] / m->graph.degrees[i];
-            double centred = (double)m->x->value[i * W + c] - m->mean[c];
             mean_g[c] += g * (double)open[c];
-            mean_gh[c] += g * m->rate[c] * ((double)sum[c] + (double)open[c] * centred);
+            mean_gh[c] += g * ((double)sum[c] + (double)open[c] * (double)m->own[i * W + c]);
         }
     }
     real *dgain = learn_gradient(m->gain), *dshift = learn_gradient(m->shift);
@@ -232,26 +314,7 @@ static void gain_backward(const messages *m, double mean_gh[W], double mean_g[W]
     }
 }
 
-/// What the gradient of an edge of one target is: slope (g where the ReLU is open - flat - steep y_j).
-typedef struct edge_gradient
-{
-    real slope[W], begin[W];
-    real g[W], flat[W], steep[W];
-} edge_gradient;
-
-LANES_CLONES
-static void edge_backward(const edge_gradient *e, const real *restrict y, real *restrict dx, real *restrict dy)
-{
-    for (size_t c = 0; c < W; c++)
-    {
-        real open = e->slope[c] * y[c] + e->begin[c] > 0 ? e->g[c] : 0;
-        real dz = e->slope[c] * (open - e->flat[c] - e->steep[c] * y[c]);
-        dx[c] += dz;
-        dy[c] += dz;
-    }
-}
-
-/// dz_ij = gain rate (g_ij - mean(g) - h_ij mean(g h)), which x_i and y_j share.
+/// dz_ij = gain rate (g_ij - mean(g) - h_ij mean(g h))
 static void messages_backward(void *context)
 {
     const messages *m = context;
@@ -263,16 +326,14 @@ static void messages_backward(void *context)
         edge_gradient e;
         if (m->graph.degrees[i] == 0)
             continue;
-        normalized(m, i, e.slope, e.begin);
         for (size_t c = 0; c < W; c++)
         {
-            double centred = (double)m->x->value[i * W + c] - m->mean[c];
-            e.g[c] = m->m->gradient[i * W + c] / (real)m->graph.degrees[i];
-            e.flat[c] = (real)(mean_g[c] + m->rate[c] * centred * mean_gh[c]);
-            e.steep[c] = (real)(m->rate[c] * mean_gh[c]);
+            double scale = (double)m->gain->value[c] * m->rate[c];
+            e.g[c] = (real)(scale * (double)m->m->gradient[i * W + c] / m->graph.degrees[i]);
+            e.flat[c] = (real)(scale * (mean_g[c] + (double)m->own[i * W + c] * mean_gh[c]));
+            e.steep[c] = (real)(scale * mean_gh[c]);
         }
-        for (size_t place = 0, j; next_neighbour(m->graph.bits + i * m->graph.words, m->graph.words, &place, &j);)
-            edge_backward(&e, m->y->value + j * W, dx + i * W, dy + j * W);
+        spread_gradient(m, i, &e, dx + i * W, dy);
     }
 }
 
@@ -282,18 +343,23 @@ learn_array *tape_graph_messages(learn_tape *tape, learn_array *x, learn_array *
     bool wants = learn_wants(x);
     learn_array *made = learn_array_make(tape, x->rows, x->columns, wants);
     messages *m = learn_tape_memory(tape, 1, sizeof *m);
+    uint32_t *counts = learn_tape_memory(tape, graph->sources, sizeof *counts);
+    real *own = learn_tape_memory(tape, learn_size(x), sizeof *own),
+         *near = learn_tape_memory(tape, learn_size(y), sizeof *near);
+    real *word_sums = learn_tape_memory(tape, graph->words, W * sizeof *word_sums);
     if (tape->status != BAT_OK)
         return &tape->nothing;
     assert(x->columns == W && y->columns == W && gain->columns == W && shift->columns == W);
     assert(graph->targets == x->rows && graph->sources == y->rows);
     assert(wants == learn_wants(y) && wants == learn_wants(gain) && wants == learn_wants(shift));
-    *m = (messages){.x = x, .y = y, .gain = gain, .shift = shift, .m = made, .graph = *graph};
+    *m = (messages){x, y, gain, shift, made, *graph, own, near, word_sums, {0}};
     if (graph->edges == 0)
     {
         memset(made->value, 0, learn_size(made) * sizeof *made->value);
         return made;
     }
-    messages_forward(m);
+    count_targets(graph, counts);
+    messages_forward(m, counts);
     if (wants)
         learn_tape_record(tape, made, messages_backward, m);
     return made;
