@@ -1,7 +1,7 @@
 #ifndef IO_ANTIMERIDIAN_H
 #define IO_ANTIMERIDIAN_H
 
-#include "io/array_grow.h"
+#include "base/array_grow.h"
 #include "io/degrees.h"
 
 /// Curves on the sphere cut where they cross the meridian of 180 degrees, as RFC 7946, section 3.1.9, asks.

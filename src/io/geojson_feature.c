@@ -1,6 +1,6 @@
 #include "io/geojson_feature.h"
 
-#include "io/array_grow.h"
+#include "base/array_grow.h"
 #include "io/geojson_coordinates.h"
 #include "io/json_parse.h"
 #include "io/json_text.h"

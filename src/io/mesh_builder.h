@@ -2,7 +2,7 @@
 #define IO_MESH_BUILDER_H
 
 #include "batten/mesh_file.h"
-#include "io/array_grow.h"
+#include "base/array_grow.h"
 
 /// A mesh while it is read: faces are polygons and may name vertices that come later. All zero: empty.
 typedef struct mesh_builder

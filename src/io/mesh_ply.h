@@ -1,7 +1,7 @@
 #ifndef IO_MESH_PLY_H
 #define IO_MESH_PLY_H
 
-#include "io/array_grow.h"
+#include "base/array_grow.h"
 #include "io/mesh_scan.h"
 
 /// What the header of a PLY file says (Turk, "The PLY Polygon File Format", 1994).

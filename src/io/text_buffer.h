@@ -1,7 +1,7 @@
 #ifndef IO_TEXT_BUFFER_H
 #define IO_TEXT_BUFFER_H
 
-#include "io/array_grow.h"
+#include "base/array_grow.h"
 
 #include <string.h>
 
