@@ -30,14 +30,20 @@ static inline int threads_for(int wanted, size_t work)
 #endif
 }
 
+/// The number of this thread among those that share work, from 0.
+static inline int threads_current(void)
+{
+#if defined(_OPENMP)
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
+
 /// Whether this is the thread that made the call, the one that may report progress.
 static inline bool threads_is_calling(void)
 {
-#if defined(_OPENMP)
-    return omp_get_thread_num() == 0;
-#else
-    return true;
-#endif
+    return threads_current() == 0;
 }
 
 #endif

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "batten/picture.h"
-#include "io/array_grow.h"
+#include "base/array_grow.h"
 #include "io/file_text.h"
 #include "io/number_text.h"
 

@@ -93,16 +93,6 @@ static double clock_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/// Which of the threads of a parallel region this is.
-static int thread_number(void)
-{
-#if defined(_OPENMP)
-    return omp_get_thread_num();
-#else
-    return 0;
-#endif
-}
-
 /// A key for what happens at a place, the same in every run with the seed.
 static uint64_t place_key(uint64_t seed, uint64_t stream, uint64_t step, uint64_t piece)
 {
@@ -286,7 +276,7 @@ static bat_status run_step(trainer *t, bat_error *error)
     learn_state *state = &t->state;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(t->threads) if (t->threads > 1)
     for (size_t s = 0; s < t->slot_count; s++)
-        run_slot(t, s, &t->tapes[thread_number()]);
+        run_slot(t, s, &t->tapes[threads_current()]);
     for (size_t s = 0; s < t->slot_count; s++)
         if (t->slots[s].status != BAT_OK)
         {

@@ -1,0 +1,124 @@
+#include "spline/hierarchical_space.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+/// @file
+/// From the box tree to the active cells and the selected functions, level by level, as sets of runs.
+
+/// Sort the boxes of the tree by level into runs of cells.
+static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)
+{
+    box_tree_leaf *leaves;
+    size_t count;
+    bat_status status = box_tree_leaves(&space->tree, &leaves, &count, error);
+    if (status != BAT_OK)
+        return status;
+    bool made = true;
+    for (size_t i = 0; i < count && made; i++)
+    {
+        const box_tree_leaf *leaf = &leaves[i];
+        int shift = BAT_HIERARCHICAL_MOST_LEVELS - 1 - leaf->level;
+        run_set *cells = &space->level[leaf->level].cells;
+        for (uint64_t row = leaf->area.low[1] >> shift; row < leaf->area.high[1] >> shift && made; row++)
+            made = run_set_append(cells, (uint32_t)row, (uint32_t)(leaf->area.low[0] >> shift),
+                                  (uint32_t)(leaf->area.high[0] >> shift));
+        space->levels = leaf->level >= space->levels ? (size_t)leaf->level + 1 : space->levels;
+    }
+    for (size_t l = 0; l < space->levels; l++)
+        run_set_sort(&space->level[l].cells);
+    free(leaves);
+    return made ? BAT_OK : error_memory(error, count * sizeof *leaves);
+}
+
+/// The functions of a level: supported by its region, and selected as the next region, here in cells of this level, does not support
+/// them.
+static bool select_functions(bat_hierarchical_space *space, size_t level, const run_set *region, const run_set *next)
+{
+    uint32_t size[2] = {(uint32_t)hierarchical_spans(space, level, 0), (uint32_t)hierarchical_spans(space, level, 1)};
+    hierarchical_level *kept = &space->level[level];
+    run_set replaced = {0};
+    bool made = run_set_supports(region, size, space->options.degree, &kept->supported) &&
+                run_set_supports(next, size, space->options.degree, &replaced) &&
+                run_set_subtract(&kept->supported, &replaced, &kept->selected);
+    run_set_free(&replaced);
+    return made;
+}
+
+/// Go from the finest region, whose cells are all active, to the coarsest: the region of a level is its active cells and the region
+/// of the next.
+static bat_status select_levels(bat_hierarchical_space *space, bat_error *error)
+{
+    run_set next = {0};
+    bool made = true;
+    for (size_t l = space->levels; l-- > 0 && made;)
+    {
+        run_set halved = {0}, region = {0};
+        made = run_set_halve(&next, &halved) && run_set_unite(&space->level[l].cells, &halved, &region) &&
+               select_functions(space, l, &region, &halved);
+        run_set_free(&halved);
+        run_set_free(&next);
+        next = region;
+    }
+    run_set_free(&next);
+    return made ? BAT_OK : error_memory(error, sizeof(grid_run));
+}
+
+/// Number the places of a set after `*count` others.
+static bat_status number_places(run_set *set, const char *what, size_t *count, bat_error *error)
+{
+    uint64_t size = run_set_size(set);
+    if (size >= UINT32_MAX - *count)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the space would have more than %u %s", UINT32_MAX - 1,
+                         what);
+    run_set_number(set, (uint32_t)*count);
+    *count += (size_t)size;
+    return BAT_OK;
+}
+
+static bat_status number_levels(bat_hierarchical_space *space, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t l = 0; l < space->levels && status == BAT_OK; l++)
+    {
+        hierarchical_level *level = &space->level[l];
+        size_t supported = 0;
+        status = number_places(&level->cells, "cells", &space->cell_count, error);
+        if (status == BAT_OK)
+            status = number_places(&level->supported, "functions", &supported, error);
+        if (status == BAT_OK)
+            status = number_places(&level->selected, "functions", &space->function_count, error);
+    }
+    return status;
+}
+
+static void list_level(bat_hierarchical_space *space, uint32_t level)
+{
+    const run_set *cells = &space->level[level].cells, *selected = &space->level[level].selected;
+    for (const grid_run *run = cells->runs; run < cells->runs + cells->count; run++)
+        for (uint32_t i = run->begin; i < run->end; i++)
+            space->cells[run->number + (i - run->begin)] = (hierarchical_cell){.column = i, .row = run->row, .level = level};
+    for (const grid_run *run = selected->runs; run < selected->runs + selected->count; run++)
+        for (uint32_t i = run->begin; i < run->end; i++)
+            space->functions[run->number + (i - run->begin)] = (bat_spline_function){level, i, run->row};
+}
+
+bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error)
+{
+    bat_status status = collect_cells(space, error);
+    if (status == BAT_OK)
+        status = select_levels(space, error);
+    if (status == BAT_OK)
+        status = number_levels(space, error);
+    if (status != BAT_OK)
+        return status;
+    space->cells = memory_array(space->cell_count, sizeof *space->cells);
+    space->functions = memory_array(space->function_count, sizeof *space->functions);
+    if (space->cells == NULL || space->functions == NULL)
+        return error_memory(error, space->cell_count * sizeof *space->cells);
+    for (size_t l = 0; l < space->levels; l++)
+        list_level(space, (uint32_t)l);
+    return hierarchical_extract(space, error);
+}
