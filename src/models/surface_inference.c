@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "learn/row_statistics.h"
+#include "models/surface_first_layer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,8 +14,6 @@ enum
 {
     W = SURFACE_WIDTH,
     ROWS = 16 * LEARN_TILE, ///< points that go through a layer together
-    SEEN = 5,               ///< most numbers of a neighbour: its place, and a boundary point's parameters
-    BOTH = 3 + SEEN,        ///< of an edge
     PARTS = 3               ///< layers of the output network
 };
 
@@ -23,9 +22,7 @@ enum
 /// h or g.
 typedef struct message
 {
-    size_t seen;        ///< numbers of a neighbour
-    const real *weight; ///< of the first layer, W x (3 + seen): of x_i, x_j - x_i, u_j
-    const real *gain, *shift;
+    surface_first_layer first;
     learn_packed second;
 } message;
 
@@ -67,10 +64,10 @@ static void pack_all(const learn_parameters *parameters, surface_inference *netw
     for (size_t k = 0; k < (network->informed ? 2 : 1); k++)
     {
         size_t p = surface_network_part(parameters, k == 0 ? SURFACE_PART_INTERIOR : SURFACE_PART_BOUNDARY);
-        network->messages[k] = (message){.seen = list[p].columns - 3,
-                                         .weight = network->values + list[p].offset,
-                                         .gain = network->values + list[p + 2].offset,
-                                         .shift = network->values + list[p + 3].offset,
+        network->messages[k] = (message){.first = {.seen = list[p].columns - 3,
+                                                   .weight = network->values + list[p].offset,
+                                                   .gain = network->values + list[p + 2].offset,
+                                                   .shift = network->values + list[p + 3].offset},
                                          .second = pack(parameters, p + 4, &memory)};
     }
     size_t hidden = surface_network_part(parameters, SURFACE_PART_HIDDEN);
@@ -126,11 +123,13 @@ typedef struct run
     size_t bound;        ///< points whose parameters are told
     real *place;         ///< count x 3
     real *bound_place;   ///< bound x 3
+    real *bound_seen;    ///< bound x SURFACE_SEEN: places and parameters
     real *features;      ///< (1 + SURFACE_HIDDEN) x tiles x W
     real *sources;       ///< of a graph
     real *bound_sources; ///< of the boundary's
     real *word_sums;     ///< words x W
-    real *near[2];       ///< what neighbours give to the first layers: count x W, bound x W
+    real *near;          ///< what interior points give to the first layer: count x W
+    real *bound_near;    ///< what boundary points do: bound x W
     real *wide[2];       ///< of the output network: tiles x SURFACE_OUTPUT
     double *sums;        ///< blocks x SURFACE_OUTPUT
     uint64_t *bits;      ///< threads x ROWS x words
@@ -165,12 +164,13 @@ static size_t lay_out(run *r, void *memory)
     size_t used = 0, tiles = learn_whole_tiles(r->count);
     r->place = next_array(memory, &used, 3 * tiles, sizeof(real));
     r->bound_place = next_array(memory, &used, 3 * r->bound, sizeof(real));
+    r->bound_seen = next_array(memory, &used, SURFACE_SEEN * r->bound, sizeof(real));
     r->features = next_array(memory, &used, (1 + SURFACE_HIDDEN) * tiles * W, sizeof(real));
     r->sources = next_array(memory, &used, surface_sources_size(r->count, W), sizeof(real));
     r->bound_sources = next_array(memory, &used, surface_sources_size(r->bound, 3), sizeof(real));
     r->word_sums = next_array(memory, &used, words_of(r) * W, sizeof(real));
-    r->near[0] = next_array(memory, &used, r->count * W, sizeof(real));
-    r->near[1] = next_array(memory, &used, r->bound * W, sizeof(real));
+    r->near = next_array(memory, &used, r->count * W, sizeof(real));
+    r->bound_near = next_array(memory, &used, r->bound * W, sizeof(real));
     for (size_t i = 0; i < 2; i++)
         r->wide[i] = next_array(memory, &used, tiles * SURFACE_OUTPUT, sizeof(real));
     r->sums = next_array(memory, &used, blocks_of(r) * SURFACE_OUTPUT, sizeof(double));
@@ -198,172 +198,7 @@ static size_t rows_from(const run *r, size_t begin)
     return r->count - begin < ROWS ? r->count - begin : ROWS;
 }
 
-// The first layers
-//
-// Along an edge z = (W_a - W_b) x_i + W_b x_j + W_u u_j: linear in the numbers e = (x_i, x_j, u_j), so that mean and variance of z over
-// all edges follow from those of e.
-
-/// Sums over edges.
-typedef struct moments
-{
-    double count, first[BOTH], second[BOTH][BOTH];
-} moments;
-
-/// What is told of a source.
-static void see(const run *r, const double *boundary, size_t kind, size_t j, double seen[SEEN])
-{
-    const real *place = kind == 0 ? r->place : r->bound_place;
-    for (size_t a = 0; a < 3; a++)
-        seen[a] = (double)place[3 * j + a];
-    for (size_t a = 3; a < r->network->messages[kind].seen; a++)
-        seen[a] = boundary[2 * j + a - 3];
-}
-
-/// Add the edges of point i.
-static void add_edges(const run *r, const double *boundary, size_t kind, size_t i, const uint64_t *bits, size_t words,
-                      moments *m)
-{
-    size_t seen = r->network->messages[kind].seen;
-    double count = 0, sum[SEEN] = {0}, own[3];
-    for (size_t w = 0; w < words; w++)
-        for (uint64_t word = bits[w]; word != 0; word &= word - 1)
-        {
-            double s[SEEN] = {0};
-            see(r, boundary, kind, w * SURFACE_WORD + (size_t)__builtin_ctzll(word), s);
-            count++;
-            for (size_t a = 0; a < seen; a++)
-            {
-                sum[a] += s[a];
-                for (size_t b = 0; b <= a; b++)
-                    m->second[3 + a][3 + b] += s[a] * s[b];
-            }
-        }
-    m->count += count;
-    for (size_t a = 0; a < 3; a++)
-        own[a] = (double)r->place[3 * i + a];
-    for (size_t a = 0; a < 3; a++)
-    {
-        m->first[a] += count * own[a];
-        for (size_t b = 0; b <= a; b++)
-            m->second[a][b] += count * own[a] * own[b];
-    }
-    for (size_t a = 0; a < seen; a++)
-    {
-        m->first[3 + a] += sum[a];
-        for (size_t b = 0; b < 3; b++)
-            m->second[3 + a][b] += sum[a] * own[b];
-    }
-}
-
-/// The mean of e over all edges, and its covariance.
-static void finish(moments *m)
-{
-    for (size_t a = 0; a < BOTH && m->count > 0; a++)
-        m->first[a] /= m->count;
-    for (size_t a = 0; a < BOTH; a++)
-        for (size_t b = 0; b <= a && m->count > 0; b++)
-            m->second[b][a] = m->second[a][b] = m->second[a][b] / m->count - m->first[a] * m->first[b];
-}
-
-static void add_moments(const moments *from, moments *to)
-{
-    const double *numbers = &from->count;
-    double *sums = &to->count;
-    for (size_t i = 0; i < sizeof *from / sizeof(double); i++)
-        sums[i] += numbers[i];
-}
-
-/// A first layer with its normalization, as factors of e: z normalized = shares . e + begin.
-typedef struct folded
-{
-    double shares[BOTH][W];
-    double begin[W];
-} folded;
-
-static void fold(const message *of, const moments *m, folded *f)
-{
-    size_t both = 3 + of->seen;
-    for (size_t c = 0; c < W; c++)
-    {
-        const real *weight = of->weight + c * both;
-        double w[BOTH] = {0}, mean = 0, variance = 0;
-        for (size_t a = 0; a < both; a++)
-            w[a] = (double)weight[a] - (a < 3 ? (double)weight[a + 3] : 0);
-        for (size_t a = 0; a < both; a++)
-        {
-            mean += w[a] * m->first[a];
-            for (size_t b = 0; b < both; b++)
-                variance += w[a] * m->second[a][b] * w[b];
-        }
-        double rate = (double)of->gain[c] / sqrt(fmax(variance, 0) + (double)NORMALIZATION_EPSILON);
-        f->begin[c] = (double)of->shift[c] - rate * mean;
-        for (size_t a = 0; a < both; a++)
-            f->shares[a][c] = rate * w[a];
-    }
-}
-
-LANES_CLONES
-static void add_share(double number, const double *restrict shares, double *restrict sum)
-{
-    for (size_t c = 0; c < W; c++)
-        sum[c] += number * shares[c];
-}
-
-/// What each source gives.
-static void spread(const run *r, const double *boundary, size_t kind, const folded *f)
-{
-    size_t count = kind == 0 ? r->count : r->bound, seen = r->network->messages[kind].seen;
-    for (size_t j = 0; j < count; j++)
-    {
-        double s[SEEN], sum[W] = {0};
-        see(r, boundary, kind, j, s);
-        for (size_t a = 0; a < seen; a++)
-            add_share(s[a], f->shares[3 + a], sum);
-        for (size_t c = 0; c < W; c++)
-            r->near[kind][j * W + c] = (real)sum[c];
-    }
-}
-
-/// The sum over neighbours of max(0, begin + near_j).
-LANES_CLONES
-static void sum_messages(const uint64_t *bits, size_t words, const real *near, const real *begin, real *sum)
-{
-    surface_lanes total[SURFACE_VECTORS], own[SURFACE_VECTORS];
-    for (size_t v = 0; v < SURFACE_VECTORS; v++)
-    {
-        total[v] = (surface_lanes){0};
-        own[v] = *(const surface_lanes *)(begin + v * SURFACE_LANES);
-    }
-    for (size_t w = 0; w < words; w++)
-        for (uint64_t word = bits[w]; word != 0; word &= word - 1)
-        {
-            const real *row = near + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * W;
-            for (size_t v = 0; v < SURFACE_VECTORS; v++)
-            {
-                surface_lanes z = own[v] + *(const surface_lanes *)(row + v * SURFACE_LANES);
-                surface_mask open = z > (surface_lanes){0};
-                total[v] += (surface_lanes)(open & (surface_mask)z);
-            }
-        }
-    for (size_t v = 0; v < SURFACE_VECTORS; v++)
-        *(surface_lanes *)(sum + v * SURFACE_LANES) = total[v];
-}
-
-/// The mean over a point's neighbours of what the first layer says, 0 without neighbours.
-static void say(const run *r, size_t kind, const folded *f, size_t i, const uint64_t *bits, size_t words, uint32_t degree,
-                real *mean)
-{
-    double own[W];
-    real begin[W];
-    memcpy(own, f->begin, sizeof own);
-    for (size_t a = 0; a < 3; a++)
-        add_share((double)r->place[3 * i + a], f->shares[a], own);
-    for (size_t c = 0; c < W; c++)
-        begin[c] = (real)own[c];
-    sum_messages(bits, words, r->near[kind], begin, mean);
-    for (size_t c = 0; c < W && degree > 0; c++)
-        mean[c] /= (real)degree;
-}
+// The input layer
 
 LANES_CLONES
 static void rectify(size_t count, real *y)
@@ -372,37 +207,51 @@ static void rectify(size_t count, real *y)
         y[i] = y[i] > 0 ? y[i] : 0;
 }
 
-/// One kind of edges: its graph, and the first layer once its mean and variance are known.
+/// One kind of edges.
 typedef struct edges
 {
+    const message *message;
     surface_sources sources;
-    folded first;
+    const real *seen; ///< of the sources
+    real *near;       ///< what sources give to the first layer
+    surface_first_folded first;
 } edges;
 
-static void measure_edges(const run *r, const double *boundary, size_t kind, edges *e, moments *of_blocks)
+/// Describe a kind of edges, and lay its sources out.
+static void begin_edges(const run *r, size_t kind, edges *e)
 {
-    size_t words = surface_words(e->sources.count), blocks = blocks_of(r);
-    moments all = {0};
+    bool bound = kind == 1;
+    e->message = &r->network->messages[kind];
+    e->seen = bound ? r->bound_seen : r->place;
+    e->near = bound ? r->bound_near : r->near;
+    e->sources = bound ? surface_sources_make(r->bound_place, r->bound, 3, r->bound_sources)
+                       : surface_sources_make(r->place, r->count, 3, r->sources);
+}
+
+/// Find the mean and variance that the first layer is normalized by.
+static void measure_edges(const run *r, edges *e, surface_moments *of_blocks)
+{
+    size_t words = surface_words(e->sources.count), blocks = blocks_of(r), seen = e->message->first.seen;
+    surface_moments all = {0};
 #pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
     for (size_t b = 0; b < blocks; b++)
     {
         uint64_t *bits = own_bits(r);
         uint32_t degrees[ROWS];
         size_t begin = b * ROWS, rows = rows_from(r, begin);
-        of_blocks[b] = (moments){0};
+        of_blocks[b] = (surface_moments){0};
         surface_neighbours(&e->sources, r->place + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
         for (size_t i = 0; i < rows; i++)
-            add_edges(r, boundary, kind, begin + i, bits + i * words, words, &of_blocks[b]);
+            surface_moments_edges(r->place + 3 * (begin + i), e->seen, seen, bits + i * words, words, &of_blocks[b]);
     }
     for (size_t b = 0; b < blocks; b++)
-        add_moments(&of_blocks[b], &all);
-    finish(&all);
-    fold(&r->network->messages[kind], &all, &e->first);
-    spread(r, boundary, kind, &e->first);
+        surface_moments_add(&of_blocks[b], &all);
+    surface_first_fold(&e->message->first, &all, &e->first);
+    surface_first_spread(&e->first, e->seen, e->sources.count, seen, e->near);
 }
 
 /// Add what one kind of edges says to the features of a block of points.
-static void add_said(const run *r, size_t kind, const edges *e, size_t begin, real *features)
+static void add_said(const run *r, const edges *e, size_t begin, real *features)
 {
     _Alignas(64) real means[ROWS * W] = {0}, said[ROWS * W];
     uint32_t degrees[ROWS];
@@ -410,27 +259,27 @@ static void add_said(const run *r, size_t kind, const edges *e, size_t begin, re
     size_t rows = rows_from(r, begin), words = surface_words(e->sources.count);
     surface_neighbours(&e->sources, r->place + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
     for (size_t i = 0; i < rows; i++)
-        say(r, kind, &e->first, begin + i, bits + i * words, words, degrees[i], means + i * W);
-    learn_packed_linear(&r->network->messages[kind].second, learn_whole_tiles(rows), means, W, said);
+        surface_first_mean(&e->first, r->place + 3 * (begin + i), e->near, bits + i * words, words, degrees[i],
+                           means + i * W);
+    learn_packed_linear(&e->message->second, learn_whole_tiles(rows), means, W, said);
     for (size_t i = 0; i < rows; i++)
         for (size_t c = 0; c < W && degrees[i] > 0; c++)
             features[i * W + c] += said[i * W + c];
 }
 
 /// From places to the first features.
-static bat_status input_layer(const run *r, const double *boundary, bat_error *error)
+static bat_status input_layer(const run *r, bat_error *error)
 {
     size_t kinds = r->network->informed && r->bound > 0 ? 2 : 1, blocks = blocks_of(r);
-    moments *of_blocks = memory_array(blocks, sizeof *of_blocks);
+    surface_moments *of_blocks = memory_array(blocks, sizeof *of_blocks);
     edges *all = memory_array(kinds, sizeof *all);
     bat_status status = BAT_OK;
     if (of_blocks == NULL || all == NULL)
         status = error_memory(error, blocks * sizeof *of_blocks);
     for (size_t kind = 0; kind < kinds && status == BAT_OK; kind++)
     {
-        all[kind].sources = kind == 0 ? surface_sources_make(r->place, r->count, 3, r->sources)
-                                      : surface_sources_make(r->bound_place, r->bound, 3, r->bound_sources);
-        measure_edges(r, boundary, kind, &all[kind], of_blocks);
+        begin_edges(r, kind, &all[kind]);
+        measure_edges(r, &all[kind], of_blocks);
     }
 #pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
     for (size_t b = 0; b < (status == BAT_OK ? blocks : 0); b++)
@@ -439,7 +288,7 @@ static bat_status input_layer(const run *r, const double *boundary, bat_error *e
         size_t rows = rows_from(r, b * ROWS);
         memset(features, 0, learn_whole_tiles(rows) * W * sizeof *features);
         for (size_t kind = 0; kind < kinds; kind++)
-            add_said(r, kind, &all[kind], b * ROWS, features);
+            add_said(r, &all[kind], b * ROWS, features);
         rectify(rows * W, features);
     }
     free(of_blocks);
@@ -598,13 +447,18 @@ static void output_network(const run *r, size_t first, double *interior)
 
 // All of it
 
-static void read_places(const run *r, const double *points, const double *bound)
+static void read_places(const run *r, const double *points, const double *bound, const double *parameters)
 {
     size_t tiles = learn_whole_tiles(r->count);
     for (size_t i = 0; i < 3 * r->count; i++)
         r->place[i] = (real)points[i];
     for (size_t i = 0; i < 3 * r->bound; i++)
         r->bound_place[i] = (real)bound[i];
+    for (size_t i = 0; i < SURFACE_SEEN * r->bound; i++)
+    {
+        size_t k = i / SURFACE_SEEN, a = i % SURFACE_SEEN;
+        r->bound_seen[i] = (real)(a < 3 ? bound[3 * k + a] : parameters[2 * k + a - 3]);
+    }
     for (size_t layer = 0; layer <= SURFACE_HIDDEN; layer++)
         memset(features_of(r, layer) + r->count * W, 0, (tiles - r->count) * W * sizeof(real));
 }
@@ -623,8 +477,8 @@ bat_status surface_inference_run(const void *network, const bat_cloud *cloud, co
     if (r.memory == NULL)
         return error_memory(error, size);
     (void)lay_out(&r, r.memory);
-    read_places(&r, cloud->points + 3 * begin, cloud->points);
-    bat_status status = input_layer(&r, boundary, error);
+    read_places(&r, cloud->points + 3 * begin, cloud->points, boundary);
+    bat_status status = input_layer(&r, error);
     for (size_t layer = 0; layer < SURFACE_HIDDEN && status == BAT_OK; layer++)
         hidden_layer(&r, layer);
     if (status == BAT_OK)
