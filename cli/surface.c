@@ -202,6 +202,9 @@ static bool read_job(const arguments *given, surface_job *job)
     const char *fault = find_fault(given, job);
     if (fault == NULL && to != NULL && bat_surface_format_by_name(to, &job->write.format, &error) != BAT_OK)
         fault = error.text;
+    if (fault == NULL && to == NULL && job->output != NULL &&
+        bat_surface_format_of_path(job->output) == BAT_SURFACE_FROM_NAME)
+        fault = "OUT's ending tells no format (.step, .xml, .vtk, .obj, .json): --to does";
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     job->quiet = job->quiet || (job->output != NULL && strcmp(job->output, "-") == 0);

@@ -114,7 +114,7 @@ static void print_end(const surface_findings *findings)
     const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
     (void)printf("\nroot mean square distance %.4g, largest %.4g at point %zu\n", last->rms, last->largest,
                  place_of(findings->cloud, last->worst));
-    if (!result->report.reached)
+    if (!result->report.reached && (options->tolerance > 0 || options->functions > 0))
         (void)printf("%s is not reached\n", options->tolerance > 0 ? "the tolerance" : "the number of functions");
     if (options->robust)
         (void)printf("%zu points count as outliers\n", result->report.outliers);

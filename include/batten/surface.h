@@ -79,7 +79,7 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 /// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights and, for a mesh, mean values. Each is unfolded and
 /// fitted as it would be in the end. Of two that reach the tolerance the one with fewer functions is better, else the one with
 /// the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter as
-/// many functions. A candidate that fails only leaves the competition.
+/// many functions. A candidate that fails, or folds at more than half of the points, only leaves the competition.
 ///
 /// @param cloud  boundary points are brought to the front where they have to be found, and corners are marked; given parameters need neither
 /// @param result untouched on failure

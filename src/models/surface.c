@@ -10,6 +10,7 @@
 
 enum
 {
+    LEAST_POINTS = 4,    ///< that can be the corners of a patch
     MOST_WHOLE = 20000,  ///< points that are all fitted on trial
     PART_POINTS = 10000, ///< of a larger cloud
 };
@@ -92,6 +93,8 @@ static bat_status prepare(reconstruction *work, bat_error *error)
 {
     bat_cloud *cloud = work->cloud;
     bat_status status = bat_cloud_check(cloud, error);
+    if (status == BAT_OK && cloud->count < LEAST_POINTS)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are no patch of surface", cloud->count);
     bool given = work->options->parameters == BAT_SURFACE_GIVEN;
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {

@@ -91,14 +91,13 @@ static bool has_faults(const bat_parameters_report *report)
     return report->folded + report->outside + report->coincident > 0;
 }
 
-static bat_status unfold(const bat_cloud *cloud, bool repair, surface_candidate *candidate, bat_error *error)
+/// Parameters of which most are folded would be others altogether once unfolded, and not compete under their name.
+static bat_status check_folds(const bat_cloud *cloud, const bat_parameters_report *folds, bat_error *error)
 {
-    bat_surface_candidate *report = &candidate->report;
-    bat_status status = bat_parameters_check(cloud, candidate->parameters, &report->folds, error);
-    report->repaired = report->folds;
-    if (status == BAT_OK && repair && has_faults(&report->folds))
-        status = bat_parameters_repair(cloud, candidate->parameters, &report->repaired, error);
-    return status;
+    size_t interior = cloud->count - cloud->boundary_count;
+    if (2 * folds->folded <= interior)
+        return BAT_OK;
+    return error_set(error, BAT_NO_CONVERGENCE, folds->first, 0, "%zu of %zu points are folded", folds->folded, interior);
 }
 
 bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
@@ -113,7 +112,12 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     bat_status status = parameterize(cloud, boundary, options, kind, candidate->parameters, &failure);
     candidate->report.seconds = clock_seconds() - begin;
     if (status == BAT_OK && boundary != NULL)
-        status = unfold(cloud, !options->no_repair && kind != BAT_SURFACE_GIVEN, candidate, &failure);
+        status = bat_parameters_check(cloud, candidate->parameters, &candidate->report.folds, &failure);
+    candidate->report.repaired = candidate->report.folds;
+    if (status == BAT_OK && options->parameters == BAT_SURFACE_AUTO)
+        status = check_folds(cloud, &candidate->report.folds, &failure);
+    if (status == BAT_OK && !options->no_repair && kind != BAT_SURFACE_GIVEN && has_faults(&candidate->report.folds))
+        status = bat_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
     return settle(status, &failure, candidate, error);
 }
 
