@@ -3,6 +3,7 @@
 #include "arguments.h"
 #include "report.h"
 #include "reproduce.h"
+#include "shape_cloud.h"
 
 #include "batten/batten.h"
 
@@ -15,7 +16,7 @@ static const option_spec OPTIONS[] = {
 };
 
 static const verb_spec SPEC = {
-    .usage = "batten list schemes|spaces|models|shapes|results [--json]",
+    .usage = "batten list schemes|spaces|models|shapes|parameterizations|results [--json]",
     .summary = "The names that the other verbs take.",
     .options = OPTIONS,
     .least_positional = 1,
@@ -108,11 +109,34 @@ static bool model_row(size_t index, const char **name, const char **settings, co
 static bool shape_row(size_t index, const char **name, const char **settings, const char **summary)
 {
     const bat_mesh_shape_kind *kind = bat_mesh_shape_at(index);
-    if (kind == NULL)
-        return false;
-    *name = kind->name;
     *settings = NULL;
+    if (kind == NULL)
+        return shape_cloud_row(index - bat_mesh_shape_count(), name, summary);
+    *name = kind->name;
     *summary = kind->summary;
+    return true;
+}
+
+/// Where surfaces get their parameters from.
+static const struct
+{
+    const char *name, *summary;
+} PARAMETERIZATIONS[] = {
+    {"auto", "learned and shape-preserving ones, mean values for a mesh: those that fit best by measure; docs/surfaces.md"},
+    {"learned", "the network that comes with batten, or --model FILE; docs/surface-network.md"},
+    {"shape-preserving", "Floater's weights on the Delaunay neighbours in local planes; docs/parameterization.md"},
+    {"inverse-distance", "weights by the inverse distance of neighbours"},
+    {"uniform", "all neighbours weigh the same"},
+    {"mean-value", "Floater's mean values, for clouds that are meshes"},
+};
+
+static bool parameterization_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    if (index >= sizeof PARAMETERIZATIONS / sizeof PARAMETERIZATIONS[0])
+        return false;
+    *name = PARAMETERIZATIONS[index].name;
+    *settings = NULL;
+    *summary = PARAMETERIZATIONS[index].summary;
     return true;
 }
 
@@ -164,6 +188,8 @@ int verb_list(int argc, char **argv)
         return print_rows(what, model_row, as_json);
     if (strcmp(what, "shapes") == 0)
         return print_rows(what, shape_row, as_json);
+    if (strcmp(what, "parameterizations") == 0)
+        return print_rows(what, parameterization_row, as_json);
     if (strcmp(what, "results") == 0)
         return print_rows(what, result_row, as_json);
     return usage_error(&given, "there is no list of '%s'", what);

@@ -2,6 +2,7 @@
 
 #include "arguments.h"
 #include "report.h"
+#include "shape_cloud.h"
 
 #include "batten/batten.h"
 
@@ -10,11 +11,12 @@
 #include <string.h>
 
 static const option_spec OPTIONS[] = {
-    {"output", 'o', "OUT", "write the mesh to OUT (- for standard output)"},
-    {"vertices", 0, "N", "about so many vertices, 200 to 1000000; default 10000. A cage has its own number"},
+    {"output", 'o', "OUT", "write the mesh or cloud to OUT (- for standard output)"},
+    {"vertices", 0, "N", "about so many vertices or points, 200 to 1000000; default 10000. A cage has its own number"},
     {"seed", 0, "S", "another number, another shape of that kind; default 1"},
-    {"picture", 0, "FILE", "draw the mesh (.png, .svg or .pdf)"},
-    {"to", 0, "FORMAT", "obj, ply, off or stl; default: by the file's ending"},
+    {"picture", 0, "FILE", "draw it (.png, .svg or .pdf)"},
+    {"to", 0, "FORMAT",
+     "of meshes: obj, ply, off or stl; default: by the file's ending. Clouds go to .xyz, .csv, .ply, .obj"},
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
@@ -22,8 +24,10 @@ static const option_spec OPTIONS[] = {
 
 static const verb_spec SPEC = {
     .usage = "batten shape KIND [-o OUT] [--vertices N] [--seed S] [--picture FILE] [options]",
-    .summary = "Make a triangle mesh to try things on and to train with; `batten list shapes` names the kinds.\n"
-               "The same kind, number and seed give the same mesh.",
+    .summary =
+        "Make a triangle mesh or a cloud of points to try things on and to train with; `batten list shapes` names the "
+        "kinds.\n"
+        "The same kind, number and seed give the same shape.",
     .options = OPTIONS,
     .least_positional = 1,
     .most_positional = 1,
@@ -41,6 +45,8 @@ typedef struct shape_job
 
 static bool is_kind(const char *name)
 {
+    if (shape_cloud_is_kind(name))
+        return true;
     for (size_t i = 0; i < bat_mesh_shape_count(); i++)
         if (strcmp(bat_mesh_shape_at(i)->name, name) == 0)
             return true;
@@ -57,6 +63,8 @@ static const char *find_fault(const shape_job *job)
         return "nothing is asked for: give -o OUT or --picture FILE";
     if (job->json && job->quiet)
         return "--json and --quiet exclude each other";
+    if (shape_cloud_is_kind(job->kind) && job->write.format != BAT_MESH_FORMAT_AUTO)
+        return "--to goes with meshes: a cloud's format is that of OUT's ending, XYZ on standard output";
     return job->json && piped ? "--json and -o - both need standard output" : NULL;
 }
 
@@ -77,9 +85,11 @@ static bool read_job(const arguments *given, shape_job *job)
         return false;
     job->vertices = (size_t)vertices;
     job->seed = (uint64_t)seed;
-    const char *fault = find_fault(job);
-    if (fault == NULL && to != NULL && bat_mesh_format_by_name(to, &job->write.format, &error) != BAT_OK)
+    const char *fault = NULL;
+    if (to != NULL && bat_mesh_format_by_name(to, &job->write.format, &error) != BAT_OK)
         fault = error.text;
+    if (fault == NULL)
+        fault = find_fault(job);
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     job->quiet = job->quiet || (job->output != NULL && strcmp(job->output, "-") == 0);
@@ -118,6 +128,9 @@ int verb_shape(int argc, char **argv)
         return code;
     if (!read_job(&given, &job))
         return EXIT_BAD_USAGE;
+    if (shape_cloud_is_kind(job.kind))
+        return shape_cloud_make(
+            &(shape_cloud_job){job.kind, job.output, job.picture, job.vertices, job.seed, job.json, job.quiet});
     if (bat_mesh_shape(job.kind, job.vertices, job.seed, &mesh, &error) != BAT_OK)
         return report_failure(NULL, &error);
     code = write_files(&job, &mesh);
