@@ -35,6 +35,7 @@ local_plane local_plane_fit(const double *points, const neighbour_list *list)
         memcpy(plane.axes[i], vectors + 3 * (ptrdiff_t)order[i], sizeof plane.axes[i]);
         plane.variance[i] = fmax(moment[4 * order[i]], 0);
     }
+    vector3_cross(plane.axes[0], plane.axes[1], plane.axes[2]);
     return plane;
 }
 

@@ -7,7 +7,9 @@
 typedef struct local_plane
 {
     double centre[3];
-    double axes[3][3];  ///< unit vectors, orthogonal: the plane's two, the more scattered first, then its normal
+    double
+        axes[3]
+            [3]; ///< unit vectors, orthogonal and right-handed: the plane's two, the more scattered first, then its normal
     double variance[3]; ///< mean squares along the axes, falling
 } local_plane;
 
