@@ -100,7 +100,8 @@ static void planes_agree_on_a_sphere(void **state)
         check_status(oriented_planes_make(&cloud.cloud, &tree, &oriented, NULL), BAT_OK);
         for (size_t i = 0; i < cloud.cloud.count; i++)
         {
-            const double *p = cloud.cloud.points + 3 * i, (*axes)[3] = oriented.planes[i].axes;
+            const double *p = cloud.cloud.points + 3 * i;
+            double(*axes)[3] = oriented.planes[i].axes;
             double out = p[0] * axes[2][0] + p[1] * axes[2][1] + p[2] * axes[2][2];
             assert_true(turned ? out < -0.9 : out > 0.9);
             double up = axes[0][0] * axes[1][1] - axes[0][1] * axes[1][0];
