@@ -7,10 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    ALONE = UINT32_MAX
-};
+/// The number of the gathering of an unknown that is in none.
+static const uint32_t ALONE = UINT32_MAX;
 
 /// An entry is strong when it is at least this share of the largest one of its row.
 static const double STRONG = 0.25;
