@@ -88,7 +88,7 @@ static void describe_row(surface_row *row)
     const bat_surface_panel *panel = row->panel;
     if (panel->cloud != NULL)
         describe_cloud(panel->cloud, row->captions[SURFACE_PANEL_CLOUD]);
-    if (panel->distances != NULL)
+    if (panel->cloud != NULL && panel->distances != NULL)
         describe_errors(panel->distances, panel->cloud->count, row->captions[SURFACE_PANEL_ERRORS]);
     if (panel->surface != NULL)
         describe_surface(panel->surface->space, row->captions[SURFACE_PANEL_PATCH], row->captions[SURFACE_PANEL_PLANE]);
