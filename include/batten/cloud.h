@@ -31,8 +31,10 @@ BAT_API bat_status bat_cloud_copy(const bat_cloud *cloud, bat_cloud *copy, bat_e
 BAT_API bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error);
 
 /// Make a cloud of a mesh with one boundary loop: the loop comes first, the triangles stay.
-/// @return BAT_OK; BAT_UNSUPPORTED for a mesh that is closed, has several loops or several parts; what bat_mesh_connect() returns;
-///         BAT_NO_MEMORY
+/// The loop begins at its lowest vertex and has the patch to its left, seen from outside; the others follow in their order. Vertices
+/// without a face are left out.
+/// @return BAT_OK; BAT_UNSUPPORTED for a mesh that is closed, has several loops, several parts or handles; what bat_mesh_connect()
+///         and bat_cloud_check() return; BAT_NO_MEMORY; `cloud` is untouched on failure
 BAT_API bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error *error);
 
 /// Find the loop of boundary points in a cloud without connectivity, and bring it to the front: points with a wide gap in the
@@ -40,9 +42,9 @@ BAT_API bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, b
 /// @return BAT_OK; BAT_NO_CONVERGENCE when no single loop is found, the text saying what was; BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error);
 
-/// Find four corners: the places of the loop where it turns most sharply, no two closer than a share of its length. If the loop runs
-/// so that the patch lies to its right it is turned round first when `orient` asks for it (by the first and the last principal
-/// axis there is no telling; loops in files are taken as they are).
+/// Find four corners: the places of the loop where it turns most sharply towards the patch, in the patch's tangent plane and over
+/// chords of about a thirtieth of the loop, so that teeth do not count; no two closer than a fortieth of its length. A loop
+/// without corners is split in four equal lengths. Corners keep the order of the loop, which is taken as it is.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (no boundary) or BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_find_corners(bat_cloud *cloud, bat_error *error);
 

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "draw/colour_scale.h"
 #include "draw/mesh_shade.h"
+#include "draw/pixel_image.h"
 #include "draw/sheet.h"
 #include "draw/text.h"
 
@@ -16,8 +17,6 @@
 /// The greatest and the least height of a panel over its width.
 #define TALLEST 1.25
 #define FLATTEST 0.45
-/// Room around a mesh, as a share of its panel's width.
-#define PADDING 0.025
 /// The width of wires in points.
 #define WIRE_WIDTH 0.42
 #define MOST_SAMPLES ((double)(1 << 28))
@@ -168,7 +167,7 @@ static double panel_height(const void *context, size_t index, double width)
     const mesh_scene *made = context;
     const mesh_frame *frame = &made->frames[index];
     double aspect = (frame->high[1] - frame->low[1]) / fmax(frame->high[0] - frame->low[0], 1e-300);
-    return width * fmin(fmax(aspect + 2 * PADDING, FLATTEST), TALLEST);
+    return width * fmin(fmax(aspect + 2 * FRAME_PADDING, FLATTEST), TALLEST);
 }
 
 static const char *panel_caption(const void *context, size_t index)
@@ -177,37 +176,11 @@ static const char *panel_caption(const void *context, size_t index)
     return made->panels[index].title;
 }
 
-/// A box in whole pixels of the mesh's image.
-typedef struct pixel_box
-{
-    double x, y; ///< on paper
-    double per_point;
-    size_t columns, rows;
-} pixel_box;
-
-/// Lay the image's pixels on the paper's, where it has any.
-static pixel_box align_box(cairo_t *cairo, double per_point, const double box[4])
-{
-    double x = box[0], y = box[1];
-    cairo_user_to_device(cairo, &x, &y);
-    x = ceil(x);
-    y = ceil(y);
-    cairo_device_to_user(cairo, &x, &y);
-    return (pixel_box){.x = x,
-                       .y = y,
-                       .per_point = per_point,
-                       .columns = (size_t)fmax(floor((box[0] + box[2] - x) * per_point), 1),
-                       .rows = (size_t)fmax(floor((box[1] + box[3] - y) * per_point), 1)};
-}
-
 static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_box *place)
 {
     const bat_mesh_panel *panel = &made->panels[index];
     const bat_mesh_picture_options *options = made->options;
-    const mesh_frame *frame = &made->frames[index];
-    double wide = (double)place->columns, high = (double)place->rows, room = 1 - 2 * PADDING;
-    double across = frame->high[0] - frame->low[0], up = frame->high[1] - frame->low[1];
-    double scale = fmin(room * wide / fmax(across, 1e-300), (high - 2 * PADDING * wide) / fmax(up, 1e-300));
+    mesh_placing placing = mesh_frame_place(&made->frames[index], &made->views[index], place->columns, place->rows);
     return (shade_task){.mesh = panel->mesh,
                         .values = panel->values,
                         .value_low = made->value_low,
@@ -216,44 +189,27 @@ static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_b
                         .flat = panel->flat,
                         .hollows = options->hollows,
                         .boundaries = options->boundaries,
-                        .view = &made->views[index],
-                        .scale = scale,
-                        .origin = {wide / 2 - scale * (frame->low[0] + frame->high[0]) / 2,
-                                   high / 2 + scale * (frame->low[1] + frame->high[1]) / 2},
+                        .placing = placing,
                         .line = WIRE_WIDTH * place->per_point,
                         .columns = place->columns,
                         .rows = place->rows,
                         .threads = options->threads};
 }
 
+static bat_status shade_image(const void *task, unsigned char *pixels, size_t stride, bat_error *error)
+{
+    return mesh_shade(task, pixels, stride, error);
+}
+
 static bat_status panel_draw_mesh(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
 {
     const mesh_scene *made = context;
-    pixel_box place = align_box(cairo, made->options->pixels_per_point, box);
+    pixel_box place = pixel_box_align(cairo, made->options->pixels_per_point, box);
     if ((double)place.columns * (double)place.rows * SHADE_SAMPLES * SHADE_SAMPLES > MOST_SAMPLES)
         return error_set(error, BAT_TOO_LARGE, index, 0, "panel %zu would have %zu by %zu pixels; give fewer pixels a point",
                          index, place.columns, place.rows);
-    cairo_surface_t *image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, (int)place.columns, (int)place.rows);
-    if (cairo_surface_status(image) != CAIRO_STATUS_SUCCESS)
-    {
-        cairo_surface_destroy(image);
-        return error_memory(error, 4 * place.columns * place.rows);
-    }
     shade_task task = panel_task(made, index, &place);
-    cairo_surface_flush(image);
-    bat_status status =
-        mesh_shade(&task, cairo_image_surface_get_data(image), (size_t)cairo_image_surface_get_stride(image), error);
-    cairo_surface_mark_dirty(image);
-    if (status == BAT_OK)
-    {
-        cairo_translate(cairo, place.x, place.y);
-        cairo_scale(cairo, 1 / place.per_point, 1 / place.per_point);
-        cairo_set_source_surface(cairo, image, 0, 0);
-        cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_NEAREST);
-        cairo_paint(cairo);
-    }
-    cairo_surface_destroy(image);
-    return status;
+    return pixel_image_draw(cairo, &place, shade_image, &task, error);
 }
 
 static void draw_scale(const void *context, cairo_t *cairo, const double box[4])

@@ -21,18 +21,6 @@ void mesh_raster_free(mesh_raster *raster)
     *raster = (mesh_raster){0};
 }
 
-static void place_vertices(const bat_mesh *mesh, const raster_placing *placing, double *places)
-{
-    for (size_t v = 0; v < mesh->vertex_count; v++)
-    {
-        double turned[3], *place = places + 3 * v;
-        mesh_view_turn(placing->view, mesh->positions + 3 * v, turned);
-        place[0] = placing->origin[0] + placing->scale * turned[0];
-        place[1] = placing->origin[1] - placing->scale * turned[1];
-        place[2] = placing->scale * turned[2];
-    }
-}
-
 /// The first and last sample, of `count`, whose middles are between low and high. False when there is none.
 static bool sample_range(double low, double high, size_t from, size_t to, size_t *first, size_t *last)
 {
@@ -94,7 +82,7 @@ static void draw_face(mesh_raster *raster, const uint32_t *corners, uint32_t fac
     }
 }
 
-bat_status mesh_raster_make(const bat_mesh *mesh, const raster_placing *placing, size_t columns, size_t rows, int threads,
+bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, size_t columns, size_t rows, int threads,
                             mesh_raster *raster, bat_error *error)
 {
     mesh_raster made = {.columns = columns,
@@ -107,7 +95,8 @@ bat_status mesh_raster_make(const bat_mesh *mesh, const raster_placing *placing,
         mesh_raster_free(&made);
         return error_memory(error, columns * rows * sizeof *made.faces);
     }
-    place_vertices(mesh, placing, made.places);
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+        mesh_place_point(placing, mesh->positions + 3 * v, made.places + 3 * v);
     for (size_t i = 0; i < columns * rows; i++)
     {
         made.faces[i] = RASTER_NO_FACE;

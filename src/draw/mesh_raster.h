@@ -17,16 +17,9 @@ typedef struct mesh_raster
     double *places;  ///< vertex_count x 3: the vertices in samples
 } mesh_raster;
 
-/// A view's plane laid on samples: x = origin[0] + scale u, y = origin[1] - scale v.
-typedef struct raster_placing
-{
-    const mesh_view *view;
-    double scale, origin[2];
-} raster_placing;
-
 /// Find the faces that are seen. Of faces equally near, the first is. Release the raster with mesh_raster_free().
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status mesh_raster_make(const bat_mesh *mesh, const raster_placing *placing, size_t columns, size_t rows, int threads,
+bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, size_t columns, size_t rows, int threads,
                             mesh_raster *raster, bat_error *error);
 void mesh_raster_free(mesh_raster *raster);
 

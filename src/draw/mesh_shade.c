@@ -79,7 +79,7 @@ static glimpse look(const shading *s, size_t x, size_t y)
         for (int i = 0; i < 3; i++)
             mean[i] += seen.share[corner] * normal[i];
     }
-    mesh_view_turn(s->task->view, mean, seen.normal);
+    mesh_view_turn(s->task->placing.view, mean, seen.normal);
     for (int i = 0; i < 3; i++)
         seen.normal[i] = seen.behind ? -seen.normal[i] : seen.normal[i];
     seen.normal[2] = fmax(seen.normal[2], 0);
@@ -294,9 +294,7 @@ bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stri
                  .no_value = linear_colour(NO_VALUE),
                  .wire = linear_colour(WIRE),
                  .boundary = linear_colour(BOUNDARY)};
-    raster_placing placing = {.view = task->view,
-                              .scale = SHADE_SAMPLES * task->scale,
-                              .origin = {SHADE_SAMPLES * task->origin[0], SHADE_SAMPLES * task->origin[1]}};
+    mesh_placing placing = mesh_placing_zoom(&task->placing, SHADE_SAMPLES);
     bat_status status = mesh_surface_make(task->mesh, task->flat, task->threads, &s.surface, error);
     if (status == BAT_OK)
         status = mesh_raster_make(task->mesh, &placing, SHADE_SAMPLES * task->columns, SHADE_SAMPLES * task->rows,

@@ -15,10 +15,9 @@ typedef struct shade_task
     const double *values; ///< of the vertices, or null
     double value_low, value_high;
     bool wires, flat, hollows, boundaries;
-    const mesh_view *view;
-    double scale, origin[2]; ///< in pixels: x = origin[0] + scale u, y = origin[1] - scale v
-    double line;             ///< the width of wires in pixels
-    size_t columns, rows;    ///< of pixels
+    mesh_placing placing; ///< in pixels
+    double line;          ///< the width of wires in pixels
+    size_t columns, rows; ///< of pixels
     int threads;
 } shade_task;
 

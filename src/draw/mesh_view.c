@@ -122,3 +122,15 @@ mesh_frame mesh_frame_join(const mesh_frame *a, const mesh_frame *b)
     }
     return joined;
 }
+
+mesh_placing mesh_frame_place(const mesh_frame *frame, const mesh_view *view, size_t columns, size_t rows)
+{
+    double wide = (double)columns, high = (double)rows, across = frame->high[0] - frame->low[0];
+    double up = frame->high[1] - frame->low[1];
+    double scale =
+        fmin((1 - 2 * FRAME_PADDING) * wide / fmax(across, 1e-300), (high - 2 * FRAME_PADDING * wide) / fmax(up, 1e-300));
+    return (mesh_placing){.view = view,
+                          .scale = scale,
+                          .origin = {wide / 2 - scale * (frame->low[0] + frame->high[0]) / 2,
+                                     high / 2 + scale * (frame->low[1] + frame->high[1]) / 2}};
+}

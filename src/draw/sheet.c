@@ -28,6 +28,11 @@ typedef struct layout
     double *captions; ///< height of the captions of each row
 } layout;
 
+double sheet_width(double box_width, size_t columns)
+{
+    return 2.0 * MARGIN + box_width * (double)columns + GAP_ACROSS * (double)(columns - 1);
+}
+
 static double row_height(const sheet_content *content, size_t row, double width)
 {
     double height = LEAST_BOX;

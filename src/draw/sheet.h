@@ -29,6 +29,9 @@ typedef struct sheet_content
     void (*draw_footer)(const void *context, cairo_t *cairo, const double box[4]);
 } sheet_content;
 
+/// The width of a sheet whose boxes have that width.
+double sheet_width(double box_width, size_t columns);
+
 /// Lay out, draw and put into a file.
 bat_status sheet_write(const char *path, const sheet_content *content, bat_error *error);
 

@@ -278,7 +278,7 @@ static bat_status check_triangles(const mesh_builder *builder, bat_error *error)
 
 static bat_status prepare(mesh_builder *builder, const bat_mesh_read_options *options, bat_error *error)
 {
-    if (builder->face_count == 0)
+    if (builder->face_count == 0 && !builder->faceless)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no faces");
     bat_status status = check_faces(builder, options->triangulate, error);
     size_t triangle_count = builder->corner_count - 2 * builder->face_count;

@@ -26,6 +26,8 @@ typedef struct mesh_builder
     size_t crease_count, crease_capacity;
     bat_mesh_corner *marks; ///< sharp vertices
     size_t mark_count, mark_capacity;
+
+    bool faceless; ///< a mesh without faces is good
 } mesh_builder;
 
 void mesh_builder_free(mesh_builder *builder);

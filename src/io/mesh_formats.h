@@ -17,6 +17,12 @@ bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *op
 bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 
+/// The same for files that may have vertices only: the mesh has no faces then.
+bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                bat_error *error);
+bat_status mesh_ply_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                bat_error *error);
+
 /// Whether a text begins as PLY, OFF or STL does; everything else may be OBJ.
 bool mesh_ply_resembles(const file_text *text);
 bool mesh_off_resembles(const file_text *text);

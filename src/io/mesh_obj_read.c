@@ -263,9 +263,10 @@ static size_t line_of_face(const file_text *text, size_t face)
     return scan.line;
 }
 
-bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+static bat_status read_obj(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                           bat_error *error)
 {
-    obj_reader reader = {.scan = mesh_scan_start(text->data, text->size)};
+    obj_reader reader = {.builder.faceless = faceless, .scan = mesh_scan_start(text->data, text->size)};
     bat_status status;
     do
         status = read_statement(&reader, error);
@@ -282,4 +283,15 @@ bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *opt
     if (status != BAT_OK && error != NULL)
         *error = found;
     return status;
+}
+
+bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    return read_obj(text, options, false, mesh, error);
+}
+
+bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                bat_error *error)
+{
+    return read_obj(text, options, true, mesh, error);
 }

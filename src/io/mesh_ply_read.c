@@ -215,14 +215,9 @@ static bat_status place_columns(ply_reader *reader, const ply_element *vertex, b
     return place_channels(reader, vertex, error);
 }
 
-/// Find out what the header offers, before the data.
-static bat_status plan(ply_reader *reader, bat_error *error)
+/// Find the lists that make faces.
+static bat_status plan_faces(ply_reader *reader, const ply_element *face, bat_error *error)
 {
-    const ply_element *vertex = ply_header_find(&reader->header, "vertex");
-    const ply_element *face = ply_header_find(&reader->header, "face");
-    if (vertex == NULL || face == NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the header has no element '%s'",
-                         vertex == NULL ? "vertex" : "face");
     size_t count = face->property_count;
     reader->corners_at = ply_property_find(face, "vertex_indices");
     if (reader->corners_at == count)
@@ -234,11 +229,26 @@ static bat_status plan(ply_reader *reader, bat_error *error)
     reader->texture_at = ply_property_find(face, "texcoord");
     if (reader->texture_at < count && !face->properties[reader->texture_at].list)
         reader->texture_at = count;
+    return BAT_OK;
+}
+
+/// Find out what the header offers, before the data.
+static bat_status plan(ply_reader *reader, bat_error *error)
+{
+    const ply_element *vertex = ply_header_find(&reader->header, "vertex");
+    const ply_element *face = ply_header_find(&reader->header, "face");
+    bool bare = reader->builder.faceless && (face == NULL || face->count == 0);
+    if (vertex == NULL || (face == NULL && !bare))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the header has no element '%s'",
+                         vertex == NULL ? "vertex" : "face");
+    bat_status status = bare ? BAT_OK : plan_faces(reader, face, error);
+    if (status != BAT_OK)
+        return status;
     if (vertex->count >= BAT_MESH_NONE)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the file has more than %zu vertices",
                          (size_t)BAT_MESH_NONE);
     reader->vertices = vertex->count;
-    return place_columns(reader, vertex, reader->texture_at < count, error);
+    return place_columns(reader, vertex, !bare && reader->texture_at < face->property_count, error);
 }
 
 static bat_status store_vertex(ply_reader *reader, bat_error *error)
@@ -453,9 +463,10 @@ static size_t line_of_face(const ply_reader *reader, size_t face)
     return scan.line;
 }
 
-bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+static bat_status read_ply(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                           bat_error *error)
 {
-    ply_reader reader = {.source.scan = mesh_scan_start(text->data, text->size)};
+    ply_reader reader = {.builder.faceless = faceless, .source.scan = mesh_scan_start(text->data, text->size)};
     bat_status status = read_all(&reader, error);
     if (status == BAT_OK)
     {
@@ -468,4 +479,15 @@ bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *opt
     }
     reader_free(&reader);
     return status;
+}
+
+bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    return read_ply(text, options, false, mesh, error);
+}
+
+bat_status mesh_ply_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                bat_error *error)
+{
+    return read_ply(text, options, true, mesh, error);
 }

@@ -287,6 +287,7 @@ refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj
 refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned --model mesh.in.obj
 
 refused 2 'missing' shape
+refused 2 '--to is for meshes' shape hull -o out.csv --to obj
 refused 2 'no shape of that kind' shape unicorn -o out.csv --to obj
 refused 2 '--vertices takes a whole number from 200' shape stone -o out.csv --to obj --vertices 100
 refused 2 'whole number' shape stone -o out.csv --to obj --seed -1

@@ -1,0 +1,20 @@
+#ifndef DRAW_SURFACE_PATCH_H
+#define DRAW_SURFACE_PATCH_H
+
+#include "batten/hierarchical_spline.h"
+#include "batten/mesh.h"
+
+/// @file
+/// A spline surface as triangles to be shaded.
+
+/// The vertices are an even grid of parameters, fine enough for the surface's finest cells but no finer than pictures show, the boundary's
+/// first, counter-clockwise from (0, 0).
+/// @param mesh       receives the triangles; release it with bat_mesh_free()
+/// @param loop_count receives the number of vertices on the boundary
+/// @return BAT_OK, what bat_spline_surface_evaluate() returns, or BAT_NO_MEMORY
+bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, size_t *loop_count, bat_error *error);
+
+/// Make the side that is seen from a direction the front of the triangles; of a patch that nearly closes the outer side.
+void surface_patch_turn(bat_mesh *mesh, const double eye[3]);
+
+#endif
