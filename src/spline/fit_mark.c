@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 // Without a tolerance, the worst cells that have this share of the squared error are marked (Doerfler, 1996).
-static const double BULK = 0.5;
+static const double BULK = 0.3;
 
 enum
 {
@@ -45,12 +45,15 @@ static double score_of(const fit_points *points, size_t cell, double tolerance)
 
 /// Rank the cells that have an error.
 /// @return how many there are
-static size_t rank_cells(const fit_points *points, double tolerance, ranked_cell *ranked)
+static size_t rank_cells(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
+                         ranked_cell *ranked)
 {
     size_t count = 0;
     for (size_t c = 0; c < points->cells; c++)
     {
-        double score = score_of(points, c, tolerance);
+        // Cells of the last level stay as they are.
+        bool may = bat_hierarchical_space_cell(space, c).level + 1 < BAT_HIERARCHICAL_MOST_LEVELS;
+        double score = may ? score_of(points, c, tolerance) : 0;
         if (score > 0)
             ranked[count++] = (ranked_cell){score, (uint32_t)c};
     }
@@ -180,7 +183,7 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
         status = error_memory(error, points->cells * sizeof *boxes);
     else
     {
-        size_t count = rank_cells(points, marking->tolerance, ranked);
+        size_t count = rank_cells(space, points, marking->tolerance, ranked);
         size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
         mark_choice choice = {space, ranked, boxes, (uint32_t)marking->neighbours};
         if (wanted > 0)

@@ -17,8 +17,8 @@ enum
     POINTS_PER_FUNCTION = 4, ///< where neither a tolerance nor a budget says when to stop
     SMALL_SYSTEM = 500,      ///< functions up to which weights cost next to nothing to try
     TRIALS_SMALL = 12,       ///< weights tried in a round of a small system,
-    TRIALS = 2,              ///< of a larger one,
-    TRIALS_LAST = 5,         ///< and of one that fills the budget
+    TRIALS = 4,              ///< of a larger one,
+    TRIALS_LAST = 6,         ///< and of one that fills the budget
     NEWTON_STEPS = 4         ///< of a parameter, in one correction of the loop
 };
 
@@ -32,11 +32,11 @@ static const double EXACT = 1e-13;
 bat_surface_fit_options bat_surface_fit_defaults(void)
 {
     return (bat_surface_fit_options){
-        .space = {.degree = {2, 2}, .spans = {1, 1}, .truncated = true, .admissible = 2},
+        .space = {.degree = {2, 2}, .spans = {1, 1}, .truncated = true},
         .share = 1,
         .iterations = 30,
         .neighbours = 1,
-        .smoothing = BAT_SMOOTHING_CROSS_VALIDATION,
+        .smoothing = BAT_SMOOTHING_LIKELIHOOD,
         .corrections = 1,
     };
 }
