@@ -21,6 +21,9 @@ typedef struct bat_fit_data
     const bool *fixed;
 } bat_fit_data;
 
+/// The most rings of cells that are refined around a marked one.
+#define BAT_SURFACE_FIT_MOST_NEIGHBOURS 64
+
 /// How the smoothing weight is found.
 typedef enum bat_smoothing
 {
@@ -40,7 +43,7 @@ typedef struct bat_surface_fit_options
     size_t functions; ///< the most functions: the loop stops before more, and fills the budget with the worst cells; 0: none
                       ///< set; default 0. Without a tolerance and a budget the loop stops at a quarter of the points
     int iterations;   ///< the most refinements, 0 or more; default 30
-    int neighbours;   ///< rings of cells refined around a marked one; 0 or more; default 1
+    int neighbours; ///< rings of cells of its level refined around a marked one; to BAT_SURFACE_FIT_MOST_NEIGHBOURS; default 1
     bat_smoothing smoothing; ///< default likelihood, which corrected parameters do not mislead
     double weight;   ///< lambda of eq. (5) for BAT_SMOOTHING_GIVEN, at least 0; it does not depend on the points' unit
     double noise;    ///< standard deviation of a coordinate for BAT_SMOOTHING_DISCREPANCY, in units of the points; above 0

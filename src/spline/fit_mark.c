@@ -11,7 +11,10 @@ static const double BULK = 0.3;
 
 enum
 {
-    MOST_RINGS = 1 << 8
+    /// A cell and so many rings hold functions of the next level of any degree.
+    ENOUGH_RINGS = BAT_SPLINE_MOST_DEGREE / 4 + 1,
+    /// This part of a budget is small enough to be left over.
+    CLOSE = 500
 };
 
 /// A cell and the sum of squared errors of its points.
@@ -73,57 +76,75 @@ static size_t bulk_of(const ranked_cell *ranked, size_t count)
     return wanted;
 }
 
-/// A cell and its rings, as far as the grid goes.
-static bat_spline_box grow(const bat_hierarchical_space *space, bat_spline_box box, uint32_t rings)
-{
-    bat_hierarchical_options options = bat_hierarchical_space_options(space);
-    for (int k = 0; k < 2; k++)
-    {
-        uint32_t spans = (uint32_t)(options.spans[k] << box.level);
-        box.low[k] = box.low[k] > rings ? box.low[k] - rings : 0;
-        box.high[k] = spans - box.high[k] > rings ? box.high[k] + rings : spans;
-    }
-    return box;
-}
-
 /// Everything a refinement is chosen from.
 typedef struct mark_choice
 {
     const bat_hierarchical_space *space;
     const ranked_cell *ranked;
-    bat_spline_box *boxes;
-    uint32_t rings;
+    int rings;
 } mark_choice;
 
-/// A copy of the space with the first cells refined.
+/// The side of a cell with its rings, in cells.
+static size_t side_of(const mark_choice *choice)
+{
+    return 2 * (size_t)choice->rings + 1;
+}
+
+/// A cell and those in its rings that are active cells of its own level. Rings across coarser ones would refine those through
+/// several levels at once, which costs more functions than it takes off the error.
+/// @param boxes receives up to side_of()^2 boxes
+static size_t surround(const mark_choice *choice, bat_spline_box cell, bat_spline_box *boxes)
+{
+    bat_hierarchical_options options = bat_hierarchical_space_options(choice->space);
+    size_t count = 0;
+    double spans[2];
+    for (int k = 0; k < 2; k++)
+        spans[k] = (double)(options.spans[k] << cell.level);
+    for (int down = -choice->rings; down <= choice->rings; down++)
+        for (int across = -choice->rings; across <= choice->rings; across++)
+        {
+            double u = ((double)cell.low[0] + across + 0.5) / spans[0], v = ((double)cell.low[1] + down + 0.5) / spans[1];
+            if (u < 0 || u > 1 || v < 0 || v > 1)
+                continue;
+            size_t there = bat_hierarchical_space_locate(choice->space, u, v);
+            bat_spline_box box = bat_hierarchical_space_cell(choice->space, there);
+            if (box.level == cell.level)
+                boxes[count++] = box;
+        }
+    return count;
+}
+
+/// A copy of the space with the first cells and their rings refined.
 static bat_status refine_first(const mark_choice *choice, size_t count, bat_hierarchical_space **refined, bat_error *error)
 {
+    size_t side = side_of(choice), boxes_count = 0;
+    bat_spline_box *boxes = memory_array(count, side * side * sizeof *boxes);
+    if (boxes == NULL)
+        return error_memory(error, count * side * side * sizeof *boxes);
     for (size_t k = 0; k < count; k++)
     {
-        bat_spline_box box = bat_hierarchical_space_cell(choice->space, choice->ranked[k].cell);
-        choice->boxes[k] = grow(choice->space, box, choice->rings);
+        bat_spline_box cell = bat_hierarchical_space_cell(choice->space, choice->ranked[k].cell);
+        boxes_count += surround(choice, cell, boxes + boxes_count);
     }
-    bat_hierarchical_space *copy;
+    bat_hierarchical_space *copy = NULL;
     bat_status status = bat_hierarchical_space_copy(choice->space, &copy, error);
-    if (status != BAT_OK)
-        return status;
-    status = bat_hierarchical_space_refine(copy, choice->boxes, count, error);
-    if (status != BAT_OK)
-    {
+    if (status == BAT_OK)
+        status = bat_hierarchical_space_refine(copy, boxes, boxes_count, error);
+    free(boxes);
+    if (status == BAT_OK)
+        *refined = copy;
+    else
         bat_hierarchical_space_free(copy);
-        return status;
-    }
-    *refined = copy;
-    return BAT_OK;
+    return status;
 }
 
 /// Refine the most first cells that fit the budget, by regula falsi kept off the ends: 0 fit, `count` do not.
 static bat_status fill_budget(const mark_choice *choice, size_t count, size_t count_functions, size_t budget,
                               bat_hierarchical_space **refined, bat_error *error)
 {
-    size_t low = 0, high = count, low_functions = bat_hierarchical_space_functions(choice->space),
-           high_functions = count_functions;
-    while (high - low > 1 && budget - low_functions > budget / 500)
+    size_t before = bat_hierarchical_space_functions(choice->space);
+    size_t low = 0, high = count, low_functions = before, high_functions = count_functions;
+    while (high - low > 1 && budget - low_functions > budget / CLOSE)
     {
         double share = (double)(budget - low_functions) / (double)(high_functions - low_functions);
         size_t try = low + (size_t)(fmin(fmax(share, 0.1), 0.9) * (double)(high - low));
@@ -133,17 +154,12 @@ static bat_status fill_budget(const mark_choice *choice, size_t count, size_t co
         if (status != BAT_OK)
             return status;
         size_t functions = bat_hierarchical_space_functions(made);
-        if (functions > budget)
-        {
-            high = try;
-            high_functions = functions;
-            bat_hierarchical_space_free(made);
-            continue;
-        }
-        low = try;
-        low_functions = functions;
-        bat_hierarchical_space_free(*refined);
-        *refined = made;
+        bool fits = functions <= budget;
+        *(fits ? &low : &high) = try;
+        *(fits ? &low_functions : &high_functions) = functions;
+        bat_hierarchical_space *dropped = fits && functions > before ? *refined : made;
+        *refined = fits && functions > before ? made : *refined;
+        bat_hierarchical_space_free(dropped);
     }
     return BAT_OK;
 }
@@ -153,7 +169,7 @@ static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t budge
                                 bat_error *error)
 {
     size_t before = bat_hierarchical_space_functions(choice->space);
-    for (; choice->rings < MOST_RINGS; choice->rings++)
+    do
     {
         bat_hierarchical_space *made;
         bat_status status = refine_first(choice, wanted, &made, error);
@@ -168,7 +184,7 @@ static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t budge
         bat_hierarchical_space_free(made);
         if (functions > before)
             return fill_budget(choice, wanted, functions, budget, refined, error);
-    }
+    } while (choice->rings++ < ENOUGH_RINGS);
     return BAT_OK;
 }
 
@@ -176,25 +192,20 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
                            bat_hierarchical_space **refined, bat_error *error)
 {
     *refined = NULL;
+    if (marking->budget > 0 && bat_hierarchical_space_functions(space) >= marking->budget)
+        return BAT_OK;
     ranked_cell *ranked = memory_array(points->cells, sizeof *ranked);
-    bat_spline_box *boxes = memory_array(points->cells, sizeof *boxes);
-    bat_status status = BAT_OK;
-    if (ranked == NULL || boxes == NULL)
-        status = error_memory(error, points->cells * sizeof *boxes);
-    else
-    {
-        size_t count = rank_cells(space, points, marking->tolerance, ranked);
-        size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
-        mark_choice choice = {space, ranked, boxes, (uint32_t)marking->neighbours};
-        if (wanted > 0)
-            status = refine_wanted(&choice, wanted, marking->budget, refined, error);
-    }
+    if (ranked == NULL)
+        return error_memory(error, points->cells * sizeof *ranked);
+    size_t count = rank_cells(space, points, marking->tolerance, ranked);
+    size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
+    mark_choice choice = {space, ranked, marking->neighbours};
+    bat_status status = wanted > 0 ? refine_wanted(&choice, wanted, marking->budget, refined, error) : BAT_OK;
     if (status != BAT_OK)
     {
         bat_hierarchical_space_free(*refined);
         *refined = NULL;
     }
     free(ranked);
-    free(boxes);
     return status;
 }

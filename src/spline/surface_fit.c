@@ -24,8 +24,8 @@ enum
 
 // A parameter has settled, in the loop, when a step is shorter than this part of a cell.
 static const double SETTLED = 1e-3;
-// A budget is met from this part of it on.
-static const double FILLED = 0.98;
+// A budget is met from this part of it on; refinement adds a few functions at a time at least.
+static const double FILLED = 0.99;
 // Distances below this part of the points' size are rounding.
 static const double EXACT = 1e-13;
 
@@ -78,6 +78,7 @@ typedef struct fit_loop
     double lambda; ///< of the last fit; 0 before the first
     size_t budget; ///< of functions; 0: none
     double size;   ///< the largest coordinate of a point
+    bool full;     ///< nothing more fits the budget
     size_t outliers;
     bat_surface_fit_round *rounds; ///< iterations + 1
     size_t count;
@@ -279,7 +280,8 @@ static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round
 {
     if (loop->options->tolerance > 0)
         return round->within >= loop->options->share;
-    return (double)round->functions >= FILLED * (double)loop->budget || round->largest <= EXACT * loop->size;
+    bool filled = loop->full || (double)round->functions >= FILLED * (double)loop->budget;
+    return filled || round->largest <= EXACT * loop->size;
 }
 
 /// Refine where the points are farthest off.
@@ -293,6 +295,7 @@ static bat_status refine_now(fit_loop *loop, bool *refined, bat_error *error)
     if (status == BAT_OK)
         status = fit_mark_refine(loop->space, &loop->points, &marking, &finer, error);
     *refined = finer != NULL;
+    loop->full = loop->budget > 0 && finer == NULL;
     if (finer != NULL)
     {
         loop_free_fit(loop);
