@@ -8,6 +8,8 @@
 
 // Without a tolerance, the worst cells that have this share of the squared error are marked (Doerfler, 1996).
 static const double BULK = 0.3;
+// Points are told apart when they are spread over this part of a cell in one direction.
+static const double APART = 1.0 / 16;
 
 enum
 {
@@ -32,18 +34,57 @@ static int compare_ranked(const void *a, const void *b)
     return (x->cell > y->cell) - (x->cell < y->cell);
 }
 
-/// The score of a cell; 0 when all its points lie within the tolerance.
-static double score_of(const fit_points *points, size_t cell, double tolerance)
+/// What a cell's points say of it.
+typedef struct cell_points
 {
-    double sum = 0, largest = 0;
+    double sum;     ///< of weighted squared distances
+    double largest; ///< distance
+    double count;
+    double low[2], high[2]; ///< the parameters lie between
+} cell_points;
+
+static cell_points look_at(const fit_points *points, size_t cell)
+{
+    cell_points seen = {.low = {1, 1}};
     for (size_t place = points->first[cell]; place < points->first[cell + 1]; place++)
     {
         size_t row = points->order[place];
-        double distance = points->distance[row], weight = points->weight[row];
-        sum += weight * distance * distance;
-        largest = weight > 0 ? fmax(largest, distance) : largest;
+        if (points->weight[row] == 0)
+            continue;
+        seen.sum += points->weight[row] * points->distance[row] * points->distance[row];
+        seen.largest = fmax(seen.largest, points->distance[row]);
+        seen.count++;
+        for (int k = 0; k < 2; k++)
+        {
+            seen.low[k] = fmin(seen.low[k], points->parameter[2 * row + (size_t)k]);
+            seen.high[k] = fmax(seen.high[k], points->parameter[2 * row + (size_t)k]);
+        }
     }
-    return largest > tolerance ? sum : 0;
+    return seen;
+}
+
+/// Whether finer functions could tell the points of a cell apart. Those that cannot be told apart have lost their way, and would draw
+/// functions without end.
+static bool are_apart(const bat_hierarchical_space *space, const cell_points *seen, uint32_t level)
+{
+    bat_hierarchical_options options = bat_hierarchical_space_options(space);
+    for (int k = 0; k < 2; k++)
+        if ((seen->high[k] - seen->low[k]) * (double)(options.spans[k] << level) >= APART)
+            return true;
+    return false;
+}
+
+/// The score of a cell; 0 when all its points lie within the tolerance, and for cells of the last level. Without a tolerance few
+/// points in a cell count less, as they say less of it.
+static double score_of(const bat_hierarchical_space *space, const fit_points *points, size_t cell, double tolerance)
+{
+    uint32_t level = bat_hierarchical_space_cell(space, cell).level;
+    cell_points seen = look_at(points, cell);
+    if (seen.largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MOST_LEVELS)
+        return 0;
+    if (tolerance > 0)
+        return seen.sum;
+    return are_apart(space, &seen, level) ? seen.sum * (seen.count - 1) / seen.count : 0;
 }
 
 /// Rank the cells that have an error.
@@ -54,9 +95,7 @@ static size_t rank_cells(const bat_hierarchical_space *space, const fit_points *
     size_t count = 0;
     for (size_t c = 0; c < points->cells; c++)
     {
-        // Cells of the last level stay as they are.
-        bool may = bat_hierarchical_space_cell(space, c).level + 1 < BAT_HIERARCHICAL_MOST_LEVELS;
-        double score = may ? score_of(points, c, tolerance) : 0;
+        double score = score_of(space, points, c, tolerance);
         if (score > 0)
             ranked[count++] = (ranked_cell){score, (uint32_t)c};
     }

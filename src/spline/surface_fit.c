@@ -163,14 +163,14 @@ static int trials_for(const fit_loop *loop)
     return loop->budget > 0 && (double)functions >= FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
 }
 
-/// Fit over the space at hand, whose system is there, and measure.
+/// Fit over the space at hand, whose system is there, to points that know their cells.
 /// @param search whether a weight is looked for, or the last one taken
 static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
     bat_status status = loop_check(loop, error);
     if (status == BAT_OK)
-        status = fit_points_sort(&loop->points, loop->space, options->threads, error);
+        status = fit_points_sort(&loop->points, loop->space, error);
     if (status == BAT_OK)
         status = fit_system_gather(&loop->system, &loop->points, error);
     if (status != BAT_OK)
@@ -185,13 +185,11 @@ static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
     fit_nets_free(&loop->nets);
     if (status == BAT_OK)
         status = fit_nets_make(loop->space, loop->control, loop->points.dimension, options->threads, &loop->nets, error);
-    if (status == BAT_OK)
-        status = fit_nets_measure(&loop->nets, &loop->points, NULL, options->threads, error);
     return status;
 }
 
-/// Move the parameters to their feet and weigh the points anew.
-static bat_status correct_now(fit_loop *loop, bool correct, bat_error *error)
+/// Measure distances, or move the parameters to their feet, and weigh the points anew.
+static bat_status measure_now(fit_loop *loop, bool correct, bat_error *error)
 {
     size_t moved;
     bat_status status = loop_check(loop, error);
@@ -213,6 +211,7 @@ static bat_status begin_round(fit_loop *loop, bat_error *error)
         status = fit_solver_make(&loop->system.pattern, &loop->solver, error);
     if (status != BAT_OK)
         return status;
+    fit_points_locate(&loop->points, loop->space, loop->options->threads);
     loop->control = memory_array(functions * loop->points.dimension, sizeof *loop->control);
     return loop->control == NULL ? error_memory(error, functions * loop->points.dimension * sizeof *loop->control) : BAT_OK;
 }
@@ -223,13 +222,13 @@ static bat_status fit_round(fit_loop *loop, bat_error *error)
     if (status == BAT_OK)
         status = fit_now(loop, true, error);
     if (status == BAT_OK && loop->options->corrections == 0)
-        status = correct_now(loop, false, error);
+        status = measure_now(loop, false, error);
     for (int k = 0; k < loop->options->corrections && status == BAT_OK; k++)
     {
         if (k > 0)
             status = fit_now(loop, false, error);
         if (status == BAT_OK)
-            status = correct_now(loop, true, error);
+            status = measure_now(loop, true, error);
     }
     return status;
 }
@@ -239,12 +238,12 @@ static bat_status fit_finally(fit_loop *loop, bat_error *error)
     bat_status status = BAT_OK;
     int rounds = loop->options->final_corrections;
     if (rounds > 0 && loop->options->corrections == 0)
-        status = correct_now(loop, true, error);
+        status = measure_now(loop, true, error);
     for (int k = 0; k < rounds && status == BAT_OK; k++)
     {
         status = fit_now(loop, k == 0, error);
         if (status == BAT_OK)
-            status = correct_now(loop, true, error);
+            status = measure_now(loop, true, error);
     }
     return status;
 }
@@ -291,7 +290,7 @@ static bat_status refine_now(fit_loop *loop, bool *refined, bat_error *error)
     const bat_surface_fit_options *options = loop->options;
     fit_marking marking = {options->tolerance, loop->budget, options->neighbours};
     bat_hierarchical_space *finer = NULL;
-    bat_status status = fit_points_sort(&loop->points, loop->space, options->threads, error);
+    bat_status status = fit_points_sort(&loop->points, loop->space, error);
     if (status == BAT_OK)
         status = fit_mark_refine(loop->space, &loop->points, &marking, &finer, error);
     *refined = finer != NULL;
