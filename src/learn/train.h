@@ -83,7 +83,7 @@ typedef struct learn_report
 /// Train. When stopped through `progress`, the state at that step is in the checkpoint, and training goes on from it as if
 /// nothing had been.
 ///
-/// While it runs, OpenBLAS works on one thread in the whole process (learn/blas.h).
+/// While it runs, OpenBLAS works on one thread in the whole process (linalg/blas_single.h).
 ///
 /// @param report may be null
 /// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT for counts of 0 or a checkpoint of another seed, recipe or shape;

@@ -1,5 +1,6 @@
-#include "learn/blas.h"
+#include "linalg/blas_single.h"
 
+#include <cblas.h>
 #include <pthread.h>
 
 // The setting belongs to the process, so the count of who relies on it does too.

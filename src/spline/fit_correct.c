@@ -1,0 +1,181 @@
+#include "spline/fit_correct.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MOST_STEPS = 50,
+    MOST_HALVINGS = 10
+};
+
+// The longest step in a direction, in cells.
+static const double LONGEST_STEP = 1;
+// A matrix whose determinant is less than this part of the product of its diagonal is as good as singular.
+static const double LEAST_DETERMINANT = 1e-10;
+
+fit_correction fit_correction_full(void)
+{
+    return (fit_correction){.steps = MOST_STEPS, .settled = 4 * DBL_EPSILON};
+}
+
+/// A place on the surface and what is known there.
+typedef struct foot_point
+{
+    double at[2];
+    size_t cell;
+    double square;      ///< of the distance to the point
+    double gradient[2]; ///< of half the square
+    double full[3];     ///< second derivatives by uu, uv, vv
+    double gauss[3];    ///< the same without the surface's second derivatives
+} foot_point;
+
+static void foot_measure(const fit_nets *nets, const double *position, double *scratch, foot_point *foot)
+{
+    size_t dimension = nets->dimension;
+    double *value = scratch + fit_nets_scratch(nets);
+    fit_nets_evaluate(nets, foot->cell, foot->at, 2, scratch, value);
+    const double *du = value + dimension, *dv = du + dimension, *duu = dv + dimension, *duv = duu + dimension,
+                 *dvv = duv + dimension;
+    double square = 0, gradient[2] = {0, 0}, bent[3] = {0, 0, 0}, gauss[3] = {0, 0, 0};
+    for (size_t k = 0; k < dimension; k++)
+    {
+        double apart = value[k] - position[k];
+        square += apart * apart;
+        gradient[0] += apart * du[k];
+        gradient[1] += apart * dv[k];
+        bent[0] += apart * duu[k];
+        bent[1] += apart * duv[k];
+        bent[2] += apart * dvv[k];
+        gauss[0] += du[k] * du[k];
+        gauss[1] += du[k] * dv[k];
+        gauss[2] += dv[k] * dv[k];
+    }
+    foot->square = square;
+    memcpy(foot->gradient, gradient, sizeof gradient);
+    memcpy(foot->gauss, gauss, sizeof gauss);
+    for (int k = 0; k < 3; k++)
+        foot->full[k] = gauss[k] + bent[k];
+}
+
+/// Whether a parameter may follow the gradient: free to move and not pressed against the square's end.
+static bool may_move(const foot_point *foot, fit_freedom freedom, int direction)
+{
+    if (freedom != FIT_FREE && freedom != (direction == 0 ? FIT_ALONG_U : FIT_ALONG_V))
+        return false;
+    bool pressed = (foot->at[direction] <= 0 && foot->gradient[direction] > 0) ||
+                   (foot->at[direction] >= 1 && foot->gradient[direction] < 0);
+    return !pressed;
+}
+
+static bool solve_both(const double *matrix, const double *gradient, double *step)
+{
+    double determinant = matrix[0] * matrix[2] - matrix[1] * matrix[1];
+    if (!(matrix[0] > 0 && matrix[2] > 0 && determinant > LEAST_DETERMINANT * matrix[0] * matrix[2]))
+        return false;
+    step[0] = (matrix[1] * gradient[1] - matrix[2] * gradient[0]) / determinant;
+    step[1] = (matrix[1] * gradient[0] - matrix[0] * gradient[1]) / determinant;
+    return true;
+}
+
+/// The step along one direction: by Newton's method where the square of the distance is convex.
+static double solve_one(const foot_point *foot, int direction)
+{
+    double full = foot->full[2 * direction], gauss = foot->gauss[2 * direction];
+    double curvature = full > 0 ? full : gauss;
+    return curvature > 0 ? -foot->gradient[direction] / curvature : 0;
+}
+
+static void choose_step(const foot_point *foot, fit_freedom freedom, double *step)
+{
+    bool moves[2] = {may_move(foot, freedom, 0), may_move(foot, freedom, 1)};
+    if (moves[0] && moves[1] &&
+        (solve_both(foot->full, foot->gradient, step) || solve_both(foot->gauss, foot->gradient, step)))
+        return;
+    for (int k = 0; k < 2; k++)
+        step[k] = moves[k] ? solve_one(foot, k) : 0;
+}
+
+/// Shorten a step that is longer than the method can be trusted for.
+/// @return its length in cells
+static double limit_step(const fit_nets *nets, const foot_point *foot, double *step)
+{
+    uint32_t level = nets->space->cells[foot->cell].level;
+    double length = 0;
+    for (int k = 0; k < 2; k++)
+        length = fmax(length, fabs(step[k]) * (double)hierarchical_spans(nets->space, level, k));
+    if (length <= LONGEST_STEP)
+        return length;
+    step[0] *= LONGEST_STEP / length;
+    step[1] *= LONGEST_STEP / length;
+    return LONGEST_STEP;
+}
+
+/// Go along a step, half as far again and again until the distance falls.
+static bool go(const fit_nets *nets, const double *position, const double *step, double *scratch, foot_point *now)
+{
+    foot_point next;
+    double share = 1;
+    for (int k = 0; k < MOST_HALVINGS; k++, share *= 0.5)
+    {
+        for (int d = 0; d < 2; d++)
+            next.at[d] = fmin(fmax(now->at[d] + share * step[d], 0), 1);
+        if (next.at[0] == now->at[0] && next.at[1] == now->at[1])
+            return false;
+        next.cell = bat_hierarchical_space_locate(nets->space, next.at[0], next.at[1]);
+        foot_measure(nets, position, scratch, &next);
+        if (next.square < now->square)
+        {
+            *now = next;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, fit_correction correction, double *scratch)
+{
+    const double *position = points->position + row * nets->dimension;
+    double *at = points->parameter + 2 * row;
+    fit_freedom freedom = (fit_freedom)points->freedom[row];
+    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
+    foot_measure(nets, position, scratch, &now);
+    for (int k = 0; k < correction.steps && freedom != FIT_FIXED; k++)
+    {
+        double step[2];
+        choose_step(&now, freedom, step);
+        double length = limit_step(nets, &now, step);
+        if (length <= correction.settled || !go(nets, position, step, scratch, &now))
+            break;
+    }
+    bool moved = now.at[0] != at[0] || now.at[1] != at[1];
+    memcpy(at, now.at, sizeof now.at);
+    points->cell[row] = (uint32_t)now.cell;
+    points->distance[row] = sqrt(now.square);
+    return moved;
+}
+
+bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
+                       bat_error *error)
+{
+    size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
+    bool whole = true;
+#pragma omp parallel num_threads(threads_for(threads, points->count)) reduction(&& : whole) reduction(+ : count)
+    {
+        double *scratch = memory_array(room, sizeof *scratch);
+        whole = scratch != NULL;
+#pragma omp for schedule(dynamic, 256)
+        for (size_t row = 0; row < points->count; row++)
+            if (scratch != NULL)
+                count += correct_point(nets, points, row, correction, scratch);
+        free(scratch);
+    }
+    *moved = count;
+    return whole ? BAT_OK : error_memory(error, room * sizeof(double));
+}
