@@ -1,6 +1,7 @@
 #include "arguments.h"
 #include "report.h"
 #include "train_mesh.h"
+#include "train_surface.h"
 #include "verbs.h"
 
 #include "batten/batten.h"
@@ -43,7 +44,8 @@ static const verb_spec SPEC = {
     .usage = "batten train tension [--recipe published|batten] [--seed N] [--epochs E] [--out FOLDER] [--resume] [options]",
     .summary =
         "Train the learned curve scheme. Ctrl-C writes a checkpoint and stops; with --resume the same command goes on to "
-        "the same result. `batten train mesh --help` tells of meshes.",
+        "the same result. `batten train mesh --help` tells of meshes, `batten train surface --help` of "
+        "scattered points.",
     .options = OPTIONS,
     .least_positional = 1,
     .most_positional = 1,
@@ -216,10 +218,13 @@ int verb_train(int argc, char **argv)
     int code, recipe;
     if (argc > 1 && strcmp(argv[1], "mesh") == 0)
         return train_mesh(argc, argv);
+    if (argc > 1 && strcmp(argv[1], "surface") == 0)
+        return train_surface(argc, argv);
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
     if (strcmp(given.positional[0], "tension") != 0)
-        return usage_error(&given, "there is no model '%s' to train; there are tension and mesh", given.positional[0]);
+        return usage_error(&given, "there is no model '%s' to train; there are tension, mesh and surface",
+                           given.positional[0]);
     if (!argument_word(&given, "recipe", RECIPES, RECIPE_PUBLISHED, &recipe))
         return EXIT_BAD_USAGE;
     return recipe == RECIPE_BATTEN ? train_batten(&given) : train_published(&given);
