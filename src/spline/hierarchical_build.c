@@ -33,36 +33,31 @@ static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)
     return made ? BAT_OK : error_memory(error, count * sizeof *leaves);
 }
 
-/// The functions of a level: supported by its region, and selected as the next region, here in cells of this level, does not support
-/// them.
-static bool select_functions(bat_hierarchical_space *space, size_t level, const run_set *region, const run_set *next)
+/// The region of a level and its functions: those that the region supports, of which those are selected that the next region,
+/// here in cells of this level, does not support.
+static bool make_level(bat_hierarchical_space *space, size_t level, const run_set *next)
 {
     uint32_t size[2] = {(uint32_t)hierarchical_spans(space, level, 0), (uint32_t)hierarchical_spans(space, level, 1)};
-    hierarchical_level *kept = &space->level[level];
+    hierarchical_level *made = &space->level[level];
     run_set replaced = {0};
-    bool made = run_set_supports(region, size, space->options.degree, &kept->supported) &&
-                run_set_supports(next, size, space->options.degree, &replaced) &&
-                run_set_subtract(&kept->supported, &replaced, &kept->selected);
+    bool all = run_set_unite(&made->cells, next, &made->region) &&
+               run_set_supports(&made->region, size, space->options.degree, &made->supported) &&
+               run_set_supports(next, size, space->options.degree, &replaced) &&
+               run_set_subtract(&made->supported, &replaced, &made->selected);
     run_set_free(&replaced);
-    return made;
+    return all;
 }
 
-/// Go from the finest region, whose cells are all active, to the coarsest: the region of a level is its active cells and the region
-/// of the next.
-static bat_status select_levels(bat_hierarchical_space *space, bat_error *error)
+/// Go from the finest region, whose cells are all active, to the coarsest.
+static bat_status make_levels(bat_hierarchical_space *space, bat_error *error)
 {
-    run_set next = {0};
     bool made = true;
     for (size_t l = space->levels; l-- > 0 && made;)
     {
-        run_set halved = {0}, region = {0};
-        made = run_set_halve(&next, &halved) && run_set_unite(&space->level[l].cells, &halved, &region) &&
-               select_functions(space, l, &region, &halved);
-        run_set_free(&halved);
+        run_set next = {0};
+        made = (l + 1 == space->levels || run_set_halve(&space->level[l + 1].region, &next)) && make_level(space, l, &next);
         run_set_free(&next);
-        next = region;
     }
-    run_set_free(&next);
     return made ? BAT_OK : error_memory(error, sizeof(grid_run));
 }
 
@@ -109,7 +104,7 @@ bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error)
 {
     bat_status status = collect_cells(space, error);
     if (status == BAT_OK)
-        status = select_levels(space, error);
+        status = make_levels(space, error);
     if (status == BAT_OK)
         status = number_levels(space, error);
     if (status != BAT_OK)

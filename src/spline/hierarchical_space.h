@@ -29,6 +29,7 @@ typedef struct hierarchical_cell
 /// What the space keeps of a level.
 typedef struct hierarchical_level
 {
+    run_set region;    ///< cells in the level's region
     run_set cells;     ///< active ones, by their numbers
     run_set supported; ///< functions of the level with support in its region, numbered from 0
     run_set selected;  ///< those of them in the basis, by their numbers
@@ -73,6 +74,10 @@ static inline size_t hierarchical_local(const bat_hierarchical_space *space, con
 
 /// Build all but options, tree and bases, which are there already. The space can be freed on failure, too.
 bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error);
+
+/// A set of cells of a level as disjoint boxes, behind `*count` boxes of an array from malloc().
+bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_spline_box **boxes, size_t *count, size_t *capacity,
+                              bat_error *error);
 
 /// Make the lists of active functions and the extraction of all cells.
 bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error);
