@@ -164,7 +164,8 @@ static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, e
         !array_grow((void **)&space->extraction, &space->extraction_capacity, space->extraction_count + rows->count * locals,
                     sizeof *space->extraction))
         return false;
-    memcpy(space->extraction + space->extraction_count, rows->values, rows->count * locals * sizeof *rows->values);
+    if (rows->count > 0)
+        memcpy(space->extraction + space->extraction_count, rows->values, rows->count * locals * sizeof *rows->values);
     space->extraction_count += rows->count * locals;
     memcpy(space->active + space->active_count, rows->indices, rows->count * sizeof *rows->indices);
     space->active_count += rows->count;
