@@ -111,8 +111,8 @@ static bat_status check_box(const bat_hierarchical_options *options, const bat_s
                             bat_error *error)
 {
     if (box->level >= FINEST || !level_fits(options, box->level + 1))
-        return error_set(error, BAT_TOO_LARGE, index, 0, "box %zu, of level %u, cannot be refined: the next level is too fine",
-                         index, box->level);
+        return error_set(error, BAT_TOO_LARGE, index, 0,
+                         "box %zu, of level %u, cannot be refined: the next level is too fine", index, box->level);
     for (int d = 0; d < 2; d++)
     {
         if (box->low[d] >= box->high[d])
