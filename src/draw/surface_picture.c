@@ -22,6 +22,8 @@
 #define TALLEST 1.35
 #define FLATTEST 0.45
 #define TITLE_ROOM 20.0
+/// The surface may pass the points by this share of their extent.
+#define RUNAWAY_SHARE 0.06
 /// The share of distances within the colour scale.
 #define SCALED_SHARE 0.99
 
@@ -96,23 +98,33 @@ static void describe_row(surface_row *row)
         (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
 }
 
-/// The view and the frame of a row: the surface's, whose boundary is known, rather than the cloud's.
+/// A frame with room about the cloud for as much of the surface: what runs away from the points is cut.
+static mesh_frame frame_of_both(const mesh_frame *cloud, const mesh_frame *surface)
+{
+    mesh_frame both;
+    double room = RUNAWAY_SHARE * fmax(cloud->high[0] - cloud->low[0], cloud->high[1] - cloud->low[1]);
+    for (int c = 0; c < 2; c++)
+    {
+        both.low[c] = fmin(cloud->low[c], fmax(surface->low[c], cloud->low[c] - room));
+        both.high[c] = fmax(cloud->high[c], fmin(surface->high[c], cloud->high[c] + room));
+    }
+    return both;
+}
+
+/// The view and the frame of a row: the cloud's if its boundary is known, else the surface's.
 static void look_at_row(surface_row *row, size_t loop_count, const bat_surface_picture_options *options)
 {
     const bat_cloud *cloud = row->panel->cloud;
-    bool has_patch = row->patch.face_count > 0;
-    patch_points patch = {row->patch.positions, row->patch.vertex_count, loop_count};
-    if (!has_patch)
-        patch = (patch_points){cloud->points, cloud->count, cloud->boundary_count};
-    row->view = surface_view_of(&patch, options->view, options->up);
-    row->frame = surface_frame_of(patch.points, patch.count, &row->view);
-    if (has_patch)
-        surface_patch_turn(&row->patch, row->view.rotation[2]);
-    if (has_patch && cloud != NULL)
-    {
-        mesh_frame of_cloud = surface_frame_of(cloud->points, cloud->count, &row->view);
-        row->frame = mesh_frame_join(&row->frame, &of_cloud);
-    }
+    patch_points surface = {row->patch.positions, row->patch.vertex_count, loop_count};
+    patch_points points = {0};
+    if (cloud != NULL)
+        points = (patch_points){cloud->points, cloud->count, cloud->boundary_count};
+    bool by_cloud = cloud != NULL && (points.loop_count > 0 || surface.count == 0);
+    row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
+    mesh_frame of_surface = surface_frame_of(surface.points, surface.count, &row->view);
+    mesh_frame of_cloud = surface_frame_of(points.points, points.count, &row->view);
+    row->frame = cloud == NULL ? of_surface : surface.count == 0 ? of_cloud : frame_of_both(&of_cloud, &of_surface);
+    surface_patch_turn(&row->patch, row->view.rotation[2]);
 }
 
 static bat_status make_row(const bat_surface_panel *panel, const bat_surface_picture_options *options, surface_row *row,
