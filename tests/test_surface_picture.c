@@ -452,6 +452,12 @@ static void patches_are_the_surface(void **state)
         vector3_cross(first, second, normal);
         assert_true(normal[2] * side > 0);
     }
+    // Half of it is left within a box that ends between two columns of vertices, nothing within one beside it.
+    surface_patch_cut(&patch, (const double[3]){-1, -1, -1}, (const double[3]){0.5 + 1e-9, 1, 1});
+    assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
+    check_near(summary.area, 0.5, 1e-12);
+    surface_patch_cut(&patch, (const double[3]){2, 2, 2}, (const double[3]){3, 3, 3});
+    assert_int_equal(patch.face_count, 0);
     bat_mesh_free(&patch);
     bat_spline_surface_free(&flat);
 }

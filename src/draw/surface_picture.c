@@ -22,7 +22,7 @@
 #define TALLEST 1.35
 #define FLATTEST 0.45
 #define TITLE_ROOM 20.0
-/// The surface may pass the points by this share of their extent.
+/// The surface is drawn as far as the points' box grown by this share of its longest side.
 #define RUNAWAY_SHARE 0.06
 /// The share of distances within the colour scale.
 #define SCALED_SHARE 0.99
@@ -98,17 +98,23 @@ static void describe_row(surface_row *row)
         (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
 }
 
-/// A frame with room about the cloud for as much of the surface: what runs away from the points is cut.
-static mesh_frame frame_of_both(const mesh_frame *cloud, const mesh_frame *surface)
+/// Cut off what of the surface runs away from the points.
+static void cut_runaways(const bat_cloud *cloud, bat_mesh *patch)
 {
-    mesh_frame both;
-    double room = RUNAWAY_SHARE * fmax(cloud->high[0] - cloud->low[0], cloud->high[1] - cloud->low[1]);
-    for (int c = 0; c < 2; c++)
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, extent = 0;
+    for (size_t i = 0; i < 3 * cloud->count; i++)
     {
-        both.low[c] = fmin(cloud->low[c], fmax(surface->low[c], cloud->low[c] - room));
-        both.high[c] = fmax(cloud->high[c], fmin(surface->high[c], cloud->high[c] + room));
+        low[i % 3] = fmin(low[i % 3], cloud->points[i]);
+        high[i % 3] = fmax(high[i % 3], cloud->points[i]);
     }
-    return both;
+    for (int c = 0; c < 3; c++)
+        extent = fmax(extent, high[c] - low[c]);
+    for (int c = 0; c < 3; c++)
+    {
+        low[c] -= RUNAWAY_SHARE * extent;
+        high[c] += RUNAWAY_SHARE * extent;
+    }
+    surface_patch_cut(patch, low, high);
 }
 
 /// The view and the frame of a row: the cloud's if its boundary is known, else the surface's.
@@ -121,10 +127,12 @@ static void look_at_row(surface_row *row, size_t loop_count, const bat_surface_p
         points = (patch_points){cloud->points, cloud->count, cloud->boundary_count};
     bool by_cloud = cloud != NULL && (points.loop_count > 0 || surface.count == 0);
     row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
-    mesh_frame of_surface = surface_frame_of(surface.points, surface.count, &row->view);
-    mesh_frame of_cloud = surface_frame_of(points.points, points.count, &row->view);
-    row->frame = cloud == NULL ? of_surface : surface.count == 0 ? of_cloud : frame_of_both(&of_cloud, &of_surface);
+    if (cloud != NULL)
+        cut_runaways(cloud, &row->patch);
     surface_patch_turn(&row->patch, row->view.rotation[2]);
+    mesh_frame of_surface = mesh_frame_of(&row->patch, &row->view);
+    mesh_frame of_cloud = surface_frame_of(points.points, points.count, &row->view);
+    row->frame = mesh_frame_join(&of_cloud, &of_surface);
 }
 
 static bat_status make_row(const bat_surface_panel *panel, const bat_surface_picture_options *options, surface_row *row,
