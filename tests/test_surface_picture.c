@@ -452,8 +452,29 @@ static void patches_are_the_surface(void **state)
         vector3_cross(first, second, normal);
         assert_true(normal[2] * side > 0);
     }
+    // Half of it is left within a box that ends between two columns of vertices, nothing within one beside it.
+    surface_patch_cut(&patch, (const double[3]){-1, -1, -1}, (const double[3]){0.5 + 1e-9, 1, 1});
+    assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
+    check_near(summary.area, 0.5, 1e-12);
+    surface_patch_cut(&patch, (const double[3]){2, 2, 2}, (const double[3]){3, 3, 3});
+    assert_int_equal(patch.face_count, 0);
     bat_mesh_free(&patch);
     bat_spline_surface_free(&flat);
+}
+
+/// A surface far from all points leaves its panel empty.
+static void stray_surfaces_are_cut(void **state)
+{
+    (void)state;
+    sample_row sample = make_row(50);
+    char path[128];
+    path_of(path, "stray.png");
+    for (size_t i = 0; i < sample.cloud.count; i++)
+        sample.cloud.points[3 * i] += 100;
+    bat_surface_panel panel = {.cloud = &sample.cloud, .surface = &sample.surface, .distances = sample.distances};
+    assert_int_equal(bat_surface_picture_write(path, &panel, 1, NULL, NULL), BAT_OK);
+    assert_int_equal(unlink(path), 0);
+    free_row(&sample);
 }
 
 static void wrong_input_is_refused(void **state)
@@ -513,6 +534,7 @@ int main(void)
         cmocka_unit_test(errors_are_colours),
         cmocka_unit_test(surfaces_hide_points),
         cmocka_unit_test(patches_are_the_surface),
+        cmocka_unit_test(stray_surfaces_are_cut),
         cmocka_unit_test(wrong_input_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
