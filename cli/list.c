@@ -3,7 +3,6 @@
 #include "arguments.h"
 #include "report.h"
 #include "reproduce.h"
-#include "shape_cloud.h"
 
 #include "batten/batten.h"
 
@@ -57,6 +56,15 @@ static const struct
     {"learned", "meshes: by the network that comes with batten, the default, or by --model FILE; docs/mesh-network.md"},
 };
 
+static const struct
+{
+    const char *name, *summary;
+} CLOUD_SHAPES[] = {
+    {"hull", "a cloud of points: a ship's side from bow to stern and from keel to deck, with bulb and knuckle"},
+    {"blade", "a cloud of points: a turbine blade, twisted and tapered, round its leading edge"},
+    {"scan", "a cloud of points: a mask as a scanner sees it, with noise, uneven lines and a gap, in no order"},
+};
+
 /// One row of a list: its name, settings (may be null) and summary.
 typedef bool (*row_function)(size_t index, const char **name, const char **settings, const char **summary);
 
@@ -106,13 +114,24 @@ static bool model_row(size_t index, const char **name, const char **settings, co
     return true;
 }
 
+static bool cloud_shape_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    if (index >= sizeof CLOUD_SHAPES / sizeof CLOUD_SHAPES[0])
+        return false;
+    *name = CLOUD_SHAPES[index].name;
+    *settings = NULL;
+    *summary = CLOUD_SHAPES[index].summary;
+    return true;
+}
+
+/// Meshes, then clouds.
 static bool shape_row(size_t index, const char **name, const char **settings, const char **summary)
 {
     const bat_mesh_shape_kind *kind = bat_mesh_shape_at(index);
-    *settings = NULL;
     if (kind == NULL)
-        return shape_cloud_row(index - bat_mesh_shape_count(), name, summary);
+        return cloud_shape_row(index - bat_mesh_shape_count(), name, settings, summary);
     *name = kind->name;
+    *settings = NULL;
     *summary = kind->summary;
     return true;
 }
@@ -124,7 +143,7 @@ static const struct
 } PARAMETERIZATIONS[] = {
     {"auto", "learned and shape-preserving ones, mean values for a mesh: those that fit best by measure; docs/surfaces.md"},
     {"learned", "the network that comes with batten, or --model FILE; docs/surface-network.md"},
-    {"shape-preserving", "Floater's weights on the Delaunay neighbours in local planes; docs/parameterization.md"},
+    {"shape-preserving", "Floater's weights on the Delaunay neighbours in local planes"},
     {"inverse-distance", "weights by the inverse distance of neighbours"},
     {"uniform", "all neighbours weigh the same"},
     {"mean-value", "Floater's mean values, for clouds that are meshes"},

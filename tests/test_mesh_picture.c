@@ -1,13 +1,12 @@
 // Shaded meshes: what is in front, how large, how light, which colour, and what is refused.
 #include "picture_helpers.h"
+#include "pixel_helpers.h"
 
 #include "batten/mesh_picture.h"
 #include "batten/mesh_shapes.h"
 #include "draw/colour_scale.h"
 #include "draw/mesh_raster.h"
 #include "draw/mesh_surface.h"
-
-#include <cairo.h>
 
 /// A ball of a radius; release it with bat_mesh_free().
 static bat_mesh make_ball(double radius)
@@ -21,58 +20,6 @@ static bat_mesh make_ball(double radius)
             p[c] *= radius / length;
     }
     return ball;
-}
-
-/// A picture in memory.
-typedef struct pixels
-{
-    cairo_surface_t *surface;
-    const unsigned char *data;
-    int width, height, stride;
-} pixels;
-
-static pixels open_png(const char *path)
-{
-    cairo_surface_t *surface = cairo_image_surface_create_from_png(path);
-    assert_int_equal(cairo_surface_status(surface), CAIRO_STATUS_SUCCESS);
-    return (pixels){surface, cairo_image_surface_get_data(surface), cairo_image_surface_get_width(surface),
-                    cairo_image_surface_get_height(surface), cairo_image_surface_get_stride(surface)};
-}
-
-static uint32_t pixel_at(const pixels *picture, int x, int y)
-{
-    uint32_t pixel;
-    memcpy(&pixel, picture->data + y * picture->stride + 4 * x, sizeof pixel);
-    return pixel & 0xffffffu;
-}
-
-static double lightness(uint32_t pixel)
-{
-    return ((double)(pixel >> 16 & 255) + (double)(pixel >> 8 & 255) + (double)(pixel & 255)) / (3 * 255.0);
-}
-
-/// Where a picture is not white, between columns `from` and `to`.
-typedef struct patch
-{
-    int left, right, top, bottom;
-    size_t count;
-} patch;
-
-static patch find_patch(const pixels *picture, int from, int to)
-{
-    patch found = {picture->width, -1, picture->height, -1, 0};
-    for (int y = 0; y < picture->height; y++)
-        for (int x = from; x < to; x++)
-        {
-            if (pixel_at(picture, x, y) == 0xffffffu)
-                continue;
-            found.count++;
-            found.left = x < found.left ? x : found.left;
-            found.right = x > found.right ? x : found.right;
-            found.top = y < found.top ? y : found.top;
-            found.bottom = y > found.bottom ? y : found.bottom;
-        }
-    return found;
 }
 
 /// Every format, with all that can be drawn.
@@ -108,28 +55,33 @@ static void writes_all_formats(void **state)
     bat_mesh_free(&sheet);
 }
 
+/// Neither threads nor pictures drawn before change a file.
 static void same_bytes_for_any_threads(void **state)
 {
     (void)state;
     bat_mesh mesh;
     assert_int_equal(bat_mesh_shape("creature", 2000, 3, &mesh, NULL), BAT_OK);
-    bat_mesh_panel panel = {.mesh = &mesh, .wires = true};
-    char *bytes[3];
-    size_t sizes[3];
-    for (int i = 0; i < 3; i++)
+    bat_mesh_panel panels[2] = {{.mesh = &mesh, .wires = true}, {.mesh = &mesh}};
+    for (int format = 0; format < 3; format++)
     {
-        char path[128];
-        bat_mesh_picture_options options = bat_mesh_picture_defaults();
-        options.threads = 2 * i + 1;
-        path_of(path, "threads.png");
-        assert_int_equal(bat_mesh_picture_write(path, &panel, 1, &options, NULL), BAT_OK);
-        bytes[i] = slurp(path, &sizes[i]);
-        assert_int_equal(unlink(path), 0);
-        assert_int_equal(sizes[i], sizes[0]);
-        assert_memory_equal(bytes[i], bytes[0], sizes[0]);
+        char *bytes[3];
+        size_t sizes[3];
+        for (int i = 0; i < 3; i++)
+        {
+            char name[32], path[128];
+            bat_mesh_picture_options options = bat_mesh_picture_defaults();
+            options.threads = 2 * i + 1;
+            (void)snprintf(name, sizeof name, "threads.%s", endings[format]);
+            path_of(path, name);
+            assert_int_equal(bat_mesh_picture_write(path, panels, 2, &options, NULL), BAT_OK);
+            bytes[i] = slurp(path, &sizes[i]);
+            assert_int_equal(unlink(path), 0);
+            assert_int_equal(sizes[i], sizes[0]);
+            assert_memory_equal(bytes[i], bytes[0], sizes[0]);
+        }
+        for (int i = 0; i < 3; i++)
+            free(bytes[i]);
     }
-    for (int i = 0; i < 3; i++)
-        free(bytes[i]);
     bat_mesh_free(&mesh);
 }
 
@@ -150,8 +102,8 @@ static void balls_are_disks(void **state)
         path_of(path, "balls.png");
         assert_int_equal(bat_mesh_picture_write(path, panels, 2, &options, NULL), BAT_OK);
         pixels picture = open_png(path);
-        patch left = find_patch(&picture, 0, picture.width / 2),
-              right = find_patch(&picture, picture.width / 2, picture.width);
+        inked_area left = find_inked_area(&picture, 0, picture.width / 2),
+                   right = find_inked_area(&picture, picture.width / 2, picture.width);
         check_near((double)(left.right - left.left) / (left.bottom - left.top), 1, 0.02);
         check_near((double)left.count / ((left.right - left.left) * (left.bottom - left.top)), PI / 4, 0.02);
         check_near((double)left.count / (double)right.count, own == 1 ? 1 : 4, 0.15);
@@ -179,7 +131,7 @@ static void values_are_colours(void **state)
     path_of(path, "square.png");
     assert_int_equal(bat_mesh_picture_write(path, &panel, 1, &options, NULL), BAT_OK);
     pixels picture = open_png(path);
-    patch whole = find_patch(&picture, 0, picture.width);
+    inked_area whole = find_inked_area(&picture, 0, picture.width);
     int middle = whole.top + (whole.right - whole.left) / 2, wide = whole.right - whole.left;
     double last = 2;
     for (int step = 1; step < 10; step++)

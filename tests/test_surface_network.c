@@ -184,10 +184,61 @@ static void inference_says_the_same_on_any_number_of_threads(void **state)
         }
 }
 
+static double loss_of(learn_tape *tape, const surface_network_kind *kind, const learn_parameters *parameters,
+                      const surface_sample *sample, real *gradient)
+{
+    learn_tape_begin(tape, parameters, gradient);
+    learn_array *interior = kind->predict(tape, &sample->cloud, sample->parameters);
+    learn_array *loss = surface_sample_residual(tape, sample, interior);
+    if (gradient != NULL)
+        learn_tape_backward(tape, loss, 1);
+    check_status(learn_tape_status(tape, NULL), BAT_OK);
+    return (double)*loss->value;
+}
+
+static void derivatives_are_those_of_differences(void **state)
+{
+    (void)state;
+    static const surface_network_kind *const kinds[] = {&surface_network_published, &surface_network_uninformed};
+    const double step = 1e-7;
+    for (size_t k = 0; k < 2; k++)
+    {
+        surface_sample sample = random_sample(60, 11 + k);
+        learn_parameters parameters = random_weights(kinds[k], 5);
+        learn_tape tape = learn_tape_make();
+        real *gradient = test_memory(parameters.total, sizeof *gradient);
+        (void)loss_of(&tape, kinds[k], &parameters, &sample, gradient);
+        for (size_t p = 0; p < parameters.count && DOUBLE; p++)
+        {
+            real *values = learn_parameter_values(&parameters, p);
+            size_t size = parameters.list[p].rows * parameters.list[p].columns;
+            for (size_t i = p % 7; i < size; i += 1 + size / 5)
+            {
+                real kept = values[i];
+                double sides[2];
+                for (int side = 0; side < 2; side++)
+                {
+                    values[i] = (real)((double)kept + (side == 0 ? -step : step));
+                    sides[side] = loss_of(&tape, kinds[k], &parameters, &sample, NULL);
+                }
+                values[i] = kept;
+                check_near((double)gradient[parameters.list[p].offset + i], (sides[1] - sides[0]) / (2 * step), 2e-8);
+            }
+        }
+        for (size_t i = 0; i < parameters.total; i++)
+            assert_true(isfinite(gradient[i]));
+        free(gradient);
+        learn_tape_free(&tape);
+        learn_parameters_free(&parameters);
+        surface_sample_free(&sample);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_independent_program_agrees),
+        cmocka_unit_test(derivatives_are_those_of_differences),
         cmocka_unit_test(inference_says_the_same_on_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

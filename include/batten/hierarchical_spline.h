@@ -27,7 +27,8 @@ typedef struct bat_hierarchical_options
     size_t spans[2]; ///< cells of level 0 in each direction, at least 1; default 1, 1
     bool truncated;  ///< default true; false: the plain hierarchical basis, which does not add up to one
     /// Refinement keeps the space admissible of this class m: on every cell, functions of at most m successive levels do not
-    /// vanish (Buffa and Giannelli, 2016; of the truncated basis). 0: no such promise; otherwise at least 2; default 0.
+    /// vanish (Buffa and Giannelli, 2016, for the truncated basis; Bracco, Giannelli and Vázquez, 2018, for the plain one).
+    /// 0: no such promise; otherwise at least 2; default 0.
     int admissible;
 } bat_hierarchical_options;
 
@@ -81,7 +82,8 @@ BAT_API size_t bat_hierarchical_space_find(const bat_hierarchical_space *space, 
 BAT_API size_t bat_hierarchical_space_cells(const bat_hierarchical_space *space);
 /// Active cell number `index`, as a box of one cell. Cells are numbered by level, then by row, then by column.
 BAT_API bat_spline_box bat_hierarchical_space_cell(const bat_hierarchical_space *space, size_t index);
-/// The number of the active cell that holds a parameter of [0, 1]^2; one on a border belongs to the cell above or to the right.
+/// The number of the active cell that holds a parameter of [0, 1]^2; one on a border belongs to the cell above or to the right. The
+/// borders of n cells are the doubles nearest 0 / n, 1 / n, to n / n.
 BAT_API size_t bat_hierarchical_space_locate(const bat_hierarchical_space *space, double u, double v);
 /// The functions that do not vanish on an active cell, in rising order.
 /// @param indices receives a list that belongs to the space until it changes
@@ -101,7 +103,8 @@ BAT_API bat_status bat_hierarchical_space_regions(const bat_hierarchical_space *
 BAT_API void bat_hierarchical_space_basis(const bat_hierarchical_space *space, size_t cell, double u, double v,
                                           int derivatives, double *values);
 
-/// Say the functions of a space in one that was refined from it: coefficients of the same surface.
+/// Say the functions of a space in one that was refined from it: coefficients of the same surface. In the truncated basis functions
+/// that are in both keep their coefficients (Giannelli, Jüttler and Speleers, 2014).
 /// @param coarse      functions of `space` x dimension
 /// @param fine        receives functions of `refined` x dimension
 /// @return BAT_OK; BAT_INVALID_ARGUMENT when `refined` does not contain `space`; BAT_NO_MEMORY
@@ -123,8 +126,8 @@ BAT_API bat_status bat_spline_surface_evaluate(const bat_spline_surface *surface
                                                int derivatives, double *values, bat_error *error);
 
 /// Split a surface into tensor-product pieces that say the same: rectangles of cells of one level, each the B-spline surface of that
-/// level over its part of the square, with knots in the coordinates of the square. Pieces that meet do so exactly, as they are pieces
-/// of one surface; a long side may meet several short ones.
+/// level over its part of the square, with knots in the coordinates of the square, clamped at the part's ends. Pieces that meet do so
+/// exactly, as they are pieces of one surface; a long side may meet several short ones.
 /// @param patches receives an array from malloc(); release each with bat_tensor_surface_free(), then the array
 BAT_API bat_status bat_spline_surface_patches(const bat_spline_surface *surface, bat_tensor_surface **patches, size_t *count,
                                               bat_error *error);

@@ -70,8 +70,12 @@ BAT_API bat_status bat_tensor_surface_evaluate(const bat_tensor_surface *surface
 /// Insert a knot without changing the surface (Boehm's algorithm; The NURBS Book, A5.3).
 /// @param direction 0 for u, 1 for v
 /// @param knot      in the domain, not above multiplicity degree + 1 afterwards
+/// @return BAT_OK; BAT_INVALID_ARGUMENT or BAT_INVALID_POINT as bat_tensor_surface_check(), for the direction or for the knot;
+///         BAT_NO_MEMORY. The surface is untouched on failure
 BAT_API bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direction, double knot, bat_error *error);
-/// Raise the degree in a direction by one without changing the surface (The NURBS Book, section 5.5).
+/// Raise the degree in a direction by one without changing the surface over its domain (Prautzsch, "Degree elevation of B-spline
+/// curves", 1984: new control points are means of blossoms).
+/// @return as bat_tensor_surface_insert_knot(); BAT_INVALID_ARGUMENT from the highest degree on
 BAT_API bat_status bat_tensor_surface_elevate(bat_tensor_surface *surface, int direction, bat_error *error);
 
 BAT_C_END

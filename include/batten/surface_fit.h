@@ -21,9 +21,13 @@ typedef struct bat_fit_data
     const bool *fixed;
 } bat_fit_data;
 
+/// The most rings of cells that are refined around a marked one.
+#define BAT_SURFACE_FIT_MOST_NEIGHBOURS 64
+
 /// How the smoothing weight is found.
 typedef enum bat_smoothing
 {
+    BAT_SMOOTHING_LIKELIHOOD,       ///< restricted maximum likelihood: Wahba (1985)
     BAT_SMOOTHING_CROSS_VALIDATION, ///< generalized cross-validation: Craven and Wahba (1979)
     BAT_SMOOTHING_DISCREPANCY,      ///< the residual matches the noise that is given: Morozov (1966)
     BAT_SMOOTHING_GIVEN             ///< the number in the options
@@ -32,16 +36,16 @@ typedef enum bat_smoothing
 /// When the adaptive loop stops and what it does. Begin with bat_surface_fit_defaults().
 typedef struct bat_surface_fit_options
 {
-    bat_hierarchical_options space; ///< to begin with: default bidegree (2, 2), one cell, truncated, admissible 2
+    bat_hierarchical_options space; ///< to begin with: default bidegree (2, 2), one cell, truncated, of no class
     double
         tolerance; ///< points farther than this from S(u) mark their cells; at least 0; 0: found from the budget; default 0
     double share;  ///< stop when this share of points lies within the tolerance, above 0 to 1; default 1
     size_t functions; ///< the most functions: the loop stops before more, and fills the budget with the worst cells; 0: none
                       ///< set; default 0. Without a tolerance and a budget the loop stops at a quarter of the points
     int iterations;   ///< the most refinements, 0 or more; default 30
-    int neighbours;   ///< rings of cells refined around a marked one; 0 or more; default 1
-    bat_smoothing smoothing; ///< default cross-validation
-    double weight;   ///< lambda of eq. (5) for BAT_SMOOTHING_GIVEN, at least 0, in the fit of points scaled to the unit box
+    int neighbours; ///< rings of cells of its level refined around a marked one; to BAT_SURFACE_FIT_MOST_NEIGHBOURS; default 1
+    bat_smoothing smoothing; ///< default likelihood, which corrected parameters do not mislead
+    double weight;   ///< lambda of eq. (5) for BAT_SMOOTHING_GIVEN, at least 0; it does not depend on the points' unit
     double noise;    ///< standard deviation of a coordinate for BAT_SMOOTHING_DISCREPANCY, in units of the points; above 0
     int corrections; ///< parameter corrections after each fit, 0 or more; default 1
     int final_corrections; ///< rounds of correction and fit after the last refinement, 0 or more; default 0
@@ -61,7 +65,7 @@ typedef struct bat_surface_fit_round
     double rms;          ///< its root
     double largest;
     size_t worst;   ///< the point of the largest
-    double within;  ///< share of points within the tolerance
+    double within;  ///< share of points within the tolerance; without one, of those that are met exactly
     double weight;  ///< of smoothing, lambda of eq. (5)
     double seconds; ///< since the beginning
 } bat_surface_fit_round;

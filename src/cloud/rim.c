@@ -9,9 +9,10 @@
 
 enum
 {
-    /// Neighbours that show the tangent plane and the spacing. They double where the points scatter across the plane.
+    /// Neighbours that show the tangent plane and the spacing. They double where the points scatter across the plane, as long as
+    /// that makes it flatter: noise gets flatter, curvature does not.
     LEAST_PLANE = 36,
-    MOST_PLANE = 144,
+    MOST_PLANE = 1152,
     /// Of small clouds no more than one in so many.
     PLANE_SHARE = 3,
     FEW_PLANE = 10
@@ -22,6 +23,9 @@ static const double PI = 3.14159265358979323846;
 static const double FLAT = 0.03;
 /// The disc's radius in spacings. At random points the largest empty discs among thousands have about twice the spacing.
 static const double RADIUS_IN_SPACINGS = 1.6;
+/// The least radius of the disc in deviations across the plane: the rim of a noisy cloud is frayed by as much.
+static const double RADIUS_IN_NOISE = 2.0;
+static const double LESS_FLAT = 1.1;
 /// Directions that are free by less than this are not.
 static const double LEAST_ARC = 1e-6;
 
@@ -56,7 +60,7 @@ static bat_status find_plane(rim_search *search, const double *here, local_plane
             flattest = flatness;
             *plane = wider;
         }
-        if (flattest <= FLAT || wanted == most)
+        if (flattest <= FLAT || flatness > LESS_FLAT * flattest || wanted == most)
             return BAT_OK;
     }
 }
@@ -145,9 +149,10 @@ bat_status rim_point_find(rim_search *search, uint32_t point, const double *refe
         return status;
     orient(&found->plane, reference);
     size_t count = search->near.count;
-    double reach = sqrt(search->near.entries[count - 1].squared), across = 3 * sqrt(found->plane.variance[2]);
-    found->radius = scale * RADIUS_IN_SPACINGS * reach * sqrt(PI / (double)count);
-    double needed = hypot(2 * found->radius, across);
+    double reach = sqrt(search->near.entries[count - 1].squared), across = sqrt(found->plane.variance[2]);
+    found->spacing = reach * sqrt(PI / (double)count);
+    found->radius = scale * fmax(RADIUS_IN_SPACINGS * found->spacing, RADIUS_IN_NOISE * across);
+    double needed = hypot(2 * found->radius, 3 * across);
     if (reach < needed)
         status = neighbours_within(search->tree, here, needed, &search->near, error);
     size_t shadows = status == BAT_OK ? cast_shadows(search, point, found) : 0;

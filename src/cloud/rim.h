@@ -25,6 +25,7 @@ enum
 typedef struct rim_point
 {
     local_plane plane; ///< around the point, its normal as a reference asks
+    double spacing;    ///< of points in the plane
     double radius;     ///< of the disc
     size_t arc_count;
     rim_arc arcs[RIM_MOST_ARCS];
@@ -55,7 +56,7 @@ typedef struct rim_cycle
     uint32_t *points; ///< owned
     size_t count;
     double length;
-    double extent; ///< the greatest distance of a point from their mean, in radii of the disc
+    double extent; ///< the greatest distance of a point from their mean
 } rim_cycle;
 
 /// All closed lines, in no order that matters but always the same.

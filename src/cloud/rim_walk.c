@@ -190,7 +190,7 @@ static size_t cut_pinches(const double *points, uint32_t *line, size_t count, si
 }
 
 /// Take the cycle that the path ends with.
-static bat_status take_cycle(rim_walk *walk, size_t begin, double radius, size_t *last, rim_cycles *cycles, bat_error *error)
+static bat_status take_cycle(rim_walk *walk, size_t begin, size_t *last, rim_cycles *cycles, bat_error *error)
 {
     uint32_t *line = walk->path + begin;
     size_t count = cut_pinches(walk->search.points, line, walk->path_count - begin, last);
@@ -214,7 +214,7 @@ static bat_status take_cycle(rim_walk *walk, size_t begin, double radius, size_t
     for (size_t i = 0; i < count; i++)
     {
         vector3_subtract(points + 3 * (size_t)line[i], mean, arm);
-        cycle.extent = fmax(cycle.extent, sqrt(vector3_dot(arm, arm)) / radius);
+        cycle.extent = fmax(cycle.extent, sqrt(vector3_dot(arm, arm)));
     }
     cycles->cycles[cycles->count++] = cycle;
     return BAT_OK;
@@ -259,7 +259,7 @@ static bat_status walk_all(rim_walk *walk, bool *on_rim, size_t *last, rim_cycle
             for (size_t k = 0; k < walk->path_count; k++)
                 on_rim[walk->path[k]] = false;
             if (status == BAT_OK && begin != SIZE_MAX)
-                status = take_cycle(walk, begin, here.radius, last, cycles, error);
+                status = take_cycle(walk, begin, last, cycles, error);
         }
     }
     return status;

@@ -61,15 +61,14 @@ static bool lay_out(const weight_source *source, const weight_scratch *scratch, 
 bat_status weights_of_star(const weight_source *source, weight_scratch *scratch, size_t point, weight_chunk *chunk,
                            bat_error *error)
 {
-    size_t wanted = 0, count = 0, corners[STAR_RING];
-    bool closed = false;
-    bat_status status = first_wanted(source, scratch, point, &wanted, error);
-    for (size_t growth = 0; growth <= GROWTHS && status == BAT_OK && !closed; growth++)
+    size_t first = 0, count = 0, corners[STAR_RING];
+    bool closed = false, all = false;
+    bat_status status = first_wanted(source, scratch, point, &first, error);
+    for (size_t growth = 0, wanted = first; growth <= GROWTHS && status == BAT_OK && !closed && !all; growth++)
     {
         status = find_star(source, scratch, point, wanted, corners, &count, &closed, error);
         wanted = 2 * scratch->near.count;
-        if (scratch->near.count == source->cloud->count)
-            break;
+        all = scratch->near.count == source->cloud->count;
     }
     if (status == BAT_OK)
         status = weight_chunk_reserve(chunk, count, error);

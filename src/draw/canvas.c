@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "draw/style.h"
+#include "draw/svg_numbers.h"
 #include "io/atomic_file.h"
 
 #include <cairo-pdf.h>
@@ -100,28 +101,6 @@ bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, 
     return BAT_OK;
 }
 
-/// Cairo numbers the surfaces of a process and writes the number into SVG. Make it 1, so that equal pictures are equal files.
-static void forget_surface_number(canvas_bytes *bytes)
-{
-    static const char mark[] = "<g id=\"surface";
-    size_t length = sizeof mark - 1;
-    for (size_t i = 0; i + length < bytes->size; i++)
-    {
-        if (memcmp(bytes->data + i, mark, length) == 0)
-        {
-            size_t digits = i + length;
-            size_t end = digits;
-            while (end < bytes->size && bytes->data[end] >= '0' && bytes->data[end] <= '9')
-            {
-                end++;
-            }
-            memmove(bytes->data + digits, bytes->data + end, bytes->size - end);
-            bytes->size -= end - digits;
-            return;
-        }
-    }
-}
-
 static bat_status write_file(const char *path, const canvas_bytes *bytes, bat_error *error)
 {
     atomic_file file;
@@ -153,9 +132,9 @@ bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error)
     {
         return drawing_failed(status, error);
     }
-    if (canvas->format == CANVAS_SVG)
+    if (canvas->format == CANVAS_SVG && !svg_renumber(&canvas->bytes.data, &canvas->bytes.size))
     {
-        forget_surface_number(&canvas->bytes);
+        return error_memory(error, canvas->bytes.size);
     }
     return write_file(path, &canvas->bytes, error);
 }

@@ -16,11 +16,12 @@
 /// Dots that show errors are so many times as large as a cloud's, and stand out from white paper by an edge of so many points.
 #define ERROR_GROWTH 1.25
 #define ERROR_EDGE 0.4
-/// A dot lies behind others when one in its cell, so many of its diameters wide, is nearer to the eye; it fades between
-/// these shares of the picture.
+/// A dot lies behind others when one in its cell, so many of its diameters wide, is nearer to the eye by more than a share of the picture
+/// and more than a steep surface falls within a cell; it fades over another share.
 #define CELL_DIAMETERS 2.2
 #define BEHIND_FROM 0.025
-#define BEHIND_TO 0.09
+#define BEHIND_FADE 0.065
+#define STEEPEST 1.5
 #define BEHIND_STRENGTH 0.3
 /// A dot is hidden when the surface is so much nearer to the eye, as a share of the frame, beyond the dot's own distance.
 #define HIDDEN_SHARE 0.02
@@ -117,12 +118,13 @@ static void draw_cloud(const panel_image *task, const image_dot *dots, const dep
     const bat_cloud *cloud = task->row->panel->cloud;
     double farthest = dots[0].rank, depth = fmax(dots[cloud->count - 1].rank - farthest, 1e-300);
     double side = fmax((double)task->columns, (double)task->rows);
+    double slack = fmax(BEHIND_FROM * side, STEEPEST * cells->side);
     for (size_t k = 0; k < cloud->count; k++)
     {
         double near = (dots[k].rank - farthest) / depth;
         bool inside = dots[k].index >= cloud->boundary_count;
-        double behind = (*depth_at(cells, &dots[k]) - dots[k].rank) / side;
-        double faded = fmin(fmax((behind - BEHIND_FROM) / (BEHIND_TO - BEHIND_FROM), 0), 1);
+        double behind = *depth_at(cells, &dots[k]) - dots[k].rank;
+        double faded = fmin(fmax((behind - slack) / (BEHIND_FADE * side), 0), 1);
         draw_colour colour = inside ? style_mix(COLOUR_NEAR, COLOUR_FAR, near) : COLOUR_BOUNDARY_POINT;
         colour = style_mix(colour, COLOUR_PAPER, 1 - (1 - BEHIND_STRENGTH) * faded);
         dot_draw(image, dots[k].x, dots[k].y, inside ? radius : BOUNDARY_POINT_GROWTH * radius, colour);

@@ -95,6 +95,24 @@ bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh,
     return BAT_OK;
 }
 
+void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3])
+{
+    size_t kept = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        bool inside = true;
+        for (size_t i = 0; i < 9; i++)
+        {
+            double coordinate = mesh->positions[3 * (size_t)mesh->faces[3 * f + i / 3] + i % 3];
+            inside = inside && coordinate >= low[i % 3] && coordinate <= high[i % 3];
+        }
+        for (size_t corner = 0; inside && corner < 3; corner++)
+            mesh->faces[3 * kept + corner] = mesh->faces[3 * f + corner];
+        kept += inside;
+    }
+    mesh->face_count = kept;
+}
+
 void surface_patch_turn(bat_mesh *mesh, const double eye[3])
 {
     double facing = 0, seen = 0, volume = 0;

@@ -22,6 +22,8 @@
 #define TALLEST 1.35
 #define FLATTEST 0.45
 #define TITLE_ROOM 20.0
+/// The surface is drawn as far as the points' box grown by this share of its longest side.
+#define RUNAWAY_SHARE 0.06
 /// The share of distances within the colour scale.
 #define SCALED_SHARE 0.99
 
@@ -88,7 +90,7 @@ static void describe_row(surface_row *row)
     const bat_surface_panel *panel = row->panel;
     if (panel->cloud != NULL)
         describe_cloud(panel->cloud, row->captions[SURFACE_PANEL_CLOUD]);
-    if (panel->distances != NULL)
+    if (panel->cloud != NULL && panel->distances != NULL)
         describe_errors(panel->distances, panel->cloud->count, row->captions[SURFACE_PANEL_ERRORS]);
     if (panel->surface != NULL)
         describe_surface(panel->surface->space, row->captions[SURFACE_PANEL_PATCH], row->captions[SURFACE_PANEL_PLANE]);
@@ -96,23 +98,41 @@ static void describe_row(surface_row *row)
         (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
 }
 
-/// The view and the frame of a row: the surface's, whose boundary is known, rather than the cloud's.
+/// Cut off what of the surface runs away from the points.
+static void cut_runaways(const bat_cloud *cloud, bat_mesh *patch)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, extent = 0;
+    for (size_t i = 0; i < 3 * cloud->count; i++)
+    {
+        low[i % 3] = fmin(low[i % 3], cloud->points[i]);
+        high[i % 3] = fmax(high[i % 3], cloud->points[i]);
+    }
+    for (int c = 0; c < 3; c++)
+        extent = fmax(extent, high[c] - low[c]);
+    for (int c = 0; c < 3; c++)
+    {
+        low[c] -= RUNAWAY_SHARE * extent;
+        high[c] += RUNAWAY_SHARE * extent;
+    }
+    surface_patch_cut(patch, low, high);
+}
+
+/// The view and the frame of a row: the cloud's if its boundary is known, else the surface's.
 static void look_at_row(surface_row *row, size_t loop_count, const bat_surface_picture_options *options)
 {
     const bat_cloud *cloud = row->panel->cloud;
-    bool has_patch = row->patch.face_count > 0;
-    patch_points patch = {row->patch.positions, row->patch.vertex_count, loop_count};
-    if (!has_patch)
-        patch = (patch_points){cloud->points, cloud->count, cloud->boundary_count};
-    row->view = surface_view_of(&patch, options->view, options->up);
-    row->frame = surface_frame_of(patch.points, patch.count, &row->view);
-    if (has_patch)
-        surface_patch_turn(&row->patch, row->view.rotation[2]);
-    if (has_patch && cloud != NULL)
-    {
-        mesh_frame of_cloud = surface_frame_of(cloud->points, cloud->count, &row->view);
-        row->frame = mesh_frame_join(&row->frame, &of_cloud);
-    }
+    patch_points surface = {row->patch.positions, row->patch.vertex_count, loop_count};
+    patch_points points = {0};
+    if (cloud != NULL)
+        points = (patch_points){cloud->points, cloud->count, cloud->boundary_count};
+    bool by_cloud = cloud != NULL && (points.loop_count > 0 || surface.count == 0);
+    row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
+    if (cloud != NULL)
+        cut_runaways(cloud, &row->patch);
+    surface_patch_turn(&row->patch, row->view.rotation[2]);
+    mesh_frame of_surface = mesh_frame_of(&row->patch, &row->view);
+    mesh_frame of_cloud = surface_frame_of(points.points, points.count, &row->view);
+    row->frame = mesh_frame_join(&of_cloud, &of_surface);
 }
 
 static bat_status make_row(const bat_surface_panel *panel, const bat_surface_picture_options *options, surface_row *row,

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/// The tangents of the angles by which the eye is above and beside the normal.
+/// The tangents of the angles by which the eye is above the normal and to the left of it.
 #define ABOVE 0.25
 #define BESIDE 0.36
 /// A patch nearly closes when its mean normal comes from less than this share of what a flat one of its size has.
@@ -148,7 +148,7 @@ mesh_view surface_view_of(const patch_points *patch, const double direction[3], 
     find_right(upwards, normal, right);
     vector3_cross(normal, right, across);
     for (int c = 0; c < 3; c++)
-        eye[c] = turned ? direction[c] : normal[c] + ABOVE * across[c] + BESIDE * right[c];
+        eye[c] = turned ? direction[c] : normal[c] + ABOVE * across[c] - BESIDE * right[c];
     (void)normalize(eye);
     find_right(upwards, eye, right);
     vector3_cross(eye, right, across);

@@ -7,10 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    ALONE = UINT32_MAX
-};
+/// The number of the gathering of an unknown that is in none.
+static const uint32_t ALONE = UINT32_MAX;
 
 /// An entry is strong when it is at least this share of the largest one of its row.
 static const double STRONG = 0.25;
@@ -24,6 +22,7 @@ void average_hierarchy_free(average_hierarchy *hierarchy)
         average_level *level = &hierarchy->levels[l];
         sparse_rows_free(&level->matrix);
         sparse_rows_free(&level->prolongation);
+        free(level->gathering);
         free(level->right);
         free(level->result);
         free(level->rest);
@@ -131,9 +130,9 @@ static size_t add_to_row(sparse_rows *prolongation, size_t start, size_t end, ui
     return end + 1;
 }
 
-/// (I - DAMPING D^-1 A) applied to constants on the gatherings.
+/// (I - damping D^-1 A) applied to constants on the gatherings.
 static bat_status make_prolongation(const sparse_rows *matrix, const uint32_t *gathering, uint32_t gatherings,
-                                    sparse_rows *prolongation, bat_error *error)
+                                    double damping, sparse_rows *prolongation, bat_error *error)
 {
     size_t count = matrix->row_count;
     bat_status status = sparse_rows_make(count, gatherings, matrix->starts[count], prolongation, error);
@@ -143,7 +142,7 @@ static bat_status make_prolongation(const sparse_rows *matrix, const uint32_t *g
     for (size_t i = 0; i < count; i++)
     {
         size_t start = prolongation->starts[i] = end;
-        double factor = DAMPING / matrix->values[matrix->starts[i]];
+        double factor = damping / matrix->values[matrix->starts[i]];
         end = add_to_row(prolongation, start, end, gathering[i], 1);
         for (size_t e = matrix->starts[i]; e < matrix->starts[i + 1]; e++)
             end = add_to_row(prolongation, start, end, gathering[matrix->columns[e]], -factor * matrix->values[e]);
@@ -152,17 +151,28 @@ static bat_status make_prolongation(const sparse_rows *matrix, const uint32_t *g
     return BAT_OK;
 }
 
-/// coarse = P^T A P
-static bat_status make_coarse(const sparse_rows *matrix, const sparse_rows *prolongation, sparse_rows *coarse,
-                              bat_error *error)
+/// Sums the rows of each gathering: coarse = S A P, where S is the prolongation that was not smoothed, transposed. Smoothing both
+/// sides suits symmetric matrices; here rows may differ in scale, and a coarse diagonal would not stay above 0.
+static bat_status make_coarse(const sparse_rows *matrix, const sparse_rows *prolongation, const uint32_t *gathering,
+                              sparse_rows *coarse, bat_error *error)
 {
-    sparse_rows transposed = {0}, product = {0};
-    bat_status status = sparse_rows_transpose(prolongation, &transposed, error);
+    size_t count = matrix->row_count;
+    sparse_rows gathers = {0}, sums = {0}, product = {0};
+    bat_status status = sparse_rows_make(count, prolongation->column_count, count, &gathers, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        gathers.starts[i] = i;
+        gathers.columns[i] = gathering[i];
+        gathers.values[i] = 1;
+    }
+    if (status == BAT_OK)
+        status = sparse_rows_transpose(&gathers, &sums, error);
     if (status == BAT_OK)
         status = sparse_rows_multiply(matrix, prolongation, false, &product, error);
     if (status == BAT_OK)
-        status = sparse_rows_multiply(&transposed, &product, true, coarse, error);
-    sparse_rows_free(&transposed);
+        status = sparse_rows_multiply(&sums, &product, true, coarse, error);
+    sparse_rows_free(&gathers);
+    sparse_rows_free(&sums);
     sparse_rows_free(&product);
     return status;
 }
@@ -177,22 +187,38 @@ static bool has_diagonal(const sparse_rows *matrix)
     return true;
 }
 
+/// The prolongation smoothed by so much, and the coarser matrix.
+static bat_status try_coarser(average_level *level, uint32_t gatherings, double damping, average_level *coarser,
+                              bat_error *error)
+{
+    sparse_rows_free(&level->prolongation);
+    sparse_rows_free(&coarser->matrix);
+    bat_status status =
+        make_prolongation(&level->matrix, level->gathering, gatherings, damping, &level->prolongation, error);
+    if (status == BAT_OK)
+        status = make_coarse(&level->matrix, &level->prolongation, level->gathering, &coarser->matrix, error);
+    return status;
+}
+
 static bat_status build_coarser(average_level *level, average_level *coarser, bat_error *error)
 {
     size_t count = level->matrix.row_count;
-    uint32_t *gathering = memory_array(count, 2 * sizeof *gathering);
-    if (gathering == NULL)
-        return error_memory(error, count * 2 * sizeof *gathering);
-    uint32_t gatherings = gather(&level->matrix, gathering, gathering + count);
-    bat_status status = BAT_OK;
+    uint32_t *joined = memory_array(count, sizeof *joined);
+    level->gathering = memory_array(count, sizeof *level->gathering);
+    if (joined == NULL || level->gathering == NULL)
+    {
+        free(joined);
+        return error_memory(error, count * 2 * sizeof *joined);
+    }
+    uint32_t gatherings = gather(&level->matrix, level->gathering, joined);
+    free(joined);
     if (gatherings > count / 10 * 9)
-        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                           "the unknowns of a system of averages do not hang together");
-    if (status == BAT_OK)
-        status = make_prolongation(&level->matrix, gathering, gatherings, &level->prolongation, error);
-    free(gathering);
-    if (status == BAT_OK)
-        status = make_coarse(&level->matrix, &level->prolongation, &coarser->matrix, error);
+        return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                         "the unknowns of a system of averages do not hang together");
+    bat_status status = try_coarser(level, gatherings, DAMPING, coarser, error);
+    // Without smoothing the sums of an M-matrix are one again.
+    if (status == BAT_OK && !has_diagonal(&coarser->matrix))
+        status = try_coarser(level, gatherings, 0, coarser, error);
     if (status == BAT_OK && !has_diagonal(&coarser->matrix))
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a coarser system of averages has no diagonal");
     return status;
@@ -330,15 +356,16 @@ static void find_rest(const average_level *level, const double *right, const dou
         level->rest[i] = right[i] - level->rest[i];
 }
 
-/// coarse = P^T rest
+/// The sums of the rest over gatherings.
 static void restrict_rest(const average_level *level, double *coarse)
 {
-    const sparse_rows *prolongation = &level->prolongation;
-    memset(coarse, 0, 2 * prolongation->column_count * sizeof *coarse);
-    for (size_t i = 0; i < prolongation->row_count; i++)
-        for (size_t e = prolongation->starts[i]; e < prolongation->starts[i + 1]; e++)
-            for (size_t c = 0; c < 2; c++)
-                coarse[2 * (size_t)prolongation->columns[e] + c] += prolongation->values[e] * level->rest[2 * i + c];
+    memset(coarse, 0, 2 * level->prolongation.column_count * sizeof *coarse);
+    for (size_t i = 0; i < level->matrix.row_count; i++)
+    {
+        double *to = coarse + 2 * (size_t)level->gathering[i];
+        to[0] += level->rest[2 * i];
+        to[1] += level->rest[2 * i + 1];
+    }
 }
 
 /// x += P coarse

@@ -4,14 +4,15 @@
 #include "linalg/sparse_rows.h"
 
 /// @file
-/// An approximate inverse of I - W by smoothed aggregation (Vaněk, Mandel and Brezina 1996): unknowns are gathered around some of them, constants
-/// on the gatherings, smoothed once, span the coarser level, whose matrix is P^T A P. One cycle is a sweep of Gauss and Seidel
-/// forward, the correction from the coarser level, and a sweep backward. All vectors have two columns.
+/// An approximate inverse of I - W by smoothed aggregation (Vaněk, Mandel and Brezina 1996): unknowns are gathered around some of them;
+/// a correction is constant on each gathering, smoothed once; a coarser level's equations are the sums over gatherings. One cycle is a
+/// sweep of Gauss and Seidel forward, the correction from the coarser level, and a sweep backward. All vectors have two columns.
 
 typedef struct average_level
 {
     sparse_rows matrix;       ///< the diagonal first in each row
     sparse_rows prolongation; ///< to this level from the next coarser one; none on the last
+    uint32_t *gathering;      ///< of each unknown: its number on the next coarser level
     double *right;            ///< count x 2 each: what the cycle has to undo here, its result, and the rest;
     double *result;           ///< the finest level's right side and result are the caller's
     double *rest;

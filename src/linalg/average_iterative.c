@@ -17,8 +17,12 @@ enum
     VECTORS = 7
 };
 
-/// A residual of so many units of rounding, in proportion to the largest constant, is small enough.
+/// A residual of so many units of rounding, in proportion to the largest constant, is small enough for a thousand unknowns; for more, the
+/// root of their number times as many.
 static const double ENOUGH = 4 * DBL_EPSILON;
+static const double FEW = 1000;
+/// Where the residual no longer falls, so many times as much will do.
+static const double FORGIVEN = 16;
 /// One run need not do more than this.
 static const double RUN_REDUCTION = 1e-9;
 
@@ -107,7 +111,7 @@ static void run(iteration *it, double target, double *x)
 static bool settle(iteration *it, const double *constant, double *x)
 {
     size_t count = it->count, slow = 0;
-    double scale = largest(count, constant), before = INFINITY;
+    double before = INFINITY, enough = ENOUGH * fmax(sqrt((double)count / FEW), 1) * largest(count, constant);
     memset(x, 0, 2 * count * sizeof *x);
     for (size_t r = 0; r < RUNS; r++)
     {
@@ -115,15 +119,15 @@ static bool settle(iteration *it, const double *constant, double *x)
         for (size_t i = 0; i < 2 * count; i++)
             it->residual[i] = constant[i] - it->residual[i];
         double left = largest(count, it->residual);
-        if (left <= ENOUGH * scale)
+        if (left <= enough)
             return true;
         slow += left > 0.5 * before;
         if (slow >= SLOW_RUNS)
-            return left <= 16 * ENOUGH * scale;
+            return left <= FORGIVEN * enough;
         before = left;
-        run(it, fmax(0.5 * ENOUGH * scale, RUN_REDUCTION * left), x);
+        run(it, fmax(0.5 * enough, RUN_REDUCTION * left), x);
     }
-    return before <= 16 * ENOUGH * scale;
+    return before <= FORGIVEN * enough;
 }
 
 bat_status average_solve_iterative(const sparse_rows *weights, const double *constant, double *x, bat_error *error)

@@ -52,7 +52,7 @@ static void collocate(const double *parameters, size_t count, int degree, double
 /// The derivatives of the patch.
 static void slopes_at(const bezier_surface *patch, const double parameter[2], double slope_u[3], double slope_v[3])
 {
-    double u[MOST], v[MOST], du[MOST], dv[MOST];
+    double u[MOST], v[MOST], du[MOST] = {0}, dv[MOST] = {0};
     bernstein(patch->degree, parameter[0], u, du);
     bernstein(patch->degree, parameter[1], v, dv);
     const double(*control)[3] = patch->control;

@@ -12,12 +12,12 @@ void blade_draw(bat_random *random, blade_form *blade)
     *blade = (blade_form){.root_chord = draw_between(random, 0.46, 0.52),
                           .tip_chord = draw_between(random, 0.3, 0.36),
                           .root_thickness = draw_between(random, 0.23, 0.27),
-                          .tip_thickness = draw_between(random, 0.12, 0.15),
+                          .tip_thickness = draw_between(random, 0.14, 0.17),
                           .root_camber = draw_between(random, 0.15, 0.19),
                           .tip_camber = draw_between(random, 0.05, 0.08),
                           .root_stagger = draw_between(random, 12, 20) * BLADE_DEGREE,
                           .tip_stagger = draw_between(random, 48, 58) * BLADE_DEGREE,
-                          .opening = draw_between(random, 0.03, 0.036),
+                          .opening = draw_between(random, 0.05, 0.058),
                           .lean = draw_between(random, 0.03, 0.07),
                           .sweep = draw_between(random, -0.02, 0.05)};
 }

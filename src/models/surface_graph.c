@@ -7,18 +7,42 @@
 #include <math.h>
 #include <string.h>
 
-// Products
+// Sources
+
+/// The middle of some rows, and how far the farthest of them is from it.
+LANES_CLONES
+static void enclose(const real *rows, size_t count, size_t width, real *centre, real *reach)
+{
+    real farthest = 0;
+    memset(centre, 0, width * sizeof *centre);
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < width; c++)
+            centre[c] += rows[i * width + c];
+    for (size_t c = 0; c < width; c++)
+        centre[c] /= (real)count;
+    for (size_t i = 0; i < count; i++)
+    {
+        real square = 0;
+#pragma omp simd reduction(+ : square)
+        for (size_t c = 0; c < width; c++)
+            square += (rows[i * width + c] - centre[c]) * (rows[i * width + c] - centre[c]);
+        farthest = square > farthest ? square : farthest;
+    }
+    *reach = real_sqrt(farthest);
+}
 
 size_t surface_sources_size(size_t count, size_t width)
 {
-    return learn_packed_size(width, count) + count;
+    size_t panels = learn_whole_panels(count) / LEARN_PANEL;
+    return learn_packed_size(width, count) + count + panels * (width + 1);
 }
 
 surface_sources surface_sources_make(const real *points, size_t count, size_t width, real *memory)
 {
     assert(width <= SURFACE_WIDTH);
-    size_t columns = learn_whole_panels(count);
-    real *bias = memory + learn_packed_size(width, count), *packed_bias = memory + width * columns;
+    size_t columns = learn_whole_panels(count), panels = columns / LEARN_PANEL;
+    real *packed_bias = memory + width * columns, *bias = memory + learn_packed_size(width, count);
+    real *centres = bias + count, *reaches = centres + panels * width;
     double longest = 0;
     for (size_t j = 0; j < count; j++)
     {
@@ -32,25 +56,29 @@ surface_sources surface_sources_make(const real *points, size_t count, size_t wi
     // Nothing is near what fills up the last panel.
     for (size_t j = count; j < columns; j++)
         packed_bias[j] = (real)-HUGE_VAL;
-    return (surface_sources){points, count, width, product, sqrt(longest)};
+    for (size_t p = 0; p < panels; p++)
+    {
+        size_t first = p * LEARN_PANEL, own = count - first < LEARN_PANEL ? count - first : LEARN_PANEL;
+        enclose(points + first * width, own, width, centres + p * width, &reaches[p]);
+    }
+    return (surface_sources){points, count, width, product, sqrt(longest), centres, reaches};
 }
+
+// Products
 
 enum
 {
     CHUNK = 1024, ///< sources that targets are compared with together, so that both stay in the nearest caches
-    CHUNK_WORDS = CHUNK / SURFACE_WORD
+    PANELS = CHUNK / LEARN_PANEL
 };
 
-/// Which of the next `count` products, a multiple of 32, are not below a bound.
-static inline void compare(size_t count, const real *restrict products, real bound, uint32_t *restrict bits)
+/// Which products of a panel are not below a bound.
+static inline uint32_t compare(const real *products, real bound)
 {
-    for (size_t begin = 0; begin < count; begin += 32)
-    {
-        uint32_t word = 0;
-        for (uint32_t b = 0; b < 32; b++)
-            word |= (uint32_t)(products[begin + b] >= bound) << b;
-        bits[begin / 32] = word;
-    }
+    uint32_t bits = 0;
+    for (uint32_t b = 0; b < LEARN_PANEL; b++)
+        bits |= (uint32_t)(products[b] >= bound) << b;
+    return bits;
 }
 
 static bool is_near(const surface_sources *sources, const real *target, size_t source, double radius)
@@ -85,62 +113,114 @@ static bounds bounds_of(const surface_sources *sources, const real *target, doub
     return (bounds){(real)(bound + slack), (real)(bound - slack)};
 }
 
-/// The bits of one target among a chunk's sources; returns how many.
+/// Set the bits of one target among a run of panels; returns how many.
 LANES_CLONES
-static uint32_t find(const surface_sources *sources, const real *target, double radius, size_t first, size_t columns,
-                     const real *products, uint64_t *bits)
+static uint32_t find(const surface_sources *sources, const real *target, double radius, bounds b, size_t panel,
+                     size_t panels, const real *products, uint64_t *bits)
 {
-    bounds b = bounds_of(sources, target, radius);
-    uint32_t degree = 0, surely[2 * CHUNK_WORDS] = {0}, perhaps[2 * CHUNK_WORDS] = {0};
-    compare(columns, products, b.surely, surely);
-    compare(columns, products, b.perhaps, perhaps);
-    for (size_t w = 0; w < (columns + SURFACE_WORD - 1) / SURFACE_WORD; w++)
+    uint32_t degree = 0;
+    for (size_t end = panel + panels; panel < end; panel++, products += LEARN_PANEL)
     {
-        uint64_t sure = surely[2 * w] | (uint64_t)surely[2 * w + 1] << 32;
-        uint64_t open = (perhaps[2 * w] | (uint64_t)perhaps[2 * w + 1] << 32) & ~sure;
-        for (; open != 0; open &= open - 1)
+        uint32_t open = compare(products, b.perhaps);
+        if (open == 0)
+            continue;
+        uint32_t sure = compare(products, b.surely);
+        for (open &= ~sure; open != 0; open &= open - 1)
         {
-            size_t bit = (size_t)__builtin_ctzll(open);
-            sure |= (uint64_t)is_near(sources, target, first + w * SURFACE_WORD + bit, radius) << bit;
+            uint32_t bit = (uint32_t)__builtin_ctz(open);
+            sure |= (uint32_t)is_near(sources, target, panel * LEARN_PANEL + bit, radius) << bit;
         }
-        bits[w] = sure;
-        degree += (uint32_t)__builtin_popcountll(sure);
+        bits[panel / 2] |= (uint64_t)sure << (panel % 2 * LEARN_PANEL);
+        degree += (uint32_t)__builtin_popcount(sure);
     }
     return degree;
 }
 
-/// The part of a layer that begins at a column, a multiple of the panel's.
-static learn_packed columns_of(const learn_packed *layer, size_t first, size_t columns)
+/// Which panels' balls lie so that targets in a ball may have neighbours in them.
+LANES_CLONES
+static void reach(const surface_sources *sources, const real *centre, real own_reach, double radius, size_t panel,
+                  size_t panels, bool *reached)
 {
-    learn_packed part = *layer;
-    part.weight += first / LEARN_PANEL * layer->panel_stride;
-    part.bias += first;
+    // Far more than roundings make of distances and reaches.
+    const double careful = 1 + 1e-3, slack = 1e-4 * sources->longest;
+    for (size_t p = 0; p < panels; p++)
+    {
+        const real *other = sources->centres + (panel + p) * sources->width;
+        real square = 0;
+#pragma omp simd reduction(+ : square)
+        for (size_t c = 0; c < sources->width; c++)
+            square += (centre[c] - other[c]) * (centre[c] - other[c]);
+        double bound = careful * (radius + (double)own_reach + (double)sources->reaches[panel + p]) + slack;
+        // Where numbers are none they are looked at.
+        reached[p] = !((double)square > bound * bound);
+    }
+}
+
+/// A tile of targets.
+typedef struct target_tile
+{
+    const real *x; ///< LEARN_TILE rows, of which the first `rows` count
+    size_t rows;
+    uint64_t *bits; ///< rows x words
+    uint32_t *degrees;
+    bounds of[LEARN_TILE];
+} target_tile;
+
+/// Compare with the sources of a run of panels.
+static void compare_panels(const surface_sources *sources, const target_tile *tile, double radius, size_t panel,
+                           size_t panels)
+{
+    _Alignas(64) real products[LEARN_TILE * CHUNK];
+    size_t words = surface_words(sources->count), columns = panels * LEARN_PANEL;
+    learn_packed part = sources->product;
+    part.weight += panel * part.panel_stride;
+    part.bias += panel * LEARN_PANEL;
     part.columns = columns;
-    return part;
+    learn_packed_linear(&part, LEARN_TILE, tile->x, sources->width, products);
+    for (size_t r = 0; r < tile->rows; r++)
+        tile->degrees[r] += find(sources, tile->x + r * sources->width, radius, tile->of[r], panel, panels,
+                                 products + r * columns, tile->bits + r * words);
+}
+
+/// Compare with those sources of a chunk that may be near.
+static void compare_chunk(const surface_sources *sources, const target_tile *tile, double radius, size_t panel,
+                          size_t panels)
+{
+    real centre[SURFACE_WIDTH], own_reach;
+    bool reached[PANELS];
+    enclose(tile->x, tile->rows, sources->width, centre, &own_reach);
+    reach(sources, centre, own_reach, radius, panel, panels, reached);
+    for (size_t begin = 0, end; begin < panels; begin = end)
+    {
+        for (end = begin + 1; end < panels && reached[end] == reached[begin];)
+            end++;
+        if (reached[begin])
+            compare_panels(sources, tile, radius, panel + begin, end - begin);
+    }
 }
 
 void surface_neighbours(const surface_sources *sources, const real *targets, size_t rows, double radius, uint64_t *bits,
                         uint32_t *degrees)
 {
-    size_t width = sources->width, words = surface_words(sources->count), all = sources->product.columns;
-    _Alignas(64) real tile[LEARN_TILE * SURFACE_WIDTH] = {0}, products[LEARN_TILE * CHUNK];
+    size_t width = sources->width, words = surface_words(sources->count);
+    size_t panels = sources->product.columns / LEARN_PANEL;
+    _Alignas(64) real last[LEARN_TILE * SURFACE_WIDTH] = {0};
+    memset(bits, 0, rows * words * sizeof *bits);
     memset(degrees, 0, rows * sizeof *degrees);
-    for (size_t first = 0; first < all; first += CHUNK)
-    {
-        size_t columns = all - first < CHUNK ? all - first : CHUNK;
-        learn_packed part = columns_of(&sources->product, first, columns);
+    for (size_t panel = 0; panel < panels; panel += PANELS)
         for (size_t begin = 0; begin < rows; begin += LEARN_TILE)
         {
-            size_t count = rows - begin < LEARN_TILE ? rows - begin : LEARN_TILE;
-            const real *x = targets + begin * width;
-            if (count < LEARN_TILE)
-                x = memcpy(tile, x, count * width * sizeof *tile);
-            learn_packed_linear(&part, LEARN_TILE, x, width, products);
-            for (size_t r = 0; r < count; r++)
-                degrees[begin + r] += find(sources, x + r * width, radius, first, columns, products + r * columns,
-                                           bits + (begin + r) * words + first / SURFACE_WORD);
+            size_t left = rows - begin;
+            target_tile tile = {.x = targets + begin * width,
+                                .rows = left < LEARN_TILE ? left : LEARN_TILE,
+                                .bits = bits + begin * words,
+                                .degrees = degrees + begin};
+            if (left < LEARN_TILE)
+                tile.x = memcpy(last, tile.x, left * width * sizeof *last);
+            for (size_t r = 0; r < tile.rows; r++)
+                tile.of[r] = bounds_of(sources, tile.x + r * width, radius);
+            compare_chunk(sources, &tile, radius, panel, panels - panel < PANELS ? panels - panel : PANELS);
         }
-    }
 }
 
 // Sums of features

@@ -34,13 +34,16 @@ static inline size_t surface_words(size_t sources)
     return (sources + SURFACE_WORD - 1) / SURFACE_WORD;
 }
 
-/// Sources laid out for the product.
+/// Sources laid out for the product. Those of a panel (learn/packed.h) lie in a ball; targets that it is too far from are not compared with
+/// them, so that sources in an order in which near ones follow each other are looked at faster.
 typedef struct surface_sources
 {
     const real *points; ///< count x width, not copied
     size_t count, width;
     learn_packed product; ///< x.y - |y|^2 / 2
     double longest;       ///< the largest norm
+    const real *centres;  ///< panels x width
+    const real *reaches;  ///< of the balls: one a panel
 } surface_sources;
 
 /// Numbers that hold sources.

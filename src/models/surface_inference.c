@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
+#include "cloud/neighbours.h"
 #include "learn/row_statistics.h"
 #include "models/surface_first_layer.h"
 
@@ -119,21 +120,21 @@ typedef struct run
 {
     const surface_inference *network;
     int threads;
-    size_t count;        ///< points of the graphs
-    size_t bound;        ///< points whose parameters are told
-    real *place;         ///< count x 3
-    real *bound_place;   ///< bound x 3
-    real *bound_seen;    ///< bound x SURFACE_SEEN: places and parameters
-    real *features;      ///< (1 + SURFACE_HIDDEN) x tiles x W
-    real *sources;       ///< of a graph
-    real *bound_sources; ///< of the boundary's
-    real *word_sums;     ///< words x W
-    real *near;          ///< what interior points give to the first layer: count x W
-    real *bound_near;    ///< what boundary points do: bound x W
-    real *wide[2];       ///< of the output network: tiles x SURFACE_OUTPUT
-    double *sums;        ///< blocks x SURFACE_OUTPUT
-    uint64_t *bits;      ///< threads x ROWS x words
-    void *memory;
+    size_t count;          ///< points of the graphs
+    size_t bound;          ///< points whose parameters are told
+    const uint32_t *order; ///< count: each point's number in the cloud, in an order in which near ones follow each other
+    real *place;           ///< count x 3
+    real *bound_place;     ///< bound x 3
+    real *bound_seen;      ///< bound x SURFACE_SEEN: places and parameters
+    real *features;        ///< (1 + SURFACE_HIDDEN) x tiles x W
+    real *sources;         ///< of a graph
+    real *bound_sources;   ///< of the boundary's
+    real *word_sums;       ///< words x W
+    real *near;            ///< what interior points give to the first layer: count x W
+    real *bound_near;      ///< what boundary points do: bound x W
+    real *wide[2];         ///< of the output network: tiles x SURFACE_OUTPUT
+    double *sums;          ///< blocks x SURFACE_OUTPUT
+    uint64_t *bits;        ///< threads x ROWS x words
 } run;
 
 static size_t blocks_of(const run *r)
@@ -417,6 +418,7 @@ static void join_output(const run *r)
     }
 }
 
+/// @param first of the points whose parameters are wanted
 static void output_network(const run *r, size_t first, double *interior)
 {
     size_t blocks = blocks_of(r);
@@ -440,8 +442,11 @@ static void output_network(const run *r, size_t first, double *interior)
         normalize(tiles, slope, begin, r->wide[1] + at);
         learn_packed_linear(&r->network->output[2], tiles, r->wide[1] + at, SURFACE_OUTPUT, said);
         for (size_t i = 0; i < rows; i++)
-            for (size_t d = 0; d < 2 && b * ROWS + i >= first; d++)
-                interior[2 * (b * ROWS + i - first) + d] = (double)real_sigmoid(said[i * LEARN_PANEL + d]);
+        {
+            size_t point = r->order[b * ROWS + i];
+            for (size_t d = 0; d < 2 && point >= first; d++)
+                interior[2 * (point - first) + d] = (double)real_sigmoid(said[i * LEARN_PANEL + d]);
+        }
     }
 }
 
@@ -451,7 +456,7 @@ static void read_places(const run *r, const double *points, const double *bound,
 {
     size_t tiles = learn_whole_tiles(r->count);
     for (size_t i = 0; i < 3 * r->count; i++)
-        r->place[i] = (real)points[i];
+        r->place[i] = (real)points[3 * (size_t)r->order[i / 3] + i % 3];
     for (size_t i = 0; i < 3 * r->bound; i++)
         r->bound_place[i] = (real)bound[i];
     for (size_t i = 0; i < SURFACE_SEEN * r->bound; i++)
@@ -463,26 +468,39 @@ static void read_places(const run *r, const double *points, const double *bound,
         memset(features_of(r, layer) + r->count * W, 0, (tiles - r->count) * W * sizeof(real));
 }
 
+/// From places to parameters.
+static bat_status run_network(run *r, const bat_cloud *cloud, const double *boundary, double *interior, bat_error *error)
+{
+    size_t begin = cloud->count - r->count, size = lay_out(r, NULL);
+    void *memory = memory_array(size, 1);
+    if (memory == NULL)
+        return error_memory(error, size);
+    (void)lay_out(r, memory);
+    read_places(r, cloud->points + 3 * begin, cloud->points, boundary);
+    bat_status status = input_layer(r, error);
+    for (size_t layer = 0; layer < SURFACE_HIDDEN && status == BAT_OK; layer++)
+        hidden_layer(r, layer);
+    if (status == BAT_OK)
+        output_network(r, cloud->boundary_count - begin, interior);
+    free(memory);
+    return status;
+}
+
 bat_status surface_inference_run(const void *network, const bat_cloud *cloud, const double *boundary, int threads,
                                  double *interior, bat_error *error)
 {
     const surface_inference *made = network;
-    size_t begin = made->informed ? cloud->boundary_count : 0, first = cloud->boundary_count - begin;
+    size_t begin = made->informed ? cloud->boundary_count : 0;
     run r = {.network = made, .count = cloud->count - begin, .bound = begin};
+    neighbour_tree tree;
     if (cloud->count == cloud->boundary_count)
         return BAT_OK;
     r.threads = threads_for(threads, blocks_of(&r));
-    size_t size = lay_out(&r, NULL);
-    r.memory = memory_array(size, 1);
-    if (r.memory == NULL)
-        return error_memory(error, size);
-    (void)lay_out(&r, r.memory);
-    read_places(&r, cloud->points + 3 * begin, cloud->points, boundary);
-    bat_status status = input_layer(&r, error);
-    for (size_t layer = 0; layer < SURFACE_HIDDEN && status == BAT_OK; layer++)
-        hidden_layer(&r, layer);
-    if (status == BAT_OK)
-        output_network(&r, first, interior);
-    free(r.memory);
+    bat_status status = neighbour_tree_build(cloud->points + 3 * begin, r.count, &tree, error);
+    if (status != BAT_OK)
+        return status;
+    r.order = tree.items;
+    status = run_network(&r, cloud, boundary, interior, error);
+    neighbour_tree_free(&tree);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/surface_shapes.h"
+#include "cloud/neighbours.h"
 #include "models/bezier_fit.h"
 #include "models/unit_box.h"
 
@@ -17,6 +18,34 @@ static size_t draw_count(size_t least, size_t most, bat_random *random)
     double low = log((double)least), high = log((double)most + 1);
     size_t count = (size_t)exp(low + (high - low) * bat_random_uniform(random));
     return count < least ? least : count > most ? most : count;
+}
+
+/// Rows in the order of `places`.
+static bool reorder(double *rows, size_t columns, const uint32_t *places, size_t count)
+{
+    double *kept = memory_array(count, columns * sizeof *kept);
+    if (kept == NULL)
+        return false;
+    memcpy(kept, rows, count * columns * sizeof *kept);
+    for (size_t i = 0; i < count; i++)
+        memcpy(rows + i * columns, kept + places[i] * columns, columns * sizeof *kept);
+    free(kept);
+    return true;
+}
+
+/// Let near interior points follow each other: graphs are found faster then.
+static bat_status put_in_order(surface_sample *sample, bat_error *error)
+{
+    size_t bound = sample->cloud.boundary_count, interior = sample->cloud.count - bound;
+    neighbour_tree tree;
+    bat_status status = neighbour_tree_build(sample->cloud.points + 3 * bound, interior, &tree, error);
+    if (status != BAT_OK)
+        return status;
+    if (!reorder(sample->cloud.points + 3 * bound, 3, tree.items, interior) ||
+        !reorder(sample->parameters + 2 * bound, 2, tree.items, interior))
+        status = error_memory(error, interior * 3 * sizeof(double));
+    neighbour_tree_free(&tree);
+    return status;
 }
 
 bat_status surface_sample_draw(const surface_sample_range *range, bat_random *random, surface_sample *sample,
@@ -34,8 +63,12 @@ bat_status surface_sample_draw(const surface_sample_range *range, bat_random *ra
     unit_box box = unit_box_of(drawn.cloud.points, drawn.cloud.count);
     for (size_t i = 0; i < 3 * drawn.cloud.count; i++)
         drawn.cloud.points[i] = unit_box_in(&box, i, drawn.cloud.points[i]);
-    *sample = drawn;
-    return BAT_OK;
+    status = put_in_order(&drawn, error);
+    if (status == BAT_OK)
+        *sample = drawn;
+    else
+        surface_sample_free(&drawn);
+    return status;
 }
 
 void surface_sample_free(surface_sample *sample)

@@ -14,7 +14,7 @@ typedef struct surface_sample_range
     double noise;
 } surface_sample_range;
 
-/// Draw a cloud and put it in the unit box.
+/// Draw a cloud and put it in the unit box. Near interior points follow each other.
 /// @param sample release it with surface_sample_free()
 bat_status surface_sample_draw(const surface_sample_range *range, bat_random *random, surface_sample *sample,
                                bat_error *error);

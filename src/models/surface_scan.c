@@ -62,7 +62,8 @@ static double seen_area(const surface_shape *shape)
     double sum = 0;
     for (int i = 0; i < TRIAL_CELLS * TRIAL_CELLS; i++)
     {
-        double parameter[2] = {(i % TRIAL_CELLS + 0.5) / TRIAL_CELLS, (i / TRIAL_CELLS + 0.5) / TRIAL_CELLS};
+        int column = i % TRIAL_CELLS, row = i / TRIAL_CELLS;
+        double parameter[2] = {(column + 0.5) / TRIAL_CELLS, (row + 0.5) / TRIAL_CELLS};
         double chance = chance_at(shape, parameter);
         for (int s = 0; s < SWEEP_COUNT; s++)
             sum += within(&SWEEPS[s], parameter) ? chance : 0;

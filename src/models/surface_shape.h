@@ -24,7 +24,7 @@ typedef struct hull_form
 void hull_draw(bat_random *random, hull_form *hull);
 void hull_at(const hull_form *hull, const double parameter[2], double point[3]);
 
-/// A blade of a turbine, cut open a little before its trailing edge. The first parameter runs from the trailing edge over the suction
+/// A blade of a turbine, open at its blunt trailing edge. The first parameter runs from the trailing edge over the suction
 /// side, round the leading edge and along the pressure side, the second from root to tip, which is upwards.
 typedef struct blade_form
 {

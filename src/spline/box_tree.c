@@ -21,9 +21,10 @@ static box_tree_area half_of(const box_tree_area *area, const box_tree_node *nod
     return half;
 }
 
-static bool overlap(const box_tree_area *a, const box_tree_area *b)
+/// Whether an area reaches to a side of a node's cut.
+static bool meets(const box_tree_area *area, const box_tree_node *node, int side)
 {
-    return a->low[0] < b->high[0] && b->low[0] < a->high[0] && a->low[1] < b->high[1] && b->low[1] < a->high[1];
+    return side == 0 ? area->low[node->axis] < node->cut : area->high[node->axis] > node->cut;
 }
 
 /// Whether an edge of `area` lies strictly inside `bounds`.
@@ -128,8 +129,9 @@ static bool raise_node(box_tree *tree, uint32_t index, const box_tree_area *boun
     }
     for (int side = 0; side < 2; side++)
     {
-        box_tree_area half = half_of(bounds, &tree->nodes[index], side);
-        if (overlap(&half, area) && !raise_node(tree, tree->nodes[index].child[side], &half, area, level))
+        const box_tree_node *cut = &tree->nodes[index];
+        box_tree_area half = half_of(bounds, cut, side);
+        if (meets(area, cut, side) && !raise_node(tree, cut->child[side], &half, area, level))
             return false;
     }
     join_children(tree, index);
@@ -142,25 +144,18 @@ bat_status box_tree_raise(box_tree *tree, const box_tree_area *area, uint8_t lev
     return raise_node(tree, 0, &bounds, area, level) ? BAT_OK : error_memory(error, tree->count * sizeof *tree->nodes);
 }
 
-static bool reaches(const box_tree *tree, uint32_t index, const box_tree_area *bounds, const box_tree_area *area,
-                    uint8_t level)
+static bool reaches(const box_tree *tree, uint32_t index, const box_tree_area *area, uint8_t level)
 {
     const box_tree_node *node = &tree->nodes[index];
     if (is_leaf(node))
         return node->level >= level;
-    for (int side = 0; side < 2; side++)
-    {
-        box_tree_area half = half_of(bounds, node, side);
-        if (overlap(&half, area) && !reaches(tree, node->child[side], &half, area, level))
-            return false;
-    }
-    return true;
+    return (!meets(area, node, 0) || reaches(tree, node->child[0], area, level)) &&
+           (!meets(area, node, 1) || reaches(tree, node->child[1], area, level));
 }
 
 bool box_tree_reaches(const box_tree *tree, const box_tree_area *area, uint8_t level)
 {
-    box_tree_area bounds = whole(tree);
-    return reaches(tree, 0, &bounds, area, level);
+    return reaches(tree, 0, area, level);
 }
 
 uint8_t box_tree_level(const box_tree *tree, uint64_t x, uint64_t y)

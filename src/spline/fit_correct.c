@@ -151,11 +151,12 @@ static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, 
         double step[2];
         choose_step(&now, freedom, step);
         double length = limit_step(nets, &now, step);
-        if (!go(nets, position, step, scratch, &now) || length <= correction.settled)
+        if (length <= correction.settled || !go(nets, position, step, scratch, &now))
             break;
     }
     bool moved = now.at[0] != at[0] || now.at[1] != at[1];
     memcpy(at, now.at, sizeof now.at);
+    points->cell[row] = (uint32_t)now.cell;
     points->distance[row] = sqrt(now.square);
     return moved;
 }

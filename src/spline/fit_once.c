@@ -54,7 +54,10 @@ static bat_status single_make(const bat_hierarchical_space *space, const bat_fit
 {
     bat_status status = fit_points_make(data, weights, bat_hierarchical_space_options(space).truncated, &fit->points, error);
     if (status == BAT_OK)
-        status = fit_points_sort(&fit->points, space, 0, error);
+    {
+        fit_points_locate(&fit->points, space, 0);
+        status = fit_points_sort(&fit->points, space, error);
+    }
     if (status == BAT_OK)
         status = fit_system_make(space, data->dimension, 0, &fit->system, error);
     if (status == BAT_OK)
@@ -147,7 +150,7 @@ bat_status bat_spline_correct(const bat_spline_surface *surface, bat_fit_data *d
     size_t count = 0;
     status = fit_points_make(data, NULL, false, &points, error);
     if (status == BAT_OK)
-        status = fit_points_sort(&points, surface->space, 0, error);
+        fit_points_locate(&points, surface->space, 0);
     if (status == BAT_OK)
         status = fit_nets_make(surface->space, surface->control, surface->dimension, 0, &nets, error);
     if (status == BAT_OK)

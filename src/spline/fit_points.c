@@ -191,7 +191,15 @@ void fit_points_free(fit_points *points)
     *points = (fit_points){0};
 }
 
-bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *space, int threads, bat_error *error)
+void fit_points_locate(fit_points *points, const bat_hierarchical_space *space, int threads)
+{
+#pragma omp parallel for schedule(static) num_threads(threads_for(threads, points->count))
+    for (size_t row = 0; row < points->count; row++)
+        points->cell[row] =
+            (uint32_t)bat_hierarchical_space_locate(space, points->parameter[2 * row], points->parameter[2 * row + 1]);
+}
+
+bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *space, bat_error *error)
 {
     size_t cells = bat_hierarchical_space_cells(space);
     size_t *first = calloc(cells + 2, sizeof *first);
@@ -200,10 +208,6 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
     free(points->first);
     points->first = first;
     points->cells = cells;
-#pragma omp parallel for schedule(static) num_threads(threads_for(threads, points->count))
-    for (size_t row = 0; row < points->count; row++)
-        points->cell[row] =
-            (uint32_t)bat_hierarchical_space_locate(space, points->parameter[2 * row], points->parameter[2 * row + 1]);
     // Counts two places on, beginnings one place on, which filling moves to where they belong.
     for (size_t row = 0; row < points->count; row++)
         first[points->cell[row] + 2]++;

@@ -42,8 +42,11 @@ bat_status fit_points_make(const bat_fit_data *data, const double *weights, bool
                            bat_error *error);
 void fit_points_free(fit_points *points);
 
-/// Order the points by the cells of a space.
-bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *space, int threads, bat_error *error);
+/// Find the cells of all points.
+void fit_points_locate(fit_points *points, const bat_hierarchical_space *space, int threads);
+
+/// Order the points, which know their cells, by them.
+bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *space, bat_error *error);
 
 /// Add the centre to all control points.
 void fit_points_restore(const fit_points *points, size_t functions, double *control);

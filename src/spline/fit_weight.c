@@ -21,13 +21,16 @@ static const double RESIDUAL_NOISE = 1e-15;
 // to the last.
 static const double NEAR_STEP = 0.5;
 static const double FAR_STEP = 2;
-static const double RESOLUTION = 0.15;
+static const double RESOLUTION = 0.1;
+// The dimension of the space of functions without thin-plate energy.
+static const double PLANE_FUNCTIONS = 3;
 
-/// One weight and what is known of it. Scores are to be made small; slopes are by the logarithm to base 10 of the weight.
+/// One weight and what is known of it.
 typedef struct weight_trial
 {
     double place; ///< log10 of the weight
-    double score, slope;
+    double score; ///< the less the better
+    double slope; ///< below 0 when the weight is too small, above when it is too large
     bool regular; ///< the matrix could be solved with
 } weight_trial;
 
@@ -156,98 +159,106 @@ static column_sums multiply_columns(const fit_system *system, const double *a, c
     return sums;
 }
 
-/// What a weight does to the sum R of squared residuals and the trace T of the influence matrix, and their derivatives by it:
-///     c = K^-1 b,   R = x^T W x - b^T c - 2 lambda c^T M c,    R' = 8 lambda (M c)^T K^-1 (M c),
+/// What a weight does to the sum R of squared residuals, the trace T of the influence matrix and the energy J, with their
+/// derivatives by it:
+///     c = K^-1 b,   J = c^T M c,   R = x^T W x - b^T c - 2 lambda J,   R' = 8 lambda (M c)^T K^-1 (M c),
 ///     y = K^-1 A^T W^1/2 z,   T ~ mean over z of z^T W^1/2 A y,   T' ~ -2 y^T M y   (Hutchinson, 1990).
 typedef struct weight_effect
 {
     double residual, residual_slope;
     double trace, trace_slope;
+    double energy;
 } weight_effect;
 
-static bat_status measure_effect(weight_room *room, double lambda, weight_effect *effect, bat_error *error)
+/// R' of weight_effect.
+static bat_status find_residual_slope(weight_room *room, double lambda, double *slope, bat_error *error)
+{
+    const fit_system *system = room->system;
+    copy_coordinates(system, room->bent, room->answer);
+    bat_status status = fit_solver_solve(room->solver, system->dimension, room->answer, room->product, error);
+    *slope = 0;
+    for (size_t k = 0; k < system->functions * system->dimension && status == BAT_OK; k++)
+        *slope += 8 * lambda * room->answer[k] * room->product[k];
+    return status;
+}
+
+static bat_status measure_effect(weight_room *room, double lambda, bool sloped, weight_effect *effect, bat_error *error)
 {
     const fit_system *system = room->system;
     bat_status status = fit_solver_solve(room->solver, system->columns, system->right, room->solution, error);
     if (status != BAT_OK)
         return status;
     fit_system_multiply(system, system->plate, system->columns, room->solution, room->bent);
-    copy_coordinates(system, room->bent, room->answer);
-    status = fit_solver_solve(room->solver, system->dimension, room->answer, room->product, error);
-    if (status != BAT_OK)
-        return status;
-    double turned = 0;
-    for (size_t k = 0; k < system->functions * system->dimension; k++)
-        turned += room->answer[k] * room->product[k];
     column_sums met = multiply_columns(system, system->right, room->solution);
     column_sums energy = multiply_columns(system, room->solution, room->bent);
-    *effect = (weight_effect){.residual = fmax(system->square - met.coordinates - 2 * lambda * energy.coordinates,
-                                               RESIDUAL_NOISE * system->square),
-                              .residual_slope = 8 * lambda * turned,
+    double residual = system->square - met.coordinates - 2 * lambda * energy.coordinates;
+    *effect = (weight_effect){.residual = fmax(fmax(residual, RESIDUAL_NOISE * system->square), DBL_MIN),
                               .trace = met.probes,
-                              .trace_slope = -2 * energy.probes};
-    return BAT_OK;
+                              .trace_slope = -2 * energy.probes,
+                              .energy = energy.coordinates};
+    return sloped ? find_residual_slope(room, lambda, &effect->residual_slope, error) : BAT_OK;
 }
 
 /// The logarithm of generalized cross-validation's R / (1 - T / N)^2 (Craven and Wahba, 1979).
-static void score_cross_validation(const weight_room *room, double lambda, const weight_effect *effect, weight_trial *trial)
+static void judge_cross_validation(const weight_room *room, double lambda, const weight_effect *effect, weight_trial *trial)
 {
     double points = (double)room->system->counted, left = fmax(1 - effect->trace / points, DBL_EPSILON);
-    double residual = fmax(effect->residual, DBL_MIN), scale = lambda * log(10.0);
-    trial->score = log(residual) - 2 * log(left);
-    trial->slope = scale * (effect->residual_slope / residual + 2 * effect->trace_slope / (points * left));
+    trial->score = log(effect->residual) - 2 * log(left);
+    trial->slope = lambda * (effect->residual_slope / effect->residual + 2 * effect->trace_slope / (points * left));
 }
 
-/// The squared logarithm of the mean squared residual over the noise's variance (Morozov, 1966).
-static void score_discrepancy(const weight_room *room, double lambda, double noise, const weight_effect *effect,
-                              weight_trial *trial)
+/// Restricted likelihood, when J is the logarithm of a density of surfaces (Wahba, 1985): it is largest where
+///     2 lambda J / s^2 = T - 3   per coordinate,   s^2 = (R + 2 lambda J) / (N - 3),
+/// 3 being the number of functions without energy: constants and the two coordinates of the square.
+static void judge_likelihood(const weight_room *room, double lambda, const weight_effect *effect, weight_trial *trial)
 {
-    double numbers = (double)(room->system->counted * room->system->dimension), residual = fmax(effect->residual, DBL_MIN);
-    double excess = log(residual / (numbers * noise * noise)), scale = lambda * log(10.0);
-    trial->score = excess * excess;
-    trial->slope = 2 * excess * scale * effect->residual_slope / residual;
+    double points = fmax((double)room->system->counted - PLANE_FUNCTIONS, 1), bent = 2 * lambda * effect->energy;
+    trial->slope = points * bent / (effect->residual + bent) - (effect->trace - PLANE_FUNCTIONS);
+    trial->score = fabs(trial->slope);
+}
+
+/// The discrepancy principle: the mean squared residual is the noise's variance (Morozov, 1966).
+static void judge_discrepancy(const weight_room *room, double noise, const weight_effect *effect, weight_trial *trial)
+{
+    double numbers = (double)(room->system->counted * room->system->dimension);
+    trial->slope = log(effect->residual / (numbers * noise * noise));
+    trial->score = fabs(trial->slope);
 }
 
 static bat_status try_weight(weight_room *room, const fit_weight_search *search, double place, weight_trial *trial,
                              bat_error *error)
 {
     double lambda = pow(10, place), pivot;
-    *trial = (weight_trial){.place = place, .score = INFINITY, .slope = -1};
+    *trial = (weight_trial){.place = place, .score = INFINITY, .slope = -INFINITY};
     bat_status status = factor(room, lambda, &pivot, error);
     if (status != BAT_OK || pivot < LEAST_PIVOT)
         return status;
     weight_effect effect;
-    status = measure_effect(room, lambda, &effect, error);
+    status = measure_effect(room, lambda, search->smoothing == BAT_SMOOTHING_CROSS_VALIDATION, &effect, error);
     if (status != BAT_OK)
         return status;
     trial->regular = true;
     if (search->smoothing == BAT_SMOOTHING_CROSS_VALIDATION)
-        score_cross_validation(room, lambda, &effect, trial);
+        judge_cross_validation(room, lambda, &effect, trial);
+    else if (search->smoothing == BAT_SMOOTHING_LIKELIHOOD)
+        judge_likelihood(room, lambda, &effect, trial);
     else
-        score_discrepancy(room, lambda, search->noise, &effect, trial);
+        judge_discrepancy(room, search->noise, &effect, trial);
     return BAT_OK;
 }
 
-/// The place between two trials with slopes towards each other where the cubic through both has its minimum (Nocedal and Wright,
-/// 2006, eq. 3.59), kept off the ends.
-static double minimum_between(const weight_trial *low, const weight_trial *high)
+/// Where the line through both slopes is zero, kept off the ends.
+static double zero_between(const weight_trial *low, const weight_trial *high)
 {
-    double width = high->place - low->place, share = 0.5;
-    if (low->regular && high->regular)
-    {
-        double d1 = low->slope + high->slope - 3 * (high->score - low->score) / width;
-        double d2 = sqrt(fmax(d1 * d1 - low->slope * high->slope, 0));
-        share = 1 - (high->slope + d2 - d1) / (high->slope - low->slope + 2 * d2);
-        share = share > 0.1 && share < 0.9 ? share : share <= 0.1 ? 0.1 : share >= 0.9 ? 0.9 : 0.5;
-    }
-    return low->place + share * width;
+    double share = low->regular ? low->slope / (low->slope - high->slope) : 0.5;
+    return low->place + fmin(fmax(share, 0.1), 0.9) * (high->place - low->place);
 }
 
 /// Where a search stands.
 typedef struct weight_bracket
 {
     double least, largest;  ///< places that it stays between
-    weight_trial low, high; ///< the nearest trials whose slopes point up and down
+    weight_trial low, high; ///< the nearest trials that are too small and too large
     bool has_low, has_high;
     double step;
 } weight_bracket;
@@ -271,7 +282,7 @@ static bool bracket_next(weight_bracket *bracket, double *place)
 {
     if (bracket->has_low && bracket->has_high)
     {
-        *place = minimum_between(&bracket->low, &bracket->high);
+        *place = zero_between(&bracket->low, &bracket->high);
         return bracket->high.place - bracket->low.place > RESOLUTION;
     }
     double from = bracket->has_low ? bracket->low.place : bracket->high.place;

@@ -11,24 +11,34 @@
 /// relation says them in the functions of level k + 1; of the truncated basis those numbers are then set to zero that belong to
 /// functions with support in region k + 1, and what has become zero is gone.
 
+/// Where the last searches in a set of functions ended, one for each row of local functions.
+typedef struct near_runs
+{
+    size_t row[BAT_SPLINE_MOST_DEGREE + 1];
+} near_runs;
+
 /// Rows in the making.
 typedef struct extraction_rows
 {
     double *values;    ///< of `room` rows
     uint32_t *indices; ///< of their functions
     uint32_t *numbers; ///< of the local functions of a cell
+    uint32_t *own;     ///< of the active cell's local functions
     size_t count, room;
+    near_runs supported[BAT_HIERARCHICAL_MOST_LEVELS], selected[BAT_HIERARCHICAL_MOST_LEVELS];
 } extraction_rows;
 
-size_t hierarchical_numbers(const bat_hierarchical_space *space, const run_set *functions, uint32_t column, uint32_t row,
-                            uint32_t *numbers)
+/// The numbers in a set of functions of the local functions of a cell; UINT32_MAX for those not in it.
+/// @return how many are in it
+static size_t find_numbers(const bat_hierarchical_space *space, const run_set *functions, uint32_t column, uint32_t row,
+                           near_runs *near, uint32_t *numbers)
 {
     uint32_t columns = (uint32_t)space->options.degree[0] + 1, rows = (uint32_t)space->options.degree[1] + 1;
     size_t found = 0;
     memset(numbers, 0xff, hierarchical_locals(space) * sizeof *numbers);
     for (uint32_t b = 0; b < rows; b++)
     {
-        size_t i = run_set_seek(functions, row + b, column);
+        size_t i = run_set_seek_near(functions, row + b, column, &near->row[b]);
         for (; i < functions->count; i++)
         {
             const grid_run *run = &functions->runs[i];
@@ -106,7 +116,7 @@ static void add_selected(const bat_hierarchical_space *space, size_t level, uint
                          extraction_rows *rows)
 {
     size_t locals = hierarchical_locals(space);
-    hierarchical_numbers(space, &space->level[level].selected, column, row, rows->numbers);
+    find_numbers(space, &space->level[level].selected, column, row, &rows->selected[level], rows->numbers);
     for (size_t a = 0; a < locals; a++)
     {
         if (rows->numbers[a] == UINT32_MAX)
@@ -118,16 +128,16 @@ static void add_selected(const bat_hierarchical_space *space, size_t level, uint
     }
 }
 
-/// The finest level above which nothing is seen on a cell: in the truncated basis the last one whose functions on it all have their
-/// support in its region.
-static size_t first_level(const bat_hierarchical_space *space, const hierarchical_cell *cell, uint32_t *numbers)
+/// The finest level coarser than a cell's above which nothing is seen on the cell: in the truncated basis the last one whose functions
+/// on it all have their support in its region.
+static size_t first_level(const bat_hierarchical_space *space, const hierarchical_cell *cell, extraction_rows *rows)
 {
-    size_t level = space->options.truncated ? cell->level : 0;
+    size_t level = space->options.truncated && cell->level > 0 ? cell->level - 1 : 0;
     for (; level > 0; level--)
     {
         uint32_t shift = cell->level - (uint32_t)level;
-        if (hierarchical_numbers(space, &space->level[level].supported, cell->column >> shift, cell->row >> shift,
-                                 numbers) == hierarchical_locals(space))
+        if (find_numbers(space, &space->level[level].supported, cell->column >> shift, cell->row >> shift,
+                         &rows->supported[level], rows->numbers) == hierarchical_locals(space))
             break;
     }
     return level;
@@ -137,8 +147,7 @@ static size_t first_level(const bat_hierarchical_space *space, const hierarchica
 static void find_coarse(const bat_hierarchical_space *space, const hierarchical_cell *cell, extraction_rows *rows)
 {
     size_t locals = hierarchical_locals(space);
-    rows->count = 0;
-    for (size_t level = first_level(space, cell, rows->numbers); level < cell->level; level++)
+    for (size_t level = first_level(space, cell, rows); level < cell->level; level++)
     {
         uint32_t shift = cell->level - (uint32_t)level;
         add_selected(space, level, cell->column >> shift, cell->row >> shift, rows);
@@ -146,8 +155,10 @@ static void find_coarse(const bat_hierarchical_space *space, const hierarchical_
         hierarchical_refine_rows(space, level, column, row, rows->count, rows->values);
         if (!space->options.truncated)
             continue;
-        hierarchical_numbers(space, &space->level[level + 1].supported, column, row, rows->numbers);
-        truncate_rows(rows->numbers, locals, rows);
+        // On the active cell itself the next region supports nothing: what its region supports is selected.
+        if (level + 1 < cell->level)
+            find_numbers(space, &space->level[level + 1].supported, column, row, &rows->supported[level + 1], rows->numbers);
+        truncate_rows(level + 1 < cell->level ? rows->numbers : rows->own, locals, rows);
     }
 }
 
@@ -155,40 +166,49 @@ static void find_coarse(const bat_hierarchical_space *space, const hierarchical_
 static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, extraction_rows *rows)
 {
     size_t locals = hierarchical_locals(space);
-    find_coarse(space, cell, rows);
-    cell->coarse = (uint32_t)rows->count;
-    cell->first = space->active_count;
-    cell->matrix = space->extraction_count;
-    if (!array_grow((void **)&space->active, &space->active_capacity, space->active_count + rows->count + locals,
+    size_t own = find_numbers(space, &space->level[cell->level].selected, cell->column, cell->row,
+                              &rows->selected[cell->level], rows->own);
+    rows->count = 0;
+    if (own < locals || !space->options.truncated)
+        find_coarse(space, cell, rows);
+    *cell = (hierarchical_cell){.column = cell->column,
+                                .row = cell->row,
+                                .level = cell->level,
+                                .active = (uint32_t)(rows->count + own),
+                                .coarse = (uint32_t)rows->count,
+                                .first = space->active_count,
+                                .matrix = space->extraction_count};
+    if (!array_grow((void **)&space->active, &space->active_capacity, space->active_count + cell->active,
                     sizeof *space->active) ||
         !array_grow((void **)&space->extraction, &space->extraction_capacity, space->extraction_count + rows->count * locals,
                     sizeof *space->extraction))
         return false;
-    memcpy(space->extraction + space->extraction_count, rows->values, rows->count * locals * sizeof *rows->values);
+    if (rows->count > 0)
+        memcpy(space->extraction + space->extraction_count, rows->values, rows->count * locals * sizeof *rows->values);
     space->extraction_count += rows->count * locals;
     memcpy(space->active + space->active_count, rows->indices, rows->count * sizeof *rows->indices);
     space->active_count += rows->count;
-    hierarchical_numbers(space, &space->level[cell->level].selected, cell->column, cell->row, rows->numbers);
     for (size_t a = 0; a < locals; a++)
-        if (rows->numbers[a] != UINT32_MAX)
-            space->active[space->active_count++] = rows->numbers[a];
-    cell->active = (uint32_t)(space->active_count - cell->first);
+        if (rows->own[a] != UINT32_MAX)
+            space->active[space->active_count++] = rows->own[a];
     space->most_active = cell->active > space->most_active ? cell->active : space->most_active;
     return true;
 }
 
 bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error)
 {
-    size_t locals = hierarchical_locals(space);
-    extraction_rows rows = {.room = space->levels * locals};
-    rows.values = memory_array(rows.room * locals, sizeof *rows.values);
-    rows.indices = memory_array(rows.room, sizeof *rows.indices);
-    rows.numbers = memory_array(locals, sizeof *rows.numbers);
-    bool made = rows.values != NULL && rows.indices != NULL && rows.numbers != NULL;
+    size_t locals = hierarchical_locals(space), room = space->levels * locals;
+    extraction_rows rows = {.room = room,
+                            .values = memory_array(room * locals, sizeof *rows.values),
+                            .indices = memory_array(room, sizeof *rows.indices),
+                            .numbers = memory_array(locals, sizeof *rows.numbers),
+                            .own = memory_array(locals, sizeof *rows.own)};
+    bool made = rows.values != NULL && rows.indices != NULL && rows.numbers != NULL && rows.own != NULL;
     for (size_t i = 0; i < space->cell_count && made; i++)
         made = store_cell(space, &space->cells[i], &rows);
     free(rows.values);
     free(rows.indices);
     free(rows.numbers);
-    return made ? BAT_OK : error_memory(error, (space->extraction_count + rows.room * locals) * sizeof *rows.values);
+    free(rows.own);
+    return made ? BAT_OK : error_memory(error, (space->extraction_count + room * locals) * sizeof *rows.values);
 }

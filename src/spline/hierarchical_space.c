@@ -110,9 +110,9 @@ void bat_hierarchical_space_free(bat_hierarchical_space *space)
 static bat_status check_box(const bat_hierarchical_options *options, const bat_spline_box *box, size_t index,
                             bat_error *error)
 {
-    if (box->level + 1 >= BAT_HIERARCHICAL_MOST_LEVELS || !level_fits(options, box->level + 1))
-        return error_set(error, BAT_TOO_LARGE, index, 0, "box %zu cannot be refined: level %u would be too fine", index,
-                         box->level + 1);
+    if (box->level >= FINEST || !level_fits(options, box->level + 1))
+        return error_set(error, BAT_TOO_LARGE, index, 0,
+                         "box %zu, of level %u, cannot be refined: the next level is too fine", index, box->level);
     for (int d = 0; d < 2; d++)
     {
         if (box->low[d] >= box->high[d])

@@ -82,11 +82,6 @@ bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_spline_b
 /// Make the lists of active functions and the extraction of all cells.
 bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error);
 
-/// The numbers in a set of functions of the local functions of a cell; UINT32_MAX for those not in it.
-/// @return how many are in it
-size_t hierarchical_numbers(const bat_hierarchical_space *space, const run_set *functions, uint32_t column, uint32_t row,
-                            uint32_t *numbers);
-
 /// Say rows of numbers, coefficients of a cell's local functions, in those of one of its four quarters, cells of the next level.
 /// @param level   of the cell
 /// @param column  of the quarter, in the next level's grid; `row` too

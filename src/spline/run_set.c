@@ -65,19 +65,34 @@ void run_set_number(run_set *set, uint32_t first)
     }
 }
 
+/// Whether a run ends before a place or at it.
+static bool ends_before(const grid_run *run, uint32_t row, uint32_t column)
+{
+    return run->row < row || (run->row == row && run->end <= column);
+}
+
 size_t run_set_seek(const run_set *set, uint32_t row, uint32_t column)
 {
     size_t low = 0, high = set->count;
     while (low < high)
     {
         size_t middle = low + (high - low) / 2;
-        const grid_run *run = &set->runs[middle];
-        if (run->row < row || (run->row == row && run->end <= column))
+        if (ends_before(&set->runs[middle], row, column))
             low = middle + 1;
         else
             high = middle;
     }
     return low;
+}
+
+size_t run_set_seek_near(const run_set *set, uint32_t row, uint32_t column, size_t *near)
+{
+    size_t i = *near;
+    if (i < set->count && ends_before(&set->runs[i], row, column))
+        i++;
+    bool after = i == 0 || ends_before(&set->runs[i - 1], row, column);
+    bool before = i == set->count || !ends_before(&set->runs[i], row, column);
+    return *near = after && before ? i : run_set_seek(set, row, column);
 }
 
 uint32_t run_set_find(const run_set *set, uint32_t row, uint32_t column)

@@ -17,26 +17,26 @@ enum
     POINTS_PER_FUNCTION = 4, ///< where neither a tolerance nor a budget says when to stop
     SMALL_SYSTEM = 500,      ///< functions up to which weights cost next to nothing to try
     TRIALS_SMALL = 12,       ///< weights tried in a round of a small system,
-    TRIALS = 2,              ///< of a larger one,
-    TRIALS_LAST = 5,         ///< and of one that fills the budget
+    TRIALS = 4,              ///< of a larger one,
+    TRIALS_LAST = 6,         ///< and of one that fills the budget
     NEWTON_STEPS = 4         ///< of a parameter, in one correction of the loop
 };
 
 // A parameter has settled, in the loop, when a step is shorter than this part of a cell.
 static const double SETTLED = 1e-3;
-// A budget is met from this part of it on.
-static const double FILLED = 0.98;
+// A budget is met from this part of it on; refinement adds a few functions at a time at least.
+static const double FILLED = 0.99;
 // Distances below this part of the points' size are rounding.
 static const double EXACT = 1e-13;
 
 bat_surface_fit_options bat_surface_fit_defaults(void)
 {
     return (bat_surface_fit_options){
-        .space = {.degree = {2, 2}, .spans = {1, 1}, .truncated = true, .admissible = 2},
+        .space = {.degree = {2, 2}, .spans = {1, 1}, .truncated = true},
         .share = 1,
         .iterations = 30,
         .neighbours = 1,
-        .smoothing = BAT_SMOOTHING_CROSS_VALIDATION,
+        .smoothing = BAT_SMOOTHING_LIKELIHOOD,
         .corrections = 1,
     };
 }
@@ -78,6 +78,7 @@ typedef struct fit_loop
     double lambda; ///< of the last fit; 0 before the first
     size_t budget; ///< of functions; 0: none
     double size;   ///< the largest coordinate of a point
+    bool full;     ///< nothing more fits the budget
     size_t outliers;
     bat_surface_fit_round *rounds; ///< iterations + 1
     size_t count;
@@ -162,14 +163,14 @@ static int trials_for(const fit_loop *loop)
     return loop->budget > 0 && (double)functions >= FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
 }
 
-/// Fit over the space at hand, whose system is there, and measure.
+/// Fit over the space at hand, whose system is there, to points that know their cells.
 /// @param search whether a weight is looked for, or the last one taken
 static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
     bat_status status = loop_check(loop, error);
     if (status == BAT_OK)
-        status = fit_points_sort(&loop->points, loop->space, options->threads, error);
+        status = fit_points_sort(&loop->points, loop->space, error);
     if (status == BAT_OK)
         status = fit_system_gather(&loop->system, &loop->points, error);
     if (status != BAT_OK)
@@ -184,13 +185,11 @@ static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
     fit_nets_free(&loop->nets);
     if (status == BAT_OK)
         status = fit_nets_make(loop->space, loop->control, loop->points.dimension, options->threads, &loop->nets, error);
-    if (status == BAT_OK)
-        status = fit_nets_measure(&loop->nets, &loop->points, NULL, options->threads, error);
     return status;
 }
 
-/// Move the parameters to their feet and weigh the points anew.
-static bat_status correct_now(fit_loop *loop, bool correct, bat_error *error)
+/// Measure distances, or move the parameters to their feet, and weigh the points anew.
+static bat_status measure_now(fit_loop *loop, bool correct, bat_error *error)
 {
     size_t moved;
     bat_status status = loop_check(loop, error);
@@ -212,6 +211,7 @@ static bat_status begin_round(fit_loop *loop, bat_error *error)
         status = fit_solver_make(&loop->system.pattern, &loop->solver, error);
     if (status != BAT_OK)
         return status;
+    fit_points_locate(&loop->points, loop->space, loop->options->threads);
     loop->control = memory_array(functions * loop->points.dimension, sizeof *loop->control);
     return loop->control == NULL ? error_memory(error, functions * loop->points.dimension * sizeof *loop->control) : BAT_OK;
 }
@@ -222,13 +222,13 @@ static bat_status fit_round(fit_loop *loop, bat_error *error)
     if (status == BAT_OK)
         status = fit_now(loop, true, error);
     if (status == BAT_OK && loop->options->corrections == 0)
-        status = correct_now(loop, false, error);
+        status = measure_now(loop, false, error);
     for (int k = 0; k < loop->options->corrections && status == BAT_OK; k++)
     {
         if (k > 0)
             status = fit_now(loop, false, error);
         if (status == BAT_OK)
-            status = correct_now(loop, true, error);
+            status = measure_now(loop, true, error);
     }
     return status;
 }
@@ -238,12 +238,12 @@ static bat_status fit_finally(fit_loop *loop, bat_error *error)
     bat_status status = BAT_OK;
     int rounds = loop->options->final_corrections;
     if (rounds > 0 && loop->options->corrections == 0)
-        status = correct_now(loop, true, error);
+        status = measure_now(loop, true, error);
     for (int k = 0; k < rounds && status == BAT_OK; k++)
     {
         status = fit_now(loop, k == 0, error);
         if (status == BAT_OK)
-            status = correct_now(loop, true, error);
+            status = measure_now(loop, true, error);
     }
     return status;
 }
@@ -279,7 +279,8 @@ static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round
 {
     if (loop->options->tolerance > 0)
         return round->within >= loop->options->share;
-    return (double)round->functions >= FILLED * (double)loop->budget || round->largest <= EXACT * loop->size;
+    bool filled = loop->full || (double)round->functions >= FILLED * (double)loop->budget;
+    return filled || round->largest <= EXACT * loop->size;
 }
 
 /// Refine where the points are farthest off.
@@ -289,10 +290,11 @@ static bat_status refine_now(fit_loop *loop, bool *refined, bat_error *error)
     const bat_surface_fit_options *options = loop->options;
     fit_marking marking = {options->tolerance, loop->budget, options->neighbours};
     bat_hierarchical_space *finer = NULL;
-    bat_status status = fit_points_sort(&loop->points, loop->space, options->threads, error);
+    bat_status status = fit_points_sort(&loop->points, loop->space, error);
     if (status == BAT_OK)
         status = fit_mark_refine(loop->space, &loop->points, &marking, &finer, error);
     *refined = finer != NULL;
+    loop->full = loop->budget > 0 && finer == NULL;
     if (finer != NULL)
     {
         loop_free_fit(loop);

@@ -94,15 +94,13 @@ static double reciprocal(int whole)
     return TABLE[whole];
 }
 
-static cell_knots knots_about(int degree, size_t cells, size_t cell)
+static void knots_about(int degree, size_t cells, size_t cell, cell_knots *knots)
 {
-    cell_knots knots;
     for (int j = 1; j <= degree; j++)
     {
-        knots.below[j] = (size_t)(j - 1) < cell ? j - 1 : (int)cell;
-        knots.above[j] = (size_t)j < cells - cell ? j : (int)(cells - cell);
+        knots->below[j] = (size_t)(j - 1) < cell ? j - 1 : (int)cell;
+        knots->above[j] = (size_t)j < cells - cell ? j : (int)(cells - cell);
     }
-    return knots;
 }
 
 /// Raise the functions of degree j - 1 to degree j.
@@ -134,7 +132,8 @@ static void raise_derivatives(const cell_knots *knots, int j, const double *from
 
 void uniform_basis_values(int degree, size_t cells, size_t cell, double s, int derivatives, double *values)
 {
-    cell_knots knots = knots_about(degree, cells, cell);
+    cell_knots knots;
+    knots_about(degree, cells, cell, &knots);
     // The functions of the last three degrees, each in the place of its degree modulo 3.
     double kept[3][BAT_SPLINE_MOST_DEGREE + 1], slopes[BAT_SPLINE_MOST_DEGREE + 1];
     kept[0][0] = 1;

@@ -256,6 +256,13 @@ refused 1 'batch' train mesh triangle.in.obj --pairs 2 --batch 3
 refused 1 'none.in.obj: cannot open' train mesh none.in.obj
 refused 1 'folded.in.obj: faces 0 and 1' train mesh triangle.in.obj folded.in.obj
 refused 1 'folder' train mesh triangle.in.obj --out good.in.csv/folder
+refused 2 'one of published' train surface --recipe unpublished
+refused 2 'two like 2-5' train surface --degree 5-2
+refused 2 'two like 2-5' train surface --points 50-
+refused 2 'only the published recipe' train surface --recipe batten --uninformed
+refused 1 'there must be 4' train surface --points 3
+refused 1 'noise' train surface --noise -1
+refused 1 'folder' train surface --out good.in.csv/folder
 refused 2 'no scheme' analyze spline
 refused 2 'linear|mask' analyze angle-4
 refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png
@@ -287,6 +294,7 @@ refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj
 refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned --model mesh.in.obj
 
 refused 2 'missing' shape
+refused 2 '--to is for meshes' shape hull -o out.csv --to obj
 refused 2 'no shape of that kind' shape unicorn -o out.csv --to obj
 refused 2 '--vertices takes a whole number from 200' shape stone -o out.csv --to obj --vertices 100
 refused 2 'whole number' shape stone -o out.csv --to obj --seed -1

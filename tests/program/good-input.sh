@@ -278,6 +278,9 @@ check "a shape is a closed manifold" sh -c "'$batten' measure gear.ply | grep -E
 "$batten" shape cage -o cage.obj --picture cage.png > cage.txt
 check "a cage has its own number of vertices" grep -qx 'cage: 162 vertices, 320 faces' cage.txt
 check "shape draws a picture" sh -c 'head -c 4 cage.png | grep -q PNG'
+check "a cloud is a shape" sh -c "'$batten' shape hull -o hull.xyz --vertices 500 --json | grep -q '\"points\": 500'"
+check "a cloud's file says its boundary" sh -c 'head -n 1 hull.xyz | grep -q "boundary points first"'
+check "a cloud is drawn" sh -c "'$batten' shape scan --vertices 500 --picture scan.png --quiet && head -c 4 scan.png | grep -q PNG"
 "$batten" mesh cage.obj --levels 1 --picture alone.png --quiet
 "$batten" mesh cage.obj --levels 1 --picture beside.png --beside butterfly --quiet
 check "mesh --beside draws one more mesh" sh -c '! cmp -s alone.png beside.png'

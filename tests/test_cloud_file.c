@@ -1,0 +1,457 @@
+// Clouds in files: what is read, what is written, what is refused on which line.
+#include "cloud_helpers.h"
+
+#include <unistd.h>
+
+static char *temporary_path(const char *ending)
+{
+    static char path[256];
+    (void)snprintf(path, sizeof path, "/tmp/batten-cloud-%ld%s", (long)getpid(), ending);
+    return path;
+}
+
+/// A file with this content, in a place that is used again.
+static char *file_of(const char *text, size_t size, const char *ending)
+{
+    char *path = temporary_path(ending);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+    return path;
+}
+
+static bat_cloud must_read_with(const char *text, const char *ending, const bat_cloud_read_options *options)
+{
+    bat_cloud cloud = {0};
+    bat_error error = {0};
+    char *path = file_of(text, strlen(text), ending);
+    if (bat_cloud_read(path, options, &cloud, &error) != BAT_OK)
+        fail_msg("line %zu: %s", error.line, error.text);
+    check_status(bat_cloud_check(&cloud, NULL), BAT_OK);
+    (void)remove(path);
+    return cloud;
+}
+
+static bat_cloud must_read(const char *text, const char *ending)
+{
+    return must_read_with(text, ending, NULL);
+}
+
+static void assert_refused_with(const char *text, const char *ending, const bat_cloud_read_options *options,
+                                bat_status expected, size_t line, const char *words)
+{
+    bat_cloud cloud = {.count = 17};
+    bat_error error = {0};
+    char *path = file_of(text, strlen(text), ending);
+    bat_status status = bat_cloud_read(path, options, &cloud, &error);
+    assert_int_equal(bat_cloud_read(path, options, &cloud, NULL), status);
+    (void)remove(path);
+    if (status != expected || error.line != line || strstr(error.text, words) == NULL)
+        fail_msg("\"%s\", line %zu, \"%s\" instead of \"%s\", line %zu, \"%s\"", bat_status_name(status), error.line,
+                 error.text, bat_status_name(expected), line, words);
+    assert_int_equal(cloud.count, 17);
+    assert_null(cloud.points);
+}
+
+static void assert_refused(const char *text, const char *ending, bat_status expected, size_t line, const char *words)
+{
+    assert_refused_with(text, ending, NULL, expected, line, words);
+}
+
+static void assert_points(bat_cloud *cloud, size_t count, const double *points)
+{
+    assert_int_equal(cloud->count, count);
+    assert_memory_equal(cloud->points, points, 3 * count * sizeof *points);
+    bat_cloud_free(cloud);
+}
+
+static const double THREE[] = {0.5, -1, 2e3, 1, 2, 3, 4, 5, 6.25};
+
+static void test_every_format_gives_the_points(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *ending, *text;
+    } files[] = {
+        {".xyz", ".5 -1 2e3\n1 2 3\n4 5 6.25\n"},
+        {".xyz", "\xEF\xBB\xBF# a remark\r\n\r\n\t.5\t-1 2e3 # another\r\n  1 2 3 0.1 0.2 0.3 red\r\n4 5 6.25"},
+        {".TXT", "0.5 -1 2000 255 0 0\n1 2 3\n4 5 6.25\n"},
+        {".csv", "x,y,z\n.5,-1,2e3\n1,2,3\n4,5,6.25\n"},
+        {".csv", "# remark\n\n.5 , -1,2e3\n1,2,3\n\n4,5,6.25"},
+        {".csv", "id;Z;\"X\";y;name\r\n1;2e3;.5;-1;a\r\n2;3;1;2;b\r\n3;6.25;4;5;\r\n"},
+        {".csv", "east\tnorth\tup\n.5\t-1\t2e3\n1\t2\t3\n4\t5\t6.25\n"},
+        {".csv", "x y z\n.5   -1 2e3\n1 2 3\n4 5 6.25\n"},
+        {".ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float nx\nproperty double x\nproperty double y\nproperty "
+         "double z\nend_header\n0 .5 -1 2e3\n0 1 2 3\n0 4 5 6.25\n"},
+        {".ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement "
+                 "face 0\nproperty list uchar int vertex_indices\nend_header\n.5 -1 2e3\n1 2 3\n4 5 6.25\n"},
+        {".obj", "# remark\no cloud\nv .5 -1 2e3\nvn 0 0 1\nv 1 2 3\nv 4 5 6.25 1\np 1 2 3\n"},
+        // Without an ending that says the format, the content does.
+        {".points", ".5 -1 2e3\n1 2 3\n4 5 6.25\n"},
+        {".points", ".5,-1,2e3\n1,2,3\n4,5,6.25\n"},
+        {".points", "v .5 -1 2e3\nv 1 2 3\nv 4 5 6.25\n"},
+        {".points", "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double "
+                    "z\nend_header\n.5 -1 2e3\n1 2 3\n4 5 6.25\n"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+    {
+        bat_cloud cloud = must_read(files[i].text, files[i].ending);
+        assert_int_equal(cloud.boundary_count, 0);
+        assert_null(cloud.order);
+        assert_points(&cloud, 3, THREE);
+    }
+}
+
+static void test_binary_ply(void **state)
+{
+    (void)state;
+    char bytes[512];
+    int head = snprintf(bytes, sizeof bytes,
+                        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty "
+                        "double y\nproperty double z\nend_header\n");
+    memcpy(bytes + head, THREE, sizeof THREE);
+    size_t size = (size_t)head + sizeof THREE;
+    bat_cloud cloud = {0};
+    check_status(bat_cloud_read(file_of(bytes, size, ".ply"), NULL, &cloud, NULL), BAT_OK);
+    assert_points(&cloud, 3, THREE);
+    for (size_t cut = 0; cut < size; cut++)
+        check_status(bat_cloud_read(file_of(bytes, cut, ".ply"), NULL, &cloud, NULL), BAT_BAD_FILE);
+    (void)remove(temporary_path(".ply"));
+}
+
+static void test_bad_files_are_refused_at_their_line(void **state)
+{
+    (void)state;
+    assert_refused("", ".xyz", BAT_BAD_FILE, 0, "no points");
+    assert_refused("# nothing\n\n", ".csv", BAT_BAD_FILE, 0, "no points");
+    assert_refused("x,y,z\n", ".csv", BAT_BAD_FILE, 0, "no points");
+    assert_refused("# no faces, no vertices\n", ".obj", BAT_BAD_FILE, 0, "no points");
+    assert_refused("1 2 3\n\n4 5\n", ".xyz", BAT_BAD_FILE, 3, "point 1 has no z");
+    assert_refused("1 2 3\n4 # 5 6\n", ".xyz", BAT_BAD_FILE, 2, "point 1 has no y");
+    assert_refused("1 2 3\n4 5 6x\n", ".xyz", BAT_BAD_FILE, 2, "'6x' is not a number");
+    assert_refused("1,2,3\n", ".xyz", BAT_BAD_FILE, 1, "'1,2,3' is not a number");
+    assert_refused("1 2 1e400\n", ".xyz", BAT_BAD_FILE, 1, "'1e400' is too large");
+    assert_refused("1 2 3\n4 nan 6\n", ".xyz", BAT_INVALID_POINT, 2, "point 1 is not finite: 'nan'");
+    assert_refused("1 2 -Infinity\n", ".xyz", BAT_INVALID_POINT, 1, "point 0 is not finite");
+    assert_refused("0x10 2 3\n", ".xyz", BAT_BAD_FILE, 1, "not a number");
+    assert_refused("x,y,z\n1,2,3\n1,2\n", ".csv", BAT_BAD_FILE, 3, "2 columns where the first row has 3");
+    assert_refused("1,2,3\n1,2,3,4\n", ".csv", BAT_BAD_FILE, 2, "4 columns where the first row has 3");
+    assert_refused("x,y\n1,2\n", ".csv", BAT_BAD_FILE, 1, "a point has 3 coordinates");
+    assert_refused("a,x,y,z\n1,2,,4\n", ".csv", BAT_BAD_FILE, 2, "column 3 is empty");
+    assert_refused("1,2,3\n4,inf,6\n", ".csv", BAT_INVALID_POINT, 2, "not finite");
+    assert_refused("1,2,3\n4,5 6,7\n", ".csv", BAT_BAD_FILE, 2, "'5 6' is not a number");
+    assert_refused("v 1 2\n", ".obj", BAT_BAD_FILE, 1, "3 coordinates");
+    assert_refused("v 1 2 3\nv 1 nan 3\n", ".obj", BAT_BAD_FILE, 2, "not a number");
+    assert_refused("ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\nproperty float "
+                   "z\nend_header\n1 2 3\n",
+                   ".ply", BAT_TOO_LARGE, 0, "vertices");
+    assert_refused("ply\nformat ascii 1.0\nelement vertex 999999999\nproperty float x\nproperty float y\nproperty float "
+                   "z\nend_header\n1 2 3\n",
+                   ".ply", BAT_BAD_FILE, 0, "too short");
+    assert_refused("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nend_header\n1 2\n3 4\n",
+                   ".ply", BAT_BAD_FILE, 0, "no property 'z'");
+    bat_cloud cloud;
+    check_status(bat_cloud_read("/nowhere/at/all.xyz", NULL, &cloud, NULL), BAT_FILE_ACCESS);
+    const bat_cloud_read_options unknown = {.format = (bat_cloud_format)9};
+    check_status(bat_cloud_read("any.xyz", &unknown, &cloud, NULL), BAT_INVALID_ARGUMENT);
+}
+
+static void test_repeated_points_are_refused_or_dropped(void **state)
+{
+    (void)state;
+    const bat_cloud_read_options drop = {.drop_duplicates = true};
+    static const struct
+    {
+        const char *ending, *text;
+        size_t line;
+        const char *words;
+    } files[] = {
+        {".xyz", "# r\n1 2 3\n4 5 6\n\n# r\n1.0 2 3\n0 0 0\n-0 0 0\n", 6, "the point repeats that of line 2"},
+        {".csv", "x,y,z\n1,2,3\n4,5,6\n\n1,2,3\n0,0,0\n0,0,0\n", 5, "the point repeats that of line 2"},
+        {".csv", "1,2,3\n4,5,6\n\n1,2,3\n0,0,0\n0,0,0\n", 4, "the point repeats that of line 1"},
+        {".obj", "v 1 2 3\nvn 0 0 1\nv 4 5 6\nv 1 2 3\nv 0 0 0\nv 0 0 0\n", 4, "the point repeats that of line 1"},
+        {".ply",
+         "ply\nformat ascii 1.0\nelement vertex 5\nproperty int x\nproperty int y\nproperty int z\nend_header\n1 2 3\n4 "
+         "5 6\n1 2 3\n0 0 0\n0 0 0\n",
+         0, "point 2 repeats point 0"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+    {
+        static const double expected[] = {1, 2, 3, 4, 5, 6, 0, 0, 0};
+        static const size_t order[] = {0, 1, 3};
+        assert_refused(files[i].text, files[i].ending, BAT_INVALID_POINT, files[i].line, files[i].words);
+        bat_cloud cloud = must_read_with(files[i].text, files[i].ending, &drop);
+        assert_memory_equal(cloud.order, order, sizeof order);
+        assert_points(&cloud, 3, expected);
+    }
+}
+
+#define SIX "0 0 0\n1 0 0\n1 1 0\n0 1 0\n.5 .25 0\n.75 .5 0\n"
+
+static void test_the_boundary_is_said_in_a_remark(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *ending, *text;
+        size_t boundary;
+        bool corners;
+    } files[] = {
+        {".xyz", "# 5 boundary points first\n" SIX, 5, false},
+        {".xyz", "#5 boundary points first, in order around the loop, then 1 interior points\n" SIX, 5, false},
+        {".xyz", "# a scan\n\n# 4 boundary points first: whatever\n#corners 0 1 2 3\n" SIX, 4, true},
+        {".xyz", "# 4 boundary points first\n# corners 0 1 2 4\n" SIX, 4, false},
+        {".xyz", "# 4 boundary points first\n# corners 0 2 1 3\n" SIX, 4, false},
+        {".xyz", "# 4 boundary points first\n# corners 0 1 2\n" SIX, 4, false},
+        {".xyz", "# 4 boundary points last\n" SIX, 0, false},
+        {".xyz", "0 0 7\n# 4 boundary points first\n" SIX, 0, false},
+        {".csv", "# 4 boundary points first\nx,y,z\n0,0,0\n1,0,0\n1,1,0\n0,1,0\n.5,.5,0\n", 4, false},
+        {".obj", "# 4 boundary points first\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 0\n", 4, false},
+        {".ply",
+         "ply\nformat ascii 1.0\ncomment 4 boundary points first\ncomment corners 0 1 2 3\nelement vertex 5\nproperty "
+         "int x\nproperty int y\nproperty int z\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 2 0\n",
+         4, true},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+    {
+        bat_cloud cloud = must_read(files[i].text, files[i].ending);
+        assert_int_equal(cloud.boundary_count, files[i].boundary);
+        assert_int_equal(cloud.has_corners, files[i].corners);
+        bat_cloud_free(&cloud);
+    }
+    assert_refused("\n# 7 boundary points first\n" SIX, ".xyz", BAT_BAD_FILE, 2, "only 6");
+    assert_refused("# 3 boundary points first\n" SIX, ".xyz", BAT_BAD_FILE, 1, "four corners");
+    const bat_cloud_read_options five = {.boundary = 5}, seven = {.boundary = 7}, two = {.boundary = 2},
+                                 drop = {.drop_duplicates = true};
+    bat_cloud cloud = must_read_with("# 4 boundary points first\n# corners 0 1 2 3\n" SIX, ".xyz", &five);
+    assert_int_equal(cloud.boundary_count, 5);
+    assert_false(cloud.has_corners);
+    bat_cloud_free(&cloud);
+    assert_refused_with(SIX, ".xyz", &seven, BAT_INVALID_ARGUMENT, 0, "only 6");
+    assert_refused_with(SIX, ".xyz", &two, BAT_INVALID_ARGUMENT, 0, "four corners");
+    // Points that are dropped from the boundary make it shorter.
+    cloud = must_read_with(
+        "# 6 boundary points first\n# corners 0 1 2 4\n0 0 0\n1 0 0\n1 0 0\n1 1 0\n0 1 0\n0 .5 0\n.5 .5 0\n", ".xyz", &drop);
+    assert_int_equal(cloud.boundary_count, 5);
+    assert_false(cloud.has_corners);
+    bat_cloud_free(&cloud);
+}
+
+static void assert_with_boundary(const char *boundary, const char *text, bat_status expected, const char *words,
+                                 bat_cloud *cloud)
+{
+    bat_error error = {0};
+    char boundary_path[256];
+    (void)snprintf(boundary_path, sizeof boundary_path, "%s", file_of(boundary, strlen(boundary), ".csv"));
+    const bat_cloud_read_options options = {.boundary_path = boundary_path};
+    bat_status status = bat_cloud_read(file_of(text, strlen(text), ".xyz"), &options, cloud, &error);
+    (void)remove(boundary_path);
+    (void)remove(temporary_path(".xyz"));
+    if (status != expected || (words != NULL && strstr(error.text, words) == NULL))
+        fail_msg("\"%s\", \"%s\" instead of \"%s\"", bat_status_name(status), error.text, words);
+}
+
+static void test_the_boundary_in_a_file_of_its_own(void **state)
+{
+    (void)state;
+    static const double expected[] = {0, 1, 0, 1, 1, 0, 1, 0, 0, 0, 0, 0, .5, .25, 0, .75, .5, 0};
+    static const size_t order[] = {0, 1, 2, 3, 8, 9};
+    bat_cloud cloud = {0}, unused = {0};
+    assert_with_boundary("0,1,0\n1,1,0\n1,0,0\n0,0,0\n", "# 5 boundary points first\n" SIX, BAT_OK, NULL, &cloud);
+    assert_int_equal(cloud.boundary_count, 4);
+    assert_memory_equal(cloud.order, order, sizeof order);
+    assert_points(&cloud, 6, expected);
+    // The main file may hold other points only.
+    assert_with_boundary("0,1,0\n1,1,0\n1,0,0\n0,0,0\n", ".5 .25 0\n.75 .5 0\n", BAT_OK, NULL, &cloud);
+    assert_null(cloud.order);
+    assert_points(&cloud, 6, expected);
+    assert_with_boundary("0,1,0\n1,1,0\n", SIX, BAT_BAD_FILE, "the boundary's file: 2 points", &unused);
+    assert_with_boundary("0,1,0\n1,1,0\n1,0,0\n0,0,0\n1,1,0\n", SIX, BAT_INVALID_POINT,
+                         "line 5 of the boundary's file: the point", &unused);
+    assert_with_boundary("0,1,0\n1,a,0\n1,0,0\n0,0,0\n1,1,0\n", SIX, BAT_BAD_FILE, "line 2 of the boundary's file: 'a'",
+                         &unused);
+    assert_with_boundary("0,1,0\n1,1,0\n1,0,0\n0,0,0\n", "5 5 5\n5 5 5\n", BAT_INVALID_POINT, "that of line 1", &unused);
+    const bat_cloud_read_options both = {.boundary = 4, .boundary_path = "b.xyz"};
+    check_status(bat_cloud_read("a.xyz", &both, &unused, NULL), BAT_INVALID_ARGUMENT);
+    const bat_cloud_read_options missing = {.boundary_path = "/nowhere/b.xyz"};
+    assert_refused_with(SIX, ".xyz", &missing, BAT_FILE_ACCESS, 0, "the boundary's file: cannot open");
+}
+
+#define SQUARE "v .5 .5 .25\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+static void test_files_with_faces_are_meshes(void **state)
+{
+    (void)state;
+    bat_cloud cloud = must_read(SQUARE "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 2\n", ".obj");
+    static const uint32_t triangles[] = {4, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0};
+    assert_int_equal(cloud.boundary_count, 4);
+    assert_int_equal(cloud.order[0], 1);
+    assert_memory_equal(cloud.triangles, triangles, sizeof triangles);
+    bat_cloud_free(&cloud);
+    cloud =
+        must_read("ply\nformat ascii 1.0\nelement vertex 4\nproperty int x\nproperty int y\nproperty int z\nelement face "
+                  "1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n",
+                  ".ply");
+    assert_int_equal(cloud.triangle_count, 2);
+    assert_int_equal(cloud.boundary_count, 4);
+    bat_cloud_free(&cloud);
+    assert_refused("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", ".obj", BAT_UNSUPPORTED, 0,
+                   "closed");
+    assert_refused(SQUARE "f 1 2 9\n", ".obj", BAT_BAD_FILE, 6, "names vertex 8");
+    const bat_cloud_read_options five = {.boundary = 4}, drop = {.drop_duplicates = true};
+    assert_refused_with(SQUARE "f 1 2 3\n", ".obj", &five, BAT_INVALID_ARGUMENT, 0, "its own boundary");
+    // A mesh whose triangles do not share their vertices is joined where duplicates may be dropped.
+    static const char soup[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
+    assert_refused(soup, ".obj", BAT_UNSUPPORTED, 0, "several");
+    cloud = must_read_with(soup, ".obj", &drop);
+    assert_int_equal(cloud.count, 4);
+    assert_int_equal(cloud.boundary_count, 4);
+    bat_cloud_free(&cloud);
+}
+
+/// A cloud of numbers of any size, with a boundary and corners.
+static bat_cloud any_cloud(size_t count, size_t boundary)
+{
+    bat_random random = bat_random_seed(count);
+    bat_cloud cloud = {0};
+    for (size_t i = 0; i < count; i++)
+        add_point(&cloud, bat_random_normal(&random), ldexp(bat_random_normal(&random), (int)(i % 90) - 45), (double)i);
+    cloud.boundary_count = boundary;
+    cloud.has_corners = boundary > 0;
+    for (size_t k = 0; k < 4 && boundary > 0; k++)
+        cloud.corners[k] = k * (boundary / 4) + (k == 3);
+    return cloud;
+}
+
+static void assert_same_cloud(const bat_cloud *a, const bat_cloud *b)
+{
+    assert_int_equal(a->count, b->count);
+    assert_int_equal(a->boundary_count, b->boundary_count);
+    assert_int_equal(a->has_corners, b->has_corners);
+    assert_memory_equal(a->points, b->points, 3 * a->count * sizeof *a->points);
+    if (a->has_corners)
+        assert_memory_equal(a->corners, b->corners, sizeof a->corners);
+}
+
+static void test_what_is_written_is_read(void **state)
+{
+    (void)state;
+    static const char *const endings[] = {".xyz", ".csv", ".ply", ".obj"};
+    for (size_t i = 0; i < 4; i++)
+        for (size_t boundary = 0; boundary <= 40; boundary += 20)
+        {
+            bat_cloud cloud = any_cloud(boundary == 40 ? 40000 : 100, boundary), back = {0};
+            char *path = temporary_path(endings[i]);
+            check_status(bat_cloud_write(path, &cloud, NULL), BAT_OK);
+            check_status(bat_cloud_read(path, NULL, &back, NULL), BAT_OK);
+            (void)remove(path);
+            assert_same_cloud(&cloud, &back);
+            bat_cloud_free(&back);
+            bat_cloud_free(&cloud);
+        }
+}
+
+static void test_triangles_go_through_files_that_have_them(void **state)
+{
+    (void)state;
+    bat_cloud cloud = must_read(SQUARE "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 2\n", ".obj");
+    cloud.has_corners = true;
+    for (size_t k = 0; k < 4; k++)
+        cloud.corners[k] = k;
+    static const char *const endings[] = {".ply", ".obj"};
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_cloud back = {0};
+        char *path = temporary_path(endings[i]);
+        check_status(bat_cloud_write(path, &cloud, NULL), BAT_OK);
+        check_status(bat_cloud_read(path, NULL, &back, NULL), BAT_OK);
+        (void)remove(path);
+        assert_same_cloud(&cloud, &back);
+        assert_int_equal(back.triangle_count, cloud.triangle_count);
+        assert_memory_equal(back.triangles, cloud.triangles, 3 * cloud.triangle_count * sizeof *cloud.triangles);
+        bat_cloud_free(&back);
+    }
+    bat_cloud_free(&cloud);
+}
+
+static void test_texts_that_are_written(void **state)
+{
+    (void)state;
+    bat_cloud cloud = must_read("# 4 boundary points first\n# corners 0 1 2 3\n" SIX, ".xyz");
+    static const char *const texts[][2] = {
+        {".xyz",
+         "# 4 boundary points first, in order around the loop, then 2 interior points\n# corners 0 1 2 3\n0 0 0\n1 0 0\n1 1 "
+         "0\n0 1 0\n0.5 0.25 0\n0.75 0.5 0\n"},
+        {".csv", "# 4 boundary points first, in order around the loop, then 2 interior points\n# corners 0 1 2 "
+                 "3\nx,y,z\n0,0,0\n1,0,0\n1,1,0\n0,1,0\n0.5,0.25,0\n0.75,0.5,0\n"}};
+    for (size_t i = 0; i < 2; i++)
+    {
+        char text[512] = {0};
+        char *path = temporary_path(texts[i][0]);
+        check_status(bat_cloud_write(path, &cloud, NULL), BAT_OK);
+        FILE *file = fopen(path, "rb");
+        assert_non_null(file);
+        (void)fread(text, 1, sizeof text - 1, file);
+        (void)fclose(file);
+        (void)remove(path);
+        assert_string_equal(text, texts[i][1]);
+    }
+    bat_error error;
+    check_status(bat_cloud_write("/tmp/batten-cloud.step", &cloud, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_cloud_write("/nowhere/at/all.xyz", &cloud, &error), BAT_FILE_ACCESS);
+    cloud.points[0] = NAN;
+    check_status(bat_cloud_write(temporary_path(".xyz"), &cloud, &error), BAT_INVALID_POINT);
+    assert_null(fopen(temporary_path(".xyz"), "rb"));
+    bat_cloud_free(&cloud);
+}
+
+static void test_scans(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *name;
+        size_t boundary, interior;
+    } scans[] = {{"face-9283", 90, 9193},       {"nefertiti-532", 92, 440},    {"nefertiti-1043", 127, 916},
+                 {"nefertiti-2062", 167, 1895}, {"nefertiti-3253", 181, 3072}, {"nefertiti-6024", 181, 5843},
+                 {"nefertiti-8818", 181, 8637}};
+    for (size_t i = 0; i < sizeof scans / sizeof *scans; i++)
+    {
+        char path[1024];
+        bat_cloud cloud = {0};
+        bat_error error = {0};
+        (void)snprintf(path, sizeof path, SHARED_DATA "/data/clouds/%s.xyz", scans[i].name);
+        bat_status status = bat_cloud_read(path, NULL, &cloud, &error);
+        if (status == BAT_FILE_ACCESS)
+        {
+            print_message("%s is not here: skipped\n", path);
+            skip();
+        }
+        check_status(status, BAT_OK);
+        assert_int_equal(cloud.boundary_count, scans[i].boundary);
+        assert_int_equal(cloud.count, scans[i].boundary + scans[i].interior);
+        check_status(bat_cloud_check(&cloud, NULL), BAT_OK);
+        bat_cloud_free(&cloud);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_format_gives_the_points),
+        cmocka_unit_test(test_binary_ply),
+        cmocka_unit_test(test_bad_files_are_refused_at_their_line),
+        cmocka_unit_test(test_repeated_points_are_refused_or_dropped),
+        cmocka_unit_test(test_the_boundary_is_said_in_a_remark),
+        cmocka_unit_test(test_the_boundary_in_a_file_of_its_own),
+        cmocka_unit_test(test_files_with_faces_are_meshes),
+        cmocka_unit_test(test_what_is_written_is_read),
+        cmocka_unit_test(test_triangles_go_through_files_that_have_them),
+        cmocka_unit_test(test_texts_that_are_written),
+        cmocka_unit_test(test_scans),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
