@@ -65,16 +65,24 @@ static void print_head(const table *t, double degree, double noise)
                  "succeeded");
 }
 
+/// A ratio says something where both excesses are positive: parameters that follow the noise leave less than the true ones.
+static void print_score(const bat_surface_score *score, const bat_surface_score *reference)
+{
+    char ratio[16] = "";
+    if (score->excess > 0 && reference->excess > 0)
+        (void)snprintf(ratio, sizeof ratio, "(%7.3f)", score->excess / reference->excess);
+    if (score->succeeded == 0)
+        (void)printf(" %11s %11s %9s %12s", "-", "-", "", "-");
+    else
+        (void)printf(" %11.4g %11.4g %9s %12.3f", score->mse, score->excess, ratio, 1e3 * score->seconds);
+}
+
 static void print_case(const table *t, const bat_surface_case *what, const bat_surface_score *scores)
 {
     for (size_t m = 0; m < METHOD_COUNT; m++)
     {
         (void)printf("%6zu %-22s", what->points, t->methods[m].name);
-        if (scores[m].succeeded == 0)
-            (void)printf(" %11s %11s %9s %12s", "-", "-", "", "-");
-        else
-            (void)printf(" %11.4g %11.4g (%7.3f) %12.3f", scores[m].mse, scores[m].excess,
-                         scores[m].excess / scores[SHAPE_PRESERVING].excess, 1e3 * scores[m].seconds);
+        print_score(&scores[m], &scores[SHAPE_PRESERVING]);
         (void)printf(" %9zu\n", scores[m].succeeded);
     }
     (void)fflush(stdout);
