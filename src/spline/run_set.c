@@ -18,7 +18,7 @@ bool run_set_append(run_set *set, uint32_t row, uint32_t begin, uint32_t end)
         last->end = end > last->end ? end : last->end;
         return true;
     }
-    if (!array_grow((void **)&set->runs, &set->capacity, set->count + 1, sizeof *set->runs))
+    if (!array_grow((void **)&set->runs, &set->capacity, set->count + 1, sizeof *set->runs) || set->runs == NULL)
         return false;
     set->runs[set->count++] = (grid_run){.row = row, .begin = begin, .end = end};
     return true;
