@@ -17,7 +17,7 @@ typedef struct refined_rows
 {
     double *values;
     uint32_t *indices; ///< of the functions
-    size_t *first;     ///< cells + 1
+    size_t *first;     ///< cells + 1; null before level 0
     size_t count, value_capacity, index_capacity;
 } refined_rows;
 
@@ -131,6 +131,8 @@ static void take_from_parent(const bat_hierarchical_space *space, size_t level, 
     const grid_run *run = &refined->runs[run_set_seek_near(refined, row / 2, column / 2, &rows->near_parent.row[0])];
     size_t parent = run->number + (column / 2 - run->begin), first = parents->first[parent];
     rows->count = parents->first[parent + 1] - first;
+    if (rows->count == 0 || parents->values == NULL)
+        return;
     memcpy(rows->values, parents->values + first * locals, rows->count * locals * sizeof *rows->values);
     memcpy(rows->indices, parents->indices + first, rows->count * sizeof *rows->indices);
     hierarchical_refine_rows(space, level - 1, column, row, rows->count, rows->values);
@@ -161,7 +163,7 @@ static bool store_refined(const bat_hierarchical_space *space, size_t level, uin
     size_t supported = find_numbers(space, &sets->supported, column, row, &rows->near_supported, rows->supported);
     find_numbers(space, &sets->selected, column, row, &rows->near_selected, rows->selected);
     rows->count = 0;
-    if (level > 0 && (supported < locals || !space->options.truncated))
+    if (parents->first != NULL && (supported < locals || !space->options.truncated))
         take_from_parent(space, level, column, row, rows->supported, parents, rows);
     add_selected(locals, rows);
     size_t count = stored->count + rows->count;
@@ -185,7 +187,7 @@ static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, c
     size_t own =
         find_numbers(space, &space->level[level].selected, cell->column, cell->row, &rows->near_selected, rows->selected);
     rows->count = 0;
-    if (level > 0 && (own < locals || !space->options.truncated))
+    if (parents->first != NULL && (own < locals || !space->options.truncated))
         take_from_parent(space, level, cell->column, cell->row, rows->selected, parents, rows);
     cell->active = (uint32_t)(rows->count + own);
     cell->coarse = (uint32_t)rows->count;
