@@ -207,7 +207,7 @@ bool run_set_supports(const run_set *cells, const uint32_t size[2], const int de
     size_t rows = 0, *begin = NULL;
     bool made =
         support_columns(cells, size[0], (uint32_t)degree[0], &columns) && (begin = row_beginnings(&columns, &rows)) != NULL;
-    for (size_t r = 0; r < rows && made; r++)
+    for (size_t r = 0; r < rows && made && columns.runs != NULL; r++)
     {
         uint32_t top = columns.runs[begin[r]].row, last = top == size[1] - 1 ? top + q : top;
         for (uint32_t j = top; j <= last && made; j++)
