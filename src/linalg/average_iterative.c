@@ -19,10 +19,10 @@ enum
 
 /// A residual of so many units of rounding, in proportion to the largest constant, is small enough for a thousand unknowns; for more, the
 /// root of their number times as many.
-static const double ENOUGH = 4 * DBL_EPSILON;
+static const double ENOUGH = 16 * DBL_EPSILON;
 static const double FEW = 1000;
 /// Where the residual no longer falls, so many times as much will do.
-static const double FORGIVEN = 16;
+static const double FORGIVEN = 4;
 /// One run need not do more than this.
 static const double RUN_REDUCTION = 1e-9;
 
