@@ -19,7 +19,7 @@ enum
     TRIALS_SMALL = 12,       ///< weights tried in a round of a small system,
     TRIALS = 4,              ///< of a larger one,
     TRIALS_LAST = 6,         ///< and of one that fills the budget
-    NEWTON_STEPS = 4         ///< of a parameter, in one correction of the loop
+    NEWTON_STEPS = 3         ///< of a parameter, in one correction of the loop
 };
 
 // A parameter has settled, in the loop, when a step is shorter than this part of a cell.
@@ -191,11 +191,16 @@ static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
 /// Measure distances, or move the parameters to their feet, and weigh the points anew.
 static bat_status measure_now(fit_loop *loop, bool correct, bat_error *error)
 {
+    fit_correction correction = {NEWTON_STEPS, SETTLED};
+    int threads = loop->options->threads;
     size_t moved;
     bat_status status = loop_check(loop, error);
+    if (status == BAT_OK && !correct)
+        status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
     if (status == BAT_OK && correct)
-        status = fit_correct(&loop->nets, &loop->points, (fit_correction){NEWTON_STEPS, SETTLED}, loop->options->threads,
-                             &moved, error);
+        status = fit_correct(&loop->nets, &loop->points, correction, threads, &moved, error);
+    if (status == BAT_OK && correct)
+        status = fit_correct_lost(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
         status = fit_robust_weigh(&loop->points, &loop->outliers, error);
     return status;
