@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "io/array_grow.h"
+#include "base/array_grow.h"
 
 #include <stdlib.h>
 #include <string.h>

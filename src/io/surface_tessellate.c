@@ -280,38 +280,30 @@ static bool is_zero(const double *vector)
     return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
 }
 
-/// Where the tangents say nothing, the triangles around do; where they say nothing either, any direction will do.
-static bat_status mend_normals(surface_tessellation *made, bat_error *error)
+/// The normal a little nearer to the middle of the square; of a surface that has none there either, any will do.
+static bat_status normal_inside(const bat_spline_surface *surface, const double parameter[2], double normal[3],
+                                bat_error *error)
 {
-    size_t missing = 0;
-    for (size_t i = 0; i < made->vertex_count; i++)
-        missing += is_zero(made->normals + 3 * i);
-    if (missing == 0)
-        return BAT_OK;
-    double *sums = calloc(made->vertex_count, 3 * sizeof *sums);
-    if (sums == NULL)
-        return error_memory(error, made->vertex_count * 3 * sizeof *sums);
-    for (size_t h = 0; h < 3 * made->triangle_count; h++)
-    {
-        const uint32_t *triangle = made->triangles + h / 3 * 3;
-        double a[3], b[3], normal[3];
-        vector3_subtract(made->positions + 3 * (size_t)triangle[1], made->positions + 3 * (size_t)triangle[0], a);
-        vector3_subtract(made->positions + 3 * (size_t)triangle[2], made->positions + 3 * (size_t)triangle[0], b);
-        vector3_cross(a, b, normal);
-        for (int c = 0; c < 3; c++)
-            sums[3 * (size_t)made->triangles[h] + (size_t)c] += normal[c];
-    }
-    for (size_t i = 0; i < made->vertex_count; i++)
-    {
-        double *normal = made->normals + 3 * i, length = sqrt(vector3_dot(sums + 3 * i, sums + 3 * i));
-        if (!is_zero(normal))
-            continue;
+    static const double step = 0x1p-20;
+    const double inside[2] = {parameter[0] + step * (0.5 - parameter[0]), parameter[1] + step * (0.5 - parameter[1])};
+    double values[9];
+    bat_status status = bat_spline_surface_evaluate(surface, inside, 1, 1, values, error);
+    if (status != BAT_OK)
+        return status;
+    set_normal(values + 3, normal);
+    if (is_zero(normal))
         normal[2] = 1;
-        for (int c = 0; c < 3 && length > 0 && isfinite(length); c++)
-            normal[c] = sums[3 * i + (size_t)c] / length;
-    }
-    free(sums);
     return BAT_OK;
+}
+
+/// Where a side of the surface has shrunk to a point, the tangents say nothing.
+static bat_status mend_normals(const bat_spline_surface *surface, surface_tessellation *made, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < made->vertex_count && status == BAT_OK; i++)
+        if (is_zero(made->normals + 3 * i))
+            status = normal_inside(surface, made->parameters + 2 * i, made->normals + 3 * i, error);
+    return status;
 }
 
 bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples, surface_tessellation *tessellation,
@@ -327,7 +319,7 @@ bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples,
     if (status == BAT_OK)
         status = triangulate(&grid, &made, error);
     if (status == BAT_OK)
-        status = mend_normals(&made, error);
+        status = mend_normals(surface, &made, error);
     end_lattice(&grid);
     if (status == BAT_OK)
         *tessellation = made;

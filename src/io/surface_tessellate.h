@@ -12,7 +12,7 @@ typedef struct surface_tessellation
     size_t vertex_count;
     double *parameters; ///< vertex_count x 2
     double *positions;  ///< vertex_count x 3
-    double *normals;    ///< vertex_count x 3, of length 1: along S_u x S_v, where that is zero the mean of the triangles'
+    double *normals;    ///< vertex_count x 3, of length 1: along S_u x S_v, where that is zero as a little further inside
 
     size_t quad_count;
     uint32_t *
