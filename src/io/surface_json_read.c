@@ -228,7 +228,8 @@ static bat_status read_surface(const json_file *file, bat_spline_surface *surfac
     if (status == BAT_OK)
         status = read_boxes(file, &boxes, &box_count);
     if (status == BAT_OK)
-        status = surface_space_make(&options, boxes, box_count, json_array_size(control), &surface->space, file->error);
+        status = surface_space_make(&options, boxes, box_count, line_of(file, "control", BAT_NO_INDEX),
+                                    json_array_size(control), &surface->space, file->error);
     free(boxes);
     if (status != BAT_OK)
         return status;

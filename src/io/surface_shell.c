@@ -1,8 +1,8 @@
 #include "io/surface_shell.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/array_grow.h"
 
 #include <stdlib.h>
 #include <string.h>

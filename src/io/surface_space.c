@@ -104,6 +104,29 @@ static bat_status region_sizes(const bat_hierarchical_space *space, unsigned shi
     return BAT_OK;
 }
 
+/// Whether a box ends in the midst of a cell of the level before.
+static bool is_odd(const surface_box *box)
+{
+    return box->level > 0 && ((box->low[0] | box->low[1] | box->high[0] | box->high[1]) & 1) != 0;
+}
+
+static bool any_odd(const surface_box *boxes, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (is_odd(&boxes[i]))
+            return true;
+    return false;
+}
+
+static bat_status unfilled(const surface_box *boxes, size_t count, size_t level, bat_error *error)
+{
+    size_t i = 0;
+    while (i < count && !(boxes[i].level >= level && is_odd(&boxes[i])))
+        i++;
+    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, i < count ? boxes[i].line : 0,
+                     "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
+}
+
 /// Where a box ends in the midst of a cell of the level before, that cell was taken whole. A space of twice the spans has the box's own cells
 /// one level lower and takes it as it is: the regions of both agree if other boxes fill the cell.
 static bat_status check_filled(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
@@ -120,35 +143,25 @@ static bat_status check_filled(const bat_hierarchical_options *options, const su
     bat_hierarchical_space_free(doubled);
     for (size_t level = 1; level <= BAT_HIERARCHICAL_MOST_LEVELS && status == BAT_OK; level++)
         if (sizes[level] != exact_sizes[level])
-            status =
-                error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                          "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
+            status = unfilled(boxes, count, level, error);
     return status;
 }
 
-static bool has_odd_ends(const surface_box *boxes, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (boxes[i].level > 0 && ((boxes[i].low[0] | boxes[i].low[1] | boxes[i].high[0] | boxes[i].high[1]) & 1) != 0)
-            return true;
-    return false;
-}
-
-static bat_status check_size(const bat_hierarchical_options *options, size_t functions, bat_error *error)
+static bat_status check_size(const bat_hierarchical_options *options, size_t line, size_t functions, bat_error *error)
 {
     double least = 1; // no refinement has fewer functions than level 0
     for (int d = 0; d < 2; d++)
         least *= (double)options->spans[d] + options->degree[d];
     if (least <= (double)functions)
         return BAT_OK;
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line,
                      "there are %zu control points, fewer than the %.0f functions of level 0", functions, least);
 }
 
-bat_status surface_space_make(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
+bat_status surface_space_make(const bat_hierarchical_options *options, const surface_box *boxes, size_t count, size_t line,
                               size_t functions, bat_hierarchical_space **space, bat_error *error)
 {
-    bat_status status = check_size(options, functions, error);
+    bat_status status = check_size(options, line, functions, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         status = check_box(options, &boxes[i], error);
     if (status == BAT_OK)
@@ -156,10 +169,10 @@ bat_status surface_space_make(const bat_hierarchical_options *options, const sur
     bat_hierarchical_space *made = NULL;
     if (status == BAT_OK)
         status = make_refined(options, boxes, count, 1, &made, error);
-    if (status == BAT_OK && has_odd_ends(boxes, count))
+    if (status == BAT_OK && any_odd(boxes, count))
         status = check_filled(options, boxes, count, made, error);
     if (status == BAT_OK && bat_hierarchical_space_functions(made) != functions)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are %zu control points, but %zu functions",
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "there are %zu control points, but %zu functions",
                            functions, bat_hierarchical_space_functions(made));
     if (status == BAT_OK)
         *space = made;

@@ -69,8 +69,8 @@ bat_status surface_xml_read(const file_text *text, bat_spline_surface *surface, 
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, from.control.line,
                            "%zu numbers are not points of %zu coordinates", from.control.count, from.dimension);
     if (status == BAT_OK)
-        status =
-            surface_space_make(&options, from.boxes, from.box_count, from.control.count / from.dimension, &space, error);
+        status = surface_space_make(&options, from.boxes, from.box_count, from.control.line,
+                                    from.control.count / from.dimension, &space, error);
     if (status == BAT_OK)
     {
         *surface = (bat_spline_surface){.space = space, .control = from.control.values, .dimension = from.dimension};
