@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Points closer than this share of the surface's size are one.
-static const double smallest_share = 1e-7;
+/// Points closer than this power of ten times the surface's size are one.
+static const int smallest_digit = -7;
 
 static size_t first_knot(const bat_knot_vector *knots)
 {
@@ -150,7 +150,7 @@ static double find_tolerance(const step_model *model)
     }
     for (int c = 0; c < 3; c++)
         diagonal = hypot(diagonal, high[c] - low[c]);
-    return diagonal > 0 && isfinite(diagonal) ? smallest_share * pow(10, floor(log10(diagonal))) : smallest_share;
+    return pow(10, smallest_digit + (diagonal > 0 && isfinite(diagonal) ? floor(log10(diagonal)) : 0));
 }
 
 static uint32_t standing(const uint32_t *same, uint32_t vertex)
