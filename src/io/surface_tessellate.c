@@ -180,6 +180,7 @@ static bat_status find_vertices(lattice *grid, surface_tessellation *made, bat_e
         if (!sample_cell(grid, &cell, made, c * quads))
             return error_memory(error, made->vertex_count * 2 * sizeof *grid->places);
     }
+    made->grid_count = made->vertex_count;
     return add_centres(grid, made, error);
 }
 

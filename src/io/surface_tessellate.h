@@ -10,6 +10,7 @@
 typedef struct surface_tessellation
 {
     size_t vertex_count;
+    size_t grid_count;  ///< of those that belong to quads, which come first
     double *parameters; ///< vertex_count x 2
     double *positions;  ///< vertex_count x 3
     double *normals;    ///< vertex_count x 3, of length 1: along S_u x S_v, where that is zero as a little further inside

@@ -13,7 +13,7 @@ typedef struct vtk_content
 static void append_point(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
-    size_t vertices = content->surface->vertex_count;
+    size_t vertices = content->surface->grid_count;
     rows_append_numbers(
         text, row < vertices ? content->surface->positions + 3 * row : content->options->points + 3 * (row - vertices), 3);
 }
@@ -34,7 +34,7 @@ static void append_counted(text_buffer *text, const uint64_t *numbers, size_t co
 static void append_data_vertex(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
-    const uint64_t cell[] = {1, content->surface->vertex_count + row};
+    const uint64_t cell[] = {1, content->surface->grid_count + row};
     append_counted(text, cell, 2);
 }
 
@@ -62,7 +62,7 @@ static void append_level(const void *context, size_t row, text_buffer *text)
 static void append_error(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
-    size_t vertices = content->surface->vertex_count;
+    size_t vertices = content->surface->grid_count;
     static const double none = 0;
     rows_append_numbers(text, row < vertices ? &none : content->options->errors + (row - vertices), 1);
 }
@@ -70,7 +70,7 @@ static void append_error(const void *context, size_t row, text_buffer *text)
 static bat_status write_geometry(const vtk_content *content, text_sink *sink, bat_error *error)
 {
     size_t points = content->options->point_count, quads = content->surface->quad_count;
-    size_t all = content->surface->vertex_count + points;
+    size_t all = content->surface->grid_count + points;
     bat_status status = rows_heading(
         sink, error, "# vtk DataFile Version 3.0\nbatten surface\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n", all);
     if (status == BAT_OK)
@@ -89,7 +89,7 @@ static bat_status write_geometry(const vtk_content *content, text_sink *sink, ba
 static bat_status write_fields(const vtk_content *content, text_sink *sink, bat_error *error)
 {
     size_t points = content->options->point_count, cells = points + content->surface->quad_count;
-    size_t all = content->surface->vertex_count + points;
+    size_t all = content->surface->grid_count + points;
     bat_status status = rows_heading(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
     if (status == BAT_OK)
         status = rows_write(sink, cells, append_level, content, error);
