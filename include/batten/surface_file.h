@@ -12,7 +12,7 @@ BAT_C_BEGIN
 typedef enum bat_surface_format
 {
     BAT_SURFACE_FROM_NAME, ///< by the file's ending: .xml, .step or .stp, .vtk, .obj, .json
-    BAT_SURFACE_XML,       ///< G+Smo: THBSpline2 or, of one level, TensorBSpline2; exact
+    BAT_SURFACE_XML,       ///< G+Smo: THBSpline2, of the plain basis HBSpline2, of one level TensorBSpline2; exact
     BAT_SURFACE_STEP,      ///< ISO 10303-21, B_SPLINE_SURFACE_WITH_KNOTS, one shell of tensor-product patches; exact
     BAT_SURFACE_VTK,       ///< legacy, a quadrilateral grid of each cell, with level, and the data points with their errors
     BAT_SURFACE_OBJ,       ///< triangles
@@ -23,7 +23,7 @@ typedef enum bat_surface_format
 typedef struct bat_surface_write_options
 {
     bat_surface_format format;
-    size_t samples;       ///< of each cell and direction for VTK and OBJ, at least 1; 0: as many as the degree plus 1
+    size_t samples;       ///< of each cell and direction for VTK and OBJ, at most 1024; 0: as many as the degree plus 1
     const double *points; ///< point_count x 3: data points, for VTK; null for none
     const double *errors; ///< point_count: their distances, for VTK; null for none
     size_t point_count;
@@ -33,11 +33,16 @@ typedef struct bat_surface_write_options
 /// @param path    "-" for standard output (with a format)
 /// @param surface of dimension 3 (XML and JSON: any)
 /// @param options null for the defaults
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with a control point or data point that is not finite; BAT_UNSUPPORTED for a
+///         dimension that the format does not have; BAT_TOO_LARGE beyond 2^32 - 1 samples or entities; BAT_FILE_ACCESS;
+///         BAT_NO_MEMORY
 BAT_API bat_status bat_surface_write(const char *path, const bat_spline_surface *surface,
                                      const bat_surface_write_options *options, bat_error *error);
 /// Read a surface from G+Smo XML (THBSpline2, HBSpline2, TensorBSpline2 on clamped uniform knots) or from our JSON. G+Smo's
 /// numbers of functions and boxes are brought into ours.
-/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_UNSUPPORTED for what is not said above; BAT_FILE_ACCESS; BAT_NO_MEMORY
+/// @param surface untouched on failure
+/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_UNSUPPORTED for what is not said above; BAT_TOO_LARGE for a space far larger than
+///         its coefficients; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_read(const char *path, bat_spline_surface *surface, bat_error *error);
 
 BAT_C_END
