@@ -78,8 +78,8 @@ static void append_knots(text_buffer *text, int degree, size_t spans, double fro
     text_append_string(text, "</KnotVector>\n    </Basis>\n");
 }
 
-/// What G+Smo's tree of boxes has to say of two regions: the first of level 1 is the left half, the second of level 2 a part of it, and the rest
-/// of level 1 is cut in the midst of cells of level 0.
+/// What G+Smo's tree of boxes has to say of two regions: the first of level 1 is the left half, the second of level 2 a part
+/// of it, and the rest of level 1 is cut in the midst of cells of level 0.
 static const char leaves[] = "   <box level=\"2\">2 2 6 6 \n</box>\n   <box level=\"1\">0 0 1 6 \n</box>\n"
                              "   <box level=\"1\">3 0 4 6 \n</box>\n   <box level=\"1\">1 0 3 1 \n</box>\n"
                              "   <box level=\"1\">1 3 3 6 \n</box>\n";

@@ -219,7 +219,8 @@ static void read_vertex(const step_file *file, size_t number, double point[3])
     read_point(file, reference(parameter(must_be(file, number, "VERTEX_POINT"), 1)), point);
 }
 
-/// An edge's curve lies on a patch along one of its sides: in a sheet (u, v, height) the parameters are the first coordinates.
+/// An edge's curve lies on a patch along one of its sides: in a sheet (u, v, height) the parameters are the first
+/// coordinates.
 static void check_edge_on_patch(const bat_tensor_surface *curve, const bat_tensor_surface *patch)
 {
     double range[2], u[2], v[2];

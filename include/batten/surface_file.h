@@ -33,16 +33,16 @@ typedef struct bat_surface_write_options
 /// @param path    "-" for standard output (with a format)
 /// @param surface of dimension 3 (XML and JSON: any)
 /// @param options null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with a control point or data point that is not finite; BAT_UNSUPPORTED for a
-///         dimension that the format does not have; BAT_TOO_LARGE beyond 2^32 - 1 samples or entities; BAT_FILE_ACCESS;
-///         BAT_NO_MEMORY
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with a control point or data point that is not finite;
+///         BAT_UNSUPPORTED for a dimension that the format does not have; BAT_TOO_LARGE beyond 2^32 - 1 samples or
+///         entities; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_write(const char *path, const bat_spline_surface *surface,
                                      const bat_surface_write_options *options, bat_error *error);
 /// Read a surface from G+Smo XML (THBSpline2, HBSpline2, TensorBSpline2 on clamped uniform knots) or from our JSON. G+Smo's
 /// numbers of functions and boxes are brought into ours.
 /// @param surface untouched on failure
-/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_UNSUPPORTED for what is not said above; BAT_TOO_LARGE for a space far larger than
-///         its coefficients; BAT_FILE_ACCESS; BAT_NO_MEMORY
+/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_UNSUPPORTED for what is not said above; BAT_TOO_LARGE for a space far
+///         larger than its coefficients; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_read(const char *path, bat_spline_surface *surface, bat_error *error);
 
 BAT_C_END

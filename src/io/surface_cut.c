@@ -23,8 +23,8 @@ bat_status cut_knots(const bat_knot_vector *knots, double from, double to, bat_k
     return BAT_OK;
 }
 
-/// The blossom of the polynomial on a span at `degree` arguments, in place of the last of its points. Arguments are taken from the
-/// greatest down: those that are knots of the span then copy points.
+/// The blossom of the polynomial on a span at `degree` arguments, in place of the last of its points. Arguments are taken
+/// from the greatest down: those that are knots of the span then copy points.
 static void blossom(const bat_knot_vector *knots, size_t span, const double *arguments, size_t dimension, double *points)
 {
     size_t degree = (size_t)knots->degree;

@@ -10,8 +10,8 @@
 /// @param cut release it with bat_knot_vector_free()
 bat_status cut_knots(const bat_knot_vector *knots, double from, double to, bat_knot_vector *cut, bat_error *error);
 
-/// The control points of a curve over finer knots, or over those of a part, as blossoms (Goldman, 1990; the Oslo algorithm). Points that
-/// do not change keep all their bits.
+/// The control points of a curve over finer knots, or over those of a part, as blossoms (Goldman, 1990; the Oslo algorithm).
+/// Points that do not change keep all their bits.
 /// @param control points of `dimension` coordinates for the functions of `knots`
 /// @param result  the same for those of `cut`
 bat_status cut_control(const bat_knot_vector *knots, const bat_knot_vector *cut, const double *control, size_t dimension,

@@ -5,8 +5,8 @@
 #include "io/block_writer.h"
 #include "io/file_text.h"
 
-/// What bat_surface_write() and bat_surface_read() choose from. Writers take a surface that surface_check() has passed and, where
-/// samples count, no zeros among them; readers leave `surface` untouched on failure.
+/// What bat_surface_write() and bat_surface_read() choose from. Writers take a surface and options that surface_check() has
+/// passed; readers leave `surface` untouched on failure.
 
 bat_status surface_xml_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
 bat_status surface_json_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);

@@ -14,7 +14,8 @@ bat_status rows_write(text_sink *sink, size_t count, row_text *append, const voi
 /// Append numbers with blanks between them and the end of the line.
 void rows_append_numbers(text_buffer *text, const double *numbers, size_t count);
 
-/// Write the text of a format of printf() that holds no floating-point numbers, which would be written as the locale has them.
+/// Write the text of a format of printf() that holds no floating-point numbers, which would be written as the locale has
+/// them.
 bat_status rows_heading(text_sink *sink, bat_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 #endif

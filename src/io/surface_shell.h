@@ -4,7 +4,8 @@
 #include "batten/base.h"
 
 /// @file
-/// How rectangles that cover a square without overlap meet: vertices, edges between neighbouring vertices, and loops of edges.
+/// How rectangles that cover a square without overlap meet: vertices, edges between neighbouring vertices, and loops of
+/// edges.
 
 /// A rectangle on a lattice.
 typedef struct shell_face

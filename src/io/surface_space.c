@@ -25,8 +25,8 @@ static bat_status check_box(const bat_hierarchical_options *options, const surfa
     return BAT_OK;
 }
 
-/// Files hold at least one number for each function, so that the space that a short file describes is small. A box of w x h cells brings
-/// at least (w - degree) x (h - degree) functions; thin ones may bring none, whence the room.
+/// Files hold at least one number for each function, so that the space that a short file describes is small. A box of w x h
+/// cells brings at least (w - degree) x (h - degree) functions; thin ones may bring none, whence the room.
 static bat_status check_cells(const surface_box *boxes, size_t count, size_t functions, bat_error *error)
 {
     enum
@@ -127,8 +127,8 @@ static bat_status unfilled(const surface_box *boxes, size_t count, size_t level,
                      "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
 }
 
-/// Where a box ends in the midst of a cell of the level before, that cell was taken whole. A space of twice the spans has the box's own cells
-/// one level lower and takes it as it is: the regions of both agree if other boxes fill the cell.
+/// Where a box ends in the midst of a cell of the level before, that cell was taken whole. A space of twice the spans has
+/// the box's own cells one level lower and takes it as it is: the regions of both agree if other boxes fill the cell.
 static bat_status check_filled(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
                                const bat_hierarchical_space *space, bat_error *error)
 {

@@ -8,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// The samples of all cells lie on one lattice over the square: `samples` steps across a cell of the finest level. A coarser cell takes
-/// every 2^k-th point.
+/// The samples of all cells lie on one lattice over the square: `samples` steps across a cell of the finest level. A coarser
+/// cell takes every 2^k-th point.
 typedef struct lattice
 {
     const bat_hierarchical_space *space;
@@ -83,7 +83,7 @@ static bat_status begin_lattice(const bat_spline_surface *surface, size_t sample
     made->quads = memory_array(made->quad_count, 4 * sizeof *made->quads);
     made->levels = memory_array(made->quad_count, sizeof *made->levels);
     grid->centres = memory_array(made->quad_count, sizeof *grid->centres);
-    if (made->quads == NULL || made->levels == NULL || grid->centres == NULL)
+    if (made->quads == NULL || made->levels == NULL || grid->centres == NULL || !reserve_places(grid, made->quad_count))
         return error_memory(error, made->quad_count * 4 * sizeof *made->quads);
     return BAT_OK;
 }
@@ -120,8 +120,8 @@ static bool sample_cell(lattice *grid, const bat_spline_box *cell, surface_tesse
 /// What is done with each piece of a quad's border, from a vertex to the next one.
 typedef void border_piece(void *context, uint32_t from, uint32_t to);
 
-/// Walk along a straight piece of a border through all vertices that lie on it. A finer neighbour has one in the middle of every piece
-/// that it cuts.
+/// Walk along a straight piece of a border through all vertices that lie on it. A finer neighbour has one in the middle of
+/// every piece that it cuts.
 static void walk_piece(const lattice *grid, uint32_t from, uint32_t to, border_piece *visit, void *context)
 {
     const uint32_t *a = grid->places + 2 * (size_t)from, *b = grid->places + 2 * (size_t)to;

@@ -6,7 +6,8 @@
 /// @file
 /// Spline surfaces as grids and as triangles without cracks.
 
-/// A surface sampled on a grid in each of its cells. Cells share the points of their borders. Release it with tessellation_free().
+/// A surface sampled on a grid in each of its cells. Cells share the points of their borders. Release it with
+/// tessellation_free().
 typedef struct surface_tessellation
 {
     size_t vertex_count;
@@ -16,8 +17,8 @@ typedef struct surface_tessellation
     double *normals;    ///< vertex_count x 3, of length 1: along S_u x S_v, where that is zero as a little further inside
 
     size_t quad_count;
-    uint32_t *
-        quads; ///< quad_count x 4, counter-clockwise from the lower left: the grids of all cells, which do not heed finer neighbours
+    /// quad_count x 4, counter-clockwise from the lower left: the grids of all cells, which do not heed finer neighbours
+    uint32_t *quads;
     uint32_t *levels; ///< quad_count: of the cell
 
     size_t triangle_count;

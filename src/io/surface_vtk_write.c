@@ -3,7 +3,8 @@
 #include "io/surface_rows.h"
 #include "io/surface_tessellate.h"
 
-/// What is written: the surface's vertices and quads, and the data points behind the vertices but, as VTK wants it, before the quads.
+/// What is written: the surface's vertices and quads, and the data points behind the vertices but, as VTK wants it, before
+/// the quads.
 typedef struct vtk_content
 {
     const surface_tessellation *surface;

@@ -293,8 +293,10 @@ static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
         else if (!array_grow(&values, &capacity, count + 1, sizeof value))
             status = error_memory(state->error, (count + 1) * sizeof value);
         else
+        {
             ((double *)values)[count++] = value;
-        at = after;
+            at = after;
+        }
     }
     *numbers = (xml_numbers){values, count, state->content_line};
     return status;

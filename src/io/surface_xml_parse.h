@@ -29,7 +29,8 @@ typedef struct xml_surface
     xml_numbers control;
 } xml_surface;
 
-/// @return BAT_OK with all elements there; BAT_BAD_FILE or BAT_UNSUPPORTED with the line; BAT_NO_MEMORY. Release `surface` in any case
+/// @return BAT_OK with all elements there; BAT_BAD_FILE or BAT_UNSUPPORTED with the line; BAT_NO_MEMORY. Release `surface`
+///         in any case
 bat_status xml_surface_parse(const file_text *text, xml_surface *surface, bat_error *error);
 void xml_surface_free(xml_surface *surface);
 
