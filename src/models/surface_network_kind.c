@@ -1,5 +1,6 @@
 #include "models/surface_network_kind.h"
 
+#include "models/surface_chart_network.h"
 #include "models/surface_network.h"
 
 #include <string.h>
@@ -14,6 +15,7 @@ typedef struct kind_entry
 static const kind_entry KINDS[] = {
     {BAT_SURFACE_PUBLISHED, false, &surface_network_published},
     {BAT_SURFACE_PUBLISHED, true, &surface_network_uninformed},
+    {BAT_SURFACE_BATTEN, false, &surface_network_batten},
 };
 enum
 {
