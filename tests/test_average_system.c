@@ -31,7 +31,7 @@ static void chains_are_linear(void **state)
         for (int direct = 0; direct < 2; direct++)
         {
             check_status(direct ? average_solve_direct(&weights, constant, x, NULL)
-                                : average_solve_iterative(&weights, constant, x, NULL),
+                                : average_solve_iterative(&weights, constant, 0, x, NULL),
                          BAT_OK);
             // The inverse has entries up to count / 2.
             double tolerance = 1e-15 * (double)(count + 10) * (double)(count + 10);
@@ -97,7 +97,7 @@ static void both_ways_agree(void **state)
             constant[2 * i + 1] = 0.5;
         }
         check_status(average_solve_direct(&weights, constant, a, NULL), BAT_OK);
-        check_status(average_solve_iterative(&weights, constant, b, NULL), BAT_OK);
+        check_status(average_solve_iterative(&weights, constant, 0, b, NULL), BAT_OK);
         for (size_t i = 0; i < count; i++)
         {
             check_near(a[2 * i], b[2 * i], 1e-11);
@@ -110,6 +110,34 @@ static void both_ways_agree(void **state)
         free(a);
         free(b);
     }
+}
+
+/// Enough unknowns for several blocks of rows: any number of threads gives the same bytes.
+static void threads_change_no_byte(void **state)
+{
+    (void)state;
+    size_t count = 60000;
+    sparse_rows weights = random_weights(count, 8);
+    double *constant = calloc(2 * count, sizeof *constant), *one = calloc(2 * count, sizeof *one),
+           *other = calloc(2 * count, sizeof *other);
+    assert_true(constant != NULL && one != NULL && other != NULL);
+    for (size_t i = 7; i < count; i += 50)
+    {
+        constant[2 * i] = (double)(i % 3) / 4;
+        constant[2 * i + 1] = 0.5;
+    }
+    check_status(average_solve_iterative(&weights, constant, 1, one, NULL), BAT_OK);
+    for (size_t i = 0; i < count; i++)
+        check_near(one[2 * i + 1], 1, 1e-11);
+    for (int threads = 2; threads <= 3; threads++)
+    {
+        check_status(average_solve_iterative(&weights, constant, threads, other, NULL), BAT_OK);
+        assert_memory_equal(one, other, 2 * count * sizeof *one);
+    }
+    sparse_rows_free(&weights);
+    free(constant);
+    free(one);
+    free(other);
 }
 
 /// Two unknowns that are each other's only neighbour have no solution.
@@ -126,7 +154,7 @@ static void singular_systems_are_told(void **state)
     double x[4];
     bat_error error;
     check_status(average_solve_direct(&weights, constant, x, &error), BAT_NO_CONVERGENCE);
-    check_status(average_solve_iterative(&weights, constant, x, &error), BAT_NO_CONVERGENCE);
+    check_status(average_solve_iterative(&weights, constant, 0, x, &error), BAT_NO_CONVERGENCE);
     assert_non_null(strstr(error.text, "singular"));
     sparse_rows_free(&weights);
 }
@@ -178,6 +206,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chains_are_linear),
         cmocka_unit_test(both_ways_agree),
+        cmocka_unit_test(threads_change_no_byte),
         cmocka_unit_test(singular_systems_are_told),
         cmocka_unit_test(sparse_products_are_dense_ones),
     };

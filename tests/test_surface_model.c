@@ -4,6 +4,7 @@
 
 #include "batten/surface_model.h"
 #include "batten/surface_shapes.h"
+#include "models/bezier_fit.h"
 #include "models/surface_network.h"
 
 #include <unistd.h>
@@ -168,11 +169,39 @@ static void files_that_are_no_models_are_refused(void **state)
     bat_surface_model_free(NULL);
 }
 
+/// The model that comes with the library finds what a patch was sampled at.
+static void the_builtin_model_parameterizes(void **state)
+{
+    (void)state;
+    bat_surface_model *builtin;
+    check_status(bat_surface_model_builtin(&builtin, NULL), BAT_OK);
+    double mean = 0;
+    for (uint64_t seed = 0; seed < 10; seed++)
+    {
+        double *truth;
+        bat_cloud cloud = draw(1000, 50 + seed, &truth);
+        double *parameters = numbers(2 * cloud.count);
+        bezier_fit fit = {.patch.degree = 2, .residual = numbers(3 * cloud.count)};
+        check_status(bat_surface_model_parameterize(builtin, &cloud, truth, 0, parameters, NULL), BAT_OK);
+        check_status(bezier_fit_make(cloud.points, parameters, cloud.count, &fit, NULL), BAT_OK);
+        mean += fit.error / 10;
+        free(fit.residual);
+        free(parameters);
+        free(truth);
+        bat_cloud_free(&cloud);
+    }
+    assert_true(mean < 1e-3);
+    bat_surface_model_free(builtin);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(place_size_and_threads_do_not_matter),   cmocka_unit_test(the_order_of_points_does_not_matter),
-        cmocka_unit_test(flat_and_small_clouds_are_no_different), cmocka_unit_test(bad_clouds_are_refused),
+        cmocka_unit_test(the_builtin_model_parameterizes),
+        cmocka_unit_test(place_size_and_threads_do_not_matter),
+        cmocka_unit_test(the_order_of_points_does_not_matter),
+        cmocka_unit_test(flat_and_small_clouds_are_no_different),
+        cmocka_unit_test(bad_clouds_are_refused),
         cmocka_unit_test(files_that_are_no_models_are_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -37,9 +37,13 @@ BAT_API bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error);
 ///         and bat_cloud_check() return; BAT_NO_MEMORY; `cloud` is untouched on failure
 BAT_API bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error *error);
 
-/// Find the loop of boundary points in a cloud without connectivity, and bring it to the front: points with a wide gap in the
-/// angles of their neighbours in the local plane, joined into one loop. Points within the loop keep their order.
-/// @return BAT_OK; BAT_NO_CONVERGENCE when no single loop is found, the text saying what was; BAT_NO_MEMORY
+/// Find the loop of boundary points in a cloud without connectivity, and bring it to the front: a disc, larger than the spacing of the
+/// points there, rolls around the cloud in the tangent plane of each point (the alpha shape of Edelsbrunner, Kirkpatrick and Seidel,
+/// 1983, in local planes), and the loop is of the points that it touches. It begins at its lowest point; all others keep their
+/// order. Small gaps and stray points are passed over. Where noise is thicker than the spacing, the loop is one of fewer points. A
+/// boundary that was known is forgotten, as are corners.
+/// @return BAT_OK; BAT_NO_CONVERGENCE when no single loop is found, the text saying what was; what bat_cloud_check() returns;
+///         BAT_NO_MEMORY; `cloud` is untouched on failure
 BAT_API bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error);
 
 /// Find four corners: the places of the loop where it turns most sharply towards the patch, in the patch's tangent plane and over

@@ -11,7 +11,7 @@ BAT_C_BEGIN
 /// Formats of clouds.
 typedef enum bat_cloud_format
 {
-    BAT_CLOUD_FROM_NAME, ///< by the file's ending
+    BAT_CLOUD_FROM_NAME, ///< by the file's ending: .xyz, .txt or .asc, .csv, .ply, .obj; failing that by the content
     BAT_CLOUD_XYZ,       ///< three numbers a line, blanks between; '#' begins a remark; further columns are left out
     BAT_CLOUD_CSV,       ///< with or without a line of names; x, y, z by name or the first three
     BAT_CLOUD_PLY,       ///< vertices, ASCII or binary; faces, if there are, make it a mesh
@@ -26,11 +26,13 @@ BAT_API bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *
 typedef struct bat_cloud_read_options
 {
     bat_cloud_format format;
-    /// How many points come first as the boundary loop; 0: what a remark "# N boundary points first" of the file says, or unknown.
+    /// How many points come first as the boundary loop; 0: what a remark "# N boundary points first" before the first point says, or
+    /// unknown. A remark "# corners A B C D" beside it names corners by their places in the loop, counted from 0.
     size_t boundary;
-    /// A second file with the boundary loop: its points go first, and points of the first file that repeat one are left out; null for none.
+    /// A second file with the boundary loop: its points go first, also in the cloud's `order`, and points of the first file that
+    /// repeat one are left out; null for none.
     const char *boundary_path;
-    /// Leave out points that repeat an earlier one instead of failing.
+    /// Leave out points that repeat an earlier one instead of failing; in a mesh, join vertices in the same place.
     bool drop_duplicates;
 } bat_cloud_read_options;
 
@@ -38,11 +40,16 @@ typedef struct bat_cloud_read_options
 /// @param path    "-" for standard input
 /// @param options null for the defaults
 /// @param cloud   receives the cloud; release it with bat_cloud_free()
-/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_INVALID_POINT with line and point that is not finite or repeats another;
-///         BAT_FILE_ACCESS, BAT_TOO_LARGE, BAT_UNSUPPORTED, BAT_NO_MEMORY
+/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_INVALID_POINT with line and point that is not finite (in PLY and OBJ that is
+///         BAT_BAD_FILE) or repeats another; BAT_INVALID_ARGUMENT for an option that the file contradicts; what
+///         bat_cloud_from_mesh() returns; BAT_FILE_ACCESS, BAT_TOO_LARGE, BAT_UNSUPPORTED, BAT_NO_MEMORY; `cloud` is untouched on
+///         failure. Text about the boundary's file says so and names its line; bat_error::line is one of the main file
 BAT_API bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud,
                                   bat_error *error);
-/// Write a cloud as XYZ, CSV, PLY or OBJ, by the ending; XYZ says the boundary in its first line.
+/// Write a cloud as XYZ, CSV, PLY or OBJ, by the ending; "-" is standard output in XYZ. All four are text that brings back the same
+/// doubles and say boundary and corners in remarks at the top; PLY and OBJ also hold the triangles. The file appears whole or not
+/// at all.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where the ending says no format; what bat_cloud_check() returns; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error);
 
 /// Write parameters as lines "u v", in the order that the points had in the input; "nan nan" stands for a point that was left out.

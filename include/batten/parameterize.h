@@ -26,12 +26,16 @@ BAT_API const char *bat_parameterization_name(bat_parameterization method);
 typedef struct bat_parameterize_options
 {
     bat_parameterization method; ///< default shape-preserving
-    /// The published neighbourhoods: all points within `radius` in the cloud scaled to the unit box, exact Delaunay triangulation of each
-    /// by Qhull; a neighbourhood that is too small, or a point that no chain of neighbours joins to the boundary, is a failure.
-    /// False: a radius of each point's own, grown until the neighbourhood holds; default false.
+    /// The published neighbourhoods: all points within `radius` in the cloud scaled to the unit box, for shape-preserving weights an exact
+    /// Delaunay triangulation of each by Qhull, and a direct solution. A point with too few neighbours, or that no chain of neighbours
+    /// joins to the boundary, is a failure. Mean values have no neighbourhoods to choose. False: neighbourhoods of each point's own, which
+    /// never fail, and a solution by iteration; default false.
     bool published;
-    double radius; ///< above 0; 0: 3 / sqrt(count), eq. (7) of Giannelli et al. (2023); default 0
-    int threads;
+    /// In the cloud scaled to the unit box, that is over the longest side of the box around it. 0: 3 / sqrt(count), eq. (7) of Giannelli
+    /// et al. (2023), for published neighbourhoods, and as many points as are needed for ours; where it is given, ours begin there.
+    /// Default 0.
+    double radius;
+    int threads; ///< 0: as many as there are processors; the result is the same. Default 0
 } bat_parameterize_options;
 
 BAT_API bat_parameterize_options bat_parameterize_defaults(void);
@@ -39,9 +43,11 @@ BAT_API bat_parameterize_options bat_parameterize_defaults(void);
 /// Find the interior parameters.
 /// @param cloud    with boundary
 /// @param boundary boundary_count x 2
-/// @param parameters receives count x 2, the boundary's first
-/// @return BAT_OK; BAT_UNSUPPORTED for mean values without triangles; BAT_NO_CONVERGENCE with the point whose neighbourhood fails
-///         (published neighbourhoods only) or when the system cannot be solved; what bat_cloud_check() returns; BAT_NO_MEMORY
+/// @param parameters receives count x 2, the boundary's first; within the convex hull of the boundary's, to rounding, and
+///                   within their box exactly
+/// @return BAT_OK; BAT_UNSUPPORTED for mean values without triangles; BAT_NO_CONVERGENCE with the place in the input of the point whose
+///         neighbourhood fails (published neighbourhoods) or that has no triangles (mean values); BAT_INVALID_ARGUMENT for a cloud
+///         without boundary, boundary parameters that are not finite, or wrong options; what bat_cloud_check() returns; BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary,
                                           const bat_parameterize_options *options, double *parameters, bat_error *error);
 
@@ -50,19 +56,26 @@ typedef struct bat_parameters_report
 {
     size_t folded;     ///< interior points around which the map from local plane to parameters turns over
     size_t first;      ///< the first of them; BAT_NO_INDEX
-    size_t outside;    ///< parameters not in the square
-    size_t coincident; ///< interior points that share their parameter with another point
-    double stretch;    ///< the median over points of the ratio of the local map's singular values, at least 1
+    size_t outside;    ///< parameters not in the square, or not numbers; on the boundary too
+    size_t coincident; ///< interior points that share their parameter with another point, to 12 digits after the point
+    double stretch;    ///< the median over interior points of the ratio of the local map's singular values, at least 1
 } bat_parameters_report;
 
-/// Look for folds: around each interior point the affine map from the local plane to parameters is fitted to its neighbours; its
-/// orientation must be that of the boundary.
+/// Look for folds. Around each interior point the affine map from the local plane to parameters is fitted to a neighbourhood that is wide
+/// against its thickness; its orientation must be that of the boundary, whose loop has the patch to its left. Normals are made to agree
+/// along the tree of neighbours whose planes differ least (Hoppe et al. 1992). Folds smaller than the neighbourhood, of 16 points or a
+/// disc of four standard deviations of the noise, are not seen. In a cloud of triangles the corners of triangles that are flat or turned
+/// over are counted instead, which misses nothing; its triangles must run alike.
+/// @param parameters count x 2
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for a cloud without boundary; what bat_cloud_check() returns; BAT_NO_MEMORY
 BAT_API bat_status bat_parameters_check(const bat_cloud *cloud, const double *parameters, bat_parameters_report *report,
                                         bat_error *error);
-/// Unfold: folded points and growing rings around them become convex combinations of their neighbours, until no fold is left or a
-/// bound on rounds is met.
+/// Unfold: points with faults of any kind and rings around them, which double each round, become averages with shape-preserving weights (of
+/// triangles where there are some), until no fault is left. Where the whole interior is an average and folds are left, it moves in steps
+/// to averages with uniform weights. The parameters with the fewest folds are kept, the boundary's as they are.
 /// @param parameters count x 2, repaired in place
 /// @param report     how they are afterwards; may be null
+/// @return as bat_parameters_check(); BAT_INVALID_ARGUMENT for boundary parameters that are not finite too
 BAT_API bat_status bat_parameters_repair(const bat_cloud *cloud, double *parameters, bat_parameters_report *report,
                                          bat_error *error);
 

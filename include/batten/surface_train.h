@@ -27,6 +27,7 @@ typedef struct bat_surface_train_options
     size_t least_points, most_points; ///< interior points of a cloud, drawn evenly in the logarithm; default 1000
     int least_degree, most_degree;    ///< bidegree of a cloud, drawn evenly, and of the fit of its loss; default 2
     double noise;                     ///< the largest standard deviation of noise, drawn from 0 on; default 0
+    double clean;                     ///< the share of clouds without noise, 0 to 1; default 0
     double rate;                      ///< default .1
     bool adam;          ///< AdamW and half a wave; false: plain gradient descent, the rate halved at plateaus; default false
     const char *folder; ///< as in bat_mesh_train_options

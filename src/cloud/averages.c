@@ -108,7 +108,7 @@ static void write_solution(const bat_cloud *cloud, const average_problem *proble
     }
 }
 
-bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, bool direct,
+bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_way way,
                           double *parameters, bat_error *error)
 {
     average_problem problem = {0};
@@ -118,8 +118,9 @@ bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const
     if (status == BAT_OK)
     {
         fill_system(cloud, rows, parameters, &problem);
-        status = direct ? average_solve_direct(&problem.weights, problem.constant, problem.solution, error)
-                        : average_solve_iterative(&problem.weights, problem.constant, problem.solution, error);
+        status = way.direct
+                     ? average_solve_direct(&problem.weights, problem.constant, problem.solution, error)
+                     : average_solve_iterative(&problem.weights, problem.constant, way.threads, problem.solution, error);
     }
     if (status == BAT_OK)
         write_solution(cloud, &problem, parameters);

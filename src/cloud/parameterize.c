@@ -75,7 +75,7 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
     if (status == BAT_OK)
     {
         memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
-        status = averages_solve(cloud, &rows, NULL, true, parameters, error);
+        status = averages_solve(cloud, &rows, NULL, (average_way){.direct = true}, parameters, error);
     }
     sparse_rows_free(&rows);
     neighbour_tree_free(&tree);
@@ -95,7 +95,7 @@ static bat_status parameterize_always(const bat_cloud *cloud, const double *boun
     if (status == BAT_OK)
     {
         memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
-        status = averages_solve(&order.cloud, &rows, NULL, false, ordered, error);
+        status = averages_solve(&order.cloud, &rows, NULL, (average_way){.threads = options->threads}, ordered, error);
     }
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);

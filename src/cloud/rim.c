@@ -15,7 +15,9 @@ enum
     MOST_PLANE = 1152,
     /// Of small clouds no more than one in so many.
     PLANE_SHARE = 3,
-    FEW_PLANE = 10
+    FEW_PLANE = 10,
+    /// Neighbours that mostly are all around a point inside.
+    QUICK_NEIGHBOURS = 16
 };
 
 static const double PI = 3.14159265358979323846;
@@ -140,6 +142,23 @@ static void find_arcs(const rim_shadow *shadows, size_t count, rim_point *found)
     add_arc(found, reach.end, shadows[0].begin + 2 * PI, reach.item, shadows[0].item);
 }
 
+/// How large the disc is, by the neighbours in the list.
+static void set_radius(const rim_search *search, double scale, rim_point *found)
+{
+    size_t count = search->near.count;
+    found->spacing = sqrt(search->near.entries[count - 1].squared * PI / (double)count);
+    found->radius = scale * fmax(RADIUS_IN_SPACINGS * found->spacing, RADIUS_IN_NOISE * sqrt(found->plane.variance[2]));
+}
+
+static bat_status set_arcs(rim_search *search, uint32_t point, rim_point *found, bat_error *error)
+{
+    size_t shadows = cast_shadows(search, point, found);
+    if (shadows == SIZE_MAX)
+        return error_memory(error, search->shadow_capacity * sizeof *search->shadows);
+    find_arcs(search->shadows, shadows, found);
+    return BAT_OK;
+}
+
 bat_status rim_point_find(rim_search *search, uint32_t point, const double *reference, double scale, rim_point *found,
                           bat_error *error)
 {
@@ -148,16 +167,26 @@ bat_status rim_point_find(rim_search *search, uint32_t point, const double *refe
     if (status != BAT_OK)
         return status;
     orient(&found->plane, reference);
-    size_t count = search->near.count;
-    double reach = sqrt(search->near.entries[count - 1].squared), across = sqrt(found->plane.variance[2]);
-    found->spacing = reach * sqrt(PI / (double)count);
-    found->radius = scale * fmax(RADIUS_IN_SPACINGS * found->spacing, RADIUS_IN_NOISE * across);
-    double needed = hypot(2 * found->radius, 3 * across);
-    if (reach < needed)
+    set_radius(search, scale, found);
+    double needed = hypot(2 * found->radius, 3 * sqrt(found->plane.variance[2]));
+    if (search->near.entries[search->near.count - 1].squared < needed * needed)
         status = neighbours_within(search->tree, here, needed, &search->near, error);
-    size_t shadows = status == BAT_OK ? cast_shadows(search, point, found) : 0;
-    if (shadows == SIZE_MAX)
-        return error_memory(error, search->shadow_capacity * sizeof *search->shadows);
-    find_arcs(search->shadows, shadows, found);
+    return status == BAT_OK ? set_arcs(search, point, found, error) : status;
+}
+
+bat_status rim_point_is_inside(rim_search *search, uint32_t point, bool *inside, bat_error *error)
+{
+    rim_point found = {.arc_count = 1};
+    bat_status status =
+        neighbours_nearest(search->tree, search->points + 3 * (size_t)point, QUICK_NEIGHBOURS, &search->near, error);
+    if (status != BAT_OK)
+        return status;
+    found.plane = local_plane_fit(search->points, &search->near);
+    if (found.plane.variance[2] < FLAT * found.plane.variance[1])
+    {
+        set_radius(search, 1, &found);
+        status = set_arcs(search, point, &found, error);
+    }
+    *inside = found.arc_count == 0;
     return status;
 }

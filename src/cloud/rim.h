@@ -50,6 +50,10 @@ void rim_search_free(rim_search *search);
 bat_status rim_point_find(rim_search *search, uint32_t point, const double *reference, double scale, rim_point *found,
                           bat_error *error);
 
+/// Whether a few neighbours show already that no disc can touch a point: where they lie in a plane, all around it.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status rim_point_is_inside(rim_search *search, uint32_t point, bool *inside, bat_error *error);
+
 /// A closed line along the rim.
 typedef struct rim_cycle
 {

@@ -220,6 +220,17 @@ static bat_status take_cycle(rim_walk *walk, size_t begin, size_t *last, rim_cyc
     return BAT_OK;
 }
 
+static bat_status is_on_rim(rim_search *search, uint32_t point, bool *on_rim)
+{
+    rim_point found = {0};
+    bool inside = false;
+    bat_status status = rim_point_is_inside(search, point, &inside, NULL);
+    if (status == BAT_OK && !inside)
+        status = rim_point_find(search, point, NULL, 1, &found, NULL);
+    *on_rim = found.arc_count > 0;
+    return status;
+}
+
 /// Mark the points that a disc can touch.
 static bat_status mark_rim(const double *points, const neighbour_tree *tree, bool *on_rim, bat_error *error)
 {
@@ -229,11 +240,7 @@ static bat_status mark_rim(const double *points, const neighbour_tree *tree, boo
         rim_search search = {.points = points, .tree = tree};
 #pragma omp for schedule(dynamic, 256)
         for (size_t i = 0; i < tree->count; i++)
-        {
-            rim_point found = {0};
-            failed = rim_point_find(&search, (uint32_t)i, NULL, 1, &found, NULL) != BAT_OK || failed;
-            on_rim[i] = found.arc_count > 0;
-        }
+            failed = is_on_rim(&search, (uint32_t)i, &on_rim[i]) != BAT_OK || failed;
         rim_search_free(&search);
     }
     return failed ? error_memory(error, tree->count) : BAT_OK;

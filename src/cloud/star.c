@@ -44,8 +44,10 @@ static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[
 static bool is_better_way(const double way[2], const double other[2])
 {
     double turn = cross(way, other), length = way[0] * way[0] + way[1] * way[1];
-    double other_length = other[0] * other[0] + other[1] * other[1], straight = STRAIGHT * sqrt(length * other_length);
-    return turn < -straight || (turn <= straight && other_length > length);
+    double other_length = other[0] * other[0] + other[1] * other[1];
+    if (turn * turn > STRAIGHT * STRAIGHT * length * other_length)
+        return turn < 0;
+    return other_length > length;
 }
 
 /// The corner after `from` of the hull of the origin and the points, SIZE_MAX for the origin, as which `from` may be given too.

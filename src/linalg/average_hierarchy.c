@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/threads.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -284,9 +285,9 @@ static bat_status build_coarsest(average_hierarchy *hierarchy, bat_error *error)
     return BAT_OK;
 }
 
-bat_status average_hierarchy_build(const sparse_rows *weights, average_hierarchy *hierarchy, bat_error *error)
+bat_status average_hierarchy_build(const sparse_rows *weights, int threads, average_hierarchy *hierarchy, bat_error *error)
 {
-    *hierarchy = (average_hierarchy){.level_count = 1};
+    *hierarchy = (average_hierarchy){.level_count = 1, .threads = threads};
     bat_status status = make_finest(weights, &hierarchy->levels[0].matrix, error);
     while (status == BAT_OK && hierarchy->levels[hierarchy->level_count - 1].matrix.row_count > AVERAGE_COARSEST)
     {
@@ -334,14 +335,16 @@ static void solve_coarsest(const average_hierarchy *hierarchy, size_t n, const d
         }
 }
 
-/// One row's step of Gauss and Seidel.
-static inline void sweep_row(const sparse_rows *matrix, size_t i, const double *right, double *x)
+/// One row's step of Gauss and Seidel within a block of `size` rows from `begin` on; other rows are as they were before.
+static inline void sweep_row(const sparse_rows *matrix, size_t i, size_t begin, size_t size, const double *right,
+                             const double *before, double *x)
 {
     size_t e = matrix->starts[i];
     double diagonal = matrix->values[e], first = right[2 * i], second = right[2 * i + 1];
     for (e++; e < matrix->starts[i + 1]; e++)
     {
-        const double *at = x + 2 * (size_t)matrix->columns[e];
+        size_t column = matrix->columns[e];
+        const double *at = (column - begin < size ? x : before) + 2 * column;
         first -= matrix->values[e] * at[0];
         second -= matrix->values[e] * at[1];
     }
@@ -349,9 +352,24 @@ static inline void sweep_row(const sparse_rows *matrix, size_t i, const double *
     x[2 * i + 1] = second / diagonal;
 }
 
-static void find_rest(const average_level *level, const double *right, const double *x)
+/// A sweep through all rows, in blocks.
+static void sweep(const average_level *level, int threads, bool forward, const double *right, double *x)
 {
-    sparse_rows_apply_pairs(&level->matrix, x, level->rest);
+    size_t count = level->matrix.row_count, blocks = (count + AVERAGE_BLOCK - 1) / AVERAGE_BLOCK;
+    if (blocks > 1)
+        memcpy(level->rest, x, 2 * count * sizeof *x);
+#pragma omp parallel for num_threads(threads_for(threads, blocks)) schedule(static)
+    for (size_t b = 0; b < blocks; b++)
+    {
+        size_t begin = b * AVERAGE_BLOCK, end = begin + AVERAGE_BLOCK < count ? begin + AVERAGE_BLOCK : count;
+        for (size_t k = 0; k < end - begin; k++)
+            sweep_row(&level->matrix, forward ? begin + k : end - 1 - k, begin, end - begin, right, level->rest, x);
+    }
+}
+
+static void find_rest(const average_level *level, int threads, const double *right, const double *x)
+{
+    sparse_rows_apply_pairs(&level->matrix, threads, x, level->rest);
     for (size_t i = 0; i < 2 * level->matrix.row_count; i++)
         level->rest[i] = right[i] - level->rest[i];
 }
@@ -388,9 +406,8 @@ void average_hierarchy_cycle(average_hierarchy *hierarchy, const double *right, 
         double *x = l == 0 ? result : level->result;
         size_t count = level->matrix.row_count;
         memset(x, 0, 2 * count * sizeof *x);
-        for (size_t i = 0; i < count; i++)
-            sweep_row(&level->matrix, i, b, x);
-        find_rest(level, b, x);
+        sweep(level, hierarchy->threads, true, b, x);
+        find_rest(level, hierarchy->threads, b, x);
         restrict_rest(level, level[1].right);
     }
     average_level *coarsest = &hierarchy->levels[last];
@@ -401,7 +418,6 @@ void average_hierarchy_cycle(average_hierarchy *hierarchy, const double *right, 
         average_level *level = &hierarchy->levels[l];
         double *x = l == 0 ? result : level->result;
         add_correction(level, level[1].result, x);
-        for (size_t i = level->matrix.row_count; i-- > 0;)
-            sweep_row(&level->matrix, i, l == 0 ? right : level->right, x);
+        sweep(level, hierarchy->threads, false, l == 0 ? right : level->right, x);
     }
 }

@@ -21,6 +21,8 @@ typedef struct average_level
 enum
 {
     AVERAGE_LEVELS = 24,
+    AVERAGE_BLOCK =
+        16384,            ///< rows that a sweep goes through one after the other; blocks do not see each other's new numbers
     AVERAGE_COARSEST = 48 ///< unknowns that are solved for densely
 };
 
@@ -30,10 +32,11 @@ typedef struct average_hierarchy
     size_t level_count;
     double *dense; ///< the LU decomposition of the last level, row-major
     size_t *pivots;
+    int threads; ///< of the cycle; the result is the same
 } average_hierarchy;
 
 /// @return BAT_OK, BAT_NO_CONVERGENCE where unknowns cannot be gathered or the coarsest matrix is singular, BAT_NO_MEMORY
-bat_status average_hierarchy_build(const sparse_rows *weights, average_hierarchy *hierarchy, bat_error *error);
+bat_status average_hierarchy_build(const sparse_rows *weights, int threads, average_hierarchy *hierarchy, bat_error *error);
 void average_hierarchy_free(average_hierarchy *hierarchy);
 
 /// result = roughly (I - W)^-1 right, linear in `right`.

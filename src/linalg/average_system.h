@@ -19,7 +19,9 @@ bat_status average_solve_direct(const sparse_rows *weights, const double *consta
 /// does not settle, which is not known to happen, average_solve_direct() takes over. Unknowns that are joined should lie close to each
 /// other in number.
 ///
-/// The largest residual ends up within a few units of rounding of the largest number.
-bat_status average_solve_iterative(const sparse_rows *weights, const double *constant, double *x, bat_error *error);
+/// The largest residual ends up within some units of rounding of the largest number.
+/// @param threads as many as OpenMP gives when 0; the result is the same
+bat_status average_solve_iterative(const sparse_rows *weights, const double *constant, int threads, double *x,
+                                   bat_error *error);
 
 #endif

@@ -2,9 +2,15 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/threads.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+enum
+{
+    ROWS_FOR_THREAD = 16384 ///< fewer are not worth a thread
+};
 
 bat_status sparse_rows_make(size_t row_count, size_t column_count, size_t entries, sparse_rows *matrix, bat_error *error)
 {
@@ -32,8 +38,9 @@ void sparse_rows_free(sparse_rows *matrix)
     *matrix = (sparse_rows){0};
 }
 
-void sparse_rows_apply_pairs(const sparse_rows *matrix, const double *x, double *product)
+void sparse_rows_apply_pairs(const sparse_rows *matrix, int threads, const double *x, double *product)
 {
+#pragma omp parallel for num_threads(threads_for(threads, matrix->row_count / ROWS_FOR_THREAD + 1)) schedule(static)
     for (size_t i = 0; i < matrix->row_count; i++)
     {
         double first = 0, second = 0;

@@ -20,8 +20,8 @@ typedef struct sparse_rows
 bat_status sparse_rows_make(size_t row_count, size_t column_count, size_t entries, sparse_rows *matrix, bat_error *error);
 void sparse_rows_free(sparse_rows *matrix);
 
-/// product = matrix x for `x` of column_count rows of two numbers.
-void sparse_rows_apply_pairs(const sparse_rows *matrix, const double *x, double *product);
+/// product = matrix x for `x` of column_count rows of two numbers, by up to so many threads.
+void sparse_rows_apply_pairs(const sparse_rows *matrix, int threads, const double *x, double *product);
 
 /// transposed = matrix^T, rows with rising columns.
 bat_status sparse_rows_transpose(const sparse_rows *matrix, sparse_rows *transposed, bat_error *error);

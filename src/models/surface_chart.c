@@ -26,13 +26,14 @@ static bat_status describe(const bat_cloud *cloud, const double *boundary, surfa
     if (status != BAT_OK)
         return status;
     surface_extension_at(&extension, cloud->points + 3 * cloud->boundary_count, chart->count, chart->parameters);
+    double noise = extension.noise;
     surface_extension_free(&extension);
     double *all = memory_array(cloud->count, 2 * sizeof *all);
     if (all == NULL)
         return error_memory(error, cloud->count * 2 * sizeof *all);
     memcpy(all, boundary, 2 * cloud->boundary_count * sizeof *all);
     memcpy(all + 2 * cloud->boundary_count, chart->parameters, 2 * chart->count * sizeof *all);
-    status = surface_descriptor_make(cloud->points, all, cloud->count, patch, error);
+    status = surface_descriptor_make(cloud->points, all, cloud->count, noise, patch, error);
     free(all);
     return status;
 }

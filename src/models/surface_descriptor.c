@@ -19,6 +19,8 @@ enum
 
 /// What coefficients cost, against the mean square distance in the unit box.
 static const double COST = 1e-7;
+/// Coefficients of order a^2 + b^2 are expected to be of size 0.3 over that: where noise hides them they give way.
+static const double NOISE_COST = 1 / (0.3 * 0.3);
 /// Keeps fewer points than coefficients regular.
 static const double RIDGE = 1e-14;
 /// Added, against the product of the squared tangents, to the determinant of a step where tangents are nearly parallel.
@@ -71,7 +73,7 @@ static void accumulate(const double *points, const double *parameters, size_t co
 }
 
 /// Solve for the coefficients; `products` becomes the factor.
-static bat_status solve(double *products, surface_descriptor *descriptor, bat_error *error)
+static bat_status solve(double *products, double cost, surface_descriptor *descriptor, bat_error *error)
 {
     double right[3 * SURFACE_TERMS];
     for (size_t k = 0; k < SURFACE_TERMS; k++)
@@ -79,7 +81,7 @@ static bat_status solve(double *products, surface_descriptor *descriptor, bat_er
         double a = (double)(k / ORDERS), b = (double)(k % ORDERS), order = a * a + b * b;
         for (size_t d = 0; d < 3; d++)
             right[d * SURFACE_TERMS + k] = products[k * COLUMNS + SURFACE_TERMS + d];
-        products[k * COLUMNS + k] += COST * order * order + RIDGE;
+        products[k * COLUMNS + k] += cost * order * order + RIDGE;
     }
     // The upper triangle by rows is the lower one by columns.
     if (LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', SURFACE_TERMS, 3, products, COLUMNS, right, SURFACE_TERMS) != 0)
@@ -131,7 +133,7 @@ static double root_mean_square(const surface_descriptor *descriptor, const doubl
     return sqrt(sum / (double)count);
 }
 
-bat_status surface_descriptor_make(const double *points, const double *parameters, size_t count,
+bat_status surface_descriptor_make(const double *points, const double *parameters, size_t count, double noise,
                                    surface_descriptor *descriptor, bat_error *error)
 {
     size_t size = (size_t)COLUMNS * (COLUMNS + BLOCK) * sizeof(double);
@@ -140,7 +142,7 @@ bat_status surface_descriptor_make(const double *points, const double *parameter
         return error_memory(error, size);
     accumulate(points, parameters, count, products + COLUMNS * COLUMNS, products);
     surface_descriptor made;
-    bat_status status = solve(products, &made, error);
+    bat_status status = solve(products, COST + NOISE_COST * noise * noise / (double)count, &made, error);
     free(products);
     if (status != BAT_OK)
         return status;

@@ -26,10 +26,11 @@ typedef struct surface_descriptor
 /// Legendre's polynomials 0 to `degree`, at least 1, of 2 t - 1.
 void surface_legendre(double t, int degree, double *values);
 
-/// @param points     count x 3
+/// @param points     count x 3, in the unit box
 /// @param parameters count x 2
+/// @param noise      the points', as the standard deviation of a coordinate: the more, the more coefficients cost
 /// @return BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE for parameters that are not finite
-bat_status surface_descriptor_make(const double *points, const double *parameters, size_t count,
+bat_status surface_descriptor_make(const double *points, const double *parameters, size_t count, double noise,
                                    surface_descriptor *descriptor, bat_error *error);
 
 /// How far a point's parameters are from those of its foot on the patch: a Gauss-Newton step.

@@ -166,7 +166,8 @@ bat_status surface_extension_make(const bat_cloud *cloud, const double *boundary
         for (size_t i = 0; i < 2 * count; i++)
             made.weights[i] = boundary[2 * (i / 2 * step) + i % 2];
         memset(made.weights + 2 * count, 0, (size_t)2 * AFFINE * sizeof *made.weights);
-        status = solve(&made, LEAST_LAMBDA + NOISE_WEIGHT * loop_noise(cloud, scratch), error);
+        made.noise = loop_noise(cloud, scratch);
+        status = solve(&made, LEAST_LAMBDA + NOISE_WEIGHT * made.noise, error);
     }
     free(scratch);
     if (status == BAT_OK)

@@ -6,6 +6,7 @@
 #include "models/surface_network_kind.h"
 #include "models/tension_weights.h"
 #include "models/unit_box.h"
+#include "models/weights.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,6 +62,13 @@ bat_status bat_surface_model_read(const char *path, bat_surface_model **model, b
 {
     safetensors content;
     bat_status status = safetensors_read(path, &content, error);
+    return status == BAT_OK ? model_of(&content, model, error) : status;
+}
+
+bat_status bat_surface_model_builtin(bat_surface_model **model, bat_error *error)
+{
+    safetensors content;
+    bat_status status = safetensors_parse(weights_surface, weights_surface_size, &content, error);
     return status == BAT_OK ? model_of(&content, model, error) : status;
 }
 

@@ -55,7 +55,8 @@ bat_status surface_sample_draw(const surface_sample_range *range, bat_random *ra
     options.interior = draw_count(range->least_points, range->most_points, random);
     options.degree =
         range->least_degree + (int)(bat_random_uniform(random) * (double)(range->most_degree - range->least_degree + 1));
-    options.noise = range->noise * bat_random_uniform(random);
+    double share = (bat_random_uniform(random) - range->clean) / (1 - range->clean);
+    options.noise = share > 0 ? range->noise * share : 0;
     surface_sample drawn = {.degree = options.degree};
     bat_status status = bat_bezier_cloud(&options, random, &drawn.cloud, &drawn.parameters, error);
     if (status != BAT_OK)

@@ -12,6 +12,7 @@ typedef struct surface_sample_range
     size_t least_points, most_points;
     int least_degree, most_degree;
     double noise;
+    double clean; ///< the share of clouds without noise
 } surface_sample_range;
 
 /// Draw a cloud and put it in the unit box. Near interior points follow each other.

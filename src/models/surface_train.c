@@ -62,10 +62,13 @@ bat_surface_train_options bat_surface_train_batten(void)
     bat_surface_train_options options = bat_surface_train_defaults();
     options.network = BAT_SURFACE_BATTEN;
     options.least_points = 50;
-    options.most_points = 5000;
+    options.most_points = 2000;
     options.most_degree = 5;
     options.noise = 0.05;
-    options.batch = 4;
+    options.clean = 0.5;
+    options.batch = 32;
+    options.epochs = 60;
+    options.steps = 500;
     options.rate = 1e-3;
     options.adam = true;
     return options;
@@ -85,6 +88,9 @@ static bat_status check_options(const bat_surface_train_options *options, bat_er
                          options->least_degree, options->most_degree, MOST_DEGREE);
     if (!(options->noise >= 0) || !isfinite(options->noise))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the noise %g is below 0", options->noise);
+    if (!(options->clean >= 0 && options->clean < 1))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the share %g of clouds without noise is not from 0 to below 1", options->clean);
     if (!(options->rate > 0) || !isfinite(options->rate))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the learning rate %g is not above 0", options->rate);
     if (surface_network_kind_of(options->network, options->uninformed) == NULL)
@@ -98,7 +104,8 @@ static surface_sample_range range_of(const bat_surface_train_options *options)
                                   .most_points = options->most_points,
                                   .least_degree = options->least_degree,
                                   .most_degree = options->most_degree,
-                                  .noise = options->noise};
+                                  .noise = options->noise,
+                                  .clean = options->clean};
 }
 
 // What learn_train() asks for
@@ -188,12 +195,12 @@ static bat_status check(void *context, uint64_t epoch, double *figures, bat_erro
 static void write_name(const training *t, char name[NAME_SIZE])
 {
     const bat_surface_train_options *o = t->options;
-    (void)snprintf(
-        name, NAME_SIZE,
-        "surface %s, %llu epochs of %zu steps, batch %zu, %zu to %zu points, bidegree %d to %d, noise %.9g, %s, rate "
-        "%.9g",
-        t->kind->name, (unsigned long long)o->epochs, o->steps, o->batch, o->least_points, o->most_points, o->least_degree,
-        o->most_degree, o->noise, o->adam ? "Adam" : "gradient descent", o->rate);
+    (void)snprintf(name, NAME_SIZE,
+                   "surface %s, %llu epochs of %zu steps, batch %zu, %zu to %zu points, bidegree %d to %d, noise %.9g but "
+                   "for %.9g, %s, rate "
+                   "%.9g",
+                   t->kind->name, (unsigned long long)o->epochs, o->steps, o->batch, o->least_points, o->most_points,
+                   o->least_degree, o->most_degree, o->noise, o->clean, o->adam ? "Adam" : "gradient descent", o->rate);
 }
 
 /// Clouds kept aside have a seed that no training has, and are the same whatever is trained.

@@ -30,4 +30,8 @@ extern const size_t weights_published_size;
 extern const unsigned char weights_mesh[];
 extern const size_t weights_mesh_size;
 
+/// models/surface.safetensors.
+extern const unsigned char weights_surface[];
+extern const size_t weights_surface_size;
+
 #endif

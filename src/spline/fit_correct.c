@@ -12,13 +12,17 @@
 enum
 {
     MOST_STEPS = 50,
-    MOST_HALVINGS = 10
+    MOST_HALVINGS = 10,
+    MOST_LOST = 64 ///< points that look for their feet elsewhere, in one go
 };
 
 // The longest step in a direction, in cells.
 static const double LONGEST_STEP = 1;
 // A matrix whose determinant is less than this part of the product of its diagonal is as good as singular.
 static const double LEAST_DETERMINANT = 1e-10;
+
+// A point this many times as far off as the mean may have lost its way.
+static const double FAR_OFF = 10;
 
 fit_correction fit_correction_full(void)
 {
@@ -139,26 +143,136 @@ static bool go(const fit_nets *nets, const double *position, const double *step,
     return false;
 }
 
-static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, fit_correction correction, double *scratch)
+/// Follow Newton's method from a place where the surface has been measured.
+static void descend(const fit_nets *nets, const double *position, fit_freedom freedom, fit_correction correction,
+                    double *scratch, foot_point *now)
 {
-    const double *position = points->position + row * nets->dimension;
-    double *at = points->parameter + 2 * row;
-    fit_freedom freedom = (fit_freedom)points->freedom[row];
-    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
-    foot_measure(nets, position, scratch, &now);
     for (int k = 0; k < correction.steps && freedom != FIT_FIXED; k++)
     {
         double step[2];
-        choose_step(&now, freedom, step);
-        double length = limit_step(nets, &now, step);
-        if (length <= correction.settled || !go(nets, position, step, scratch, &now))
-            break;
+        choose_step(now, freedom, step);
+        double length = limit_step(nets, now, step);
+        if (length <= correction.settled || !go(nets, position, step, scratch, now))
+            return;
     }
-    bool moved = now.at[0] != at[0] || now.at[1] != at[1];
-    memcpy(at, now.at, sizeof now.at);
-    points->cell[row] = (uint32_t)now.cell;
-    points->distance[row] = sqrt(now.square);
+}
+
+/// Give a row what was found for it.
+static bool settle(fit_points *points, size_t row, const foot_point *found)
+{
+    double *at = points->parameter + 2 * row;
+    bool moved = found->at[0] != at[0] || found->at[1] != at[1];
+    memcpy(at, found->at, sizeof found->at);
+    points->cell[row] = (uint32_t)found->cell;
+    points->distance[row] = sqrt(found->square);
     return moved;
+}
+
+static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, fit_correction correction, double *scratch)
+{
+    const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * row;
+    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
+    foot_measure(nets, position, scratch, &now);
+    descend(nets, position, (fit_freedom)points->freedom[row], correction, scratch, &now);
+    return settle(points, row, &now);
+}
+
+/// A point far off, for sorting.
+typedef struct far_point
+{
+    double distance;
+    size_t row;
+} far_point;
+
+static int compare_far(const void *a, const void *b)
+{
+    const far_point *x = a, *y = b;
+    if (x->distance != y->distance)
+        return x->distance < y->distance ? 1 : -1;
+    return (x->row > y->row) - (x->row < y->row);
+}
+
+/// The free points that are farthest off, many times as far as the mean, farthest first.
+/// @return how many there are, at most MOST_LOST
+static size_t find_lost(const fit_points *points, double mean, far_point *lost)
+{
+    size_t count = 0;
+    for (size_t row = 0; row < points->count; row++)
+        if (points->freedom[row] == FIT_FREE && points->distance[row] > FAR_OFF * mean)
+        {
+            if (count == 2 * MOST_LOST)
+            {
+                qsort(lost, count, sizeof *lost, compare_far);
+                count = MOST_LOST;
+            }
+            lost[count++] = (far_point){points->distance[row], row};
+        }
+    qsort(lost, count, sizeof *lost, compare_far);
+    return count < MOST_LOST ? count : MOST_LOST;
+}
+
+/// The nearest point in space that is near its own foot.
+static size_t nearest_found(const fit_points *points, size_t row, double mean)
+{
+    size_t dimension = points->dimension, nearest = row;
+    double least = INFINITY;
+    const double *position = points->position + row * dimension;
+    for (size_t other = 0; other < points->count; other++)
+    {
+        double square = 0;
+        for (size_t k = 0; k < dimension; k++)
+        {
+            double apart = points->position[other * dimension + k] - position[k];
+            square += apart * apart;
+        }
+        if (square < least && other != row && points->distance[other] <= mean)
+        {
+            least = square;
+            nearest = other;
+        }
+    }
+    return nearest;
+}
+
+/// The foot of a point from where the nearest one has its own.
+static foot_point seek(const fit_nets *nets, const fit_points *points, size_t row, double mean, fit_correction correction,
+                       double *scratch)
+{
+    size_t from = nearest_found(points, row, mean);
+    const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * from;
+    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[from]};
+    foot_measure(nets, position, scratch, &now);
+    descend(nets, position, FIT_FREE, correction, scratch, &now);
+    return now;
+}
+
+bat_status fit_correct_lost(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
+                            bat_error *error)
+{
+    far_point lost[2 * MOST_LOST];
+    foot_point found[MOST_LOST];
+    double mean = 0;
+    for (size_t row = 0; row < points->count; row++)
+        mean += points->distance[row] / (double)points->count;
+    size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = find_lost(points, mean, lost);
+    bool whole = true;
+#pragma omp parallel num_threads(threads_for(threads, count)) reduction(&& : whole)
+    {
+        double *scratch = memory_array(room, sizeof *scratch);
+        whole = scratch != NULL;
+#pragma omp for schedule(dynamic)
+        for (size_t k = 0; k < count; k++)
+            if (scratch != NULL)
+                found[k] = seek(nets, points, lost[k].row, mean, correction, scratch);
+        free(scratch);
+    }
+    if (!whole)
+        return error_memory(error, room * sizeof(double));
+    *moved = 0;
+    for (size_t k = 0; k < count; k++)
+        if (sqrt(found[k].square) < lost[k].distance)
+            *moved += settle(points, lost[k].row, &found[k]);
+    return BAT_OK;
 }
 
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,

@@ -21,4 +21,10 @@ fit_correction fit_correction_full(void);
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
                        bat_error *error);
 
+/// Let points that are much farther off than the mean look for their feet elsewhere: from the parameter of the nearest point in space
+/// that is near its own. Newton's method finds the foot of the valley that it begins in, and in the early rounds of a fit, when the
+/// surface is stiff, that may be the wrong one for good. The farthest few do so, and stay where they are unless they get nearer.
+bat_status fit_correct_lost(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
+                            bat_error *error);
+
 #endif

@@ -8,6 +8,8 @@
 
 // Without a tolerance, the worst cells that have this share of the squared error are marked (Doerfler, 1996).
 static const double BULK = 0.3;
+// As many cells are marked as it takes for so many times the functions, so that rounds do not creep.
+static const double LEAST_GROWTH = 1.1;
 // Points are told apart when they are spread over this part of a cell in one direction.
 static const double APART = 1.0 / 16;
 
@@ -203,28 +205,33 @@ static bat_status fill_budget(const mark_choice *choice, size_t count, size_t co
     return BAT_OK;
 }
 
-/// Refine the first `wanted` cells, or as many as fit. More rings are taken where refinement gives no function.
-static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t budget, bat_hierarchical_space **refined,
-                                bat_error *error)
+/// Refine the first `wanted` cells, or as many as fit. Where that gives few functions, more cells are taken, up to `most`, and then
+/// more rings.
+static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t most, size_t budget,
+                                bat_hierarchical_space **refined, bat_error *error)
 {
     size_t before = bat_hierarchical_space_functions(choice->space);
-    do
+    for (;;)
     {
         bat_hierarchical_space *made;
         bat_status status = refine_first(choice, wanted, &made, error);
         if (status != BAT_OK)
             return status;
         size_t functions = bat_hierarchical_space_functions(made);
-        if (functions > before && (budget == 0 || functions <= budget))
+        bool few = wanted < most && (double)functions < LEAST_GROWTH * (double)before;
+        if (!few && functions > before && (budget == 0 || functions <= budget))
         {
             *refined = made;
             return BAT_OK;
         }
         bat_hierarchical_space_free(made);
-        if (functions > before)
+        if (few)
+            wanted = 2 * wanted < most ? 2 * wanted : most;
+        else if (functions > before)
             return fill_budget(choice, wanted, functions, budget, refined, error);
-    } while (choice->rings++ < ENOUGH_RINGS);
-    return BAT_OK;
+        else if (choice->rings++ >= ENOUGH_RINGS)
+            return BAT_OK;
+    }
 }
 
 bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
@@ -239,7 +246,7 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
     size_t count = rank_cells(space, points, marking->tolerance, ranked);
     size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
     mark_choice choice = {space, ranked, marking->neighbours};
-    bat_status status = wanted > 0 ? refine_wanted(&choice, wanted, marking->budget, refined, error) : BAT_OK;
+    bat_status status = wanted > 0 ? refine_wanted(&choice, wanted, count, marking->budget, refined, error) : BAT_OK;
     if (status != BAT_OK)
     {
         bat_hierarchical_space_free(*refined);

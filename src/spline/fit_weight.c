@@ -17,8 +17,8 @@ static const double LARGEST_SHARE = 1e6;
 static const double REPAIR_FACTOR = 10;
 // The sum of squared residuals is known to this part of the sum of squares.
 static const double RESIDUAL_NOISE = 1e-15;
-// The first step of the search from a weight of an earlier fit, and from none, in powers of ten; a weight is found when it is known
-// to the last.
+// The first step of the search from a weight of an earlier fit, and from none, in powers of ten, the longest too: farther off there
+// may be a second place where a score levels out. A weight is found when it is known to the last.
 static const double NEAR_STEP = 0.5;
 static const double FAR_STEP = 2;
 static const double RESOLUTION = 0.1;
@@ -287,7 +287,7 @@ static bool bracket_next(weight_bracket *bracket, double *place)
     }
     double from = bracket->has_low ? bracket->low.place : bracket->high.place;
     double to = bracket->has_low ? fmin(from + bracket->step, bracket->largest) : fmax(from - bracket->step, bracket->least);
-    bracket->step *= 2;
+    bracket->step = fmin(2 * bracket->step, FAR_STEP);
     *place = to;
     return to != from;
 }

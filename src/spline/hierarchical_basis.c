@@ -95,6 +95,34 @@ void hierarchical_local_control(const bat_hierarchical_space *space, const hiera
     }
 }
 
+/// Sums over the functions of u, and then of v; inlined, so that surfaces in space get loops of known length.
+static inline void evaluate_sums(const double *across, size_t columns, const double *along, size_t rows, const double *local,
+                                 size_t dimension, int derivatives, double *scratch, double *values)
+{
+    for (size_t u = 0; u <= (size_t)derivatives; u++)
+        for (size_t b = 0; b < rows; b++)
+        {
+            double *sum = scratch + (u * rows + b) * dimension;
+            const double *control = local + b * columns * dimension;
+            for (size_t d = 0; d < dimension; d++)
+                sum[d] = across[u * columns] * control[d];
+            for (size_t a = 1; a < columns; a++)
+                for (size_t d = 0; d < dimension; d++)
+                    sum[d] += across[u * columns + a] * control[a * dimension + d];
+        }
+    for (size_t k = 0; k < order_count(derivatives); k++)
+    {
+        const double *y = along + ORDERS[k].v * rows, *sums = scratch + ORDERS[k].u * rows * dimension;
+        for (size_t d = 0; d < dimension; d++)
+        {
+            double sum = y[0] * sums[d];
+            for (size_t b = 1; b < rows; b++)
+                sum += y[b] * sums[b * dimension + d];
+            values[k * dimension + d] = sum;
+        }
+    }
+}
+
 void hierarchical_local_evaluate(const bat_hierarchical_space *space, const hierarchical_cell *cell, const double *local,
                                  size_t dimension, double u, double v, int derivatives, double *scratch, double *values)
 {
@@ -102,19 +130,10 @@ void hierarchical_local_evaluate(const bat_hierarchical_space *space, const hier
     double across[3 * (BAT_SPLINE_MOST_DEGREE + 1)], along[3 * (BAT_SPLINE_MOST_DEGREE + 1)];
     hierarchical_values(space, cell, 0, u, derivatives, across);
     hierarchical_values(space, cell, 1, v, derivatives, along);
-    size_t blocks = ((size_t)derivatives + 1) * rows;
-    memset(scratch, 0, blocks * dimension * sizeof *scratch);
-    for (size_t k = 0; k < blocks; k++)
-        for (size_t a = 0; a < columns; a++)
-            for (size_t d = 0; d < dimension; d++)
-                scratch[k * dimension + d] +=
-                    across[k / rows * columns + a] * local[((k % rows) * columns + a) * dimension + d];
-    memset(values, 0, order_count(derivatives) * dimension * sizeof *values);
-    for (size_t k = 0; k < order_count(derivatives); k++)
-        for (size_t b = 0; b < rows; b++)
-            for (size_t d = 0; d < dimension; d++)
-                values[k * dimension + d] +=
-                    along[ORDERS[k].v * rows + b] * scratch[(ORDERS[k].u * rows + b) * dimension + d];
+    if (dimension == 3)
+        evaluate_sums(across, columns, along, rows, local, 3, derivatives, scratch, values);
+    else
+        evaluate_sums(across, columns, along, rows, local, dimension, derivatives, scratch, values);
 }
 
 void bat_hierarchical_space_basis(const bat_hierarchical_space *space, size_t cell, double u, double v, int derivatives,

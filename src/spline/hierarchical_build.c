@@ -33,16 +33,17 @@ static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)
     return made ? BAT_OK : error_memory(error, count * sizeof *leaves);
 }
 
-/// The region of a level and its functions: those that the region supports, of which those are selected that the next region,
-/// here in cells of this level, does not support.
-static bool make_level(bat_hierarchical_space *space, size_t level, const run_set *next)
+/// The region of a level and its functions: those that the region supports, of which those are selected that the refined cells,
+/// which are the next region, do not support.
+static bool make_level(bat_hierarchical_space *space, size_t level)
 {
     uint32_t size[2] = {(uint32_t)hierarchical_spans(space, level, 0), (uint32_t)hierarchical_spans(space, level, 1)};
     hierarchical_level *made = &space->level[level];
     run_set replaced = {0};
-    bool all = run_set_unite(&made->cells, next, &made->region) &&
+    bool all = (level + 1 == space->levels || run_set_halve(&made[1].region, &made->refined)) &&
+               run_set_unite(&made->cells, &made->refined, &made->region) &&
                run_set_supports(&made->region, size, space->options.degree, &made->supported) &&
-               run_set_supports(next, size, space->options.degree, &replaced) &&
+               run_set_supports(&made->refined, size, space->options.degree, &replaced) &&
                run_set_subtract(&made->supported, &replaced, &made->selected);
     run_set_free(&replaced);
     return all;
@@ -53,11 +54,7 @@ static bat_status make_levels(bat_hierarchical_space *space, bat_error *error)
 {
     bool made = true;
     for (size_t l = space->levels; l-- > 0 && made;)
-    {
-        run_set next = {0};
-        made = (l + 1 == space->levels || run_set_halve(&space->level[l + 1].region, &next)) && make_level(space, l, &next);
-        run_set_free(&next);
-    }
+        made = make_level(space, l);
     return made ? BAT_OK : error_memory(error, sizeof(grid_run));
 }
 
@@ -79,8 +76,10 @@ static bat_status number_levels(bat_hierarchical_space *space, bat_error *error)
     for (size_t l = 0; l < space->levels && status == BAT_OK; l++)
     {
         hierarchical_level *level = &space->level[l];
-        size_t supported = 0;
+        size_t supported = 0, refined = 0;
         status = number_places(&level->cells, "cells", &space->cell_count, error);
+        if (status == BAT_OK)
+            status = number_places(&level->refined, "cells", &refined, error);
         if (status == BAT_OK)
             status = number_places(&level->supported, "functions", &supported, error);
         if (status == BAT_OK)

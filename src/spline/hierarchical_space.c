@@ -96,6 +96,7 @@ void bat_hierarchical_space_free(bat_hierarchical_space *space)
     for (size_t l = 0; l < BAT_HIERARCHICAL_MOST_LEVELS; l++)
     {
         run_set_free(&space->level[l].region);
+        run_set_free(&space->level[l].refined);
         run_set_free(&space->level[l].cells);
         run_set_free(&space->level[l].supported);
         run_set_free(&space->level[l].selected);

@@ -30,7 +30,8 @@ typedef struct hierarchical_cell
 typedef struct hierarchical_level
 {
     run_set region;    ///< cells in the level's region
-    run_set cells;     ///< active ones, by their numbers
+    run_set refined;   ///< those of them in the next level's region, numbered from 0
+    run_set cells;     ///< the others, the active ones, by their numbers
     run_set supported; ///< functions of the level with support in its region, numbered from 0
     run_set selected;  ///< those of them in the basis, by their numbers
 } hierarchical_level;

@@ -18,7 +18,7 @@ bool run_set_append(run_set *set, uint32_t row, uint32_t begin, uint32_t end)
         last->end = end > last->end ? end : last->end;
         return true;
     }
-    if (!array_grow((void **)&set->runs, &set->capacity, set->count + 1, sizeof *set->runs))
+    if (!array_grow((void **)&set->runs, &set->capacity, set->count + 1, sizeof *set->runs) || set->runs == NULL)
         return false;
     set->runs[set->count++] = (grid_run){.row = row, .begin = begin, .end = end};
     return true;
@@ -207,7 +207,7 @@ bool run_set_supports(const run_set *cells, const uint32_t size[2], const int de
     size_t rows = 0, *begin = NULL;
     bool made =
         support_columns(cells, size[0], (uint32_t)degree[0], &columns) && (begin = row_beginnings(&columns, &rows)) != NULL;
-    for (size_t r = 0; r < rows && made; r++)
+    for (size_t r = 0; r < rows && made && columns.runs != NULL; r++)
     {
         uint32_t top = columns.runs[begin[r]].row, last = top == size[1] - 1 ? top + q : top;
         for (uint32_t j = top; j <= last && made; j++)

@@ -16,10 +16,10 @@ enum
 {
     POINTS_PER_FUNCTION = 4, ///< where neither a tolerance nor a budget says when to stop
     SMALL_SYSTEM = 500,      ///< functions up to which weights cost next to nothing to try
-    TRIALS_SMALL = 12,       ///< weights tried in a round of a small system,
-    TRIALS = 4,              ///< of a larger one,
-    TRIALS_LAST = 6,         ///< and of one that fills the budget
-    NEWTON_STEPS = 4         ///< of a parameter, in one correction of the loop
+    TRIALS_FIRST = 12,       ///< weights tried in the first round and in those of small systems,
+    TRIALS = 4,              ///< in those of larger ones,
+    TRIALS_LAST = 6,         ///< and in the one that fills the budget
+    NEWTON_STEPS = 3         ///< of a parameter, in one correction of the loop
 };
 
 // A parameter has settled, in the loop, when a step is shorter than this part of a cell.
@@ -55,9 +55,10 @@ static bat_status check_options(const bat_surface_fit_options *options, bat_erro
         wrong = "the tolerance must be finite and not negative";
     else if (!(options->share > 0 && options->share <= 1))
         wrong = "the share of points must be above 0 and at most 1";
-    else if (options->iterations < 0 || options->neighbours < 0 || options->corrections < 0 ||
-             options->final_corrections < 0)
-        wrong = "iterations, neighbours and corrections must not be negative";
+    else if (options->iterations < 0 || options->corrections < 0 || options->final_corrections < 0)
+        wrong = "iterations and corrections must not be negative";
+    else if (options->neighbours < 0 || options->neighbours > BAT_SURFACE_FIT_MOST_NEIGHBOURS)
+        wrong = "the rings of neighbours must be from 0 to 64";
     else if (options->smoothing == BAT_SMOOTHING_GIVEN && !(options->weight >= 0 && isfinite(options->weight)))
         wrong = "the weight of smoothing must be finite and not negative";
     else if (options->smoothing == BAT_SMOOTHING_DISCREPANCY && !(options->noise > 0 && isfinite(options->noise)))
@@ -158,8 +159,8 @@ static bat_status loop_check(fit_loop *loop, bat_error *error)
 static int trials_for(const fit_loop *loop)
 {
     size_t functions = loop->system.functions;
-    if (functions <= SMALL_SYSTEM)
-        return TRIALS_SMALL;
+    if (functions <= SMALL_SYSTEM || loop->count == 0)
+        return TRIALS_FIRST;
     return loop->budget > 0 && (double)functions >= FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
 }
 
@@ -191,11 +192,16 @@ static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
 /// Measure distances, or move the parameters to their feet, and weigh the points anew.
 static bat_status measure_now(fit_loop *loop, bool correct, bat_error *error)
 {
+    fit_correction correction = {NEWTON_STEPS, SETTLED};
+    int threads = loop->options->threads;
     size_t moved;
     bat_status status = loop_check(loop, error);
+    if (status == BAT_OK && !correct)
+        status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
     if (status == BAT_OK && correct)
-        status = fit_correct(&loop->nets, &loop->points, (fit_correction){NEWTON_STEPS, SETTLED}, loop->options->threads,
-                             &moved, error);
+        status = fit_correct(&loop->nets, &loop->points, correction, threads, &moved, error);
+    if (status == BAT_OK && correct)
+        status = fit_correct_lost(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
         status = fit_robust_weigh(&loop->points, &loop->outliers, error);
     return status;
