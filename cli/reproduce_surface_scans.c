@@ -10,16 +10,16 @@
 
 enum
 {
-    FITTED = 2 ///< methods whose adaptive fits are compared
+    FITTED = 3 ///< methods whose adaptive fits are compared: shape-preserving, learned, learned and unfolded
 };
 
 /// Those of the figures.
 static const bat_surface_method METHODS[] = {
-    {"uniform", BAT_SURFACE_UNIFORM, true, NULL},
-    {"inverse-distance", BAT_SURFACE_INVERSE_DISTANCE, true, NULL},
-    {"shape-preserving", BAT_SURFACE_SHAPE_PRESERVING, true, NULL},
-    {"shape-preserving-own", BAT_SURFACE_SHAPE_PRESERVING, false, NULL},
-    {"learned", BAT_SURFACE_LEARNED, false, NULL},
+    {"uniform", BAT_SURFACE_UNIFORM, true, NULL, false},
+    {"inverse-distance", BAT_SURFACE_INVERSE_DISTANCE, true, NULL, false},
+    {"shape-preserving", BAT_SURFACE_SHAPE_PRESERVING, true, NULL, false},
+    {"shape-preserving-own", BAT_SURFACE_SHAPE_PRESERVING, false, NULL, false},
+    {"learned", BAT_SURFACE_LEARNED, false, NULL, false},
 };
 enum
 {
@@ -133,12 +133,13 @@ static void print_fit(const scan_study *study, const published_fit *what, const 
     const bat_surface_fit_round *last = &report->rounds[report->count - 1];
     const bat_surface_candidate *candidate = &trial->result.candidates[0];
     json_t *row =
-        json_pack("{s:s, s:[ii], s:s, s:b, s:I, s:o, s:o, s:o, s:o, s:I, s:I}", "cloud", what->name, "degree",
+        json_pack("{s:s, s:[ii], s:s, s:b, s:I, s:o, s:o, s:o, s:o, s:I, s:I, s:I}", "cloud", what->name, "degree",
                   what->degree[0], what->degree[1], "method", method, "own_neighbourhoods", (int)trial->own, "functions",
                   (json_int_t)last->functions, "mse", report_number(last->mean_squared), "largest",
                   report_number(last->largest), "parameter_seconds", report_number(candidate->seconds), "fit_seconds",
                   report_number(candidate->fit_seconds), "folds", (json_int_t)candidate->folds.folded, "folds_repaired",
-                  (json_int_t)(candidate->folds.folded - candidate->repaired.folded));
+                  (json_int_t)(candidate->folds.folded - candidate->repaired.folded), "folds_corrected",
+                  (json_int_t)trial->result.folds.folded);
     if (published > 0)
         (void)json_object_set_new(row, "published_mse", json_real(published));
     (void)json_array_append_new(study->fits, row);
@@ -150,7 +151,8 @@ static void print_fit(const scan_study *study, const published_fit *what, const 
         (void)printf(" %11.3g", published);
     else
         (void)printf(" %11s", "");
-    (void)printf(" %8zu%s\n", candidate->folds.folded, trial->own ? "  (our neighbourhoods: the published ones fail)" : "");
+    (void)printf(" %8zu %9zu%s\n", candidate->folds.folded, trial->result.folds.folded,
+                 trial->own ? "  (our neighbourhoods: the published ones fail)" : "");
 }
 
 static void print_ratio(const scan_study *study, const published_fit *what, const bat_surface_trial *trials)
@@ -158,16 +160,17 @@ static void print_ratio(const scan_study *study, const published_fit *what, cons
     double errors[FITTED];
     for (size_t m = 0; m < FITTED; m++)
         errors[m] = trials[m].result.report.rounds[trials[m].result.report.count - 1].mean_squared;
+    double ratio = errors[0] / errors[1], unfolded = errors[0] / errors[2];
     bool known = what->shape_preserving > 0 && what->learned > 0;
-    json_t *row = json_pack("{s:s, s:[ii], s:o}", "cloud", what->name, "degree", what->degree[0], what->degree[1], "ratio",
-                            report_number(errors[0] / errors[1]));
+    json_t *row = json_pack("{s:s, s:[ii], s:o, s:o}", "cloud", what->name, "degree", what->degree[0], what->degree[1],
+                            "ratio", report_number(ratio), "ratio_unfolded", report_number(unfolded));
     if (known)
         (void)json_object_set_new(row, "published", json_real(what->shape_preserving / what->learned));
     (void)json_array_append_new(study->ratios, row);
     if (study->job->json)
         return;
-    (void)printf("%-12s (%d, %d) shape-preserving / learned: %.3f", what->name, what->degree[0], what->degree[1],
-                 errors[0] / errors[1]);
+    (void)printf("%-12s (%d, %d) shape-preserving / learned: %.3f, unfolded %.3f", what->name, what->degree[0],
+                 what->degree[1], ratio, unfolded);
     if (known)
         (void)printf(", published %.2f", what->shape_preserving / what->learned);
     (void)printf("\n");
@@ -188,11 +191,12 @@ static int draw_fits(const scan_study *study, const published_fit *what, const b
 static int study_fits(const scan_study *study, const published_fit *what, const bat_cloud *cloud)
 {
     bat_error error;
-    const double published[FITTED] = {what->shape_preserving, what->learned};
-    bat_surface_method methods[FITTED] = {METHODS[SHAPE_PRESERVING], METHODS[LEARNED]};
+    const double published[FITTED] = {what->shape_preserving, what->learned, 0};
+    bat_surface_method methods[FITTED] = {
+        METHODS[SHAPE_PRESERVING], METHODS[LEARNED], {"learned-unfolded", BAT_SURFACE_LEARNED, false, NULL, true}};
     bat_surface_trial trials[FITTED] = {0};
     bat_surface_fit_options fit = bat_surface_fit_defaults();
-    methods[1].model = study->model;
+    methods[1].model = methods[2].model = study->model;
     fit.functions = what->functions;
     fit.progress = report_progress(what->name);
     for (int k = 0; k < 2; k++)
@@ -215,10 +219,11 @@ static int study_fits(const scan_study *study, const published_fit *what, const 
 
 static void print_fit_head(const scan_study *study, const char *units)
 {
-    if (!study->job->json)
-        (void)printf("adaptive fits, errors in %s: mean squared and largest distance\n\n%-12s %6s %-20s %9s %11s %11s %11s "
-                     "%8s\n",
-                     units, "cloud", "", "parameters", "functions", "mse", "largest", "published", "folds");
+    if (study->job->json)
+        return;
+    (void)printf("adaptive fits, errors in %s: mean squared and largest distance\n\n", units);
+    (void)printf("%-12s %6s %-20s %9s %11s %11s %11s %8s %9s\n", "cloud", "", "parameters", "functions", "mse", "largest",
+                 "published", "folds", "corrected");
 }
 
 // The results

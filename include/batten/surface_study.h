@@ -10,13 +10,14 @@ BAT_C_BEGIN
 /// The experiments of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 6, with our clouds or any scans.
 /// docs/surface-figures.md has results.
 
-/// A way to find parameters, as it comes: nothing is unfolded.
+/// A way to find parameters.
 typedef struct bat_surface_method
 {
     const char *name; ///< stays the caller's
     bat_surface_parameters parameters;
     bool published;                 ///< classical neighbourhoods as published
     const bat_surface_model *model; ///< of learned ones; null: the built-in one
+    bool unfolded;                  ///< in adaptive fits: folds are repaired first, which the paper does not do
 } bat_surface_method;
 
 /// How to study. Begin with bat_surface_study_defaults().
@@ -70,7 +71,7 @@ typedef struct bat_surface_trial
 
 BAT_API void bat_surface_trial_free(bat_surface_trial *trial);
 
-/// Fit a scan adaptively with the parameters of a method, unfolded (figures 14 to 16).
+/// Fit a scan adaptively with the parameters of a method (figures 14 to 16).
 /// @param fit   the degrees, and how many functions
 /// @param trial release it with bat_surface_trial_free()
 /// @return as bat_surface_reconstruct()

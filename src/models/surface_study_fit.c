@@ -26,6 +26,7 @@ bat_status bat_surface_study_fit(const bat_cloud *cloud, const bat_surface_metho
     options.parameters = method->parameters;
     options.published = method->published;
     options.model = method->model;
+    options.no_repair = !method->unfolded;
     bat_surface_trial made = {0};
     bat_cloud copy;
     bat_status status = bat_cloud_copy(cloud, &copy, error);
