@@ -15,7 +15,7 @@ static const option_spec OPTIONS[] = {
 };
 
 static const verb_spec SPEC = {
-    .usage = "batten list schemes|spaces|models|shapes|results [--json]",
+    .usage = "batten list schemes|spaces|models|shapes|parameterizations|results [--json]",
     .summary = "The names that the other verbs take.",
     .options = OPTIONS,
     .least_positional = 1,
@@ -136,6 +136,29 @@ static bool shape_row(size_t index, const char **name, const char **settings, co
     return true;
 }
 
+/// Where surfaces get their parameters from.
+static const struct
+{
+    const char *name, *summary;
+} PARAMETERIZATIONS[] = {
+    {"auto", "learned and shape-preserving ones, mean values for a mesh: those that fit best by measure; docs/surfaces.md"},
+    {"learned", "the network that comes with batten, or --model FILE; docs/surface-network.md"},
+    {"shape-preserving", "Floater's weights on the Delaunay neighbours in local planes"},
+    {"inverse-distance", "weights by the inverse distance of neighbours"},
+    {"uniform", "all neighbours weigh the same"},
+    {"mean-value", "Floater's mean values, for clouds that are meshes"},
+};
+
+static bool parameterization_row(size_t index, const char **name, const char **settings, const char **summary)
+{
+    if (index >= sizeof PARAMETERIZATIONS / sizeof PARAMETERIZATIONS[0])
+        return false;
+    *name = PARAMETERIZATIONS[index].name;
+    *settings = NULL;
+    *summary = PARAMETERIZATIONS[index].summary;
+    return true;
+}
+
 static bool result_row(size_t index, const char **name, const char **settings, const char **summary)
 {
     *settings = NULL;
@@ -184,6 +207,8 @@ int verb_list(int argc, char **argv)
         return print_rows(what, model_row, as_json);
     if (strcmp(what, "shapes") == 0)
         return print_rows(what, shape_row, as_json);
+    if (strcmp(what, "parameterizations") == 0)
+        return print_rows(what, parameterization_row, as_json);
     if (strcmp(what, "results") == 0)
         return print_rows(what, result_row, as_json);
     return usage_error(&given, "there is no list of '%s'", what);

@@ -15,6 +15,7 @@ static const struct
     {"curve", verb_curve, "refine the curves of a file, to a file and a picture"},
     {"decimate", verb_decimate, "make a coarse mesh of a fine one, with a map between the two"},
     {"mesh", verb_mesh, "refine a triangle mesh, to a file and a picture"},
+    {"surface", verb_surface, "fit a spline surface to scattered points, to CAD files and a picture"},
     {"measure", verb_measure, "how far two curves or meshes are apart, and each in figures"},
     {"shape", verb_shape, "make a mesh of our own kinds: creatures, machine parts, knots, a cage"},
     {"analyze", verb_analyze, "what a linear scheme does in the limit, with proven bounds"},

@@ -4,6 +4,8 @@
 #include "report.h"
 #include "verbs.h"
 
+#include "batten/spline.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,6 +28,16 @@ typedef enum meshes
     LEARNS      ///< trains on them
 } meshes;
 
+/// What a result does with clouds.
+typedef enum cloud_use
+{
+    NO_CLOUDS,
+    ABLATES, ///< trains two networks, or takes those that are given
+    DRAWS,   ///< makes random ones
+    SCANS,   ///< reads them from a folder
+    MAKES    ///< makes shapes
+} cloud_use;
+
 enum
 {
     MOST_SHAPES = MOST_POSITIONAL - 1,
@@ -37,46 +49,123 @@ static const struct
     const char *name;
     int (*run)(const reproduce_job *job);
     pictures drawn;
-    bool learned; ///< whether a learned tension is compared
+    bool learned; ///< whether a network can be given
     bool seeded;  ///< whether chance has a part in it
     bool sets;    ///< whether there are other curves than the published ones
     const char *summary;
     meshes meshes;
     size_t most_meshes;
     const char *folder; ///< the default one of ALWAYS and TRAINING
+    cloud_use clouds;
+    const char *data; ///< the files that SCANS needs
 } RESULTS[] = {
-    {"curve-figures", reproduce_curve_figures, ALWAYS, false, false, false,
-     "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20", NO_MESHES, 0, "out"},
-    {"tension-table1", reproduce_tension_table1, WITH_FOLDER, true, false, true,
-     "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs", NO_MESHES, 0, NULL},
-    {"tension-table2", reproduce_tension_table2, NEVER, true, true, false,
-     "table 2 of the tension paper: largest angles where the control points are disturbed", NO_MESHES, 0, NULL},
-    {"tension-table3", reproduce_tension_table3, TRAINING, false, true, false,
-     "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times", NO_MESHES, 0,
-     "out/tension-ablations"},
-    {"tension-table4", reproduce_tension_table4, TRAINING, false, true, false,
-     "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times", NO_MESHES, 0,
-     "out/tension-ablations"},
-    {"tension-iss", reproduce_tension_iss, WITH_FOLDER, true, false, false,
-     "table 5 of the tension paper: the ISS ground track", NO_MESHES, 0, NULL},
-    {"tension-mechanism", reproduce_tension_mechanism, WITH_FOLDER, true, false, false,
-     "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)", NO_MESHES, 0,
-     NULL},
-    {"hermite-figures", reproduce_hermite_figures, ALWAYS, false, false, false,
-     "figures 1 to 4 of the Hermite paper: tensors, orders 1, 3 and 10, a spiral, rotations, beside parallel transport",
-     NO_MESHES, 0, "out"},
-    {"hermite-order", reproduce_hermite_order, NEVER, false, false, false,
-     "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement",
-     NO_MESHES, 0, NULL},
-    {"mesh-table2", reproduce_mesh_table2, WITH_FOLDER, true, false, false,
-     "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured", SUBDIVIDES, MOST_SHAPES,
-     NULL},
-    {"mesh-ablations", reproduce_mesh_ablations, TRAINING, false, true, false,
-     "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some minutes",
-     LEARNS, MOST_SHAPES, "out/mesh-ablations"},
-    {"mesh-style", reproduce_mesh_style, TRAINING, false, true, false,
-     "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice", LEARNS, 2,
-     "out/mesh-style"},
+    {.name = "curve-figures",
+     .run = reproduce_curve_figures,
+     .drawn = ALWAYS,
+     .summary = "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20",
+     .folder = "out"},
+    {.name = "tension-table1",
+     .run = reproduce_tension_table1,
+     .drawn = WITH_FOLDER,
+     .learned = true,
+     .sets = true,
+     .summary = "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs"},
+    {.name = "tension-table2",
+     .run = reproduce_tension_table2,
+     .learned = true,
+     .seeded = true,
+     .summary = "table 2 of the tension paper: largest angles where the control points are disturbed"},
+    {.name = "tension-table3",
+     .run = reproduce_tension_table3,
+     .drawn = TRAINING,
+     .seeded = true,
+     .summary = "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times",
+     .folder = "out/tension-ablations"},
+    {.name = "tension-table4",
+     .run = reproduce_tension_table4,
+     .drawn = TRAINING,
+     .seeded = true,
+     .summary = "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times",
+     .folder = "out/tension-ablations"},
+    {.name = "tension-iss",
+     .run = reproduce_tension_iss,
+     .drawn = WITH_FOLDER,
+     .learned = true,
+     .summary = "table 5 of the tension paper: the ISS ground track"},
+    {.name = "tension-mechanism",
+     .run = reproduce_tension_mechanism,
+     .drawn = WITH_FOLDER,
+     .learned = true,
+     .summary = "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
+    {.name = "hermite-figures",
+     .run = reproduce_hermite_figures,
+     .drawn = ALWAYS,
+     .summary =
+         "figures 1 to 4 of the Hermite paper: tensors, orders 1, 3 and 10, a spiral, rotations, beside parallel transport",
+     .folder = "out"},
+    {.name = "hermite-order",
+     .run = reproduce_hermite_order,
+     .summary =
+         "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement"},
+    {.name = "mesh-table2",
+     .run = reproduce_mesh_table2,
+     .drawn = WITH_FOLDER,
+     .learned = true,
+     .summary = "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured",
+     .meshes = SUBDIVIDES,
+     .most_meshes = MOST_SHAPES},
+    {.name = "mesh-ablations",
+     .run = reproduce_mesh_ablations,
+     .drawn = TRAINING,
+     .seeded = true,
+     .summary = "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some "
+                "minutes",
+     .meshes = LEARNS,
+     .most_meshes = MOST_SHAPES,
+     .folder = "out/mesh-ablations"},
+    {.name = "mesh-style",
+     .run = reproduce_mesh_style,
+     .drawn = TRAINING,
+     .seeded = true,
+     .summary = "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice",
+     .meshes = LEARNS,
+     .most_meshes = 2,
+     .folder = "out/mesh-style"},
+    {.name = "surface-ablation",
+     .run = reproduce_surface_ablation,
+     .drawn = TRAINING,
+     .learned = true,
+     .seeded = true,
+     .summary = "section 6.1 of the BIDGCN paper: a network with and without the boundary-informed layer; trains twice, "
+                "some minutes",
+     .folder = "out/surface-ablation",
+     .clouds = ABLATES},
+    {.name = "surface-clouds",
+     .run = reproduce_surface_clouds,
+     .learned = true,
+     .seeded = true,
+     .summary = "figures 5 to 9 of the BIDGCN paper: errors, times and failures of parameterizations on random clouds",
+     .clouds = DRAWS},
+    {.name = "surface-nefertiti",
+     .run = reproduce_surface_nefertiti,
+     .drawn = WITH_FOLDER,
+     .learned = true,
+     .summary = "figures 12 and 14 of the BIDGCN paper: six clouds of a bust, and an adaptive fit of the largest",
+     .clouds = SCANS,
+     .data = "nefertiti-532.xyz, -1043, -2062, -3253, -6024 and -8818"},
+    {.name = "surface-face",
+     .run = reproduce_surface_face,
+     .drawn = WITH_FOLDER,
+     .learned = true,
+     .summary = "figure 15 of the BIDGCN paper: adaptive fits of a face of bidegrees (3, 3) and (4, 4)",
+     .clouds = SCANS,
+     .data = "face-9283.xyz"},
+    {.name = "surface-shapes",
+     .run = reproduce_surface_shapes,
+     .drawn = WITH_FOLDER,
+     .learned = true,
+     .summary = "figure 16 of the BIDGCN paper: a ship hull and a turbine blade of our own, bidegree (5, 2)",
+     .clouds = MAKES},
 };
 enum
 {
@@ -102,14 +191,24 @@ static const option_spec OPTIONS[] = {
      "same, and the picture of the latter; default out/ and their name"},
     {"model", 0, "FILE",
      "tension-table1, -table2, -iss: a learned tension, for a row \"learned-published\"; tension-mechanism: the one to look "
-     "into; mesh-table2: a learned subdivision, for rows \"given\""},
+     "into; mesh-table2: a learned subdivision, for rows \"given\"; surface-…: a network instead of the one that comes with "
+     "batten"},
+    {"uninformed", 0, "FILE",
+     "surface-ablation: a network that does not know the boundary, beside --model; else it is trained"},
     {"set", 0, "NAME", "tension-table1: published (default), fresh or unseen curves"},
     {"seed", 0, "N",
-     "tension-table2: of the noise; tension-table3, -table4, mesh-ablations, mesh-style: of the trainings; default 1"},
-    {"data", 0, "FOLDER", "mesh-table2: all shapes of a folder but those that the networks learned from"},
+     "tension-table2: of the noise; surface-clouds: of the clouds; tension-table3, -table4, mesh-ablations, mesh-style, "
+     "surface-ablation: of the trainings; default 1"},
+    {"data", 0, "FOLDER",
+     "mesh-table2: all shapes of a folder but those that the networks learned from; surface-nefertiti, -face: where the "
+     "clouds are"},
     {"vertices", 0, "N", "mesh-table2: how many vertices the shapes are decimated to; default 400"},
-    {"epochs", 0, "E", "mesh-ablations, mesh-style: of each training; default 60"},
+    {"epochs", 0, "E", "mesh-ablations, mesh-style: of each training; default 60; surface-ablation: default 10"},
     {"pairs", 0, "N", "mesh-ablations, mesh-style: coarse meshes made of each shape; default 50"},
+    {"clouds", 0, "N", "surface-clouds, surface-ablation: random clouds of each case; default 100"},
+    {"points", 0, "LIST", "surface-clouds: points inside of a cloud; default 50,100,200,500,1000,2000,5000"},
+    {"noise", 0, "LIST", "surface-clouds: standard deviations; default 0,0.005,0.01,0.05"},
+    {"degrees", 0, "LIST", "surface-clouds: of surface and fit; default 2,3,4,5: a quarter of an hour in all"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
@@ -148,13 +247,44 @@ static int check_meshes(const arguments *given, size_t index)
                                 : usage_error(given, "%s takes %zu shapes at most", name, RESULTS[index].most_meshes);
     if (RESULTS[index].most_meshes == 2 && count == 1)
         return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
+    if (RESULTS[index].clouds != NO_CLOUDS)
+        return EXIT_DONE;
     if (use != SUBDIVIDES && any_given(given, FOR_SUBDIVISION))
-        return usage_error(given, "--data and --vertices go with mesh-table2");
+        return usage_error(given, "--data and --vertices go with mesh-table2, --data with surface-nefertiti and -face too");
     if (use != LEARNS && any_given(given, FOR_LEARNING))
-        return usage_error(given, "--epochs and --pairs go with mesh-ablations and mesh-style");
+        return usage_error(given,
+                           "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation");
     if (use == SUBDIVIDES && (count > 0) == (argument(given, "data") != NULL))
         return usage_error(given, "%s needs %s: the program comes without any", name,
                            count > 0 ? "either shapes or --data, not both" : "shapes, or a folder of them as --data");
+    return EXIT_DONE;
+}
+
+/// Whether what was given about clouds fits a result; EXIT_DONE when it does.
+static int check_clouds(const arguments *given, size_t index)
+{
+    static const char *const FOR_CASES[] = {"points", "noise", "degrees", NULL}, *const FOR_MESHES[] = {"vertices", "pairs",
+                                                                                                        NULL};
+    const char *name = RESULTS[index].name;
+    cloud_use use = RESULTS[index].clouds;
+    bool informed = argument(given, "model") != NULL, uninformed = argument(given, "uninformed") != NULL;
+    if (use != DRAWS && any_given(given, FOR_CASES))
+        return usage_error(given, "--points, --noise and --degrees go with surface-clouds");
+    if (use != DRAWS && use != ABLATES && argument(given, "clouds") != NULL)
+        return usage_error(given, "--clouds goes with surface-clouds and surface-ablation");
+    if (use != ABLATES && uninformed)
+        return usage_error(given, "--uninformed goes with surface-ablation");
+    if (use == ABLATES && informed != uninformed)
+        return usage_error(given, "%s needs both --model and --uninformed, or trains both", name);
+    if (use == NO_CLOUDS)
+        return EXIT_DONE;
+    if (any_given(given, FOR_MESHES) || (use != ABLATES && argument(given, "epochs") != NULL))
+        return usage_error(given, "--vertices, --pairs and --epochs do not go with %s", name);
+    if (use != SCANS && argument(given, "data") != NULL)
+        return usage_error(given, "%s makes its clouds itself: there is no --data", name);
+    if (use == SCANS && argument(given, "data") == NULL)
+        return usage_error(given, "%s needs --data FOLDER with %s: the program comes without any scans", name,
+                           RESULTS[index].data);
     return EXIT_DONE;
 }
 
@@ -170,7 +300,8 @@ static int check_options(const arguments *given, size_t index)
         return usage_error(given, "%s has no chance in it for a seed", name);
     if (argument(given, "set") != NULL && !RESULTS[index].sets)
         return usage_error(given, "%s has no other curves: --set goes with tension-table1", name);
-    return check_meshes(given, index);
+    int code = check_meshes(given, index);
+    return code == EXIT_DONE ? check_clouds(given, index) : code;
 }
 
 static const char *folder_of(const arguments *given, size_t index)
@@ -183,7 +314,8 @@ static int run(const arguments *given, size_t index)
 {
     // In the order of bat_tension_set_kind.
     static const char *const SETS[] = {"published", "fresh", "unseen", NULL};
-    long seed, vertices, epochs, pairs;
+    long seed, vertices, epochs, pairs, clouds;
+    number_list points = {.count = 0}, noises = points, degrees = points;
     int set, code = check_options(given, index);
     if (code != EXIT_DONE || !argument_word(given, "set", SETS, BAT_TENSION_PUBLISHED, &set))
         return EXIT_BAD_USAGE;
@@ -191,7 +323,10 @@ static int run(const arguments *given, size_t index)
         return EXIT_BAD_USAGE;
     if (!argument_whole(given, "vertices", 4, MOST_NUMBER, 0, &vertices) ||
         !argument_whole(given, "epochs", 1, MOST_NUMBER, 0, &epochs) ||
-        !argument_whole(given, "pairs", 1, MOST_NUMBER, 0, &pairs))
+        !argument_whole(given, "pairs", 1, MOST_NUMBER, 0, &pairs) ||
+        !argument_whole(given, "clouds", 1, MOST_NUMBER, 0, &clouds) ||
+        !argument_list(given, "points", 1, 100000, true, &points) || !argument_list(given, "noise", 0, 10, false, &noises) ||
+        !argument_list(given, "degrees", 1, BAT_SPLINE_MOST_DEGREE, true, &degrees))
         return EXIT_BAD_USAGE;
     pictures drawn = RESULTS[index].drawn;
     const char *folder = folder_of(given, index);
@@ -212,7 +347,12 @@ static int run(const arguments *given, size_t index)
                          .data = argument(given, "data"),
                          .vertices = (size_t)vertices,
                          .epochs = (size_t)epochs,
-                         .pairs = (size_t)pairs};
+                         .pairs = (size_t)pairs,
+                         .uninformed = argument(given, "uninformed"),
+                         .clouds = (size_t)clouds,
+                         .points = points,
+                         .noises = noises,
+                         .degrees = degrees};
     return RESULTS[index].run(&job);
 }
 

@@ -1,6 +1,8 @@
 #ifndef CLI_REPRODUCE_H
 #define CLI_REPRODUCE_H
 
+#include "number_list.h"
+
 #include "batten/mesh.h"
 #include "batten/tension_data.h"
 #include "batten/tension_model.h"
@@ -15,15 +17,18 @@ bool reproduce_row(size_t index, const char **name, const char **summary);
 typedef struct reproduce_job
 {
     const char *folder; ///< for pictures or trainings; null for none
-    const char *model;  ///< the file of a learned tension; null for none
+    const char *model;  ///< the file of a network; null for none
     uint64_t seed;
     bat_tension_set_kind curves; ///< which curves table 1 is taken on
     bool json;                   ///< print one JSON object
     const char *const *shapes;   ///< files of meshes, `shape_count` of them
     size_t shape_count;
-    const char *data;     ///< a folder of meshes; null for none
-    size_t vertices;      ///< that meshes are decimated to; 0 for the default, as the next two
-    size_t epochs, pairs; ///< of trainings on meshes
+    const char *data;                    ///< a folder of meshes or clouds; null for none
+    size_t vertices;                     ///< that meshes are decimated to; 0 for the default, as the next two
+    size_t epochs, pairs;                ///< of trainings on meshes, the former also on clouds
+    const char *uninformed;              ///< the file of a network that does not know the boundary; null for none
+    size_t clouds;                       ///< of each case; 0 for the default
+    number_list points, noises, degrees; ///< the cases; empty for the default
 } reproduce_job;
 
 /// One result each: print it, write its pictures to the folder where it has any, and return the program's exit code.
@@ -39,8 +44,18 @@ int reproduce_hermite_order(const reproduce_job *job);
 int reproduce_mesh_table2(const reproduce_job *job);
 int reproduce_mesh_ablations(const reproduce_job *job);
 int reproduce_mesh_style(const reproduce_job *job);
+int reproduce_surface_ablation(const reproduce_job *job);
+int reproduce_surface_clouds(const reproduce_job *job);
+int reproduce_surface_nefertiti(const reproduce_job *job);
+int reproduce_surface_face(const reproduce_job *job);
+int reproduce_surface_shapes(const reproduce_job *job);
 
 // What the results share.
+
+enum
+{
+    REPRODUCE_PATH_SIZE = 4096
+};
 
 /// Draw the rows of table 1, `count` in all: how near against how fair, in each space.
 int reproduce_draw_frontier(const bat_tension_row *rows, size_t count, const char *path);
@@ -51,6 +66,8 @@ int reproduce_model(const reproduce_job *job, bat_tension_model **model);
 void reproduce_print_figure(double ours, double published, int width);
 /// Add a number to an object if there is one: not for NaN.
 void reproduce_set_number(json_t *object, const char *key, double value);
+/// "folder/file" in a buffer. Returns the program's exit code.
+int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE]);
 /// Read a shape, repairing it where that is needed, and say so. Returns the program's exit code.
 int reproduce_read_shape(const char *path, bat_mesh *mesh);
 

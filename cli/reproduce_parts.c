@@ -28,3 +28,11 @@ void reproduce_set_number(json_t *object, const char *key, double value)
     if (isfinite(value))
         (void)json_object_set_new(object, key, report_number(value));
 }
+
+int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE])
+{
+    int length = snprintf(path, REPRODUCE_PATH_SIZE, "%s/%s", folder, file);
+    if (length < 0 || length >= REPRODUCE_PATH_SIZE)
+        return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
+    return EXIT_DONE;
+}

@@ -10,6 +10,7 @@ int verb_measure(int argc, char **argv);
 int verb_mesh(int argc, char **argv);
 int verb_reproduce(int argc, char **argv);
 int verb_shape(int argc, char **argv);
+int verb_surface(int argc, char **argv);
 int verb_train(int argc, char **argv);
 
 #endif

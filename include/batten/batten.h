@@ -40,6 +40,7 @@
 #include "batten/surface_model.h"
 #include "batten/surface_picture.h"
 #include "batten/surface_shapes.h"
+#include "batten/surface_study.h"
 #include "batten/surface_train.h"
 #include "batten/tension_ablation.h"
 #include "batten/tension_data.h"

@@ -52,6 +52,12 @@ BAT_API bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (no boundary) or BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_find_corners(bat_cloud *cloud, bat_error *error);
 
+/// Say which points are the corners (0, 0), (1, 0), (1, 1), (0, 1). The loop is turned so that it begins with the first one, and runs
+/// the other way round where that is how the four follow each other.
+/// @param corners points by their place in the input, counted from 0
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for points off the boundary or in another order; BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_error *error);
+
 /// How points of a side get their parameters.
 typedef enum bat_side_parameters
 {

@@ -18,6 +18,10 @@ typedef enum bat_cloud_format
     BAT_CLOUD_OBJ        ///< vertices; faces, if there are, make it a mesh
 } bat_cloud_format;
 
+/// The format of a name: xyz, csv, ply or obj.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT, `format` being untouched
+BAT_API bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *format, bat_error *error);
+
 /// How to read. All zero: the defaults.
 typedef struct bat_cloud_read_options
 {
@@ -47,6 +51,17 @@ BAT_API bat_status bat_cloud_read(const char *path, const bat_cloud_read_options
 /// at all.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT where the ending says no format; what bat_cloud_check() returns; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error);
+
+/// Write parameters as lines "u v", in the order that the points had in the input; "nan nan" stands for a point that was left out.
+/// @param path       "-" for standard output
+/// @param parameters cloud->count x 2
+BAT_API bat_status bat_parameters_write(const char *path, const bat_cloud *cloud, const double *parameters,
+                                        bat_error *error);
+/// Read what bat_parameters_write() writes, for the same input: a row for each of its points, '#' beginning a remark.
+/// @param parameters receives an array of cloud->count x 2 from malloc(), in the cloud's order
+/// @return BAT_OK; BAT_BAD_FILE with the line for what is no number from 0 to 1, or for another number of rows; BAT_FILE_ACCESS or
+///         BAT_NO_MEMORY
+BAT_API bat_status bat_parameters_read(const char *path, const bat_cloud *cloud, double **parameters, bat_error *error);
 
 BAT_C_END
 

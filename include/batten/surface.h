@@ -8,32 +8,34 @@
 BAT_C_BEGIN
 
 /// @file
-/// From a cloud to a surface in one call.
+/// From a cloud to a surface in one call. docs/surfaces.md says how the parts fit together.
 
 /// Where parameters come from.
 typedef enum bat_surface_parameters
 {
-    BAT_SURFACE_AUTO,    ///< tries learned and classical ones and takes those that fit best by measure (default)
+    BAT_SURFACE_AUTO,    ///< learned and classical ones are tried; those that fit best by measure are taken (default)
     BAT_SURFACE_LEARNED, ///< the network
     BAT_SURFACE_UNIFORM,
     BAT_SURFACE_INVERSE_DISTANCE,
     BAT_SURFACE_SHAPE_PRESERVING,
-    BAT_SURFACE_MEAN_VALUE,
-    BAT_SURFACE_GIVEN ///< brought by the caller
+    BAT_SURFACE_MEAN_VALUE, ///< for clouds that were meshes
+    BAT_SURFACE_GIVEN,      ///< brought by the caller
+    BAT_SURFACE_PARAMETERS  ///< how many there are
 } bat_surface_parameters;
 
+/// The name, for example "shape-preserving". Never null.
 BAT_API const char *bat_surface_parameters_name(bat_surface_parameters parameters);
 
 /// How. Begin with bat_surface_defaults().
 typedef struct bat_surface_options
 {
     bat_surface_fit_options fit;
-    bat_surface_parameters parameters;
-    bat_side_parameters sides;
-    bool published;                 ///< classical neighbourhoods as published
-    const bat_surface_model *model; ///< null: the built-in one
-    const double *given;            ///< count x 2 for BAT_SURFACE_GIVEN
-    bool no_repair;                 ///< leave folds, only report them
+    bat_surface_parameters parameters; ///< default BAT_SURFACE_AUTO
+    bat_side_parameters sides;         ///< default chord length
+    bool published;                    ///< classical neighbourhoods as published, which may fail; default false
+    const bat_surface_model *model;    ///< null: the built-in one
+    const double *given; ///< count x 2 for BAT_SURFACE_GIVEN, each in [0, 1]^2, in the cloud's order; they are not unfolded
+    bool no_repair;      ///< leave folds, only report them; default false
 } bat_surface_options;
 
 BAT_API bat_surface_options bat_surface_defaults(void);
@@ -42,10 +44,14 @@ BAT_API bat_surface_options bat_surface_defaults(void);
 typedef struct bat_surface_candidate
 {
     bat_surface_parameters parameters;
-    bat_status status;           ///< of its parameterization
-    double mean_squared;         ///< of the trial fit; NaN when it failed
-    double seconds;              ///< of its parameterization
-    bat_parameters_report folds; ///< before repair
+    bat_error failure;              ///< status BAT_OK when there was none
+    double seconds;                 ///< of parameterizing
+    bat_parameters_report folds;    ///< before repair
+    bat_parameters_report repaired; ///< after it; the same as `folds` where there was nothing to repair
+    size_t functions;               ///< of the fit on trial
+    double mean_squared; ///< of its distances; with robust weights the median of their squares; NaN when it failed
+    bool reached;        ///< as bat_surface_fit_report says of it
+    double fit_seconds;  ///< of the fit on trial
 } bat_surface_candidate;
 
 #define BAT_SURFACE_MOST_CANDIDATES 6
@@ -55,17 +61,30 @@ typedef struct bat_surface_result
 {
     bat_spline_surface surface;
     bat_surface_fit_report report;
-    double *parameters; ///< count x 2, after correction
+    double *parameters; ///< count x 2 in the cloud's order, after correction
     bat_surface_parameters chosen;
     bat_surface_candidate candidates[BAT_SURFACE_MOST_CANDIDATES];
     size_t candidate_count;
-    bat_parameters_report folds; ///< of the final parameters
+    size_t trial_points; ///< that the fits on trial went through: all of them, or a part of a large cloud
+    bat_parameters_report
+        folds;           ///< of `parameters`; of given ones without a boundary it is all zero but for what lies outside
+    bool boundary_found; ///< whether the boundary was not known
+    bool corners_found;  ///< whether the corners were not known
 } bat_surface_result;
 
 BAT_API void bat_surface_result_free(bat_surface_result *result);
 
 /// Fit a surface to a cloud: find the boundary and corners if they are not known, parameterize, unfold, fit adaptively.
-/// @param cloud boundary points are brought to the front where they have to be found
+///
+/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights and, for a mesh, mean values. Each is unfolded and
+/// fitted as it would be in the end. Of two that reach the tolerance the one with fewer functions is better, else the one with
+/// the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter as
+/// many functions. A candidate that fails, or folds at more than half of the points, only leaves the competition.
+///
+/// @param cloud  boundary points are brought to the front where they have to be found, and corners are marked; given parameters need neither
+/// @param result untouched on failure
+/// @return BAT_OK; what bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(), bat_surface_model_builtin() and
+///         bat_surface_fit() return
 BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
                                            bat_error *error);
 

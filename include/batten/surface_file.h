@@ -19,6 +19,12 @@ typedef enum bat_surface_format
     BAT_SURFACE_JSON       ///< degrees, boxes, functions, control points; exact
 } bat_surface_format;
 
+/// The format of a name: xml, step, vtk, obj or json.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT, `format` being untouched
+BAT_API bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error);
+/// The format that a path's ending stands for, in either case; else BAT_SURFACE_FROM_NAME.
+BAT_API bat_surface_format bat_surface_format_of_path(const char *path);
+
 /// How to write. All zero: the defaults.
 typedef struct bat_surface_write_options
 {

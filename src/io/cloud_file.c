@@ -6,6 +6,20 @@
 
 #include <strings.h>
 
+bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *format, bat_error *error)
+{
+    static const char *const names[] = {
+        [BAT_CLOUD_XYZ] = "xyz", [BAT_CLOUD_CSV] = "csv", [BAT_CLOUD_PLY] = "ply", [BAT_CLOUD_OBJ] = "obj"};
+    for (size_t i = BAT_CLOUD_XYZ; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0)
+        {
+            *format = (bat_cloud_format)i;
+            return BAT_OK;
+        }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "there is no cloud format '%s'; the formats are xyz, csv, ply, obj", name);
+}
+
 bat_cloud_format cloud_format_of_path(const char *path)
 {
     static const struct

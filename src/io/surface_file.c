@@ -5,7 +5,24 @@
 #include <math.h>
 #include <strings.h>
 
-static bat_surface_format format_of_path(const char *path)
+bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error)
+{
+    static const char *const names[] = {[BAT_SURFACE_XML] = "xml",
+                                        [BAT_SURFACE_STEP] = "step",
+                                        [BAT_SURFACE_VTK] = "vtk",
+                                        [BAT_SURFACE_OBJ] = "obj",
+                                        [BAT_SURFACE_JSON] = "json"};
+    for (size_t i = BAT_SURFACE_XML; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0)
+        {
+            *format = (bat_surface_format)i;
+            return BAT_OK;
+        }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "there is no surface format '%s'; the formats are xml, step, vtk, obj, json", name);
+}
+
+bat_surface_format bat_surface_format_of_path(const char *path)
 {
     static const struct
     {
@@ -89,7 +106,8 @@ bat_status bat_surface_write(const char *path, const bat_spline_surface *surface
     const bat_surface_write_options defaults = {0};
     if (options == NULL)
         options = &defaults;
-    bat_surface_format format = options->format == BAT_SURFACE_FROM_NAME ? format_of_path(path) : options->format;
+    bat_surface_format format =
+        options->format == BAT_SURFACE_FROM_NAME ? bat_surface_format_of_path(path) : options->format;
     atomic_file file;
     bat_status status = surface_check(surface, format, options, error);
     if (status == BAT_OK)

@@ -305,6 +305,83 @@ refused 2 'format' shape cage -o out.csv --to xyz
 refused 1 'no/such' shape cage -o no/such/cage.obj
 refused 1 'no/such' shape cage -o out.csv --to obj --picture no/such/cage.png
 
+surface()
+{
+    pattern=$1
+    shift
+    refused 1 "$pattern" surface "$@" -o out.csv --to step --picture out.png
+}
+
+awk 'BEGIN { srand(1); for (i = 0; i < 300; i++) { u = rand(); v = rand(); print u, v, 0.1 * u * v } }' > cloud.in.xyz
+awk 'NR == 8 { print "nan 0 0"; next } { print }' cloud.in.xyz > nan.in.xyz
+awk 'NR == 4 { kept = $0 } NR == 9 { print kept; next } { print }' cloud.in.xyz > twice.in.xyz
+head -n 3 cloud.in.xyz > three.in.xyz
+: > empty.in.xyz
+printf '0 0 0\n1 0 0\n1 1\n' > short.in.xyz
+awk 'BEGIN { for (i = 0; i < 100; i++) print i, 2 * i, 3 * i }' > straight.in.xyz
+awk '{ print } { print $1 + 5, $2, $3 }' cloud.in.xyz > two.in.xyz
+awk 'BEGIN { for (i = 0; i < 600; i++) { z = (2 * i + 1) / 600 - 1; r = sqrt(1 - z * z); print r * cos(2.4 * i), r * sin(2.4 * i), z } }' > sphere.in.xyz
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' > closed.in.obj
+surface 'empty.in.xyz: there are no points' empty.in.xyz
+surface 'three.in.xyz: 3 points' three.in.xyz
+surface 'nan.in.xyz:8: point 7 is not finite' nan.in.xyz
+surface 'short.in.xyz:3: point 2 has no z' short.in.xyz
+surface 'twice.in.xyz:9: .* line 4' twice.in.xyz
+surface 'straight.in.xyz: no boundary loop' straight.in.xyz
+surface 'two.in.xyz: .*boundary loops' two.in.xyz
+surface 'sphere.in.xyz: no boundary loop' sphere.in.xyz
+surface 'closed.in.obj: .*closed' closed.in.obj
+surface 'none.in.xyz: cannot open' none.in.xyz
+surface 'coarsest spline has 9 functions' cloud.in.xyz --functions 8
+surface 'coarsest spline has 16 functions' cloud.in.xyz --functions 15 --degree 3
+surface 'boundary of 301 points' cloud.in.xyz --boundary 301
+surface "boundary's file: cannot open" cloud.in.xyz --boundary none.in.xyz
+surface 'corner 1000 is no point' cloud.in.xyz --corners 1000,0,1,2
+surface 'need the triangles' cloud.in.xyz --parameterization mean-value
+surface 'none.in.uv: cannot open' cloud.in.xyz --parameterization none.in.uv
+surface 'empty.in.xyz: 0 rows of parameters for 300 points' cloud.in.xyz --parameterization empty.in.xyz
+surface 'cloud.in.xyz:1: .*more than u and v' cloud.in.xyz --parameterization cloud.in.xyz
+surface 'cloud.in.xyz: ' cloud.in.xyz --model cloud.in.xyz
+"$batten" surface cloud.in.xyz --parameterization uniform --functions 20 -o fit.in.xml --quiet
+head -c 900 fit.in.xml > truncated.in.xml
+surface 'truncated.in.xml:[0-9]+: ' truncated.in.xml
+surface 'empty.in.xml: cannot open' empty.in.xml
+refused 1 'no/such' surface cloud.in.xyz --parameterization uniform -o no/such/fit.step
+refused 1 'no/such' surface cloud.in.xyz --parameterization uniform --parameters no/such/fit.uv
+refused 2 'missing' surface
+refused 2 'tolerance takes a number above 0' surface cloud.in.xyz --tolerance -1
+refused 2 'tolerance takes a number above 0' surface cloud.in.xyz --tolerance 0
+refused 2 'takes a number, not' surface cloud.in.xyz --tolerance x
+refused 2 'share takes' surface cloud.in.xyz --tolerance 1 --share 1.5
+refused 2 'share needs' surface cloud.in.xyz --share 0.9
+refused 2 'exclude each other' surface cloud.in.xyz --noise 1 --smoothing 1
+refused 2 'two like 3,2' surface cloud.in.xyz --degree 0
+refused 2 'two like 3,2' surface cloud.in.xyz --degree 3,
+refused 2 'two like 3,2' surface cloud.in.xyz --degree 3,16
+refused 2 'number of points from 4' surface cloud.in.xyz --boundary 3
+refused 2 'four numbers' surface cloud.in.xyz --corners 1,2,3
+refused 2 'parameterization takes' surface cloud.in.xyz --parameterization fancy
+refused 2 'goes with auto and learned' surface cloud.in.xyz --parameterization uniform --model good.in.csv
+refused 2 'one of chord-length' surface cloud.in.xyz --sides short
+refused 2 "ending tells no format" surface cloud.in.xyz -o out.csv
+refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to iges
+refused 2 'no cloud format' surface cloud.in.xyz --from stl
+refused 2 'both need standard output' surface cloud.in.xyz -o - --to step --json
+refused 2 'nothing is asked for' surface cloud.in.xyz --quiet
+refused 2 'surface already: --tolerance goes with points' surface fit.in.xml --tolerance 1
+
+refused 2 'needs --data FOLDER with nefertiti' reproduce surface-nefertiti
+refused 2 'needs --data FOLDER with face' reproduce surface-face
+refused 1 'no/such/nefertiti-532.xyz: cannot open' reproduce surface-nefertiti --data no/such --json
+refused 2 'makes its clouds itself' reproduce surface-shapes --data .
+refused 2 'needs both --model and --uninformed' reproduce surface-ablation --model good.in.csv
+refused 2 'uninformed goes with' reproduce surface-clouds --uninformed good.in.csv
+refused 2 'points takes up to' reproduce surface-clouds --points 50,x
+refused 2 'degrees takes up to' reproduce surface-clouds --degrees 16
+refused 2 'go with surface-clouds' reproduce surface-shapes --noise 0
+refused 2 'clouds goes with' reproduce mesh-style --clouds 3
+refused 1 'good.in.csv: ' reproduce surface-clouds --model good.in.csv
+
 full --version
 full help list
 full list schemes

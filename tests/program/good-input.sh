@@ -293,7 +293,48 @@ for kind in $("$batten" list shapes | cut -d ' ' -f 1); do
     check "shape $kind" "$batten" shape "$kind" --vertices 500 -o shape.ply --quiet
 done
 
-for verb in curve decimate mesh measure shape analyze reproduce list; do
+"$batten" train surface --recipe batten --epochs 1 --steps 1 --batch 1 --points 50-60 --degree 2 -o trained --json > trained.json
+"$batten" shape scan -o scan.xyz --vertices 1500 --seed 2 --quiet
+model=trained/model.safetensors
+"$batten" surface scan.xyz --model $model --functions 150 -o scan.step --picture scan.png --parameters scan.uv --json > scan.json
+check "surface --json says what was chosen" json scan.json '"chosen": "'
+check "surface --json has both candidates" sh -c 'grep -c "\"parameters\": \"" scan.json | grep -qx 2'
+check "the boundary of a scan is found" grep -q '"boundary_found": true' scan.json
+check "the surface is STEP" grep -q B_SPLINE_SURFACE_WITH_KNOTS scan.step
+check "surface draws a picture" sh -c 'head -c 4 scan.png | grep -q PNG'
+check "every point has its parameters" test "$(wc -l < scan.uv)" -eq "$(grep -vc '^#' scan.xyz)"
+"$batten" surface scan.xyz --parameterization ./scan.uv --functions 150 -o given.xml --json > given.json
+check "parameters can be given" json given.json '"chosen": "given"'
+"$batten" surface - --from xyz --parameterization shape-preserving --functions 100 -o - --to xml < scan.xyz > piped.xml
+"$batten" surface scan.xyz --parameterization shape-preserving --functions 100 --threads 1 -o file.xml --quiet
+check "surface gives the same bytes to a pipe and with one thread" same piped.xml file.xml
+"$batten" surface file.xml -o file.json --quiet
+"$batten" surface file.json -o again.xml --json > convert.json
+check "a surface survives XML to JSON to XML" same again.xml file.xml
+check "a conversion says what it holds" json convert.json '"levels"'
+for ending in step vtk obj; do
+    "$batten" surface file.xml -o converted.$ending --quiet
+    check "a surface is written as $ending" test -s converted.$ending
+done
+"$batten" surface scan.xyz --parameterization uniform --tolerance 0.02 --degree 3,2 --share 0.9 --robust -o file.vtk > surface.txt
+check "VTK has the data points with their distances" grep -q 'SCALARS' file.vtk
+check "the report has rounds" grep -Eq '^ +0 +12 +1 ' surface.txt
+"$batten" shape hull -o hull.xyz --vertices 400 --quiet
+first=$(sed -n 's/^# corners \([0-9]*\) \([0-9]*\) \([0-9]*\) \([0-9]*\)/\2,\3,\4,\1/p' hull.xyz)
+"$batten" surface hull.xyz --parameterization shape-preserving --corners "$first" --functions 60 --parameters hull.uv --quiet
+check "corners are where they are asked for" test "$(sed -n "$((${first%%,*} + 1))p" hull.uv)" = "0 0"
+"$batten" shape cage -o cage.obj --quiet
+printf 'v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 1\nv 2 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 1\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\nf 4 5 8\nf 4 8 7\nf 5 6 9\nf 5 9 8\n' > sheet.obj
+"$batten" surface sheet.obj --model $model --functions 9 --json > sheet.json
+check "a mesh has mean values among its candidates" json sheet.json 'mean-value'
+"$batten" reproduce surface-clouds --model $model --clouds 2 --points 50,60 --noise 0.01 --degrees 2 --json > clouds.json
+check "surface-clouds --json has its rows" json clouds.json '"excess"'
+check "surface-clouds tries seven ways on two sizes" test "$(grep -c '"method"' clouds.json)" -eq 14
+"$batten" reproduce surface-ablation --model $model --uninformed $model --clouds 2 > ablation.txt
+check "surface-ablation shows the published errors" grep -q '^uninformed .*0.00293' ablation.txt
+check "list parameterizations names them" sh -c "'$batten' list parameterizations | grep -q '^shape-preserving'"
+
+for verb in curve decimate mesh surface measure shape analyze reproduce list; do
     for help in "$verb --help" "$verb -h" "help $verb"; do
         check "batten $help" sh -c "'$batten' $help | grep -q '^usage: batten $verb'"
     done

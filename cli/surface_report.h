@@ -1,0 +1,26 @@
+#ifndef CLI_SURFACE_REPORT_H
+#define CLI_SURFACE_REPORT_H
+
+#include "batten/batten.h"
+
+#include <jansson.h>
+
+/// @file
+/// What `batten surface` says of a fit.
+
+/// What is reported on.
+typedef struct surface_findings
+{
+    const char *input;
+    const bat_cloud *cloud;
+    const bat_surface_options *options;
+    const bat_surface_result *result;
+} surface_findings;
+
+/// Why these parameters were taken, in a few words.
+void surface_report_reason(const surface_findings *findings, char *text, size_t size);
+
+void surface_report_print(const surface_findings *findings);
+json_t *surface_report_json(const surface_findings *findings);
+
+#endif
