@@ -141,12 +141,14 @@ static const struct
 {
     const char *name, *summary;
 } PARAMETERIZATIONS[] = {
-    {"auto", "learned and shape-preserving ones, mean values for a mesh: those that fit best by measure; docs/surfaces.md"},
+    {"auto", "learned, shape-preserving and stretch-minimizing ones, mean values for a mesh: those that fit best by "
+             "measure; docs/surfaces.md"},
     {"learned", "the network that comes with batten, or --model FILE; docs/surface-network.md"},
     {"shape-preserving", "Floater's weights on the Delaunay neighbours in local planes; docs/parameterization.md"},
     {"inverse-distance", "weights by the inverse distance of neighbours"},
     {"uniform", "all neighbours weigh the same"},
     {"mean-value", "Floater's mean values, for clouds that are meshes"},
+    {"stretch-minimizing", "shape-preserving, evened out: for deep shapes"},
 };
 
 static bool parameterization_row(size_t index, const char **name, const char **settings, const char **summary)

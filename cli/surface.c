@@ -26,13 +26,14 @@ static const option_spec OPTIONS[] = {
      "the most functions, which is control points; default without --tolerance: a quarter of the points"},
     {"share", 0, "S", "stop when this share of the points is within the tolerance; default 1"},
     {"iterations", 0, "N", "the most refinements; default 30"},
-    {"smoothing", 0, "WEIGHT", "of the thin plate; default: found by cross-validation, or by --noise"},
+    {"smoothing", 0, "WEIGHT", "of the thin plate; default: found by likelihood, or by --noise"},
     {"noise", 0, "D", "standard deviation of a coordinate: smooth until the distances match it"},
     {"robust", 0, NULL, "points far off count less"},
     {"corrections", 0, "N", "rounds that move parameters to the nearest place of the surface, after each fit; default 1"},
     {"final-corrections", 0, "N", "the same after the last refinement; default 0"},
     {"parameterization", 0, "NAME",
-     "auto (default: what fits best by measure), learned, shape-preserving, inverse-distance, uniform, mean-value (of a "
+     "auto (default: what fits best by measure), learned, shape-preserving, stretch-minimizing, inverse-distance, uniform, "
+     "mean-value (of a "
      "mesh), or a file with u v of each point of IN"},
     {"model", 0, "FILE", "learned: a network of your own, a safetensors file"},
     {"published", 0, NULL, "classical neighbourhoods as published: they may fail"},
@@ -144,7 +145,8 @@ static bool read_parameterization(const arguments *given, surface_job *job)
     if (strpbrk(text, "./") != NULL)
         return true;
     (void)usage_error(given,
-                      "--parameterization takes auto, learned, shape-preserving, inverse-distance, uniform, mean-value or a "
+                      "--parameterization takes auto, learned, shape-preserving, stretch-minimizing, inverse-distance, "
+                      "uniform, mean-value or a "
                       "file such as ./%s, not '%s'",
                       text, text);
     return false;

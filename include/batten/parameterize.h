@@ -12,11 +12,12 @@ BAT_C_BEGIN
 /// The weights of the combination.
 typedef enum bat_parameterization
 {
-    BAT_PARAMETERIZE_UNIFORM,          ///< all neighbours the same
-    BAT_PARAMETERIZE_INVERSE_DISTANCE, ///< 1 / distance
-    BAT_PARAMETERIZE_SHAPE_PRESERVING, ///< Floater (1997), on the Delaunay neighbours in the local plane
-    BAT_PARAMETERIZE_MEAN_VALUE,       ///< Floater (2003), for clouds that were meshes
-    BAT_PARAMETERIZATIONS              ///< how many there are
+    BAT_PARAMETERIZE_UNIFORM,            ///< all neighbours the same
+    BAT_PARAMETERIZE_INVERSE_DISTANCE,   ///< 1 / distance
+    BAT_PARAMETERIZE_SHAPE_PRESERVING,   ///< Floater (1997), on the Delaunay neighbours in the local plane
+    BAT_PARAMETERIZE_MEAN_VALUE,         ///< Floater (2003), for clouds that were meshes
+    BAT_PARAMETERIZE_STRETCH_MINIMIZING, ///< shape-preserving, then evened out: Yoshizawa, Belyaev and Seidel (2004)
+    BAT_PARAMETERIZATIONS                ///< how many there are
 } bat_parameterization;
 
 /// The name, for example "shape-preserving". Never null.

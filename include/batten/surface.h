@@ -19,8 +19,9 @@ typedef enum bat_surface_parameters
     BAT_SURFACE_INVERSE_DISTANCE,
     BAT_SURFACE_SHAPE_PRESERVING,
     BAT_SURFACE_MEAN_VALUE, ///< for clouds that were meshes
-    BAT_SURFACE_GIVEN,      ///< brought by the caller
-    BAT_SURFACE_PARAMETERS  ///< how many there are
+    BAT_SURFACE_STRETCH_MINIMIZING,
+    BAT_SURFACE_GIVEN,     ///< brought by the caller
+    BAT_SURFACE_PARAMETERS ///< how many there are
 } bat_surface_parameters;
 
 /// The name, for example "shape-preserving". Never null.
@@ -76,7 +77,7 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 
 /// Fit a surface to a cloud: find the boundary and corners if they are not known, parameterize, unfold, fit adaptively.
 ///
-/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights and, for a mesh, mean values. Each is unfolded and
+/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch and, for a mesh, mean values. Each is unfolded and
 /// fitted as it would be in the end. Of two that reach the tolerance the one with fewer functions is better, else the one with
 /// the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter as
 /// many functions. A candidate that fails, or folds at more than half of the points, only leaves the competition.

@@ -96,7 +96,8 @@ BAT_API bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat
                                   double *lambda, double *control, bat_error *error);
 
 /// Find parameters of feet: for each point the parameter near its own where S comes nearest, eq. (6), by a safeguarded Newton
-/// method that never makes a distance larger. Boundary parameters stay on their side.
+/// method that never makes a distance larger. Boundary parameters stay on their side and go at most half
+/// way to its corners.
 /// @param moved receives how many changed; may be null
 BAT_API bat_status bat_spline_correct(const bat_spline_surface *surface, bat_fit_data *data, size_t *moved,
                                       bat_error *error);

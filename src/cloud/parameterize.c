@@ -2,6 +2,7 @@
 
 #include "cloud/averages.h"
 #include "cloud/spatial_order.h"
+#include "cloud/stretch.h"
 #include "cloud/weights.h"
 
 #include "base/error.h"
@@ -16,8 +17,8 @@ static const double RADIUS = 3;
 
 const char *bat_parameterization_name(bat_parameterization method)
 {
-    static const char *const names[BAT_PARAMETERIZATIONS] = {"uniform", "inverse-distance", "shape-preserving",
-                                                             "mean-value"};
+    static const char *const names[BAT_PARAMETERIZATIONS] = {"uniform", "inverse-distance", "shape-preserving", "mean-value",
+                                                             "stretch-minimizing"};
     return (size_t)method < BAT_PARAMETERIZATIONS ? names[method] : "unknown";
 }
 
@@ -97,6 +98,8 @@ static bat_status parameterize_always(const bat_cloud *cloud, const double *boun
         memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
         status = averages_solve(&order.cloud, &rows, NULL, (average_way){.threads = options->threads}, ordered, error);
     }
+    if (status == BAT_OK && options->method == BAT_PARAMETERIZE_STRETCH_MINIMIZING)
+        status = stretch_minimize(&order.cloud, &rows, (average_way){.threads = options->threads}, ordered, error);
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
     sparse_rows_free(&rows);
@@ -111,7 +114,7 @@ bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary
     bat_status status = check_options(cloud, boundary, options, error);
     if (status != BAT_OK)
         return status;
-    if (options->published && options->method != BAT_PARAMETERIZE_MEAN_VALUE)
+    if (options->published && options->method < BAT_PARAMETERIZE_MEAN_VALUE)
         return parameterize_published(cloud, boundary, options, parameters, error);
     return parameterize_always(cloud, boundary, options, parameters, error);
 }

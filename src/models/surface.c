@@ -27,6 +27,7 @@ const char *bat_surface_parameters_name(bat_surface_parameters parameters)
         [BAT_SURFACE_INVERSE_DISTANCE] = "inverse-distance",
         [BAT_SURFACE_SHAPE_PRESERVING] = "shape-preserving",
         [BAT_SURFACE_MEAN_VALUE] = "mean-value",
+        [BAT_SURFACE_STRETCH_MINIMIZING] = "stretch-minimizing",
         [BAT_SURFACE_GIVEN] = "given",
     };
     return (unsigned)parameters < BAT_SURFACE_PARAMETERS ? NAMES[parameters] : "unknown";
@@ -83,6 +84,7 @@ static void list_kinds(reconstruction *work)
     {
         work->kinds[work->kind_count++] = BAT_SURFACE_LEARNED;
         work->kinds[work->kind_count++] = BAT_SURFACE_SHAPE_PRESERVING;
+        work->kinds[work->kind_count++] = BAT_SURFACE_STRETCH_MINIMIZING;
         if (work->cloud->triangle_count > 0)
             work->kinds[work->kind_count++] = BAT_SURFACE_MEAN_VALUE;
     }

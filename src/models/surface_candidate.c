@@ -67,10 +67,11 @@ static bat_status parameterize_classical(const bat_cloud *cloud, const double *b
         [BAT_SURFACE_INVERSE_DISTANCE] = BAT_PARAMETERIZE_INVERSE_DISTANCE,
         [BAT_SURFACE_SHAPE_PRESERVING] = BAT_PARAMETERIZE_SHAPE_PRESERVING,
         [BAT_SURFACE_MEAN_VALUE] = BAT_PARAMETERIZE_MEAN_VALUE,
+        [BAT_SURFACE_STRETCH_MINIMIZING] = BAT_PARAMETERIZE_STRETCH_MINIMIZING,
     };
     bat_parameterize_options how = bat_parameterize_defaults();
     how.method = METHODS[kind];
-    how.published = options->published && kind != BAT_SURFACE_MEAN_VALUE;
+    how.published = options->published && how.method < BAT_PARAMETERIZE_MEAN_VALUE;
     how.threads = options->fit.threads;
     return bat_cloud_parameterize(cloud, boundary, &how, parameters, error);
 }

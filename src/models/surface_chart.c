@@ -17,25 +17,29 @@ enum
 /// What the gate's number is before a network says anything: it lets most of a step pass.
 static const double GATE_AT_REST = 2;
 
-/// First parameters, and the patch through them, which the whole cloud makes.
-static bat_status describe(const bat_cloud *cloud, const double *boundary, surface_chart *chart, surface_descriptor *patch,
+/// A patch farther from the cloud than this, in the unit box and beside the noise, says that the chart is folded.
+static const double FOLDED = 0.05;
+
+/// The patch through the whole cloud at its first parameters, and what follows from it.
+static bat_status describe(const bat_cloud *cloud, const double *boundary, double noise, surface_chart *chart,
                            bat_error *error)
 {
-    surface_extension extension;
-    bat_status status = surface_extension_make(cloud, boundary, &extension, error);
-    if (status != BAT_OK)
-        return status;
-    surface_extension_at(&extension, cloud->points + 3 * cloud->boundary_count, chart->count, chart->parameters);
-    double noise = extension.noise;
-    surface_extension_free(&extension);
+    size_t bound = cloud->boundary_count;
     double *all = memory_array(cloud->count, 2 * sizeof *all);
     if (all == NULL)
         return error_memory(error, cloud->count * 2 * sizeof *all);
-    memcpy(all, boundary, 2 * cloud->boundary_count * sizeof *all);
-    memcpy(all + 2 * cloud->boundary_count, chart->parameters, 2 * chart->count * sizeof *all);
-    status = surface_descriptor_make(cloud->points, all, cloud->count, noise, patch, error);
+    memcpy(all, boundary, 2 * bound * sizeof *all);
+    memcpy(all + 2 * bound, chart->parameters, 2 * chart->count * sizeof *all);
+    surface_descriptor patch;
+    bat_status status = surface_descriptor_make(cloud->points, all, cloud->count, noise, &patch, error);
     free(all);
-    return status;
+    if (status != BAT_OK)
+        return status;
+    chart->sees = surface_descriptor_see(&patch, chart->seen);
+    chart->folded = patch.residual * patch.residual > FOLDED * FOLDED + 3 * noise * noise;
+    for (size_t i = 0; i < chart->count; i++)
+        surface_descriptor_step(&patch, cloud->points + 3 * (bound + i), chart->parameters + 2 * i, chart->steps + 2 * i);
+    return BAT_OK;
 }
 
 bat_status surface_chart_make(const bat_cloud *cloud, const double *boundary, double *memory, surface_chart *chart,
@@ -44,16 +48,16 @@ bat_status surface_chart_make(const bat_cloud *cloud, const double *boundary, do
     surface_chart made = {.count = cloud->count - cloud->boundary_count};
     made.parameters = memory;
     made.steps = memory + 2 * made.count;
-    surface_descriptor patch;
-    bat_status status = describe(cloud, boundary, &made, &patch, error);
+    surface_extension extension;
+    bat_status status = surface_extension_make(cloud, boundary, &extension, error);
     if (status != BAT_OK)
         return status;
-    made.sees = surface_descriptor_see(&patch, made.seen);
-    for (size_t i = 0; i < made.count; i++)
-        surface_descriptor_step(&patch, cloud->points + 3 * (cloud->boundary_count + i), made.parameters + 2 * i,
-                                made.steps + 2 * i);
-    *chart = made;
-    return BAT_OK;
+    surface_extension_at(&extension, cloud->points + 3 * cloud->boundary_count, made.count, made.parameters);
+    status = describe(cloud, boundary, extension.noise, &made, error);
+    surface_extension_free(&extension);
+    if (status == BAT_OK)
+        *chart = made;
+    return status;
 }
 
 static double gate(const double *moves)

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/parameterize.h"
 #include "learn/blas.h"
 #include "models/surface_chart.h"
 #include "models/surface_sample.h"
@@ -156,10 +157,26 @@ static void say_at_once(const real *weights, const double *seen, double *moves)
         moves[i] = (double)x[i];
 }
 
+/// Parameters of little stretch, which take more time.
+static bat_status parameterize_deep(const bat_cloud *cloud, const double *boundary, int threads, double *interior,
+                                    bat_error *error)
+{
+    double *all = memory_array(cloud->count, 2 * sizeof *all);
+    if (all == NULL)
+        return error_memory(error, cloud->count * 2 * sizeof *all);
+    bat_parameterize_options options = bat_parameterize_defaults();
+    options.method = BAT_PARAMETERIZE_STRETCH_MINIMIZING;
+    options.threads = threads;
+    bat_status status = bat_cloud_parameterize(cloud, boundary, &options, all, error);
+    if (status == BAT_OK)
+        memcpy(interior, all + 2 * cloud->boundary_count, 2 * (cloud->count - cloud->boundary_count) * sizeof *interior);
+    free(all);
+    return status;
+}
+
 static bat_status infer(const void *network, const bat_cloud *cloud, const double *boundary, int threads, double *interior,
                         bat_error *error)
 {
-    (void)threads;
     size_t count = cloud->count - cloud->boundary_count;
     double *memory = memory_array(count, 4 * sizeof *memory);
     if (memory == NULL)
@@ -167,7 +184,10 @@ static bat_status infer(const void *network, const bat_cloud *cloud, const doubl
     surface_chart chart;
     blas_single_begin();
     bat_status status = surface_chart_make(cloud, boundary, memory, &chart, error);
-    if (status == BAT_OK)
+    // Charts of deep shapes are like none that the network has learned from: it is not asked about them.
+    if (status == BAT_OK && chart.folded)
+        status = parameterize_deep(cloud, boundary, threads, interior, error);
+    else if (status == BAT_OK)
     {
         double moves[CHART_MOVES] = {0};
         if (chart.sees)

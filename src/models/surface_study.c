@@ -84,6 +84,7 @@ static bat_status parameterize(const bat_cloud *cloud, const double *boundary, c
         [BAT_SURFACE_INVERSE_DISTANCE] = BAT_PARAMETERIZE_INVERSE_DISTANCE,
         [BAT_SURFACE_SHAPE_PRESERVING] = BAT_PARAMETERIZE_SHAPE_PRESERVING,
         [BAT_SURFACE_MEAN_VALUE] = BAT_PARAMETERIZE_MEAN_VALUE,
+        [BAT_SURFACE_STRETCH_MINIMIZING] = BAT_PARAMETERIZE_STRETCH_MINIMIZING,
     };
     if (method->parameters == BAT_SURFACE_LEARNED)
         return bat_surface_model_parameterize(method->model, cloud, boundary, 1, parameters, error);

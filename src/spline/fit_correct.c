@@ -68,14 +68,21 @@ static void foot_measure(const fit_nets *nets, const double *position, double *s
         foot->full[k] = gauss[k] + bent[k];
 }
 
-/// Whether a parameter may follow the gradient: free to move and not pressed against the square's end.
-static bool may_move(const foot_point *foot, fit_freedom freedom, int direction)
+/// Where a parameter may go.
+typedef struct foot_limits
 {
-    if (freedom != FIT_FREE && freedom != (direction == 0 ? FIT_ALONG_U : FIT_ALONG_V))
-        return false;
-    bool pressed = (foot->at[direction] <= 0 && foot->gradient[direction] > 0) ||
-                   (foot->at[direction] >= 1 && foot->gradient[direction] < 0);
-    return !pressed;
+    double low[2], high[2];
+} foot_limits;
+
+static const foot_limits WHOLE_SQUARE = {{0, 0}, {1, 1}};
+
+/// Whether a parameter may follow the gradient: there is room, and it is not pressed against its end.
+static bool may_move(const foot_point *foot, const foot_limits *limits, int direction)
+{
+    double low = limits->low[direction], high = limits->high[direction];
+    bool pressed = (foot->at[direction] <= low && foot->gradient[direction] > 0) ||
+                   (foot->at[direction] >= high && foot->gradient[direction] < 0);
+    return high > low && !pressed;
 }
 
 static bool solve_both(const double *matrix, const double *gradient, double *step)
@@ -96,9 +103,9 @@ static double solve_one(const foot_point *foot, int direction)
     return curvature > 0 ? -foot->gradient[direction] / curvature : 0;
 }
 
-static void choose_step(const foot_point *foot, fit_freedom freedom, double *step)
+static void choose_step(const foot_point *foot, const foot_limits *limits, double *step)
 {
-    bool moves[2] = {may_move(foot, freedom, 0), may_move(foot, freedom, 1)};
+    bool moves[2] = {may_move(foot, limits, 0), may_move(foot, limits, 1)};
     if (moves[0] && moves[1] &&
         (solve_both(foot->full, foot->gradient, step) || solve_both(foot->gauss, foot->gradient, step)))
         return;
@@ -122,14 +129,15 @@ static double limit_step(const fit_nets *nets, const foot_point *foot, double *s
 }
 
 /// Go along a step, half as far again and again until the distance falls.
-static bool go(const fit_nets *nets, const double *position, const double *step, double *scratch, foot_point *now)
+static bool go(const fit_nets *nets, const double *position, const foot_limits *limits, const double *step, double *scratch,
+               foot_point *now)
 {
     foot_point next;
     double share = 1;
     for (int k = 0; k < MOST_HALVINGS; k++, share *= 0.5)
     {
         for (int d = 0; d < 2; d++)
-            next.at[d] = fmin(fmax(now->at[d] + share * step[d], 0), 1);
+            next.at[d] = fmin(fmax(now->at[d] + share * step[d], limits->low[d]), limits->high[d]);
         if (next.at[0] == now->at[0] && next.at[1] == now->at[1])
             return false;
         next.cell = bat_hierarchical_space_locate(nets->space, next.at[0], next.at[1]);
@@ -144,15 +152,15 @@ static bool go(const fit_nets *nets, const double *position, const double *step,
 }
 
 /// Follow Newton's method from a place where the surface has been measured.
-static void descend(const fit_nets *nets, const double *position, fit_freedom freedom, fit_correction correction,
+static void descend(const fit_nets *nets, const double *position, const foot_limits *limits, fit_correction correction,
                     double *scratch, foot_point *now)
 {
-    for (int k = 0; k < correction.steps && freedom != FIT_FIXED; k++)
+    for (int k = 0; k < correction.steps; k++)
     {
         double step[2];
-        choose_step(now, freedom, step);
+        choose_step(now, limits, step);
         double length = limit_step(nets, now, step);
-        if (length <= correction.settled || !go(nets, position, step, scratch, now))
+        if (length <= correction.settled || !go(nets, position, limits, step, scratch, now))
             return;
     }
 }
@@ -168,12 +176,30 @@ static bool settle(fit_points *points, size_t row, const foot_point *found)
     return moved;
 }
 
+/// Where a point may go: a free one anywhere, one of the boundary along its side, at most half way to the corners.
+static foot_limits limits_of(const fit_points *points, size_t row)
+{
+    const double *at = points->parameter + 2 * row;
+    fit_freedom freedom = (fit_freedom)points->freedom[row];
+    if (freedom == FIT_FREE)
+        return WHOLE_SQUARE;
+    foot_limits limits = {{at[0], at[1]}, {at[0], at[1]}};
+    if (freedom != FIT_FIXED)
+    {
+        int along = freedom == FIT_ALONG_U ? 0 : 1;
+        limits.low[along] = 0.5 * at[along];
+        limits.high[along] = 0.5 * (1 + at[along]);
+    }
+    return limits;
+}
+
 static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, fit_correction correction, double *scratch)
 {
     const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * row;
+    foot_limits limits = limits_of(points, row);
     foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
     foot_measure(nets, position, scratch, &now);
-    descend(nets, position, (fit_freedom)points->freedom[row], correction, scratch, &now);
+    descend(nets, position, &limits, correction, scratch, &now);
     return settle(points, row, &now);
 }
 
@@ -242,7 +268,7 @@ static foot_point seek(const fit_nets *nets, const fit_points *points, size_t ro
     const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * from;
     foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[from]};
     foot_measure(nets, position, scratch, &now);
-    descend(nets, position, FIT_FREE, correction, scratch, &now);
+    descend(nets, position, &WHOLE_SQUARE, correction, scratch, &now);
     return now;
 }
 

@@ -15,7 +15,8 @@ fit_correction fit_correction_full(void);
 
 /// Move parameters to the feet of their points, eq. (6): min over u of |S(u) - x|^2, by Newton's method. Where its matrix is not
 /// positive definite that of Gauss and Newton takes its place, steps are at most as long as a few cells, shortened until the
-/// distance falls, and kept in the square; a boundary parameter moves along its side, a fixed one not at all. Distances never
+/// distance falls, and kept in the square; a boundary parameter moves along its side, at most half way to the corners, a
+/// fixed one not at all. Distances never
 /// rise. Points know their cells before and after, but their order by cells is no more. Distances are measured anew.
 /// @param moved receives how many parameters changed
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
