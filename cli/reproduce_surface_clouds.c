@@ -40,6 +40,7 @@ static const bat_surface_method METHODS[] = {
     {"uniform-own", BAT_SURFACE_UNIFORM, false, NULL, false},
     {"inverse-distance-own", BAT_SURFACE_INVERSE_DISTANCE, false, NULL, false},
     {"shape-preserving-own", BAT_SURFACE_SHAPE_PRESERVING, false, NULL, false},
+    {"stretch-minimizing", BAT_SURFACE_STRETCH_MINIMIZING, false, NULL, false},
 };
 enum
 {

@@ -10,7 +10,7 @@
 
 enum
 {
-    FITTED = 3 ///< methods whose adaptive fits are compared: shape-preserving, learned, learned and unfolded
+    FITTED = 4 ///< methods whose adaptive fits are compared
 };
 
 /// Those of the figures.
@@ -19,13 +19,15 @@ static const bat_surface_method METHODS[] = {
     {"inverse-distance", BAT_SURFACE_INVERSE_DISTANCE, true, NULL, false},
     {"shape-preserving", BAT_SURFACE_SHAPE_PRESERVING, true, NULL, false},
     {"shape-preserving-own", BAT_SURFACE_SHAPE_PRESERVING, false, NULL, false},
+    {"stretch-minimizing", BAT_SURFACE_STRETCH_MINIMIZING, false, NULL, false},
     {"learned", BAT_SURFACE_LEARNED, false, NULL, false},
 };
 enum
 {
     METHOD_COUNT = sizeof METHODS / sizeof METHODS[0],
     SHAPE_PRESERVING = 2, ///< in METHODS
-    LEARNED = 4
+    STRETCH_MINIMIZING = 4,
+    LEARNED = 5
 };
 
 /// A study of scans: what it prints to, and with which network.
@@ -191,9 +193,11 @@ static int draw_fits(const scan_study *study, const published_fit *what, const b
 static int study_fits(const scan_study *study, const published_fit *what, const bat_cloud *cloud)
 {
     bat_error error;
-    const double published[FITTED] = {what->shape_preserving, what->learned, 0};
-    bat_surface_method methods[FITTED] = {
-        METHODS[SHAPE_PRESERVING], METHODS[LEARNED], {"learned-unfolded", BAT_SURFACE_LEARNED, false, NULL, true}};
+    const double published[FITTED] = {what->shape_preserving, what->learned, 0, 0};
+    bat_surface_method methods[FITTED] = {METHODS[SHAPE_PRESERVING],
+                                          METHODS[LEARNED],
+                                          {"learned-unfolded", BAT_SURFACE_LEARNED, false, NULL, true},
+                                          METHODS[STRETCH_MINIMIZING]};
     bat_surface_trial trials[FITTED] = {0};
     bat_surface_fit_options fit = bat_surface_fit_defaults();
     methods[1].model = methods[2].model = study->model;

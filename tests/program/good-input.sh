@@ -298,7 +298,7 @@ done
 model=trained/model.safetensors
 "$batten" surface scan.xyz --model $model --functions 150 -o scan.step --picture scan.png --parameters scan.uv --json > scan.json
 check "surface --json says what was chosen" json scan.json '"chosen": "'
-check "surface --json has both candidates" sh -c 'grep -c "\"parameters\": \"" scan.json | grep -qx 2'
+check "surface --json has all candidates" sh -c 'grep -c "\"parameters\": \"" scan.json | grep -qx 3'
 check "the boundary of a scan is found" grep -q '"boundary_found": true' scan.json
 check "the surface is STEP" grep -q B_SPLINE_SURFACE_WITH_KNOTS scan.step
 check "surface draws a picture" sh -c 'head -c 4 scan.png | grep -q PNG'
@@ -329,7 +329,7 @@ printf 'v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 1\nv 2 1 0\nv 0 2 0\nv 1 2 0\n
 check "a mesh has mean values among its candidates" json sheet.json 'mean-value'
 "$batten" reproduce surface-clouds --model $model --clouds 2 --points 50,60 --noise 0.01 --degrees 2 --json > clouds.json
 check "surface-clouds --json has its rows" json clouds.json '"excess"'
-check "surface-clouds tries seven ways on two sizes" test "$(grep -c '"method"' clouds.json)" -eq 14
+check "surface-clouds tries eight ways on two sizes" test "$(grep -c '"method"' clouds.json)" -eq 16
 "$batten" reproduce surface-ablation --model $model --uninformed $model --clouds 2 > ablation.txt
 check "surface-ablation shows the published errors" grep -q '^uninformed .*0.00293' ablation.txt
 check "list parameterizations names them" sh -c "'$batten' list parameterizations | grep -q '^shape-preserving'"
