@@ -11,14 +11,14 @@ static size_t place_of(const bat_cloud *cloud, size_t point)
     return cloud->order == NULL ? point : cloud->order[point];
 }
 
-/// The best candidate but the one that was chosen; null where there is none that did not fail.
+/// The best candidate but the one that was chosen; null where all others fail or stray.
 static const bat_surface_candidate *runner_up(const bat_surface_result *result)
 {
     const bat_surface_candidate *second = NULL;
     for (size_t i = 0; i < result->candidate_count; i++)
     {
         const bat_surface_candidate *candidate = &result->candidates[i];
-        if (candidate->parameters != result->chosen && isfinite(candidate->mean_squared) &&
+        if (candidate->parameters != result->chosen && isfinite(candidate->mean_squared) && !candidate->strays &&
             (second == NULL || candidate->mean_squared < second->mean_squared))
             second = candidate;
     }
@@ -40,7 +40,7 @@ void surface_report_reason(const surface_findings *findings, char *text, size_t 
     if (findings->options->parameters != BAT_SURFACE_AUTO)
         (void)snprintf(text, size, "asked for");
     else if (second == NULL)
-        (void)snprintf(text, size, "the only ones that did not fail");
+        (void)snprintf(text, size, "the only ones that neither fail nor stray");
     else if (tolerant && first->reached && !second->reached)
         (void)snprintf(text, size, "the only ones that reach the tolerance");
     else if (tolerant && first->reached && first->functions != second->functions)
@@ -71,8 +71,8 @@ static void print_candidates(const surface_findings *findings)
     const bat_surface_result *result = findings->result;
     char reason[200];
     surface_report_reason(findings, reason, sizeof reason);
-    (void)printf("\n%-18s %8s %7s %8s %10s %13s %8s\n", "parameters", "seconds", "folds", "repaired", "functions",
-                 findings->options->fit.robust ? "median square" : "mean square", "seconds");
+    (void)printf("\n%-18s %8s %7s %8s %10s %13s %9s %8s\n", "parameters", "seconds", "folds", "repaired", "functions",
+                 findings->options->fit.robust ? "median square" : "mean square", "strays", "seconds");
     for (size_t i = 0; i < result->candidate_count; i++)
     {
         const bat_surface_candidate *candidate = &result->candidates[i];
@@ -80,9 +80,9 @@ static void print_candidates(const surface_findings *findings)
         if (candidate->failure.status != BAT_OK)
             (void)printf(" failed: %s\n", candidate->failure.text);
         else
-            (void)printf(" %8.3f %7zu %8zu %10zu %13.4g %8.2f\n", candidate->seconds, candidate->folds.folded,
+            (void)printf(" %8.3f %7zu %8zu %10zu %13.4g %9.3g %8.2f%s\n", candidate->seconds, candidate->folds.folded,
                          candidate->folds.folded - candidate->repaired.folded, candidate->functions, candidate->mean_squared,
-                         candidate->fit_seconds);
+                         candidate->stray, candidate->fit_seconds, candidate->strays ? "  out: strays" : "");
     }
     (void)printf("%s: %s", bat_surface_parameters_name(result->chosen), reason);
     if (result->trial_points < findings->cloud->count)
@@ -146,11 +146,12 @@ static json_t *candidate_json(const surface_findings *findings, const bat_surfac
     const char *name = bat_surface_parameters_name(candidate->parameters);
     if (candidate->failure.status != BAT_OK)
         return json_pack("{s:s, s:s}", "parameters", name, "failure", candidate->failure.text);
-    return json_pack("{s:s, s:o, s:o, s:o, s:I, s:o, s:b, s:o}", "parameters", name, "seconds",
+    return json_pack("{s:s, s:o, s:o, s:o, s:I, s:o, s:o, s:b, s:b, s:o}", "parameters", name, "seconds",
                      report_number(candidate->seconds), "folds", folds_json(findings->cloud, &candidate->folds), "repaired",
                      folds_json(findings->cloud, &candidate->repaired), "functions", (json_int_t)candidate->functions,
                      findings->options->fit.robust ? "median_squared" : "mean_squared",
-                     report_number(candidate->mean_squared), "reached", (int)candidate->reached, "fit_seconds",
+                     report_number(candidate->mean_squared), "stray", report_number(candidate->stray), "strays",
+                     (int)candidate->strays, "reached", (int)candidate->reached, "fit_seconds",
                      report_number(candidate->fit_seconds));
 }
 

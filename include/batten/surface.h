@@ -52,7 +52,9 @@ typedef struct bat_surface_candidate
     size_t functions;               ///< of the fit on trial
     double mean_squared; ///< of its distances; with robust weights the median of their squares; NaN when it failed
     bool reached;        ///< as bat_surface_fit_report says of it
-    double fit_seconds;  ///< of the fit on trial
+    double stray; ///< the largest distance of that surface, in corners and middles of its cells, from the nearest point
+    bool strays;  ///< twice as far as another one: it is out
+    double fit_seconds; ///< of the fit on trial
 } bat_surface_candidate;
 
 #define BAT_SURFACE_MOST_CANDIDATES 6
@@ -77,10 +79,11 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 
 /// Fit a surface to a cloud: find the boundary and corners if they are not known, parameterize, unfold, fit adaptively.
 ///
-/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch and, for a mesh, mean values. Each is unfolded and
-/// fitted as it would be in the end. Of two that reach the tolerance the one with fewer functions is better, else the one with
-/// the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter as
-/// many functions. A candidate that fails, or folds at more than half of the points, only leaves the competition.
+/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch and, for a mesh, mean
+/// values. Each is unfolded and fitted as it would be in the end. A surface that strays twice as far from the points as another one
+/// is out. Of two that reach the tolerance the one with fewer functions is better, else the one with the smaller mean squared
+/// distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter as many functions. A candidate
+/// that fails, or folds at more than a quarter of the points, only leaves the competition.
 ///
 /// @param cloud  boundary points are brought to the front where they have to be found, and corners are marked; given parameters need neither
 /// @param result untouched on failure

@@ -72,7 +72,8 @@ typedef struct reconstruction
     bat_surface_parameters kinds[BAT_SURFACE_MOST_CANDIDATES]; ///< to try
     size_t kind_count;
     double *boundary; ///< parameters; null where given ones need none
-    surface_candidate best;
+    surface_candidate candidates[BAT_SURFACE_MOST_CANDIDATES];
+    surface_candidate *best;   ///< of them
     bat_surface_result result; ///< the candidates' figures, and what was found
 } reconstruction;
 
@@ -128,28 +129,20 @@ static bat_status try_kind(reconstruction *work, size_t number, bat_error *error
     double share = (tries_whole(work) ? 1 : TRIAL_SHARE) / (double)work->kind_count;
     progress_part part = {fit.progress, share * (double)number, share};
     fit.progress = progress_of_part(&part);
-    surface_candidate candidate;
+    surface_candidate *candidate = &work->candidates[number];
     bat_status status =
-        surface_candidate_make(work->cloud, work->boundary, work->options, work->kinds[number], &candidate, error);
-    if (status == BAT_OK && candidate.report.failure.status == BAT_OK)
-        status = tries_whole(work) ? surface_candidate_fit(work->cloud, &fit, &candidate, error)
-                                   : surface_candidate_try(work->cloud, &fit, PART_POINTS, &candidate, error);
-    if (status != BAT_OK)
-    {
-        surface_candidate_free(&candidate);
-        return status;
-    }
-    work->result.candidates[work->result.candidate_count++] = candidate.report;
-    bool better = number == 0 || surface_candidate_is_better(&candidate, &work->best, &fit);
-    surface_candidate_free(better ? &work->best : &candidate);
-    if (better)
-        work->best = candidate;
-    return BAT_OK;
+        surface_candidate_make(work->cloud, work->boundary, work->options, work->kinds[number], candidate, error);
+    if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
+        status = tries_whole(work) ? surface_candidate_fit(work->cloud, &fit, candidate, error)
+                                   : surface_candidate_try(work->cloud, &fit, PART_POINTS, candidate, error);
+    return status;
 }
 
-/// The failure of the candidate that is the best: all have failed.
-static bat_status hand_failure(const bat_error *failure, bat_error *error)
+static bat_status check_best(const reconstruction *work, bat_error *error)
 {
+    const bat_error *failure = &work->best->report.failure;
+    if (failure->status == BAT_OK)
+        return BAT_OK;
     return error_set(error, failure->status, failure->index, failure->line, "%s", failure->text);
 }
 
@@ -158,10 +151,8 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     bat_surface_fit_options fit = work->options->fit;
     progress_part part = {fit.progress, TRIAL_SHARE, 1 - TRIAL_SHARE};
     fit.progress = progress_of_part(&part);
-    bat_status status = surface_candidate_fit(work->cloud, &fit, &work->best, error);
-    if (status == BAT_OK && work->best.report.failure.status != BAT_OK)
-        status = hand_failure(&work->best.report.failure, error);
-    return status;
+    bat_status status = surface_candidate_fit(work->cloud, &fit, work->best, error);
+    return status == BAT_OK ? check_best(work, error) : status;
 }
 
 static bat_status try_all(reconstruction *work, bat_error *error)
@@ -169,17 +160,20 @@ static bat_status try_all(reconstruction *work, bat_error *error)
     bat_status status = BAT_OK;
     for (size_t i = 0; i < work->kind_count && status == BAT_OK; i++)
         status = try_kind(work, i, error);
-    if (status == BAT_OK && work->best.report.failure.status != BAT_OK)
-        status = hand_failure(&work->best.report.failure, error);
-    if (status == BAT_OK && !tries_whole(work))
-        status = fit_best(work, error);
-    return status;
+    if (status != BAT_OK)
+        return status;
+    work->best = &work->candidates[surface_candidate_best(work->candidates, work->kind_count, &work->options->fit)];
+    for (size_t i = 0; i < work->kind_count; i++)
+        work->result.candidates[i] = work->candidates[i].report;
+    work->result.candidate_count = work->kind_count;
+    status = check_best(work, error);
+    return status == BAT_OK && !tries_whole(work) ? fit_best(work, error) : status;
 }
 
 static bat_status finish(reconstruction *work, bat_error *error)
 {
     bat_surface_result *result = &work->result;
-    surface_candidate *best = &work->best;
+    surface_candidate *best = work->best;
     bat_status status = BAT_OK;
     if (work->boundary != NULL)
         status = bat_parameters_check(work->cloud, best->corrected, &result->folds, error);
@@ -208,7 +202,8 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
         status = try_all(&work, error);
     if (status == BAT_OK)
         status = finish(&work, error);
-    surface_candidate_free(&work.best);
+    for (size_t i = 0; i < work.kind_count; i++)
+        surface_candidate_free(&work.candidates[i]);
     free(work.boundary);
     if (status == BAT_OK)
         *result = work.result;

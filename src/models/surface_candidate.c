@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "models/surface_stray.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,6 +13,9 @@ enum
 {
     POINTS_PER_FUNCTION = 4 ///< of a fit to a part of the points, at least
 };
+
+// How many times as far as another one a surface may stray.
+static const double STRAYING = 2;
 
 void surface_candidate_free(surface_candidate *candidate)
 {
@@ -92,11 +96,11 @@ static bool has_faults(const bat_parameters_report *report)
     return report->folded + report->outside + report->coincident > 0;
 }
 
-/// Parameters of which most are folded would be others altogether once unfolded, and not compete under their name.
+/// Parameters of which many are folded would be others altogether once unfolded, and not compete under their name.
 static bat_status check_folds(const bat_cloud *cloud, const bat_parameters_report *folds, bat_error *error)
 {
     size_t interior = cloud->count - cloud->boundary_count;
-    if (2 * folds->folded <= interior)
+    if (4 * folds->folded <= interior)
         return BAT_OK;
     return error_set(error, BAT_NO_CONVERGENCE, folds->first, 0, "%zu of %zu points are folded", folds->folded, interior);
 }
@@ -143,15 +147,20 @@ static bat_status median_squared(const double *distances, size_t count, double *
     return BAT_OK;
 }
 
-static bat_status note_figures(size_t count, const bat_surface_fit_options *options, const bat_surface_fit_report *fit,
-                               double seconds, bat_surface_candidate *report, bat_error *error)
+/// The figures of a fit to some points.
+static bat_status note_figures(const bat_fit_data *data, const bat_surface_fit_options *options,
+                               const bat_spline_surface *surface, const bat_surface_fit_report *fit,
+                               bat_surface_candidate *report, bat_error *error)
 {
     const bat_surface_fit_round *last = &fit->rounds[fit->count - 1];
     report->functions = last->functions;
     report->mean_squared = last->mean_squared;
     report->reached = fit->reached;
-    report->fit_seconds = seconds;
-    return options->robust ? median_squared(fit->distances, count, &report->mean_squared, error) : BAT_OK;
+    report->fit_seconds = last->seconds;
+    bat_status status = surface_stray(surface, data->points, data->count, &report->stray, error);
+    if (status == BAT_OK && options->robust)
+        status = median_squared(fit->distances, data->count, &report->mean_squared, error);
+    return status;
 }
 
 /// Whether parameters of the boundary lie on the square's sides, as they do unless they were given.
@@ -179,10 +188,9 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_o
                          .count = cloud->count,
                          .dimension = 3,
                          .boundary_count = bounds(cloud, candidate->parameters) ? cloud->boundary_count : 0};
-    double begin = clock_seconds();
     bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
     if (status == BAT_OK)
-        status = note_figures(cloud->count, options, &candidate->fit, clock_seconds() - begin, &candidate->report, &failure);
+        status = note_figures(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
     return settle(status, &failure, candidate, error);
 }
 
@@ -223,22 +231,19 @@ bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_o
     bat_surface_fit_options trial = *options;
     bat_spline_surface surface = {0};
     bat_surface_fit_report fit = {0};
-    double begin = clock_seconds();
     bat_status status = take_part(cloud, candidate->parameters, points, &part, &failure);
     size_t most = part.count / POINTS_PER_FUNCTION;
     if (trial.functions == 0 || trial.functions > most)
         trial.functions = most;
+    bat_fit_data data = {.points = part.points,
+                         .parameters = part.parameters,
+                         .count = part.count,
+                         .dimension = 3,
+                         .boundary_count = part.boundary_count};
     if (status == BAT_OK)
-    {
-        bat_fit_data data = {.points = part.points,
-                             .parameters = part.parameters,
-                             .count = part.count,
-                             .dimension = 3,
-                             .boundary_count = part.boundary_count};
         status = bat_surface_fit(&data, &trial, &surface, &fit, &failure);
-    }
     if (status == BAT_OK)
-        status = note_figures(part.count, options, &fit, clock_seconds() - begin, &candidate->report, &failure);
+        status = note_figures(&data, options, &surface, &fit, &candidate->report, &failure);
     bat_spline_surface_free(&surface);
     bat_surface_fit_report_free(&fit);
     free(part.points);
@@ -246,15 +251,30 @@ bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_o
     return settle(status, &failure, candidate, error);
 }
 
-bool surface_candidate_is_better(const surface_candidate *candidate, const surface_candidate *than,
-                                 const bat_surface_fit_options *options)
+static bool is_better(const bat_surface_candidate *first, const bat_surface_candidate *second,
+                      const bat_surface_fit_options *options)
 {
-    const bat_surface_candidate *first = &candidate->report, *second = &than->report;
-    if (!isfinite(first->mean_squared) || !isfinite(second->mean_squared))
-        return isfinite(first->mean_squared);
     if (options->tolerance > 0 && first->reached != second->reached)
         return first->reached;
     if (options->tolerance > 0 && first->reached && first->functions != second->functions)
         return first->functions < second->functions;
     return first->mean_squared < second->mean_squared;
+}
+
+size_t surface_candidate_best(surface_candidate *candidates, size_t count, const bat_surface_fit_options *options)
+{
+    double least = INFINITY;
+    size_t best = BAT_NO_INDEX;
+    for (size_t i = 0; i < count; i++)
+        if (isfinite(candidates[i].report.mean_squared))
+            least = fmin(least, candidates[i].report.stray);
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_surface_candidate *report = &candidates[i].report;
+        report->strays = isfinite(report->mean_squared) && report->stray > STRAYING * least;
+        if (isfinite(report->mean_squared) && !report->strays &&
+            (best == BAT_NO_INDEX || is_better(report, &candidates[best].report, options)))
+            best = i;
+    }
+    return best == BAT_NO_INDEX ? 0 : best;
 }
