@@ -37,6 +37,7 @@ static const option_spec OPTIONS[] = {
      "mesh), or a file with u v of each point of IN"},
     {"model", 0, "FILE", "learned: a network of your own, a safetensors file"},
     {"published", 0, NULL, "classical neighbourhoods as published: they may fail"},
+    {"slide-boundary", 0, NULL, "corrections move boundary parameters too, along their sides"},
     {"no-repair", 0, NULL, "report folds of the parameters, but leave them"},
     {"boundary", 0, "N|FILE", "the first N points are the boundary loop, or FILE's are; default: found, or told in IN"},
     {"corners", 0, "A,B,C,D", "these points of IN, counted from 0, get (0,0), (1,0), (1,1), (0,1); default: found"},
@@ -200,6 +201,7 @@ static bool read_job(const arguments *given, surface_job *job)
     job->options.sides = (bat_side_parameters)sides;
     job->options.published = argument_flag(given, "published");
     job->options.no_repair = argument_flag(given, "no-repair");
+    job->options.slide_boundary = argument_flag(given, "slide-boundary");
     job->write.samples = (size_t)samples;
     const char *fault = find_fault(given, job);
     if (fault == NULL && to != NULL && bat_surface_format_by_name(to, &job->write.format, &error) != BAT_OK)

@@ -42,7 +42,7 @@ static inline surface_sample sample_make(surface_shape shape, size_t count, size
             sample.points[3 * i + k] = sample.truth[3 * i + k] + noise * bat_random_normal(&random);
     }
     sample.data = (bat_fit_data){
-        .points = sample.points, .parameters = parameters, .count = count, .dimension = 3, .boundary_count = 4 * side};
+        .points = sample.points, .parameters = parameters, .count = count, .dimension = 3, .boundary_count = 4 * side, .slides = true};
     return sample;
 }
 

@@ -36,6 +36,7 @@ typedef struct bat_surface_options
     bool published;                    ///< classical neighbourhoods as published, which may fail; default false
     const bat_surface_model *model;    ///< null: the built-in one
     const double *given; ///< count x 2 for BAT_SURFACE_GIVEN, each in [0, 1]^2, in the cloud's order; they are not unfolded
+    bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_fit_data); default false
     bool no_repair;      ///< leave folds, only report them; default false
 } bat_surface_options;
 

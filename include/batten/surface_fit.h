@@ -16,9 +16,10 @@ typedef struct bat_fit_data
     double *parameters;    ///< count x 2 in [0, 1]^2; parameter correction moves them
     size_t count;          ///< at least 1
     size_t dimension;      ///< at least 1
-    size_t boundary_count; ///< the first points whose parameters lie on the boundary: correction moves them along it only
-    /// count: which of those never move (a cloud's corners), true for fixed; null: none but those at the square's corners
-    const bool *fixed;
+    size_t boundary_count; ///< the first points whose parameters lie on the boundary, which correction never takes them off
+    /// Whether correction moves boundary parameters along their sides. Where the boundary has few points against the functions they
+    /// crowd, and the surface runs wild between. False: they stay; those at the square's corners always do.
+    bool slides;
 } bat_fit_data;
 
 /// The most rings of cells that are refined around a marked one.

@@ -129,12 +129,13 @@ static bat_status try_kind(reconstruction *work, size_t number, bat_error *error
     double share = (tries_whole(work) ? 1 : TRIAL_SHARE) / (double)work->kind_count;
     progress_part part = {fit.progress, share * (double)number, share};
     fit.progress = progress_of_part(&part);
+    bool slides = work->options->slide_boundary;
     surface_candidate *candidate = &work->candidates[number];
     bat_status status =
         surface_candidate_make(work->cloud, work->boundary, work->options, work->kinds[number], candidate, error);
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
-        status = tries_whole(work) ? surface_candidate_fit(work->cloud, &fit, candidate, error)
-                                   : surface_candidate_try(work->cloud, &fit, PART_POINTS, candidate, error);
+        status = tries_whole(work) ? surface_candidate_fit(work->cloud, &fit, slides, candidate, error)
+                                   : surface_candidate_try(work->cloud, &fit, slides, PART_POINTS, candidate, error);
     return status;
 }
 
@@ -151,7 +152,7 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     bat_surface_fit_options fit = work->options->fit;
     progress_part part = {fit.progress, TRIAL_SHARE, 1 - TRIAL_SHARE};
     fit.progress = progress_of_part(&part);
-    bat_status status = surface_candidate_fit(work->cloud, &fit, work->best, error);
+    bat_status status = surface_candidate_fit(work->cloud, &fit, work->options->slide_boundary, work->best, error);
     return status == BAT_OK ? check_best(work, error) : status;
 }
 

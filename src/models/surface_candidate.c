@@ -175,7 +175,7 @@ static bool bounds(const bat_cloud *cloud, const double *parameters)
     return true;
 }
 
-bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options,
+bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
                                  surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
@@ -187,7 +187,8 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_o
                          .parameters = candidate->corrected,
                          .count = cloud->count,
                          .dimension = 3,
-                         .boundary_count = bounds(cloud, candidate->parameters) ? cloud->boundary_count : 0};
+                         .boundary_count = bounds(cloud, candidate->parameters) ? cloud->boundary_count : 0,
+                         .slides = slides};
     bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
     if (status == BAT_OK)
         status = note_figures(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
@@ -223,7 +224,7 @@ static bat_status take_part(const bat_cloud *cloud, const double *parameters, si
     return BAT_OK;
 }
 
-bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, size_t points,
+bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides, size_t points,
                                  surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
@@ -239,7 +240,8 @@ bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_o
                          .parameters = part.parameters,
                          .count = part.count,
                          .dimension = 3,
-                         .boundary_count = part.boundary_count};
+                         .boundary_count = part.boundary_count,
+                         .slides = slides};
     if (status == BAT_OK)
         status = bat_surface_fit(&data, &trial, &surface, &fit, &failure);
     if (status == BAT_OK)

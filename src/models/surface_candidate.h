@@ -25,11 +25,12 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
                                   bat_surface_parameters kind, surface_candidate *candidate, bat_error *error);
 
 /// Fit all points, and keep the surface.
+/// @param slides as in bat_fit_data
 /// @return as surface_candidate_make(), or BAT_CANCELLED
-bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options,
+bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
                                  surface_candidate *candidate, bat_error *error);
 /// Fit about `points` of them, and keep the figures alone.
-bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, size_t points,
+bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides, size_t points,
                                  surface_candidate *candidate, bat_error *error);
 
 /// The best of candidates by their fits: of those that stray less than twice as far as another, the one with fewer functions where both

@@ -66,9 +66,7 @@ static fit_freedom freedom_of(const bat_fit_data *data, size_t i)
     const double *at = data->parameters + 2 * i;
     if (i >= data->boundary_count)
         return FIT_FREE;
-    if (data->fixed != NULL && data->fixed[i])
-        return FIT_FIXED;
-    if (is_end(at[0]) && is_end(at[1]))
+    if (!data->slides || (is_end(at[0]) && is_end(at[1])))
         return FIT_FIXED;
     return is_end(at[0]) ? FIT_ALONG_V : FIT_ALONG_U;
 }
