@@ -9,7 +9,7 @@
 ///
 /// The stretch at a point is the root mean square of the singular values of the map's derivative, which its row's neighbours tell by least
 /// squares; that of the whole is its root mean square over the interior.
-/// @param rows       averages that the parameters obey; afterwards those that the new ones obey
+/// @param rows       averages that the parameters obey; changed by every round, the last one that was not worthwhile too
 /// @param parameters count x 2
 /// @return as averages_solve()
 bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_way way, double *parameters,

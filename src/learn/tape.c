@@ -125,9 +125,11 @@ bat_status learn_tape_status(const learn_tape *tape, bat_error *error)
 {
     if (tape->status == BAT_NO_MEMORY)
         return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory for the layers of a network");
-    if (tape->status != BAT_OK)
-        return error_set(error, tape->status, BAT_NO_INDEX, 0, "a layer of a network has more than %d rows or columns",
+    if (tape->status == BAT_TOO_LARGE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a layer of a network has more than %d rows or columns",
                          INT_MAX);
+    if (tape->status != BAT_OK)
+        return error_set(error, tape->status, BAT_NO_INDEX, 0, "what a network works on cannot be computed");
     return BAT_OK;
 }
 

@@ -27,8 +27,7 @@ typedef struct surface_chart
     double *steps;             ///< count x 2
     double seen[SURFACE_SEEN]; ///< what the network sees; zeros when there is nothing to see
     bool sees;
-    bool
-        folded; ///< the patch is far from the cloud at its first parameters: a deep shape, which the boundary's extension folds
+    bool folded; ///< the patch at the first parameters is far from the cloud: a deep shape, which the extension folds
 } surface_chart;
 
 /// @param cloud    in the unit box, with a boundary

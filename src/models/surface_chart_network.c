@@ -7,8 +7,10 @@
 #include "models/surface_chart.h"
 #include "models/surface_sample.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Parameters
 
@@ -131,8 +133,7 @@ static bat_status make_network(const learn_parameters *parameters, void **networ
     real *weights = memory_array(parameters->total, sizeof *weights);
     if (weights == NULL)
         return error_memory(error, parameters->total * sizeof *weights);
-    for (size_t i = 0; i < parameters->total; i++)
-        weights[i] = parameters->values[i];
+    memcpy(weights, parameters->values, parameters->total * sizeof *weights);
     *network = weights;
     return BAT_OK;
 }
@@ -174,16 +175,30 @@ static bat_status parameterize_deep(const bat_cloud *cloud, const double *bounda
     return status;
 }
 
+static bat_status check_boundary(const bat_cloud *cloud, const double *boundary, bat_error *error)
+{
+    if (cloud->boundary_count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
+    for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
+        if (!isfinite(boundary[i]))
+            return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
+                             i / 2);
+    return BAT_OK;
+}
+
 static bat_status infer(const void *network, const bat_cloud *cloud, const double *boundary, int threads, double *interior,
                         bat_error *error)
 {
+    bat_status status = check_boundary(cloud, boundary, error);
+    if (status != BAT_OK)
+        return status;
     size_t count = cloud->count - cloud->boundary_count;
     double *memory = memory_array(count, 4 * sizeof *memory);
     if (memory == NULL)
         return error_memory(error, count * 4 * sizeof *memory);
     surface_chart chart;
     blas_single_begin();
-    bat_status status = surface_chart_make(cloud, boundary, memory, &chart, error);
+    status = surface_chart_make(cloud, boundary, memory, &chart, error);
     // Charts of deep shapes are like none that the network has learned from: it is not asked about them.
     if (status == BAT_OK && chart.folded)
         status = parameterize_deep(cloud, boundary, threads, interior, error);

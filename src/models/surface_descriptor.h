@@ -26,7 +26,7 @@ typedef struct surface_descriptor
 /// Legendre's polynomials 0 to `degree`, at least 1, of 2 t - 1.
 void surface_legendre(double t, int degree, double *values);
 
-/// @param points     count x 3, in the unit box
+/// @param points     count x 3, in the unit box, at least one
 /// @param parameters count x 2
 /// @param noise      the points', as the standard deviation of a coordinate: the more, the more coefficients cost
 /// @return BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE for parameters that are not finite
@@ -37,8 +37,9 @@ bat_status surface_descriptor_make(const double *points, const double *parameter
 void surface_descriptor_step(const surface_descriptor *descriptor, const double point[3], const double parameter[2],
                              double step[2]);
 
-/// The coefficients but the first, turned and scaled so that those of P_1(u) and P_1(v) span a square of area 1 in the plane of the first
-/// two axes: nothing that depends on where the cloud lies, how it is turned, and how large it is.
+/// The coefficients but the first, turned and scaled so that that of P_1(u) lies along the first axis and spans, with that of P_1(v), a
+/// parallelogram of area 1 in the plane of the first two: nothing that depends on where the cloud lies, how it is turned, and how large
+/// it is. Of a mirror image the third coordinates change sign.
 /// @param seen receives SURFACE_SEEN numbers
 /// @return false when these two are parallel or zero, and the numbers are none
 bool surface_descriptor_see(const surface_descriptor *descriptor, double *seen);

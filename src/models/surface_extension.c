@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <assert.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
@@ -26,30 +25,39 @@ static const double AFFINE_RIDGE = 1e-9;
 /// The median of the length of a vector of three standard normal numbers.
 static const double MEDIAN_LENGTH = 1.5381722544550522;
 
-/// How far point i of the loop lies from where the cubic through its neighbours would have it, by the standard deviation that noise of
-/// each coordinate would give that; negative where neighbours coincide.
-static double surprise(const bat_cloud *cloud, size_t i)
+static double distance(const double a[3], const double b[3])
 {
-    size_t count = cloud->boundary_count;
-    size_t places[2 * AROUND] = {(i + count - 2) % count, (i + count - 1) % count, (i + 1) % count, (i + 2) % count};
-    const double *here = cloud->points + 3 * i;
-    double at[2 * AROUND], reach = 0;
+    double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/// Where the neighbours of a point stand along the polygon through them, the point itself at 0.
+static void place_along(const double *here, const double *const near[2 * AROUND], double at[2 * AROUND])
+{
+    double reach = 0;
     for (size_t k = AROUND; k-- > 0;)
     {
-        const double *near = k + 1 < AROUND ? cloud->points + 3 * places[k + 1] : here, *far = cloud->points + 3 * places[k];
-        reach += sqrt((near[0] - far[0]) * (near[0] - far[0]) + (near[1] - far[1]) * (near[1] - far[1]) +
-                      (near[2] - far[2]) * (near[2] - far[2]));
+        reach += distance(k + 1 < AROUND ? near[k + 1] : here, near[k]);
         at[k] = -reach;
     }
     reach = 0;
     for (size_t k = AROUND; k < (size_t)2 * AROUND; k++)
     {
-        const double *near = k > AROUND ? cloud->points + 3 * places[k - 1] : here, *far = cloud->points + 3 * places[k];
-        reach += sqrt((near[0] - far[0]) * (near[0] - far[0]) + (near[1] - far[1]) * (near[1] - far[1]) +
-                      (near[2] - far[2]) * (near[2] - far[2]));
+        reach += distance(k > AROUND ? near[k - 1] : here, near[k]);
         at[k] = reach;
     }
-    double squares = 1, gap[3] = {here[0], here[1], here[2]};
+}
+
+/// How far point i of the loop lies from where the cubic through its neighbours would have it, by the standard deviation that noise of
+/// each coordinate would give that; negative where neighbours coincide.
+static double surprise(const bat_cloud *cloud, size_t i)
+{
+    size_t count = cloud->boundary_count;
+    const double *points = cloud->points, *here = points + 3 * i;
+    const double *near[2 * AROUND] = {points + 3 * ((i + count - 2) % count), points + 3 * ((i + count - 1) % count),
+                                      points + 3 * ((i + 1) % count), points + 3 * ((i + 2) % count)};
+    double at[2 * AROUND], squares = 1, gap[3] = {here[0], here[1], here[2]};
+    place_along(here, near, at);
     for (size_t k = 0; k < (size_t)2 * AROUND; k++)
     {
         double factor = 1;
@@ -60,7 +68,7 @@ static double surprise(const bat_cloud *cloud, size_t i)
             return -1;
         squares += factor * factor;
         for (size_t a = 0; a < 3; a++)
-            gap[a] -= factor * cloud->points[3 * places[k] + a];
+            gap[a] -= factor * near[k][a];
     }
     return sqrt((gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]) / squares);
 }
@@ -86,12 +94,6 @@ static double loop_noise(const bat_cloud *cloud, double *scratch)
         return 0;
     qsort(scratch, count, sizeof *scratch, ascending);
     return scratch[count / 2] / MEDIAN_LENGTH;
-}
-
-static double distance(const double a[3], const double b[3])
-{
-    double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-    return sqrt(x * x + y * y + z * z);
 }
 
 /// The upper triangle of the system by rows: that of the lower one by columns, as LAPACK has it.

@@ -48,7 +48,7 @@ typedef struct surface_network_kind
     bat_status (*make_network)(const learn_parameters *parameters, void **network, bat_error *error);
     /// Does nothing to null.
     void (*free_network)(void *network);
-    /// The same numbers as predict() to rounding. Any number of calls may use a network at once; the result does not depend on
+    /// The same numbers as predict() to rounding, but for clouds that a kind knows to be beyond its network. Any number of calls may use a network at once; the result does not depend on
     /// `threads` (0: as many as OpenMP gives).
     /// @param interior receives interior points x 2, each in [0, 1]
     bat_status (*infer)(const void *network, const bat_cloud *cloud, const double *boundary, int threads, double *interior,
