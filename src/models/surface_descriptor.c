@@ -84,12 +84,15 @@ static bat_status solve(double *products, double cost, surface_descriptor *descr
         products[k * COLUMNS + k] += cost * order * order + RIDGE;
     }
     // The upper triangle by rows is the lower one by columns.
-    if (LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', SURFACE_TERMS, 3, products, COLUMNS, right, SURFACE_TERMS) != 0)
-        return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no polynomial patch fits the cloud");
+    bool solved = LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', SURFACE_TERMS, 3, products, COLUMNS, right, SURFACE_TERMS) == 0;
     for (size_t k = 0; k < SURFACE_TERMS; k++)
         for (size_t d = 0; d < 3; d++)
+        {
             descriptor->terms[k][d] = right[d * SURFACE_TERMS + k];
-    return BAT_OK;
+            // Not every factorization tells of what is no number.
+            solved = solved && isfinite(descriptor->terms[k][d]);
+        }
+    return solved ? BAT_OK : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no polynomial patch fits the cloud");
 }
 
 static void evaluate(const surface_descriptor *descriptor, const double parameter[2], double x[3], double xu[3],

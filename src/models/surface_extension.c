@@ -80,6 +80,7 @@ static int ascending(const void *a, const void *b)
 }
 
 /// The noise of the loop's points, as the standard deviation of a coordinate: from the median surprise.
+/// Noise along the loop surprises nobody, so that it says about three quarters of what there is.
 /// @param scratch boundary_count numbers
 static double loop_noise(const bat_cloud *cloud, double *scratch)
 {

@@ -17,7 +17,7 @@ typedef struct surface_extension
     double *weights; ///< (count + 4) x 2: w, a, B
     size_t count;
     double middle[3];
-    double noise; ///< of the loop's points, as the standard deviation of a coordinate
+    double noise; ///< of the loop's points, as the standard deviation of a coordinate: about three quarters of it
 } surface_extension;
 
 /// @param cloud    in the unit box
