@@ -5,8 +5,6 @@
 #include "models/surface_chart.h"
 #include "models/surface_extension.h"
 
-static const double PI = 3.14159265358979323846;
-
 // Helpers
 
 /// x -> size turn x + shift
@@ -504,13 +502,14 @@ static void planes_need_no_network(void **state)
     }
 }
 
-/// A sphere but for a cap of half a radian around its lowest point.
+/// What is left of a sphere without a cap of half a radian around its lowest point, evenly filled by the square.
 static void deep_sphere(double u, double v, double place[3])
 {
-    double x = 2 * u - 1, y = 2 * v - 1, reach = fmax(fabs(x), fabs(y)), turn = atan2(y, x), from_top = (PI - 0.5) * reach;
-    place[0] = 0.5 + 0.5 * sin(from_top) * cos(turn);
-    place[1] = 0.5 + 0.5 * sin(from_top) * sin(turn);
-    place[2] = 0.5 + 0.5 * cos(from_top);
+    double x = 2 * u - 1, y = 2 * v - 1, reach = fmax(fabs(x), fabs(y)), turn = atan2(y, x);
+    double height = 1 - reach * reach * (1 + cos(0.5)), from_axis = sqrt(1 - height * height);
+    place[0] = 0.5 + 0.5 * from_axis * cos(turn);
+    place[1] = 0.5 + 0.5 * from_axis * sin(turn);
+    place[2] = 0.5 + 0.5 * height;
 }
 
 static void deep_shapes_are_known(void **state)
@@ -520,7 +519,7 @@ static void deep_shapes_are_known(void **state)
     for (size_t k = 0; k < 3; k++)
         for (size_t noisy = 0; noisy < 2; noisy++)
         {
-            patch made = patch_scatter(surfaces[k], 20, 600, noisy == 1 ? 0.02 : 0, k);
+            patch made = patch_scatter(surfaces[k], k == 2 ? 8 : 20, 1000, noisy == 1 ? 0.02 : 0, k);
             double *memory;
             surface_chart chart = chart_of(&made, &memory);
             assert_int_equal(chart.folded, k == 2);
