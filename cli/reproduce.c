@@ -206,6 +206,7 @@ static const option_spec OPTIONS[] = {
     {"epochs", 0, "E", "mesh-ablations, mesh-style: of each training; default 60; surface-ablation: default 10"},
     {"pairs", 0, "N", "mesh-ablations, mesh-style: coarse meshes made of each shape; default 50"},
     {"clouds", 0, "N", "surface-clouds, surface-ablation: random clouds of each case; default 100"},
+    {"corrections", 0, "N", "surface-nefertiti, -face, -shapes: of parameters after each fit; default 1, as published"},
     {"points", 0, "LIST", "surface-clouds: points inside of a cloud; default 50,100,200,500,1000,2000,5000"},
     {"noise", 0, "LIST", "surface-clouds: standard deviations; default 0,0.005,0.01,0.05"},
     {"degrees", 0, "LIST", "surface-clouds: of surface and fit; default 2,3,4,5: a quarter of an hour in all"},
@@ -272,6 +273,8 @@ static int check_clouds(const arguments *given, size_t index)
         return usage_error(given, "--points, --noise and --degrees go with surface-clouds");
     if (use != DRAWS && use != ABLATES && argument(given, "clouds") != NULL)
         return usage_error(given, "--clouds goes with surface-clouds and surface-ablation");
+    if (use != SCANS && use != MAKES && argument(given, "corrections") != NULL)
+        return usage_error(given, "--corrections goes with surface-nefertiti, -face and -shapes");
     if (use != ABLATES && uninformed)
         return usage_error(given, "--uninformed goes with surface-ablation");
     if (use == ABLATES && informed != uninformed)
@@ -314,7 +317,7 @@ static int run(const arguments *given, size_t index)
 {
     // In the order of bat_tension_set_kind.
     static const char *const SETS[] = {"published", "fresh", "unseen", NULL};
-    long seed, vertices, epochs, pairs, clouds;
+    long seed, vertices, epochs, pairs, clouds, corrections;
     number_list points = {.count = 0}, noises = points, degrees = points;
     int set, code = check_options(given, index);
     if (code != EXIT_DONE || !argument_word(given, "set", SETS, BAT_TENSION_PUBLISHED, &set))
@@ -325,6 +328,7 @@ static int run(const arguments *given, size_t index)
         !argument_whole(given, "epochs", 1, MOST_NUMBER, 0, &epochs) ||
         !argument_whole(given, "pairs", 1, MOST_NUMBER, 0, &pairs) ||
         !argument_whole(given, "clouds", 1, MOST_NUMBER, 0, &clouds) ||
+        !argument_whole(given, "corrections", 0, 100, 1, &corrections) ||
         !argument_list(given, "points", 1, 100000, true, &points) || !argument_list(given, "noise", 0, 10, false, &noises) ||
         !argument_list(given, "degrees", 1, BAT_SPLINE_MOST_DEGREE, true, &degrees))
         return EXIT_BAD_USAGE;
@@ -350,6 +354,7 @@ static int run(const arguments *given, size_t index)
                          .pairs = (size_t)pairs,
                          .uninformed = argument(given, "uninformed"),
                          .clouds = (size_t)clouds,
+                         .corrections = (int)corrections,
                          .points = points,
                          .noises = noises,
                          .degrees = degrees};

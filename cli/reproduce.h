@@ -28,6 +28,7 @@ typedef struct reproduce_job
     size_t epochs, pairs;                ///< of trainings on meshes, the former also on clouds
     const char *uninformed;              ///< the file of a network that does not know the boundary; null for none
     size_t clouds;                       ///< of each case; 0 for the default
+    int corrections;                     ///< of parameters, after each of the adaptive fits
     number_list points, noises, degrees; ///< the cases; empty for the default
 } reproduce_job;
 

@@ -202,6 +202,7 @@ static int study_fits(const scan_study *study, const published_fit *what, const 
     bat_surface_fit_options fit = bat_surface_fit_defaults();
     methods[1].model = methods[2].model = study->model;
     fit.functions = what->functions;
+    fit.corrections = study->job->corrections;
     fit.progress = report_progress(what->name);
     for (int k = 0; k < 2; k++)
         fit.space.degree[k] = what->degree[k];
