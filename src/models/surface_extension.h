@@ -6,10 +6,10 @@
 /// @file
 /// Parameters of a boundary loop, carried on into space: the smoothest map that takes them on the loop.
 ///
-///     f(x) = sum_k w_k |x - x_k| + a + B x,    sum_k w_k = 0,  sum_k w_k x_k = 0
+///     f(x) = a + B x - sum_k w_k |x - x_k|,    f(x_i) + lambda w_i = u_i,    sum_k w_k = 0,  sum_k w_k x_k = 0
 ///
-/// The kernel |x| is that of the biharmonic spline in space (Duchon 1977; Wahba 1990, section 2.4). Where the loop is noisy the map passes by its
-/// parameters: the system has lambda on its diagonal.
+/// The kernel |x| is that of the biharmonic spline in space (Duchon 1977; Wahba 1990, section 2.4). Where the loop is noisy lambda is not small, and the
+/// map passes by its parameters.
 
 typedef struct surface_extension
 {
