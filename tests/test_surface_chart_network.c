@@ -333,7 +333,7 @@ static void flat_and_small_clouds_are_no_different(void **state)
     bat_surface_model_free(model);
 }
 
-static void what_has_no_boundary_is_refused(void **state)
+static void bad_clouds_are_refused(void **state)
 {
     (void)state;
     bat_surface_model *model = random_model(5);
@@ -347,6 +347,10 @@ static void what_has_no_boundary_is_refused(void **state)
     made.parameters[9] = 1e200;
     check_status(bat_surface_model_parameterize(model, &made.cloud, made.parameters, 1, found, NULL), BAT_NO_CONVERGENCE);
     made.parameters[9] = 0;
+    made.cloud.points[0] = -1.5e308;
+    made.cloud.points[3] = 1.5e308;
+    check_status(bat_surface_model_parameterize(model, &made.cloud, made.parameters, 1, found, NULL), BAT_INVALID_ARGUMENT);
+    made.cloud.points[0] = 0;
     made.cloud.has_corners = false;
     made.cloud.boundary_count = 0;
     check_status(bat_surface_model_parameterize(model, &made.cloud, made.parameters, 1, found, NULL), BAT_INVALID_ARGUMENT);
@@ -396,7 +400,7 @@ int main(void)
         cmocka_unit_test(place_size_and_turn_do_not_matter),
         cmocka_unit_test(the_order_of_points_does_not_matter),
         cmocka_unit_test(flat_and_small_clouds_are_no_different),
-        cmocka_unit_test(what_has_no_boundary_is_refused),
+        cmocka_unit_test(bad_clouds_are_refused),
         cmocka_unit_test(deep_shapes_get_parameters_of_little_stretch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

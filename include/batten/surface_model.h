@@ -25,8 +25,8 @@ BAT_API void bat_surface_model_free(bat_surface_model *model);
 /// @param boundary   boundary_count x 2
 /// @param threads    0: as many as OpenMP gives; the result does not depend on it
 /// @param parameters receives count x 2, the boundary's first
-/// @return BAT_OK; what bat_cloud_check() returns; BAT_NO_MEMORY; with our network BAT_INVALID_ARGUMENT for a cloud without boundary or
-///         boundary parameters that are not finite, and BAT_NO_CONVERGENCE for such as are beyond all bounds
+/// @return BAT_OK; what bat_cloud_check() returns; BAT_INVALID_ARGUMENT for a cloud whose size is not finite; BAT_NO_MEMORY; with our network
+///         BAT_INVALID_ARGUMENT for a cloud without boundary or boundary parameters that are not finite, and BAT_NO_CONVERGENCE for such as are beyond all bounds
 BAT_API bat_status bat_surface_model_parameterize(const bat_surface_model *model, const bat_cloud *cloud,
                                                   const double *boundary, int threads, double *parameters, bat_error *error);
 

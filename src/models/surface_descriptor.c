@@ -78,7 +78,8 @@ static bat_status solve(double *products, double cost, surface_descriptor *descr
     double right[3 * SURFACE_TERMS];
     for (size_t k = 0; k < SURFACE_TERMS; k++)
     {
-        double a = (double)(k / ORDERS), b = (double)(k % ORDERS), order = a * a + b * b;
+        size_t a = k / ORDERS, b = k % ORDERS;
+        double order = (double)(a * a + b * b);
         for (size_t d = 0; d < 3; d++)
             right[d * SURFACE_TERMS + k] = products[k * COLUMNS + SURFACE_TERMS + d];
         products[k * COLUMNS + k] += cost * order * order + RIDGE;

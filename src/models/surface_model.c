@@ -8,6 +8,7 @@
 #include "models/unit_box.h"
 #include "models/weights.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,6 +90,8 @@ bat_status bat_surface_model_parameterize(const bat_surface_model *model, const 
         return status;
     bat_cloud boxed = *cloud;
     unit_box box = unit_box_of(cloud->points, cloud->count);
+    if (!isfinite(box.size))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud is larger than numbers can tell");
     boxed.points = memory_array(cloud->count, 3 * sizeof *boxed.points);
     if (boxed.points == NULL)
         return error_memory(error, cloud->count * 3 * sizeof *boxed.points);
