@@ -41,8 +41,12 @@ static inline surface_sample sample_make(surface_shape shape, size_t count, size
         for (size_t k = 0; k < 3; k++)
             sample.points[3 * i + k] = sample.truth[3 * i + k] + noise * bat_random_normal(&random);
     }
-    sample.data = (bat_fit_data){
-        .points = sample.points, .parameters = parameters, .count = count, .dimension = 3, .boundary_count = 4 * side, .slides = true};
+    sample.data = (bat_fit_data){.points = sample.points,
+                                 .parameters = parameters,
+                                 .count = count,
+                                 .dimension = 3,
+                                 .boundary_count = 4 * side,
+                                 .slides = true};
     return sample;
 }
 

@@ -1,8 +1,8 @@
 #include "cloud/neighbours.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "io/array_grow.h"
 #include "search/select.h"
 
 #include <math.h>

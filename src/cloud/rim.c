@@ -1,7 +1,7 @@
 #include "cloud/rim.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
-#include "io/array_grow.h"
 #include "linalg/vector3.h"
 
 #include <math.h>

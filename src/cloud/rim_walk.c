@@ -2,10 +2,10 @@
 
 #include "batten/mesh.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "io/array_grow.h"
 #include "linalg/vector3.h"
 #include "mesh/key_map.h"
 

@@ -1,8 +1,8 @@
 #ifndef IO_CLOUD_FORMATS_H
 #define IO_CLOUD_FORMATS_H
 
+#include "base/array_grow.h"
 #include "batten/cloud_file.h"
-#include "io/array_grow.h"
 #include "io/block_writer.h"
 #include "io/file_text.h"
 

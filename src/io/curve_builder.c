@@ -1,7 +1,7 @@
 #include "io/curve_builder.h"
 
-#include "base/error.h"
 #include "base/array_grow.h"
+#include "base/error.h"
 #include "io/curve_attributes.h"
 #include "io/point_form.h"
 

@@ -1,7 +1,7 @@
 #include "io/geojson_coordinates.h"
 
-#include "base/error.h"
 #include "base/array_grow.h"
+#include "base/error.h"
 #include "io/degrees.h"
 
 #include <stdarg.h>

@@ -1,8 +1,8 @@
 #ifndef IO_MESH_BUILDER_H
 #define IO_MESH_BUILDER_H
 
-#include "batten/mesh_file.h"
 #include "base/array_grow.h"
+#include "batten/mesh_file.h"
 
 /// A mesh while it is read: faces are polygons and may name vertices that come later. All zero: empty.
 typedef struct mesh_builder

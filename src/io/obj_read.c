@@ -1,5 +1,5 @@
-#include "base/error.h"
 #include "base/array_grow.h"
+#include "base/error.h"
 #include "io/curve_attributes.h"
 #include "io/curve_builder.h"
 #include "io/curve_formats.h"

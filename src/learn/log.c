@@ -1,8 +1,8 @@
 #include "learn/log.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "batten/picture.h"
-#include "base/array_grow.h"
 #include "io/file_text.h"
 #include "io/number_text.h"
 

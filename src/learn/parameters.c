@@ -1,7 +1,7 @@
 #include "learn/parameters.h"
 
-#include "base/error.h"
 #include "base/array_grow.h"
+#include "base/error.h"
 
 #include <stdio.h>
 
