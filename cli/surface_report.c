@@ -47,7 +47,7 @@ void surface_report_reason(const surface_findings *findings, char *text, size_t 
         (void)snprintf(text, size, "within the tolerance by %zu functions instead of %zu", first->functions,
                        second->functions);
     else
-        (void)snprintf(text, size, "%s squared distance %.3g instead of %.3g",
+        (void)snprintf(text, size, "%s squared distance %.4g instead of %.4g",
                        findings->options->fit.robust ? "median" : "mean", first->mean_squared, second->mean_squared);
 }
 
