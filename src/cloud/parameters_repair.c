@@ -11,8 +11,9 @@
 
 enum
 {
-    ROUNDS = 10, ///< the ring around faults that becomes averages doubles each time
-    BLENDS = 4   ///< steps from shape-preserving to uniform parameters, where the former fold
+    ROUNDS = 10,    ///< the ring around faults that becomes averages doubles each time
+    LARGE = 100000, ///< points of a cloud that gets one round alone: the others would take longer than a fit
+    BLENDS = 4      ///< steps from shape-preserving to uniform parameters, where the former fold
 };
 
 /// Parameters on their way to having no faults, in the finder's order.
@@ -139,7 +140,8 @@ static bat_status unfold(repair *work, bat_error *error)
 {
     const bat_cloud *cloud = &work->finder->order.cloud;
     bat_status status = look(work, true, error);
-    for (size_t round = 0; round < ROUNDS && status == BAT_OK && fault_count(&work->report) > 0; round++)
+    bool large = cloud->count > LARGE;
+    for (size_t round = 0; round < (large ? 1 : ROUNDS) && status == BAT_OK && fault_count(&work->report) > 0; round++)
     {
         if (!grow_moved(work, (size_t)1 << round))
             break;
@@ -147,7 +149,10 @@ static bat_status unfold(repair *work, bat_error *error)
         if (status == BAT_OK)
             status = look(work, false, error);
     }
-    return status == BAT_OK && work->best_report.folded > 0 ? blend(work, error) : status;
+    if (status == BAT_OK && work->best_report.folded > 0 && !large)
+        status = blend(work, error);
+    // What does not settle leaves the best that was found.
+    return status == BAT_NO_CONVERGENCE ? BAT_OK : status;
 }
 
 static bat_status check_boundary(const bat_cloud *cloud, const double *parameters, bat_error *error)

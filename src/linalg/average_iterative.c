@@ -189,6 +189,11 @@ static bool settle(iteration *it, const double *constant, double *x)
     return before <= FORGIVEN * enough;
 }
 
+enum
+{
+    MOST_DIRECT = 100000 ///< unknowns that a decomposition is tried for: its time and memory grow faster than they
+};
+
 bat_status average_solve_iterative(const sparse_rows *weights, const double *constant, int threads, double *x,
                                    bat_error *error)
 {
@@ -211,5 +216,7 @@ bat_status average_solve_iterative(const sparse_rows *weights, const double *con
     free(vectors);
     if (status == BAT_NO_MEMORY || settled)
         return status;
+    if (count > MOST_DIRECT)
+        return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a system of %zu averages did not settle", count);
     return average_solve_direct(weights, constant, x, error);
 }

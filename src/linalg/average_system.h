@@ -16,11 +16,12 @@
 bat_status average_solve_direct(const sparse_rows *weights, const double *constant, double *x, bat_error *error);
 
 /// The same by BiCGSTAB (van der Vorst 1992) over a multilevel cycle, in time and memory in proportion to the entries. Where it
-/// does not settle, which is not known to happen, average_solve_direct() takes over. Unknowns that are joined should lie close to each
-/// other in number.
+/// does not settle, as on large clouds with noise as wide as their spacing, average_solve_direct() takes over, up to 100,000 unknowns.
+/// Unknowns that are joined should lie close to each other in number.
 ///
 /// The largest residual ends up within some units of rounding of the largest number.
 /// @param threads as many as OpenMP gives when 0; the result is the same
+/// @return BAT_OK, BAT_NO_CONVERGENCE, BAT_NO_MEMORY
 bat_status average_solve_iterative(const sparse_rows *weights, const double *constant, int threads, double *x,
                                    bat_error *error);
 
