@@ -17,7 +17,7 @@ bat_status fit_nets_make(const bat_hierarchical_space *space, const double *cont
     nets->control = memory_array(numbers, sizeof *nets->control);
     if (nets->control == NULL)
         return error_memory(error, numbers * sizeof *nets->control);
-    // A cell of most kinds has no more coarser functions than local ones.
+    // As if every cell had as many coarser functions as local ones.
     double operations = (double)cells * (double)(hierarchical_locals(space) * stride);
 #pragma omp parallel for schedule(static) num_threads(threads_worth(threads, cells, operations))
     for (size_t c = 0; c < cells; c++)
