@@ -11,7 +11,9 @@
 enum
 {
     /// More threads than this are never made, unless the machine has more processors: they would gain nothing.
-    THREADS_LIMIT = 64
+    THREADS_LIMIT = 64,
+    /// Arithmetic operations, some milliseconds of them, that are worth a thread.
+    THREADS_WORTH = 5000000
 };
 
 /// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0 or below, and no more than
@@ -30,6 +32,17 @@ static inline int threads_for(int wanted, size_t work)
 #endif
 }
 
+/// The number of threads for pieces that take so many arithmetic operations in all, roughly. Who wants a number gets it as from
+/// threads_for(). Otherwise short work is not shared: threads wait for each other by spinning, and where other programs have the
+/// processors they wait for a time slice, which is longer than the work.
+static inline int threads_worth(int wanted, size_t pieces, double operations)
+{
+    double most = operations / THREADS_WORTH;
+    if (wanted <= 0 && most < (double)pieces)
+        pieces = most > 1 ? (size_t)most : 1;
+    return threads_for(wanted, pieces);
+}
+
 /// The number of this thread among those that share work, from 0.
 static inline int threads_current(void)
 {
@@ -44,6 +57,29 @@ static inline int threads_current(void)
 static inline bool threads_is_calling(void)
 {
     return threads_current() == 0;
+}
+
+/// Run parallel regions that this thread meets from here on alone, whatever number of threads they ask for, until threads_alone_end():
+/// for libraries that have such regions and no way to be told of threads.
+/// @return what threads_alone_end() wants
+static inline int threads_alone_begin(void)
+{
+#if defined(_OPENMP)
+    int levels = omp_get_max_active_levels();
+    omp_set_max_active_levels(0);
+    return levels;
+#else
+    return 0;
+#endif
+}
+
+static inline void threads_alone_end(int levels)
+{
+#if defined(_OPENMP)
+    omp_set_max_active_levels(levels);
+#else
+    (void)levels;
+#endif
 }
 
 #endif

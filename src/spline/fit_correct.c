@@ -281,8 +281,9 @@ bat_status fit_correct_lost(const fit_nets *nets, fit_points *points, fit_correc
     for (size_t row = 0; row < points->count; row++)
         mean += points->distance[row] / (double)points->count;
     size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = find_lost(points, mean, lost);
+    double operations = (double)count * (double)points->count * 2 * (double)nets->dimension;
     bool whole = true;
-#pragma omp parallel num_threads(threads_for(threads, count)) reduction(&& : whole)
+#pragma omp parallel num_threads(threads_worth(threads, count, operations)) reduction(&& : whole)
     {
         double *scratch = memory_array(room, sizeof *scratch);
         whole = scratch != NULL;
@@ -305,8 +306,9 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
                        bat_error *error)
 {
     size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
+    double operations = (double)points->count * fit_nets_operations(nets, 2);
     bool whole = true;
-#pragma omp parallel num_threads(threads_for(threads, points->count)) reduction(&& : whole) reduction(+ : count)
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : whole) reduction(+ : count)
     {
         double *scratch = memory_array(room, sizeof *scratch);
         whole = scratch != NULL;

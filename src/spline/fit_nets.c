@@ -17,7 +17,9 @@ bat_status fit_nets_make(const bat_hierarchical_space *space, const double *cont
     nets->control = memory_array(numbers, sizeof *nets->control);
     if (nets->control == NULL)
         return error_memory(error, numbers * sizeof *nets->control);
-#pragma omp parallel for schedule(static) num_threads(threads_for(threads, cells))
+    // As if every cell had as many coarser functions as local ones.
+    double operations = (double)cells * (double)(hierarchical_locals(space) * stride);
+#pragma omp parallel for schedule(static) num_threads(threads_worth(threads, cells, operations))
     for (size_t c = 0; c < cells; c++)
         hierarchical_local_control(space, &space->cells[c], control, dimension, nets->control + c * stride);
     return BAT_OK;
@@ -48,8 +50,9 @@ static void measure_point(const fit_nets *nets, fit_points *points, size_t row, 
 bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, double *residual, int threads, bat_error *error)
 {
     size_t room = fit_nets_scratch(nets) + nets->dimension;
+    double operations = (double)points->count * fit_nets_operations(nets, 0);
     bool whole = true;
-#pragma omp parallel num_threads(threads_for(threads, points->count)) reduction(&& : whole)
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : whole)
     {
         double *scratch = memory_array(room, sizeof *scratch);
         whole = scratch != NULL;

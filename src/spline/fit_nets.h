@@ -26,6 +26,12 @@ static inline size_t fit_nets_scratch(const fit_nets *nets)
     return 3 * ((size_t)nets->space->options.degree[1] + 1) * nets->dimension;
 }
 
+/// About how many arithmetic operations fit_nets_evaluate() takes.
+static inline double fit_nets_operations(const fit_nets *nets, int derivatives)
+{
+    return 100 * (derivatives + 1) + (double)(nets->stride * (size_t)(derivatives + 1));
+}
+
 /// The surface and its derivatives, as bat_spline_surface_evaluate(), at a parameter of a cell.
 static inline void fit_nets_evaluate(const fit_nets *nets, size_t cell, const double *parameter, int derivatives,
                                      double *scratch, double *values)

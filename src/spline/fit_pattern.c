@@ -10,7 +10,8 @@
 
 enum
 {
-    BATCH_NUMBERS = 4 << 20 ///< room for what cells add before it is summed, at least that of one cell
+    BATCH_NUMBERS = 4 << 20, ///< room for what cells add before it is summed, at least that of one cell
+    OPERATIONS_AN_ENTRY = 10 ///< of a cell's matrix, for threads_worth()
 };
 
 /// The cells of every function, in rising order.
@@ -90,7 +91,8 @@ static bool find_all(const bat_hierarchical_space *space, const function_cells *
                      bool counting)
 {
     size_t functions = pattern->functions, most = functions;
-    int used = threads_for(threads, (functions + 255) / 256);
+    double active = (double)bat_hierarchical_space_most_active(space), operations = (double)functions * active * active;
+    int used = threads_worth(threads, (functions + 255) / 256, operations);
     bool whole = true;
 #pragma omp parallel for schedule(static) num_threads(used) reduction(&& : whole)
     for (int t = 0; t < used; t++)
@@ -239,6 +241,19 @@ static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *
         }
 }
 
+/// About how many arithmetic operations it takes to extract and add the matrices of all cells.
+static double operations_to_add(const bat_hierarchical_space *space)
+{
+    const uint32_t *active;
+    double squares = 0;
+    for (size_t c = bat_hierarchical_space_cells(space); c-- > 0;)
+    {
+        double count = (double)bat_hierarchical_space_active(space, c, &active);
+        squares += count * count;
+    }
+    return OPERATIONS_AN_ENTRY * squares;
+}
+
 bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
                            int threads, bat_error *error)
 {
@@ -246,7 +261,7 @@ bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_sp
            largest = numbers_of(work, bat_hierarchical_space_most_active(space));
     size_t room = largest > BATCH_NUMBERS / cells ? BATCH_NUMBERS : cells * largest;
     room = room > largest ? room : largest;
-    int used = threads_for(threads, (cells + 15) / 16);
+    int used = threads_worth(threads, (cells + 15) / 16, work->operations + operations_to_add(space));
     batch now = {.place = memory_array(cells, sizeof *now.place), .numbers = memory_array(room, sizeof *now.numbers)};
     bool whole = now.place != NULL && now.numbers != NULL;
     if (work->values != NULL)

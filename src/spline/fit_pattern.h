@@ -24,10 +24,11 @@ typedef struct fit_cell_work
     /// Fill `matrix` (null when none is wanted) and `right` (null when there are no columns) for a cell.
     void (*fill)(const void *context, size_t cell, double *scratch, double *matrix, double *right);
     const void *context;
-    size_t scratch; ///< numbers of room that `fill` wants
-    size_t columns; ///< of right-hand sides
-    double *values; ///< of the matrix, receives the sum over all cells; null: none wanted
-    double *right;  ///< functions x columns, receives the sum; null: none
+    size_t scratch;    ///< numbers of room that `fill` wants
+    size_t columns;    ///< of right-hand sides
+    double operations; ///< of arithmetic that `fill` takes for all cells beside those to extract and add, roughly
+    double *values;    ///< of the matrix, receives the sum over all cells; null: none wanted
+    double *right;     ///< functions x columns, receives the sum; null: none
 } fit_cell_work;
 
 /// Sum over all cells, in their order whatever the number of threads.

@@ -13,7 +13,8 @@ enum
     MORTON_BITS = 16, ///< of a coordinate
     RADIX_BITS = 11,  ///< sorted at a time
     RADIX_PASSES = 3, ///< cover both coordinates
-    RADIX_SIZE = 1 << RADIX_BITS
+    RADIX_SIZE = 1 << RADIX_BITS,
+    OPERATIONS_TO_LOCATE = 100 ///< a point, for threads_worth()
 };
 
 static bat_status check_counts(const bat_fit_data *data, bat_error *error)
@@ -191,7 +192,8 @@ void fit_points_free(fit_points *points)
 
 void fit_points_locate(fit_points *points, const bat_hierarchical_space *space, int threads)
 {
-#pragma omp parallel for schedule(static) num_threads(threads_for(threads, points->count))
+    double operations = OPERATIONS_TO_LOCATE * (double)points->count;
+#pragma omp parallel for schedule(static) num_threads(threads_worth(threads, points->count, operations))
     for (size_t row = 0; row < points->count; row++)
         points->cell[row] =
             (uint32_t)bat_hierarchical_space_locate(space, points->parameter[2 * row], points->parameter[2 * row + 1]);

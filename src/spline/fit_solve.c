@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/threads.h"
 #include "linalg/blas_single.h"
 
 #include <cholmod.h>
@@ -42,6 +43,20 @@ static cholmod_sparse as_sparse(const fit_pattern *pattern, const double *values
                             .dtype = CHOLMOD_DOUBLE,
                             .sorted = 1,
                             .packed = 1};
+}
+
+/// Work on this thread alone. CHOLMOD 3 shares its copying among four threads, for every supernode anew and whatever the number of
+/// processors, which takes longer than to copy.
+static int solver_begin(void)
+{
+    blas_single_begin();
+    return threads_alone_begin();
+}
+
+static void solver_end(int levels)
+{
+    threads_alone_end(levels);
+    blas_single_end();
 }
 
 bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error)
@@ -105,9 +120,9 @@ static double least_pivot(const fit_solver *solver, const double *values)
 bat_status fit_solver_factor(fit_solver *solver, const double *values, double *pivot, bat_error *error)
 {
     cholmod_sparse matrix = as_sparse(solver->pattern, values);
-    blas_single_begin();
+    int levels = solver_begin();
     (void)cholmod_factorize(&matrix, solver->factor, &solver->common);
-    blas_single_end();
+    solver_end(levels);
     *pivot = 0;
     if (solver->common.status == CHOLMOD_NOT_POSDEF)
         return BAT_OK;
@@ -133,10 +148,10 @@ bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *ri
                            .x = by_columns,
                            .xtype = CHOLMOD_REAL,
                            .dtype = CHOLMOD_DOUBLE};
-    blas_single_begin();
+    int levels = solver_begin();
     int solved = cholmod_solve2(CHOLMOD_A, solver->factor, &given, NULL, &solver->solution, NULL, &solver->scratch[0],
                                 &solver->scratch[1], &solver->common);
-    blas_single_end();
+    solver_end(levels);
     free(by_columns);
     if (!solved)
         return cholmod_failure(solver, error);

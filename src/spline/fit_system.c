@@ -165,6 +165,7 @@ static bat_status gather_all(const gather_context *gather, double *values, doubl
                           .context = gather,
                           .scratch = columns + locals + locals * columns + locals * locals + active * locals + active,
                           .columns = columns,
+                          .operations = (double)gather->points->count * (double)(100 + locals * locals),
                           .values = values,
                           .right = right};
     return fit_pattern_sum(&system->pattern, system->space, &work, system->threads, error);

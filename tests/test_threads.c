@@ -1,0 +1,63 @@
+// How many threads share work: never more than pieces, none for what is short unless they are asked for, and one where that is asked for.
+
+#include "base/threads.h"
+#include "check.h"
+
+static void threads_are_no_more_than_pieces(void **state)
+{
+    (void)state;
+    assert_int_equal(threads_for(3, 0), 1);
+    assert_int_equal(threads_for(3, 1), 1);
+    assert_true(threads_for(3, 2) <= 2);
+    assert_true(threads_for(0, 2) <= 2);
+    assert_true(threads_for(-1, 1000) >= 1);
+}
+
+static void short_work_is_not_shared(void **state)
+{
+    (void)state;
+    assert_int_equal(threads_worth(0, 1000000, 0), 1);
+    assert_int_equal(threads_worth(0, 1000000, 1.9 * THREADS_WORTH), 1);
+    assert_true(threads_worth(0, 1000000, 2 * THREADS_WORTH) <= 2);
+    assert_int_equal(threads_worth(0, 1, 1e300), 1);
+    assert_int_equal(threads_worth(0, 1000, 1e300), threads_for(0, 1000));
+}
+
+static void who_wants_threads_gets_them(void **state)
+{
+    (void)state;
+    for (int wanted = 1; wanted < 5; wanted++)
+        assert_int_equal(threads_worth(wanted, 1000, 0), threads_for(wanted, 1000));
+}
+
+/// The threads of a region that asks for two.
+static int threads_of_region(void)
+{
+    int met = 0;
+#pragma omp parallel num_threads(2) reduction(+ : met)
+    met++;
+    return met;
+}
+
+static void regions_run_alone_until_the_end(void **state)
+{
+    (void)state;
+    int before = threads_of_region(), outer = threads_alone_begin();
+    assert_int_equal(threads_of_region(), 1);
+    int inner = threads_alone_begin();
+    threads_alone_end(inner);
+    assert_int_equal(threads_of_region(), 1);
+    threads_alone_end(outer);
+    assert_int_equal(threads_of_region(), before);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(threads_are_no_more_than_pieces),
+        cmocka_unit_test(short_work_is_not_shared),
+        cmocka_unit_test(who_wants_threads_gets_them),
+        cmocka_unit_test(regions_run_alone_until_the_end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
