@@ -6,6 +6,7 @@
 #include "learn/train.h"
 #include "models/mesh_sample.h"
 #include "models/train_files.h"
+#include "models/train_model.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -280,19 +281,6 @@ static bat_status run(training *t, const learn_options *options, learn_report *m
     return learn_train(&job, options, made, error);
 }
 
-static bat_status write_model(const training *t, const char *path, const char *name, const learn_report *made,
-                              bat_error *error)
-{
-    char seed[32], epochs[32], best_epoch[32], loss[32];
-    (void)snprintf(seed, sizeof seed, "%llu", (unsigned long long)t->options->seed);
-    (void)snprintf(epochs, sizeof epochs, "%llu", (unsigned long long)made->epochs);
-    (void)snprintf(best_epoch, sizeof best_epoch, "%llu", (unsigned long long)made->best_epoch + 1);
-    (void)snprintf(loss, sizeof loss, "%.6g", made->best);
-    const safetensors_note notes[] = {
-        {"recipe", name}, {"seed", seed}, {"epochs", epochs}, {"best_epoch", best_epoch}, {"kept_loss", loss}};
-    return learn_parameters_write(&t->parameters, path, notes, sizeof notes / sizeof *notes, error);
-}
-
 static bat_status fill_report(training *t, const learn_report *made, bat_mesh_train_report *report, bat_error *error)
 {
     bat_mesh_train_report filled = {.epochs = made->epochs, .best_epoch = made->best_epoch + 1, .loss = made->loss};
@@ -327,7 +315,7 @@ bat_status bat_mesh_train(const bat_mesh *shapes, size_t shape_count, const bat_
         status = run(&t, &learning, &made, error);
     }
     if (status == BAT_OK && options->folder != NULL)
-        status = write_model(&t, files.model, name, &made, error);
+        status = train_model_write(files.model, &t.parameters, name, options->seed, &made, "kept_loss", error);
     if (status == BAT_OK && report != NULL)
         status = fill_report(&t, &made, report, error);
     training_free(&t);

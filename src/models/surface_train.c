@@ -7,6 +7,7 @@
 #include "learn/train.h"
 #include "models/surface_sample.h"
 #include "models/train_files.h"
+#include "models/train_model.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -287,19 +288,6 @@ static bat_status run(training *t, const learn_options *options, learn_report *m
     return learn_train(&job, options, made, error);
 }
 
-static bat_status write_model(const training *t, const char *path, const char *name, const learn_report *made,
-                              bat_error *error)
-{
-    char seed[32], epochs[32], best_epoch[32], left[32];
-    (void)snprintf(seed, sizeof seed, "%llu", (unsigned long long)t->options->seed);
-    (void)snprintf(epochs, sizeof epochs, "%llu", (unsigned long long)made->epochs);
-    (void)snprintf(best_epoch, sizeof best_epoch, "%llu", (unsigned long long)made->best_epoch + 1);
-    (void)snprintf(left, sizeof left, "%.6g", made->best);
-    const safetensors_note notes[] = {
-        {"recipe", name}, {"seed", seed}, {"epochs", epochs}, {"best_epoch", best_epoch}, {"kept_error", left}};
-    return learn_parameters_write(&t->parameters, path, notes, sizeof notes / sizeof *notes, error);
-}
-
 bat_status bat_surface_train(const bat_surface_train_options *options, bat_surface_train_report *report, bat_error *error)
 {
     bat_surface_train_options defaults = bat_surface_train_defaults();
@@ -321,7 +309,7 @@ bat_status bat_surface_train(const bat_surface_train_options *options, bat_surfa
         status = run(&t, &learning, &made, error);
     }
     if (status == BAT_OK && options->folder != NULL)
-        status = write_model(&t, files.model, name, &made, error);
+        status = train_model_write(files.model, &t.parameters, name, options->seed, &made, "kept_error", error);
     if (status == BAT_OK && report != NULL)
         *report = (bat_surface_train_report){
             .epochs = made.epochs, .best_epoch = made.best_epoch + 1, .loss = made.loss, .error = made.best};

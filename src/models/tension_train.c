@@ -6,6 +6,7 @@
 #include "models/tension_network.h"
 #include "models/tension_validate.h"
 #include "models/train_files.h"
+#include "models/train_model.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -153,19 +154,6 @@ static void write_name(const bat_tension_train_options *options, char name[NAME_
                    options->smoothness[1], options->smoothness[2], options->bending, options->consistency);
 }
 
-static bat_status write_model(const training *t, const char *path, const char *name, const learn_report *made,
-                              bat_error *error)
-{
-    char seed[32], epochs[32], best_epoch[32], mean_nn[32];
-    (void)snprintf(seed, sizeof seed, "%llu", (unsigned long long)t->options->seed);
-    (void)snprintf(epochs, sizeof epochs, "%llu", (unsigned long long)made->epochs);
-    (void)snprintf(best_epoch, sizeof best_epoch, "%llu", (unsigned long long)made->best_epoch + 1);
-    (void)snprintf(mean_nn, sizeof mean_nn, "%.6g", made->best);
-    const safetensors_note notes[] = {
-        {"recipe", name}, {"seed", seed}, {"epochs", epochs}, {"best_epoch", best_epoch}, {"validation_mean_nn", mean_nn}};
-    return learn_parameters_write(&t->parameters, path, notes, sizeof notes / sizeof *notes, error);
-}
-
 // All of it
 
 static bat_status training_make(const bat_tension_data *data, const bat_tension_train_options *options, training *t,
@@ -259,7 +247,7 @@ bat_status tension_train_on(const bat_tension_data *data, const bat_tension_trai
         status = run(&t, &learning, &made, error);
     }
     if (status == BAT_OK && options->folder != NULL)
-        status = write_model(&t, files.model, name, &made, error);
+        status = train_model_write(files.model, &t.parameters, name, options->seed, &made, "validation_mean_nn", error);
     if (status == BAT_OK && report != NULL)
         status = fill_report(&t, &made, report, error);
     training_free(&t);
