@@ -114,7 +114,7 @@ static bat_status read_rows(const file_text *text, row_listing *listing, bat_err
 
 static bat_status spread_rows(const row_listing *listing, const bat_cloud *cloud, double *parameters, bat_error *error)
 {
-    if (listing->count != input_count(cloud))
+    if (listing->rows == NULL || listing->count != input_count(cloud))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu rows of parameters for %zu points", listing->count,
                          input_count(cloud));
     for (size_t i = 0; i < cloud->count; i++)
