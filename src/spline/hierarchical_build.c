@@ -91,10 +91,10 @@ static bat_status number_levels(bat_hierarchical_space *space, bat_error *error)
 static void list_level(bat_hierarchical_space *space, uint32_t level)
 {
     const run_set *cells = &space->level[level].cells, *selected = &space->level[level].selected;
-    for (const grid_run *run = cells->runs; run < cells->runs + cells->count; run++)
+    for (const grid_run *run = cells->runs; run < run_set_end(cells); run++)
         for (uint32_t i = run->begin; i < run->end; i++)
             space->cells[run->number + (i - run->begin)] = (hierarchical_cell){.column = i, .row = run->row, .level = level};
-    for (const grid_run *run = selected->runs; run < selected->runs + selected->count; run++)
+    for (const grid_run *run = selected->runs; run < run_set_end(selected); run++)
         for (uint32_t i = run->begin; i < run->end; i++)
             space->functions[run->number + (i - run->begin)] = (bat_spline_function){level, i, run->row};
 }

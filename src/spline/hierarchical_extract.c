@@ -221,7 +221,7 @@ static bool extract_level(bat_hierarchical_space *space, size_t level, const ref
     free(stored->first);
     stored->first = memory_array((size_t)run_set_size(refined) + 1, sizeof *stored->first);
     bool made = stored->first != NULL;
-    for (const grid_run *run = refined->runs; run < refined->runs + refined->count && made; run++)
+    for (const grid_run *run = refined->runs; run < run_set_end(refined) && made; run++)
         for (uint32_t i = run->begin; i < run->end && made; i++)
         {
             stored->first[run->number + (i - run->begin)] = stored->count;
@@ -229,7 +229,7 @@ static bool extract_level(bat_hierarchical_space *space, size_t level, const ref
         }
     if (made)
         stored->first[run_set_size(refined)] = stored->count;
-    for (const grid_run *run = cells->runs; run < cells->runs + cells->count && made; run++)
+    for (const grid_run *run = cells->runs; run < run_set_end(cells) && made; run++)
         for (uint32_t i = run->begin; i < run->end && made; i++)
             made = store_cell(space, &space->cells[run->number + (i - run->begin)], parents, rows);
     return made;

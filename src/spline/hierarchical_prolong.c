@@ -158,7 +158,7 @@ static void settle_level(const bat_hierarchical_space *refined, uint32_t level, 
                          double *fine, double *next)
 {
     const run_set *supported = &refined->level[level].supported;
-    for (const grid_run *run = supported->runs; run < supported->runs + supported->count; run++)
+    for (const grid_run *run = supported->runs; run < run_set_end(supported); run++)
         for (uint32_t i = run->begin; i < run->end; i++)
         {
             const double *from = coefficients + (run->number + (size_t)(i - run->begin)) * dimension;

@@ -48,4 +48,10 @@ bool run_set_halve(const run_set *set, run_set *coarse);
 /// support of function (i, j) is columns i - degree[0] to i and rows j - degree[1] to j, as far as they are of the grid.
 bool run_set_supports(const run_set *cells, const uint32_t size[2], const int degree[2], run_set *functions);
 
+/// Past the last run; null for a set that never had any, as its first is.
+static inline const grid_run *run_set_end(const run_set *set)
+{
+    return set->runs != NULL ? set->runs + set->count : NULL;
+}
+
 #endif
