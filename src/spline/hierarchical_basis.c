@@ -54,7 +54,7 @@ void hierarchical_extract_products(const bat_hierarchical_space *space, const hi
                                    size_t dimension, double *active)
 {
     size_t locals = hierarchical_locals(space);
-    const double *row = space->extraction + cell->matrix;
+    const double *row = hierarchical_extraction(space, cell);
     for (size_t k = 0; k < cell->coarse; k++, row += locals)
         for (size_t d = 0; d < dimension; d++)
         {
@@ -81,7 +81,7 @@ void hierarchical_local_control(const bat_hierarchical_space *space, const hiera
 {
     size_t locals = hierarchical_locals(space);
     const uint32_t *active = space->active + cell->first;
-    const double *row = space->extraction + cell->matrix;
+    const double *row = hierarchical_extraction(space, cell);
     memset(local, 0, locals * dimension * sizeof *local);
     for (size_t k = 0; k < cell->coarse; k++, row += locals)
         for (size_t a = 0; a < locals; a++)

@@ -199,9 +199,11 @@ static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, c
                     sizeof *space->extraction))
         return false;
     if (rows->count > 0)
+    {
         memcpy(space->extraction + cell->matrix, rows->values, rows->count * locals * sizeof *rows->values);
+        memcpy(space->active + cell->first, rows->indices, rows->count * sizeof *rows->indices);
+    }
     space->extraction_count += rows->count * locals;
-    memcpy(space->active + cell->first, rows->indices, rows->count * sizeof *rows->indices);
     uint32_t *next = space->active + cell->first + rows->count;
     for (size_t a = 0; a < locals; a++)
         if (rows->selected[a] != UINT32_MAX)

@@ -128,4 +128,10 @@ void hierarchical_extract_products(const bat_hierarchical_space *space, const hi
 void hierarchical_extract_matrix(const bat_hierarchical_space *space, const hierarchical_cell *cell, const double *local,
                                  double *scratch, double *active);
 
+/// The rows of a cell's coarser functions; null where it has none.
+static inline const double *hierarchical_extraction(const bat_hierarchical_space *space, const hierarchical_cell *cell)
+{
+    return cell->coarse > 0 ? space->extraction + cell->matrix : NULL;
+}
+
 #endif
