@@ -1,3 +1,4 @@
+#include "base/ascending.h"
 #include "batten/measure.h"
 
 #include "base/error.h"
@@ -6,12 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int compare_numbers(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 /// The power of two that the numbers are summed up with, so that neither sums nor squares leave the range.
 static double scale_for(const double *values, size_t count)
@@ -43,7 +38,7 @@ bat_status bat_summarize(const double *values, size_t count, bat_summary *summar
     if (sorted == NULL)
         return error_memory(error, count * sizeof *sorted);
     memcpy(sorted, values, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, compare_numbers);
+    qsort(sorted, count, sizeof *sorted, ascending);
     *summary = (bat_summary){.count = count,
                              .mean = mean / scale,
                              .deviation = sqrt(squares / (double)count) / scale,

@@ -1,4 +1,5 @@
 #include "draw/comb.h"
+#include "base/ascending.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -134,13 +135,6 @@ void comb_free(comb *teeth)
     *teeth = (comb){0};
 }
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 bat_status comb_natural_scale(const comb *teeth, double usual, double longest, double *scale, bat_error *error)
 {
     size_t n = teeth->point_dim;
@@ -153,7 +147,7 @@ bat_status comb_natural_scale(const comb *teeth, double usual, double longest, d
     {
         sizes[i] = sqrt(dot(teeth->vectors + i * n, teeth->vectors + i * n, n));
     }
-    qsort(sizes, teeth->count, sizeof(double), compare);
+    qsort(sizes, teeth->count, sizeof(double), ascending);
     double large = sizes[(size_t)(0.95 * (double)(teeth->count - 1))];
     double largest = sizes[teeth->count - 1];
     free(sizes);

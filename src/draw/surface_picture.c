@@ -1,4 +1,5 @@
 #include "batten/surface_picture.h"
+#include "base/ascending.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -150,12 +151,6 @@ static bat_status make_row(const bat_surface_panel *panel, const bat_surface_pic
     return BAT_OK;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /// The distance that a share of all points keeps within.
 static bat_status find_highest(const bat_surface_panel *rows, size_t count, double *highest, bat_error *error)
 {
@@ -169,7 +164,7 @@ static bat_status find_highest(const bat_surface_panel *rows, size_t count, doub
     for (size_t r = 0; r < count; r++)
         for (size_t i = 0; rows[r].distances != NULL && i < rows[r].cloud->count; i++)
             all[copied++] = rows[r].distances[i];
-    qsort(all, total, sizeof *all, compare_numbers);
+    qsort(all, total, sizeof *all, ascending);
     double found = total > 0 ? all[(size_t)(SCALED_SHARE * (double)(total - 1))] : 0;
     if (total > 0 && !(found > 0))
         found = all[total - 1];

@@ -1,4 +1,5 @@
 #include "learn/train.h"
+#include "base/clock.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -10,7 +11,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
 enum
@@ -84,13 +84,6 @@ learn_options learn_options_defaults(void)
         .name = "",
         .checkpoint_every = 1,
     };
-}
-
-static double clock_seconds(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 /// A key for what happens at a place, the same in every run with the seed.

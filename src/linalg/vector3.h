@@ -1,6 +1,8 @@
 #ifndef LINALG_VECTOR3_H
 #define LINALG_VECTOR3_H
 
+#include <math.h>
+
 /// @file
 /// Vectors of three numbers.
 
@@ -23,6 +25,14 @@ static inline void vector3_subtract(const double a[3], const double b[3], double
 {
     for (int c = 0; c < 3; c++)
         difference[c] = a[c] - b[c];
+}
+
+/// The distance of two points.
+static inline double vector3_distance(const double a[3], const double b[3])
+{
+    double difference[3];
+    vector3_subtract(a, b, difference);
+    return sqrt(vector3_dot(difference, difference));
 }
 
 #endif

@@ -49,20 +49,13 @@ static bool unfold(double ab, double bc, double ca, flat_triangle *made)
     return true;
 }
 
-static double distance(const double *a, const double *b)
-{
-    double difference[3];
-    vector3_subtract(a, b, difference);
-    return sqrt(vector3_dot(difference, difference));
-}
-
 /// Unfold face k of a ring, all lengths greater by `added`.
 static bool unfold_face(const collapse_ring *ring, const double (*points)[3], uint32_t k, bool after, double added,
                         uint32_t *corners, flat_triangle *made)
 {
     flat_corners(ring, k, after, corners);
     const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
-    return unfold(distance(a, b) + added, distance(b, c) + added, distance(c, a) + added, made);
+    return unfold(vector3_distance(a, b) + added, vector3_distance(b, c) + added, vector3_distance(c, a) + added, made);
 }
 
 /// A length that, added to all edges of a ring, makes every face a triangle of some height (Sharp and Crane, "A Laplacian
@@ -75,7 +68,8 @@ static double mollifier(const collapse_ring *ring, const double (*points)[3], bo
         uint32_t corners[3];
         flat_corners(ring, k, after, corners);
         const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
-        double ab = distance(a, b), bc = distance(b, c), ca = distance(c, a), most = fmax(ab, fmax(bc, ca));
+        double ab = vector3_distance(a, b), bc = vector3_distance(b, c), ca = vector3_distance(c, a),
+               most = fmax(ab, fmax(bc, ca));
         longest = fmax(longest, most);
         least_gap = fmin(least_gap, ab + bc + ca - 2 * most);
     }

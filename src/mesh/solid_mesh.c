@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector3.h"
 #include "mesh/edit_mesh.h"
 #include "mesh/solid.h"
 
@@ -39,15 +40,9 @@ typedef struct remesher
     double edge; ///< the wanted length
 } remesher;
 
-static double distance(const double *a, const double *b)
-{
-    double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
-    return sqrt(x * x + y * y + z * z);
-}
-
 static double edge_length(const edit_mesh *edit, uint32_t h)
 {
-    return distance(edit->positions[edit_from(edit, h)], edit->positions[edit_to(edit, h)]);
+    return vector3_distance(edit->positions[edit_from(edit, h)], edit->positions[edit_to(edit, h)]);
 }
 
 /// From an edge to ever longer ones of the same faces, up to one that is the longest in both its faces (Rivara, 1984): only
@@ -128,7 +123,7 @@ static bat_status collapse_short(remesher *r, bat_error *error)
 static double corner_cosine(const double *at, const double *b, const double *c)
 {
     double u[3] = {b[0] - at[0], b[1] - at[1], b[2] - at[2]}, v[3] = {c[0] - at[0], c[1] - at[1], c[2] - at[2]};
-    return (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / (distance(at, b) * distance(at, c) + 1e-300);
+    return (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / (vector3_distance(at, b) * vector3_distance(at, c) + 1e-300);
 }
 
 /// Turn the edges whose opposite angles add up to more than pi (Delaunay), or, before the last round, whose turning brings

@@ -18,22 +18,6 @@ enum
     MOST = BEZIER_MOST_DEGREE + 1
 };
 
-/// The Bernstein polynomials at t, and their derivatives where they are wanted, by the recurrence of degrees.
-static void bernstein(int degree, double t, double value[MOST], double *slope)
-{
-    value[0] = 1;
-    for (int d = 1; d <= degree; d++)
-    {
-        if (slope != NULL && d == degree)
-            for (int i = 0; i <= d; i++)
-                slope[i] = d * ((i > 0 ? value[i - 1] : 0) - (i < d ? value[i] : 0));
-        value[d] = t * value[d - 1];
-        for (int i = d - 1; i > 0; i--)
-            value[i] = t * value[i - 1] + (1 - t) * value[i];
-        value[0] *= 1 - t;
-    }
-}
-
 /// The matrix of the least-squares problem, column by column.
 static void collocate(const double *parameters, size_t count, int degree, double *matrix)
 {
@@ -41,8 +25,8 @@ static void collocate(const double *parameters, size_t count, int degree, double
     for (size_t k = 0; k < count; k++)
     {
         double u[MOST], v[MOST];
-        bernstein(degree, parameters[2 * k], u, NULL);
-        bernstein(degree, parameters[2 * k + 1], v, NULL);
+        bezier_basis(degree, parameters[2 * k], u, NULL);
+        bezier_basis(degree, parameters[2 * k + 1], v, NULL);
         for (size_t i = 0; i < side; i++)
             for (size_t j = 0; j < side; j++)
                 matrix[(j * side + i) * count + k] = u[i] * v[j];
@@ -53,8 +37,8 @@ static void collocate(const double *parameters, size_t count, int degree, double
 static void slopes_at(const bezier_surface *patch, const double parameter[2], double slope_u[3], double slope_v[3])
 {
     double u[MOST], v[MOST], du[MOST] = {0}, dv[MOST] = {0};
-    bernstein(patch->degree, parameter[0], u, du);
-    bernstein(patch->degree, parameter[1], v, dv);
+    bezier_basis(patch->degree, parameter[0], u, du);
+    bezier_basis(patch->degree, parameter[1], v, dv);
     const double(*control)[3] = patch->control;
     for (size_t a = 0; a < 3; a++)
         slope_u[a] = slope_v[a] = 0;

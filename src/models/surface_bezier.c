@@ -44,16 +44,18 @@ void bezier_surface_draw(int degree, bool turned, bat_random *random, bezier_sur
     }
 }
 
-/// The Bernstein polynomials at t, raised degree by degree.
-static void bernstein(int degree, double t, double *values)
+void bezier_basis(int degree, double t, double *value, double *slope)
 {
-    values[0] = 1;
-    for (int k = 1; k <= degree; k++)
+    value[0] = 1;
+    for (int d = 1; d <= degree; d++)
     {
-        values[k] = t * values[k - 1];
-        for (int i = k - 1; i > 0; i--)
-            values[i] = t * values[i - 1] + (1 - t) * values[i];
-        values[0] *= 1 - t;
+        if (slope != NULL && d == degree)
+            for (int i = 0; i <= d; i++)
+                slope[i] = d * ((i > 0 ? value[i - 1] : 0) - (i < d ? value[i] : 0));
+        value[d] = t * value[d - 1];
+        for (int i = d - 1; i > 0; i--)
+            value[i] = t * value[i - 1] + (1 - t) * value[i];
+        value[0] *= 1 - t;
     }
 }
 
@@ -61,8 +63,8 @@ void bezier_surface_at(const bezier_surface *surface, const double parameter[2],
 {
     double of_u[BEZIER_MOST_DEGREE + 1], of_v[BEZIER_MOST_DEGREE + 1], sum[3] = {0};
     int degree = surface->degree;
-    bernstein(degree, parameter[0], of_u);
-    bernstein(degree, parameter[1], of_v);
+    bezier_basis(degree, parameter[0], of_u, NULL);
+    bezier_basis(degree, parameter[1], of_v, NULL);
     const double(*control)[3] = surface->control;
     for (int j = 0; j <= degree; j++)
         for (int i = 0; i <= degree; i++, control++)

@@ -19,4 +19,9 @@ typedef struct bezier_surface
 void bezier_surface_draw(int degree, bool turned, bat_random *random, bezier_surface *surface);
 void bezier_surface_at(const bezier_surface *surface, const double parameter[2], double point[3]);
 
+/// The Bernstein polynomials at t, and their derivatives where they are wanted, by the recurrence of degrees.
+/// @param value receives degree + 1 numbers
+/// @param slope the same; null for none
+void bezier_basis(int degree, double t, double *value, double *slope);
+
 #endif

@@ -1,4 +1,5 @@
 #include "models/surface_candidate.h"
+#include "base/clock.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -7,7 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum
 {
@@ -24,13 +24,6 @@ void surface_candidate_free(surface_candidate *candidate)
     bat_spline_surface_free(&candidate->surface);
     bat_surface_fit_report_free(&candidate->fit);
     *candidate = (surface_candidate){0};
-}
-
-static double clock_seconds(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 /// A failure that ends all: there is no memory, or the caller wants to stop.

@@ -1,4 +1,6 @@
 #include "models/surface_extension.h"
+#include "base/ascending.h"
+#include "linalg/vector3.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -25,25 +27,19 @@ static const double AFFINE_RIDGE = 1e-9;
 /// The median of the length of a vector of three standard normal numbers.
 static const double MEDIAN_LENGTH = 1.5381722544550522;
 
-static double distance(const double a[3], const double b[3])
-{
-    double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-    return sqrt(x * x + y * y + z * z);
-}
-
 /// Where the neighbours of a point stand along the polygon through them, the point itself at 0.
 static void place_along(const double *here, const double *const near[2 * AROUND], double at[2 * AROUND])
 {
     double reach = 0;
     for (size_t k = AROUND; k-- > 0;)
     {
-        reach += distance(k + 1 < AROUND ? near[k + 1] : here, near[k]);
+        reach += vector3_distance(k + 1 < AROUND ? near[k + 1] : here, near[k]);
         at[k] = -reach;
     }
     reach = 0;
     for (size_t k = AROUND; k < (size_t)2 * AROUND; k++)
     {
-        reach += distance(k > AROUND ? near[k - 1] : here, near[k]);
+        reach += vector3_distance(k > AROUND ? near[k - 1] : here, near[k]);
         at[k] = reach;
     }
 }
@@ -71,12 +67,6 @@ static double surprise(const bat_cloud *cloud, size_t i)
             gap[a] -= factor * near[k][a];
     }
     return sqrt((gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]) / squares);
-}
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 /// The noise of the loop's points, as the standard deviation of a coordinate: from the median surprise.
@@ -108,7 +98,7 @@ static void fill_system(const surface_extension *extension, double lambda, doubl
         double *row = matrix + i * side;
         row[i] = lambda;
         for (size_t j = i + 1; j < count; j++)
-            row[j] = -distance(x, extension->centres + 3 * j);
+            row[j] = -vector3_distance(x, extension->centres + 3 * j);
         row[count] = 1;
         memcpy(row + count + 1, x, 3 * sizeof *x);
     }
@@ -201,7 +191,7 @@ void surface_extension_at(const surface_extension *extension, const double *poin
         }
         for (size_t k = 0; k < extension->count; k++)
         {
-            double length = distance(x, extension->centres + 3 * k);
+            double length = vector3_distance(x, extension->centres + 3 * k);
             u -= extension->weights[2 * k] * length;
             v -= extension->weights[2 * k + 1] * length;
         }

@@ -23,13 +23,6 @@ typedef struct measured_surface
     double sides[4][CELLS + 1];      ///< the length of each side up to a line
 } measured_surface;
 
-static double distance_between(const double a[3], const double b[3])
-{
-    double way[3];
-    vector3_subtract(a, b, way);
-    return sqrt(vector3_dot(way, way));
-}
-
 /// The area of a four-sided cell, from its diagonals.
 static double cell_area(const double *a, const double *b, const double *c, const double *d)
 {
@@ -64,7 +57,7 @@ static double mean_length(double *grid)
     double sum = 0;
     for (size_t i = 0; i < CELLS; i++)
         for (size_t j = 0; j <= CELLS; j++)
-            sum += distance_between(grid_point(grid, i, j), grid_point(grid, i + 1, j));
+            sum += vector3_distance(grid_point(grid, i, j), grid_point(grid, i + 1, j));
     return sum / (CELLS + 1);
 }
 
@@ -80,8 +73,8 @@ static void measure_strips(double *grid, measured_surface *measured)
             const double *a = grid_point(grid, i, j), *b = grid_point(grid, i + 1, j);
             const double *c = grid_point(grid, i + 1, j + 1), *d = grid_point(grid, i, j + 1);
             across[j + 1] = across[j] + cell_area(a, b, c, d);
-            length += distance_between(a, b) / CELLS;
-            measured->width[i] += distance_between(a, d);
+            length += vector3_distance(a, b) / CELLS;
+            measured->width[i] += vector3_distance(a, d);
         }
         measured->length[i + 1] = measured->length[i] + length;
         measured->area[i + 1] = measured->area[i] + across[CELLS];
@@ -100,7 +93,7 @@ static void measure_sides(const surface_shape *shape, measured_surface *measured
         {
             square_side_at(s, (double)i / CELLS, parameter);
             shape->at(shape, parameter, at);
-            measured->sides[s][i] = measured->sides[s][i - 1] + distance_between(before, at);
+            measured->sides[s][i] = measured->sides[s][i - 1] + vector3_distance(before, at);
             for (int c = 0; c < 3; c++)
                 before[c] = at[c];
         }

@@ -1,4 +1,5 @@
 #include "batten/surface_train.h"
+#include "base/ascending.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -150,12 +151,6 @@ static bat_status measure_cloud(const training *t, size_t k, learn_tape *tape, d
     return status;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static bat_status check(void *context, uint64_t epoch, double *figures, bat_error *error)
 {
     (void)epoch;
@@ -184,7 +179,7 @@ static bat_status check(void *context, uint64_t epoch, double *figures, bat_erro
         sum += left[k];
     figures[0] = sum / KEPT;
     figures[1] = figures[0] - t->floor;
-    qsort(left, KEPT, sizeof *left, compare_numbers);
+    qsort(left, KEPT, sizeof *left, ascending);
     figures[2] = 0.5 * (left[KEPT / 2 - 1] + left[KEPT / 2]);
     return status;
 }

@@ -1,4 +1,5 @@
 #include "batten/tension_mechanism.h"
+#include "base/ascending.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -149,12 +150,6 @@ static void walk_free(walk *w)
 
 // What becomes of it
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /// Of sorted numbers, linear between neighbours.
 static double quantile(const double *sorted, size_t count, double share)
 {
@@ -177,7 +172,7 @@ static bat_status describe(double *tensions, size_t defined, size_t seen, bat_te
     *effective = (bat_tension_effective){.insertions = seen, .undefined = seen - defined};
     if (defined == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no insertion has an effective tension");
-    qsort(tensions, defined, sizeof *tensions, compare);
+    qsort(tensions, defined, sizeof *tensions, ascending);
     for (size_t q = 0; q < sizeof shares / sizeof *shares; q++)
         effective->quantiles[q] = quantile(tensions, defined, shares[q]);
     for (size_t i = 0; i < defined; i++)

@@ -1,4 +1,5 @@
 #include "spline/fit_robust.h"
+#include "base/ascending.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -19,16 +20,10 @@ static const double TUKEY_REACH = 4.685;
 // No scale is below this part of the points' size: points that are met to rounding are no outliers.
 static const double LEAST_SCALE = 1e-12;
 
-static int compare_distances(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /// The upper median; sorts the values.
 static double median(double *values, size_t count)
 {
-    qsort(values, count, sizeof *values, compare_distances);
+    qsort(values, count, sizeof *values, ascending);
     return values[count / 2];
 }
 

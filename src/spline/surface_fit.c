@@ -1,4 +1,5 @@
 #include "batten/surface_fit.h"
+#include "base/clock.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -10,7 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum
 {
@@ -85,13 +85,6 @@ typedef struct fit_loop
     size_t count;
     double begin, told; ///< seconds of the clock, and the share of the work last reported
 } fit_loop;
-
-static double clock_seconds(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static void loop_free_fit(fit_loop *loop)
 {
