@@ -41,10 +41,10 @@ static bool run_trial(const bat_space *space, const char *scheme, size_t levels,
     bat_error error;
     make_coarse(space, coarse_points);
     bat_curve coarse = {.space = space, .points = coarse_points, .count = COARSE, .closed = true};
-    bat_refine_options options = bat_refine_defaults();
+    bat_curve_refine_options options = bat_curve_refine_defaults();
     options.levels = levels;
     options.threads = 1;
-    if (bat_scheme_by_name(scheme, &options.scheme, &error) != BAT_OK ||
+    if (bat_curve_scheme_by_name(scheme, &options.scheme, &error) != BAT_OK ||
         bat_curve_refined_count(&coarse, &options, &result->count, &error) != BAT_OK)
     {
         (void)fprintf(stderr, "%s: %s\n", scheme, error.text);

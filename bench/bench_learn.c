@@ -2,9 +2,9 @@
 
 #include "timing.h"
 
+#include "curve/network/tension_network.h"
 #include "learn/blas.h"
-#include "learn/train.h"
-#include "models/tension_network.h"
+#include "research/train/train.h"
 
 #include <stdio.h>
 

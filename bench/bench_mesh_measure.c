@@ -4,7 +4,7 @@
 #include "timing.h"
 
 #include "batten/mesh_measure.h"
-#include "mesh/closest.h"
+#include "mesh/measure/closest.h"
 
 #include <math.h>
 #include <stdio.h>

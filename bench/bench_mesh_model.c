@@ -3,10 +3,10 @@
 
 #include "timing.h"
 
-#include "batten/mesh_model.h"
+#include "batten/mesh_refine.h"
 #include "learn/blas.h"
-#include "models/mesh_flap.h"
-#include "models/mesh_network.h"
+#include "mesh/network/mesh_flap.h"
+#include "research/train/mesh_network_tape.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 
 #include "timing.h"
 
-#include "../tests/mesh_makers.h"
+#include "../tests/support/mesh_makers.h"
 #include "base/memory.h"
 #include "batten/mesh_refine.h"
 

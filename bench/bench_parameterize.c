@@ -4,8 +4,8 @@
 
 #include "timing.h"
 
-#include "batten/parameterize.h"
-#include "batten/surface_shapes.h"
+#include "batten/cloud_parameterize.h"
+#include "batten/research/surface_shapes.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,10 +27,10 @@ static double seconds_spent(void)
 }
 
 /// Seconds for one cloud; NAN where it fails, as the published way may.
-static double seconds_for(const bat_cloud *cloud, const double *boundary, bat_parameterization method, bool published,
+static double seconds_for(const bat_cloud *cloud, const double *boundary, bat_cloud_parameterization method, bool published,
                           double *parameters)
 {
-    bat_parameterize_options options = bat_parameterize_defaults();
+    bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
     options.method = method;
     options.published = published;
     options.threads = 1;
@@ -41,18 +41,18 @@ static double seconds_for(const bat_cloud *cloud, const double *boundary, bat_pa
 }
 
 /// The median time over some clouds, in seconds; the clouds where it fails do not count.
-static double median_seconds(size_t points, size_t clouds, bat_parameterization method, bool published)
+static double median_seconds(size_t points, size_t clouds, bat_cloud_parameterization method, bool published)
 {
     double times[CLOUDS];
     size_t count = 0;
     bat_random random = bat_random_seed(11);
-    bat_bezier_cloud_options options = bat_bezier_cloud_defaults();
+    bat_cloud_bezier_options options = bat_cloud_bezier_defaults();
     options.interior = points;
     for (size_t k = 0; k < clouds; k++)
     {
         bat_cloud cloud = {0};
         double *truth = NULL, *found = NULL;
-        if (bat_bezier_cloud(&options, &random, &cloud, &truth, NULL) == BAT_OK)
+        if (bat_cloud_bezier(&options, &random, &cloud, &truth, NULL) == BAT_OK)
             found = malloc(2 * cloud.count * sizeof *found);
         if (found != NULL)
             times[count] = seconds_for(&cloud, truth, method, published, found);
@@ -68,14 +68,14 @@ int main(void)
 {
     for (int method = 0; method < BAT_PARAMETERIZE_MEAN_VALUE; method++)
     {
-        bat_parameterization chosen = (bat_parameterization)method;
+        bat_cloud_parameterization chosen = (bat_cloud_parameterization)method;
         double published = median_seconds(POINTS, CLOUDS, chosen, true),
                ours = median_seconds(POINTS, CLOUDS, chosen, false);
         double many = median_seconds(MANY_POINTS, 1, chosen, false);
         (void)printf("%s: %d points in %.2f ms, %.1f times as fast as published (%.1f ms); %d points take %.2f times as "
                      "long for each\n",
-                     bat_parameterization_name(chosen), POINTS, 1e3 * ours, published / ours, 1e3 * published, MANY_POINTS,
-                     many / MANY_POINTS / (ours / POINTS));
+                     bat_cloud_parameterization_name(chosen), POINTS, 1e3 * ours, published / ours, 1e3 * published,
+                     MANY_POINTS, many / MANY_POINTS / (ours / POINTS));
     }
     return 0;
 }

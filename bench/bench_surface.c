@@ -4,6 +4,7 @@
 #include "timing.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -48,7 +49,7 @@ static double learned_seconds(const bat_surface_model *model, const bat_cloud *c
 static double classical_seconds(bool published, const bat_cloud *cloud, const double *truth, double *found)
 {
     bat_error error;
-    bat_parameterize_options options = bat_parameterize_defaults();
+    bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
     options.published = published;
     options.threads = 1;
     double begin = cpu_now();
@@ -61,11 +62,11 @@ static void compare_parameters(const bat_surface_model *model)
 {
     bat_error error;
     bat_random random = bat_random_seed(1);
-    bat_bezier_cloud_options options = bat_bezier_cloud_defaults();
+    bat_cloud_bezier_options options = bat_cloud_bezier_defaults();
     options.interior = POINTS;
     bat_cloud cloud;
     double *truth, learned[ROUNDS], published[ROUNDS], own[ROUNDS];
-    must(bat_bezier_cloud(&options, &random, &cloud, &truth, &error), &error);
+    must(bat_cloud_bezier(&options, &random, &cloud, &truth, &error), &error);
     double *found = calloc(cloud.count, 2 * sizeof *found);
     for (int round = 0; round < ROUNDS && found != NULL; round++)
     {
@@ -113,7 +114,7 @@ static double time_fit(const double *points, const double *start, size_t count, 
     if (parameters == NULL)
         exit(EXIT_FAILURE);
     memcpy(parameters, start, count * 2 * sizeof *parameters);
-    bat_fit_data data = {.points = points, .parameters = parameters, .count = count, .dimension = 3};
+    bat_surface_fit_data data = {.points = points, .parameters = parameters, .count = count, .dimension = 3};
     bat_spline_surface surface;
     bat_surface_fit_report report;
     double begin = seconds_now(), work = cpu_now();

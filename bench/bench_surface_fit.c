@@ -6,8 +6,8 @@
 #include "timing.h"
 
 #include "batten/surface_fit.h"
-#include "spline/fit_solve.h"
-#include "spline/fit_system.h"
+#include "surface/fit/fit_solve.h"
+#include "surface/fit/fit_system.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,12 +21,12 @@ static void hills(double u, double v, double *point)
 }
 
 /// A noisy cloud whose parameters are a little off.
-static bool make_cloud(size_t count, bat_fit_data *data, double **points)
+static bool make_cloud(size_t count, bat_surface_fit_data *data, double **points)
 {
     bat_random random = bat_random_seed(6);
     *points = malloc(3 * count * sizeof **points);
     double *parameters = malloc(2 * count * sizeof *parameters);
-    *data = (bat_fit_data){.points = *points, .parameters = parameters, .count = count, .dimension = 3};
+    *data = (bat_surface_fit_data){.points = *points, .parameters = parameters, .count = count, .dimension = 3};
     if (*points == NULL || parameters == NULL)
         return false;
     for (size_t i = 0; i < count; i++)
@@ -63,7 +63,7 @@ static double seconds_to_factor(const bat_spline_surface *surface)
     return status == BAT_OK ? seconds : NAN;
 }
 
-static double seconds_to_evaluate(const bat_spline_surface *surface, const bat_fit_data *data)
+static double seconds_to_evaluate(const bat_spline_surface *surface, const bat_surface_fit_data *data)
 {
     double *values = malloc(18 * data->count * sizeof *values), start = seconds_now();
     if (values == NULL || bat_spline_surface_evaluate(surface, data->parameters, data->count, 2, values, NULL) != BAT_OK)
@@ -82,7 +82,7 @@ static double peak_megabytes(void)
 
 static int run(size_t count, size_t functions)
 {
-    bat_fit_data data;
+    bat_surface_fit_data data;
     double *points;
     bat_error error;
     bat_surface_fit_options options = bat_surface_fit_defaults();

@@ -3,8 +3,9 @@
 #include "timing.h"
 
 #include "learn/blas.h"
-#include "models/surface_inference.h"
-#include "models/surface_sample.h"
+#include "research/train/surface_sample.h"
+#include "research/train/surface_network_tape.h"
+#include "surface/network/surface_inference.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -36,9 +37,9 @@ static surface_sample sample_of(size_t points)
 static learn_parameters weights(int argc, char **argv)
 {
     learn_parameters parameters = {0};
-    if (surface_network_published.make(&parameters, NULL) != BAT_OK)
+    if (surface_training_published.kind->make(&parameters, NULL) != BAT_OK)
         exit(EXIT_FAILURE);
-    surface_network_published.start(&parameters, 1);
+    surface_training_published.start(&parameters, 1);
     safetensors content;
     if (argc > 1 && (safetensors_read(argv[1], &content, NULL) != BAT_OK ||
                      learn_parameters_extract(&parameters, &content, "", parameters.values, NULL) != BAT_OK))

@@ -4,10 +4,10 @@
 #include "timing.h"
 
 #include "batten/curve.h"
-#include "batten/tension_model.h"
+#include "batten/curve_scheme.h"
+#include "curve/network/learned_network.h"
+#include "curve/network/tension_network.h"
 #include "learn/blas.h"
-#include "models/fairing_network.h"
-#include "models/tension_network.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,7 +41,7 @@ static bat_curve make_curve(const bat_space *sphere, size_t count)
 }
 
 /// Seconds to refine into memory that is there.
-static double time_refinement(const bat_curve *curve, const bat_refine_options *options, double *fine)
+static double time_refinement(const bat_curve *curve, const bat_curve_refine_options *options, double *fine)
 {
     size_t count = curve->count << options->levels;
     double start = seconds_now();
@@ -53,7 +53,7 @@ static double time_refinement(const bat_curve *curve, const bat_refine_options *
 typedef struct contender
 {
     const char *name;
-    bat_scheme scheme;
+    bat_curve_scheme scheme;
     bool transposed; ///< weights are outputs x inputs, not inputs x outputs
     learn_parameters parameters;
 } contender;
@@ -96,7 +96,7 @@ static double product_rate(const contender *c)
     return rate;
 }
 
-static void time_short(const bat_space *sphere, const contender *c, bat_refine_options options)
+static void time_short(const bat_space *sphere, const contender *c, bat_curve_refine_options options)
 {
     double seconds[SHORT_ROUNDS], fine[3 * (SHORT_POINTS << SHORT_LEVELS)];
     bat_curve curve = make_curve(sphere, SHORT_POINTS);
@@ -114,7 +114,7 @@ static long resident_peak(void)
     return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss : 0;
 }
 
-static void time_long(const bat_space *sphere, const contender *c, bat_refine_options options)
+static void time_long(const bat_space *sphere, const contender *c, bat_curve_refine_options options)
 {
     const size_t bytes = 2 * 3 * (size_t)LONG_POINTS * sizeof(double);
     bat_curve curve = make_curve(sphere, LONG_POINTS);
@@ -146,23 +146,23 @@ static void time_long(const bat_space *sphere, const contender *c, bat_refine_op
 int main(void)
 {
     bat_space sphere = bat_sphere(2);
-    bat_tension_model *published = NULL;
-    contender contenders[] = {{.name = "learned", .scheme = bat_scheme_learned(0.5)},
+    bat_curve_model *published = NULL;
+    contender contenders[] = {{.name = "learned", .scheme = bat_curve_scheme_learned(0.5)},
                               {.name = "learned-published", .transposed = true}};
-    if (bat_tension_model_published(&published, NULL) != BAT_OK ||
-        fairing_network_make(&contenders[0].parameters, NULL) != BAT_OK ||
+    if (bat_curve_model_published(&published, NULL) != BAT_OK ||
+        learned_network_make(&contenders[0].parameters, NULL) != BAT_OK ||
         tension_network_make(&contenders[1].parameters, NULL) != BAT_OK)
         return EXIT_FAILURE;
-    contenders[1].scheme = bat_scheme_of_model(published);
+    contenders[1].scheme = bat_curve_scheme_of_model(published);
     for (size_t i = 0; i < sizeof contenders / sizeof *contenders; i++)
     {
-        bat_refine_options options = bat_refine_defaults();
+        bat_curve_refine_options options = bat_curve_refine_defaults();
         options.scheme = contenders[i].scheme;
         options.threads = 1;
         time_short(&sphere, &contenders[i], options);
         time_long(&sphere, &contenders[i], options);
         learn_parameters_free(&contenders[i].parameters);
     }
-    bat_tension_model_free(published);
+    bat_curve_model_free(published);
     return EXIT_SUCCESS;
 }

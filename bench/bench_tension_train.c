@@ -3,9 +3,9 @@
 
 #include "timing.h"
 
+#include "curve/network/tension_network.h"
 #include "learn/blas.h"
-#include "models/tension_network.h"
-#include "models/tension_sample.h"
+#include "research/train/tension_sample.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -57,13 +57,13 @@ typedef struct stages
 static bool run(const char *input, const char *output, stages *spent, bat_error *error)
 {
     bat_curve_set coarse = {0}, fine = {0};
-    bat_read_options read = bat_read_defaults();
-    bat_write_options write = bat_write_defaults();
-    bat_refine_options refine = bat_refine_defaults();
+    bat_curve_read_options read = bat_curve_read_defaults();
+    bat_curve_write_options write = bat_curve_write_defaults();
+    bat_curve_refine_options refine = bat_curve_refine_defaults();
     read.threads = write.threads = refine.threads = THREADS;
     refine.levels = LEVELS;
     double start = seconds_now();
-    if (bat_curves_read(input, &read, &coarse, error) != BAT_OK)
+    if (bat_curve_read(input, &read, &coarse, error) != BAT_OK)
         return false;
     double after_read = seconds_now();
     bat_curve *curves = calloc(coarse.count, sizeof *curves);
@@ -71,7 +71,7 @@ static bool run(const char *input, const char *output, stages *spent, bat_error 
         bat_curve_set_like(&coarse, curves, &fine, error) != BAT_OK)
         return false;
     double after_refine = seconds_now();
-    bool written = bat_curves_write(output, &fine, &write, error) == BAT_OK;
+    bool written = bat_curve_write(output, &fine, &write, error) == BAT_OK;
     *spent = (stages){after_read - start, after_refine - after_read, seconds_now() - after_refine};
     bat_curve_set_free(&coarse);
     bat_curve_set_free(&fine);

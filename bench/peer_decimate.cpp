@@ -5,7 +5,7 @@
 //
 // Without a mesh, a bumpy sphere of 50,000 vertices.
 
-#include "batten/decimate.h"
+#include "batten/mesh_decimate.h"
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
 #include "timing.h"
@@ -136,7 +136,7 @@ double decimate_openmesh(const PeerMesh &fine, size_t vertices, bat_mesh &coarse
 
 double decimate_batten(const bat_mesh &fine, size_t vertices, bool mapped, bat_mesh &coarse)
 {
-    bat_decimate_options options = bat_decimate_defaults();
+    bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
     bat_mesh_map *map = nullptr;
     bat_error error;
     options.vertices = vertices;

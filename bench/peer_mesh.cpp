@@ -5,7 +5,7 @@
 // OpenMesh is the peer on closed meshes. OpenSubdiv's boundary option that means the same as here is EDGE_ONLY; its sharpness is in
 // single precision, so that sharpness here is made of quarters.
 
-#include "../tests/mesh_makers.h"
+#include "../tests/support/mesh_makers.h"
 #include "batten/mesh_refine.h"
 #include "timing.h"
 

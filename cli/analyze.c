@@ -4,7 +4,7 @@
 #include "report.h"
 #include "verbs.h"
 
-#include "batten/picture.h"
+#include "batten/curve_picture.h"
 
 #include <errno.h>
 #include <math.h>
@@ -46,20 +46,20 @@ typedef struct named_family
     char parameter[PARAMETER_SIZE];
 } named_family;
 
-static int check_linear(const arguments *given, const bat_scheme *scheme)
+static int check_linear(const arguments *given, const bat_curve_scheme *scheme)
 {
     return scheme->kind == BAT_SCHEME_LINEAR
                ? EXIT_DONE
                : usage_error(given, "'%s' is not linear: it has no mask", given->positional[0]);
 }
 
-static bat_status family_member(const named_family *family, double value, bat_scheme *scheme, bat_error *error)
+static bat_status family_member(const named_family *family, double value, bat_curve_scheme *scheme, bat_error *error)
 {
     char name[SCHEME_SIZE];
     char separator = strchr(family->scheme, ':') != NULL ? ',' : ':';
     int length = snprintf(name, sizeof name, "%s%c%s=%.17g", family->scheme, separator, family->parameter, value);
     if (length >= 0 && (size_t)length < sizeof name)
-        return bat_scheme_by_name(name, scheme, error);
+        return bat_curve_scheme_by_name(name, scheme, error);
     if (error != NULL)
         *error = (bat_error){.status = BAT_INVALID_ARGUMENT, .text = "the name of the scheme is too long"};
     return BAT_INVALID_ARGUMENT;
@@ -68,7 +68,7 @@ static bat_status family_member(const named_family *family, double value, bat_sc
 /// An empty mask, which the sweep refuses, stands for a member that does not exist.
 static bat_mask family_mask(void *context, double value)
 {
-    bat_scheme scheme;
+    bat_curve_scheme scheme;
     return family_member(context, value, &scheme, NULL) == BAT_OK ? scheme.mask : (bat_mask){0};
 }
 
@@ -109,7 +109,7 @@ static int read_sweep_options(const arguments *given, const bat_analysis_options
     double ends[] = {options->begin, options->end};
     for (size_t i = 0; i < 2; i++)
     {
-        bat_scheme scheme;
+        bat_curve_scheme scheme;
         bat_error error;
         if (family_member(family, ends[i], &scheme, &error) != BAT_OK)
             return usage_error(given, "%s", error.text);
@@ -174,9 +174,9 @@ static int draw_basis(const char *path, const char *name, const bat_mask *mask)
 static int run_analysis(const arguments *given, const bat_analysis_options *options)
 {
     const char *name = given->positional[0];
-    bat_scheme scheme;
+    bat_curve_scheme scheme;
     bat_error error;
-    if (bat_scheme_by_name(name, &scheme, &error) != BAT_OK)
+    if (bat_curve_scheme_by_name(name, &scheme, &error) != BAT_OK)
         return usage_error(given, "%s", error.text);
     int code = check_linear(given, &scheme);
     if (code != EXIT_DONE)

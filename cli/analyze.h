@@ -1,7 +1,7 @@
 #ifndef CLI_ANALYZE_H
 #define CLI_ANALYZE_H
 
-#include "batten/analysis.h"
+#include "batten/curve_analysis.h"
 
 #include <jansson.h>
 #include <stdio.h>

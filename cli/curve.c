@@ -3,7 +3,7 @@
 #include "report.h"
 #include "verbs.h"
 
-#include "batten/tension_table.h"
+#include "batten/research/curve_study.h"
 
 #include <errno.h>
 #include <math.h>
@@ -95,11 +95,11 @@ static bool read_panels(const arguments *given, curve_job *job)
     return true;
 }
 
-static bool read_format(const arguments *given, const char *option, bat_file_format *format)
+static bool read_format(const arguments *given, const char *option, bat_curve_format *format)
 {
     bat_error error;
     const char *name = argument(given, option);
-    if (name == NULL || bat_file_format_by_name(name, format, &error) == BAT_OK)
+    if (name == NULL || bat_curve_format_by_name(name, format, &error) == BAT_OK)
         return true;
     (void)usage_error(given, "%s", error.text);
     return false;
@@ -113,7 +113,7 @@ static bool read_choices(const arguments *given, curve_job *job)
     if (!argument_word(given, "ends", END_RULES, BAT_END_REFLECT, &ends) ||
         !argument_word(given, "projection", PROJECTIONS, BAT_PROJECTION_GLOBE, &projection))
         return false;
-    job->refine.ends = (bat_end_rule)ends;
+    job->refine.ends = (bat_curve_end_rule)ends;
     job->draw.projection = (bat_projection)projection;
     job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
     return read_format(given, "from", &job->read.format) && read_format(given, "to", &job->write.format);
@@ -159,7 +159,7 @@ static bool same_file(const char *first, const char *second)
 }
 
 /// Whether a scheme takes its angles from a tension.
-static bool has_tension(const bat_scheme *scheme)
+static bool has_tension(const bat_curve_scheme *scheme)
 {
     return scheme->kind == BAT_SCHEME_ANGLE && scheme->rule == NULL;
 }
@@ -206,10 +206,10 @@ static bool read_scheme(const arguments *given, curve_job *job)
     if (asks || learned)
     {
         job->scheme = LEARNED;
-        job->refine.scheme = bat_scheme_learned(job->fairness);
+        job->refine.scheme = bat_curve_scheme_learned(job->fairness);
         return true;
     }
-    if (job->scheme == NULL || bat_scheme_by_name(job->scheme, &job->refine.scheme, &error) == BAT_OK)
+    if (job->scheme == NULL || bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, &error) == BAT_OK)
         return true;
     (void)usage_error(given, "%s", error.text);
     return false;
@@ -236,10 +236,10 @@ static bool read_job(const arguments *given, curve_job *job)
         .picture = argument(given, "picture"),
         .truth = argument(given, "truth"),
         .model_file = argument(given, "model"),
-        .read = bat_read_defaults(),
-        .write = bat_write_defaults(),
-        .refine = bat_refine_defaults(),
-        .draw = bat_picture_defaults(),
+        .read = bat_curve_read_defaults(),
+        .write = bat_curve_write_defaults(),
+        .refine = bat_curve_refine_defaults(),
+        .draw = bat_curve_picture_defaults(),
         .best_tension = argument_flag(given, "best-tension"),
         .json = argument_flag(given, "json"),
     };
@@ -279,7 +279,7 @@ int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t level
     if (job->hermite)
         return curve_hermite_refine(job, coarse, levels, fine);
     bat_error error;
-    bat_refine_options how = job->refine;
+    bat_curve_refine_options how = job->refine;
     how.levels = levels;
     bat_curve *curves = calloc(coarse->count, sizeof *curves);
     if (curves == NULL)
@@ -303,7 +303,7 @@ int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t level
 /// Replace the tension of the scheme by the best for this truth, and its name.
 static int choose_tension(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth)
 {
-    bat_scheme *scheme = &job->refine.scheme;
+    bat_curve_scheme *scheme = &job->refine.scheme;
     bat_error error = {.text = "--best-tension needs an angle-based scheme, which this space does not have"};
     if (!has_tension(scheme))
         return report_failure(job->input, &error);
@@ -328,7 +328,7 @@ static int give_out(const curve_job *job, const bat_curve_set *coarse, const bat
     bat_curve_set fine = {0};
     bat_error error;
     int code = curve_refine(job, coarse, job->refine.levels, &fine);
-    if (code == EXIT_DONE && job->output != NULL && bat_curves_write(job->output, &fine, &job->write, &error) != BAT_OK)
+    if (code == EXIT_DONE && job->output != NULL && bat_curve_write(job->output, &fine, &job->write, &error) != BAT_OK)
         code = report_failure(job->output, &error);
     if (code == EXIT_DONE && job->picture != NULL)
         code = curve_draw(job, coarse, truth, &fine);
@@ -342,9 +342,9 @@ static int give_out(const curve_job *job, const bat_curve_set *coarse, const bat
 static int read_truth(const curve_job *job, const bat_curve_set *coarse, bat_curve_set *truth)
 {
     bat_error error;
-    bat_read_options options = job->read;
-    options.format = BAT_FORMAT_AUTO;
-    if (bat_curves_read(job->truth, &options, truth, &error) != BAT_OK)
+    bat_curve_read_options options = job->read;
+    options.format = BAT_CURVE_FORMAT_AUTO;
+    if (bat_curve_read(job->truth, &options, truth, &error) != BAT_OK)
         return report_failure(job->truth, &error);
     if (truth->count == coarse->count)
         return EXIT_DONE;
@@ -357,12 +357,12 @@ static int read_truth(const curve_job *job, const bat_curve_set *coarse, bat_cur
 static bool load_model(curve_job *job)
 {
     bat_error error;
-    if (bat_tension_model_read(job->model_file, &job->model, &error) != BAT_OK)
+    if (bat_curve_model_read(job->model_file, &job->model, &error) != BAT_OK)
     {
         (void)report_failure(job->model_file, &error);
         return false;
     }
-    job->refine.scheme = bat_scheme_of_model(job->model);
+    job->refine.scheme = bat_curve_scheme_of_model(job->model);
     job->refine.scheme.fairness = job->fairness;
     return true;
 }
@@ -380,11 +380,11 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
     }
     for (size_t i = 0; i < coarse->count; i++)
         points += (double)coarse->curves[i].count;
-    job->scheme = bat_scheme_name_for_space(coarse->space);
+    job->scheme = bat_curve_scheme_name_for_space(coarse->space);
     bool many = ldexp(points, (int)job->refine.levels) > LEARNED_POINTS;
     if (strcmp(job->scheme, LEARNED) == 0 && (many || job->best_tension))
         job->scheme = "angle-4";
-    (void)bat_scheme_by_name(job->scheme, &job->refine.scheme, NULL);
+    (void)bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, NULL);
 }
 
 /// Read, refine, give out.
@@ -392,7 +392,7 @@ static int run_job(curve_job *job)
 {
     bat_curve_set coarse = {0}, truth = {0};
     bat_error error;
-    if (bat_curves_read(job->input, &job->read, &coarse, &error) != BAT_OK)
+    if (bat_curve_read(job->input, &job->read, &coarse, &error) != BAT_OK)
         return report_failure(job->input, &error);
     if (job->translation_weight > 0)
         coarse.space->weight = job->translation_weight;
@@ -422,6 +422,6 @@ int verb_curve(int argc, char **argv)
     if (job.model_file != NULL && !load_model(&job))
         return EXIT_BAD_INPUT;
     code = run_job(&job);
-    bat_tension_model_free(job.model);
+    bat_curve_model_free(job.model);
     return code;
 }

@@ -3,10 +3,10 @@
 
 #include "arguments.h"
 
-#include "batten/file.h"
+#include "batten/curve_file.h"
+#include "batten/curve_picture.h"
+#include "batten/curve_scheme.h"
 #include "batten/motion.h"
-#include "batten/picture.h"
-#include "batten/tension_model.h"
 
 enum
 {
@@ -19,17 +19,17 @@ typedef struct curve_job
 {
     const char *input;
     const char *output, *picture, *truth; ///< null where not wanted
-    bat_read_options read;
-    bat_write_options write;
-    bat_refine_options refine;
-    double fairness;          ///< of the scheme "learned"
-    const char *model_file;   ///< of the scheme "learned"; null for the network that the library comes with
-    bat_tension_model *model; ///< what it holds
-    bool hermite;             ///< the scheme takes tangents: `motion` in place of `refine`
+    bat_curve_read_options read;
+    bat_curve_write_options write;
+    bat_curve_refine_options refine;
+    double fairness;        ///< of the scheme "learned"
+    const char *model_file; ///< of the scheme "learned"; null for the network that the library comes with
+    bat_curve_model *model; ///< what it holds
+    bool hermite;           ///< the scheme takes tangents: `motion` in place of `refine`
     bat_motion_options motion;
     double translation_weight; ///< of the space rigid; 0: as it is
     const char *scheme;        ///< its name; when the user gave none, null until the space is known
-    bat_picture_options draw;
+    bat_curve_picture_options draw;
     size_t panels[CURVE_MOST_PANELS]; ///< the levels drawn side by side
     size_t panel_count;               ///< 0: one panel, of refine.levels
     char best_name[80];               ///< of the scheme that --best-tension finds

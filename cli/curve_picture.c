@@ -61,7 +61,7 @@ int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curv
     size_t count = job->panel_count > 0 ? job->panel_count : 1;
     while (code == EXIT_DONE && set.count < count)
         code = make_panel(job, coarse, truth, fine, &set);
-    if (code == EXIT_DONE && bat_picture_write(job->picture, set.panels, set.count, &job->draw, &error) != BAT_OK)
+    if (code == EXIT_DONE && bat_curve_picture_write(job->picture, set.panels, set.count, &job->draw, &error) != BAT_OK)
         code = report_failure(job->picture, &error);
     for (size_t p = 0; p < set.count; p++)
     {

@@ -3,7 +3,7 @@
 #include "arguments.h"
 #include "report.h"
 
-#include "batten/measure.h"
+#include "batten/curve_measure.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -23,14 +23,14 @@ static bat_status no_memory(bat_error *error)
     return BAT_NO_MEMORY;
 }
 
-static bat_status measure_fairness(const bat_curve_set *set, const bat_measure_options *options, totals *sum,
+static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_measure_options *options, totals *sum,
                                    bat_error *error)
 {
     *sum = (totals){0};
     bat_fairness *fairness = calloc(set->count, sizeof *fairness);
     if (fairness == NULL)
         return no_memory(error);
-    bat_measure_options how = *options;
+    bat_curve_measure_options how = *options;
     how.progress = report_progress("measuring fairness");
     bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, NULL, error);
     report_progress_end();
@@ -52,13 +52,13 @@ typedef struct distances
 } distances;
 
 static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_set *truth,
-                                    const bat_measure_options *options, distances *mean, bat_error *error)
+                                    const bat_curve_measure_options *options, distances *mean, bat_error *error)
 {
     *mean = (distances){0};
     bat_curve_distance *each = calloc(fine->count, sizeof *each);
     if (each == NULL)
         return no_memory(error);
-    bat_measure_options how = *options;
+    bat_curve_measure_options how = *options;
     how.progress = report_progress("measuring distances");
     bat_status status = bat_curves_compare(fine->curves, truth->curves, fine->count, &how, each, NULL, error);
     report_progress_end();
@@ -141,7 +141,7 @@ int curve_report(const curve_job *job, const bat_curve_set *coarse, const bat_cu
     totals before, after;
     distances distance;
     bat_error error;
-    bat_measure_options options = bat_measure_defaults();
+    bat_curve_measure_options options = bat_curve_measure_defaults();
     options.threads = job->read.threads;
     if (measure_fairness(coarse, &options, &before, &error) != BAT_OK ||
         measure_fairness(fine, &options, &after, &error) != BAT_OK)

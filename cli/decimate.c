@@ -5,8 +5,8 @@
 #include "report.h"
 
 #include "batten/batten.h"
+#include "batten/mesh.h"
 #include "batten/mesh_file.h"
-#include "batten/mesh_repair.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,7 +48,7 @@ typedef struct decimate_job
     const char *input, *output, *map;
     bat_mesh_read_options read;
     bat_mesh_write_options write;
-    bat_decimate_options decimate;
+    bat_mesh_decimate_options decimate;
     bool repair, json, quiet;
 } decimate_job;
 
@@ -60,7 +60,7 @@ typedef struct decimate_result
     bat_mesh_repair_report repairs;
 } decimate_result;
 
-static bool read_numbers(const arguments *given, bat_decimate_options *options)
+static bool read_numbers(const arguments *given, bat_mesh_decimate_options *options)
 {
     long vertices, candidates, seed;
     if (!argument_whole(given, "vertices", 0, BAT_MESH_NONE, -1, &vertices) ||
@@ -93,7 +93,7 @@ static bool read_job(const arguments *given, decimate_job *job)
                           .map = argument(given, "map"),
                           .read = bat_mesh_read_defaults(),
                           .write = bat_mesh_write_defaults(),
-                          .decimate = bat_decimate_defaults(),
+                          .decimate = bat_mesh_decimate_defaults(),
                           .repair = argument_flag(given, "repair"),
                           .json = argument_flag(given, "json"),
                           .quiet = argument_flag(given, "quiet")};
@@ -130,7 +130,7 @@ static int read_fine(const decimate_job *job, decimate_result *result)
 static int decimate(const decimate_job *job, decimate_result *result)
 {
     bat_error error;
-    bat_decimate_options options = job->decimate;
+    bat_mesh_decimate_options options = job->decimate;
     bool carried = result->fine.channel_count > 0 || result->fine.texture != NULL;
     options.progress = report_progress("decimating");
     bat_status status = bat_mesh_decimate(&result->fine, &options, &result->coarse,

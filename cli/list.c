@@ -5,6 +5,7 @@
 #include "reproduce.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -40,9 +41,9 @@ static const struct
 {
     const char *name, *summary;
 } MODELS[] = {
-    {"learned", "the curve scheme that comes with the library, 100,160 weights; models/batten.md"},
+    {"learned", "the curve scheme that comes with the library, 100,160 weights; weights/batten.md"},
     {"learned-published",
-     "the network of Ugail and Howard (2026), 140,505 weights, to compare with; models/tension-published.md"},
+     "the network of Ugail and Howard (2026), 140,505 weights, to compare with; weights/tension-published.md"},
 };
 
 static const struct
@@ -91,7 +92,7 @@ static bool mesh_scheme_row(size_t index, const char **name, const char **settin
 /// The schemes for points, those for points with tangents, those for meshes.
 static bool scheme_row(size_t index, const char **name, const char **settings, const char **summary)
 {
-    bool (*const lists[])(size_t, const char **, const char **, const char **) = {bat_scheme_list, bat_hermite_list,
+    bool (*const lists[])(size_t, const char **, const char **, const char **) = {bat_curve_scheme_list, bat_hermite_list,
                                                                                   mesh_scheme_row};
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++)
     {

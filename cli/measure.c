@@ -80,8 +80,8 @@ static const struct
 typedef struct measure_job
 {
     const char *paths[2]; ///< the second null when there is only A
-    bat_read_options read;
-    bat_measure_options measure;
+    bat_curve_read_options read;
+    bat_curve_measure_options measure;
     bool json;
 } measure_job;
 
@@ -122,7 +122,7 @@ static bat_status summarize(const results *all, bool compared, json_t *object, b
         for (size_t i = 0; i < all->count; i++)
             values[i] = result_of(all, row, i);
         bat_summary summary;
-        status = bat_summarize(values, all->count, &summary, error);
+        status = bat_curve_summarize(values, all->count, &summary, error);
         if (status != BAT_OK)
             break;
         if (object == NULL)
@@ -162,24 +162,24 @@ static int report_curve(const char *path, const bat_curve_set *set, size_t curve
     return report_failure(path, &named);
 }
 
-static int measure_fairness(const char *path, const bat_curve_set *set, const bat_measure_options *options,
+static int measure_fairness(const char *path, const bat_curve_set *set, const bat_curve_measure_options *options,
                             bat_fairness *fairness)
 {
     bat_error error;
     size_t failed = BAT_NO_INDEX;
-    bat_measure_options how = *options;
+    bat_curve_measure_options how = *options;
     how.progress = report_progress("measuring fairness");
     bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, &failed, &error);
     report_progress_end();
     return status == BAT_OK ? EXIT_DONE : report_curve(path, set, failed, &error);
 }
 
-static int measure_distances(const bat_curve_set *a, const bat_curve_set *b, const bat_measure_options *options,
+static int measure_distances(const bat_curve_set *a, const bat_curve_set *b, const bat_curve_measure_options *options,
                              bat_curve_distance *distances)
 {
     bat_error error;
     size_t failed = BAT_NO_INDEX;
-    bat_measure_options how = *options;
+    bat_curve_measure_options how = *options;
     how.progress = report_progress("measuring distances");
     bat_status status = bat_curves_compare(a->curves, b->curves, a->count, &how, distances, &failed, &error);
     report_progress_end();
@@ -228,7 +228,7 @@ static int read_and_measure(const measure_job *job)
     bat_error error;
     int code = EXIT_DONE;
     for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
-        if (bat_curves_read(job->paths[i], &job->read, &sets[i], &error) != BAT_OK)
+        if (bat_curve_read(job->paths[i], &job->read, &sets[i], &error) != BAT_OK)
             code = report_failure(job->paths[i], &error);
     if (code == EXIT_DONE)
         code = measure_sets(job, &sets[0], &sets[1]);
@@ -241,8 +241,8 @@ static bool read_job(const arguments *given, measure_job *job)
 {
     bat_error error;
     long threads;
-    *job =
-        (measure_job){.read = bat_read_defaults(), .measure = bat_measure_defaults(), .json = argument_flag(given, "json")};
+    *job = (measure_job){
+        .read = bat_curve_read_defaults(), .measure = bat_curve_measure_defaults(), .json = argument_flag(given, "json")};
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
     job->read.space = argument(given, "space");
@@ -255,7 +255,7 @@ static bool read_job(const arguments *given, measure_job *job)
     job->read.threads = job->measure.threads = (int)threads;
     const char *format = argument(given, "from");
     const char *fault = NULL;
-    if (format != NULL && bat_file_format_by_name(format, &job->read.format, &error) != BAT_OK)
+    if (format != NULL && bat_curve_format_by_name(format, &job->read.format, &error) != BAT_OK)
         fault = error.text;
     else if (argument_flag(given, "closed") && argument_flag(given, "open"))
         fault = "--closed and --open exclude each other";

@@ -59,23 +59,23 @@ static kind kind_by_content(const char *path)
 static kind kind_of_file(const char *path)
 {
     bat_mesh_format mesh = bat_mesh_format_of_path(path);
-    bat_file_format curves = bat_file_format_of_path(path);
+    bat_curve_format curves = bat_curve_format_of_path(path);
     if (strcmp(path, "-") == 0)
         return KIND_UNCLEAR;
-    if (mesh != BAT_MESH_FORMAT_AUTO && curves == BAT_FORMAT_AUTO)
+    if (mesh != BAT_MESH_FORMAT_AUTO && curves == BAT_CURVE_FORMAT_AUTO)
         return KIND_MESH;
-    return mesh == BAT_MESH_FORMAT_AUTO && curves != BAT_FORMAT_AUTO ? KIND_CURVES : kind_by_content(path);
+    return mesh == BAT_MESH_FORMAT_AUTO && curves != BAT_CURVE_FORMAT_AUTO ? KIND_CURVES : kind_by_content(path);
 }
 
 bool measure_means_meshes(const arguments *given)
 {
     bat_mesh_format mesh;
-    bat_file_format curves;
+    bat_curve_format curves;
     const char *from = argument(given, "from");
     if (argument_flag(given, "mesh"))
         return true;
     if (from != NULL && bat_mesh_format_by_name(from, &mesh, NULL) == BAT_OK &&
-        bat_file_format_by_name(from, &curves, NULL) != BAT_OK)
+        bat_curve_format_by_name(from, &curves, NULL) != BAT_OK)
         return true;
     kind found = KIND_UNCLEAR;
     for (size_t i = 0; i < given->positional_count && found == KIND_UNCLEAR; i++)

@@ -3,8 +3,8 @@
 
 #include "arguments.h"
 
+#include "batten/mesh.h"
 #include "batten/mesh_file.h"
-#include "batten/mesh_repair.h"
 
 /// @file
 /// How verbs read meshes.

@@ -3,10 +3,10 @@
 
 #include "number_list.h"
 
+#include "batten/curve_scheme.h"
 #include "batten/mesh.h"
-#include "batten/tension_data.h"
-#include "batten/tension_model.h"
-#include "batten/tension_table.h"
+#include "batten/research/curve_data.h"
+#include "batten/research/curve_study.h"
 
 #include <jansson.h>
 
@@ -62,7 +62,7 @@ enum
 int reproduce_draw_frontier(const bat_tension_row *rows, size_t count, const char *path);
 
 /// Read the model that is asked for, or take the published recipe's where none is. Returns the program's exit code.
-int reproduce_model(const reproduce_job *job, bat_tension_model **model);
+int reproduce_model(const reproduce_job *job, bat_curve_model **model);
 /// A figure and, where there is a published one, its ratio to that in brackets.
 void reproduce_print_figure(double ours, double published, int width);
 /// Add a number to an object if there is one: not for NaN.

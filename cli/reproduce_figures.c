@@ -4,7 +4,8 @@
 #include "report.h"
 
 #include "batten/batten.h"
-#include "batten/shapes.h"
+#include "batten/research/curve_shapes.h"
+#include "batten/research/research.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,7 +29,7 @@ static const size_t LEVELS[PANELS] = {0, 1, 2, 10, 20};
 /// One figure of the study: a shape at every level, and what it says in numbers.
 typedef struct figure
 {
-    const bat_shape *shape;
+    const bat_curve_shape *shape;
     const bat_shape_figure *study;
     bat_curve curves[PANELS][MOST_OUTLINES];
     char name[NAME_SIZE]; ///< of its files, without folder and ending
@@ -46,10 +47,10 @@ static double now(void)
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-static bat_status refine_outlines(figure *f, const bat_space *plane, size_t panel, const bat_scheme *scheme,
+static bat_status refine_outlines(figure *f, const bat_space *plane, size_t panel, const bat_curve_scheme *scheme,
                                   bat_error *error)
 {
-    bat_refine_options how = bat_refine_defaults();
+    bat_curve_refine_options how = bat_curve_refine_defaults();
     how.scheme = *scheme;
     how.levels = LEVELS[panel];
     how.progress = report_progress(f->name);
@@ -57,7 +58,7 @@ static bat_status refine_outlines(figure *f, const bat_space *plane, size_t pane
     for (size_t o = 0; o < f->shape->outline_count && status == BAT_OK; o++)
     {
         bat_curve coarse;
-        status = bat_shape_curve(f->shape, o, plane, &coarse, error);
+        status = bat_curve_shape_curve(f->shape, o, plane, &coarse, error);
         if (status != BAT_OK)
             break;
         status = bat_curve_refine(&coarse, &how, &f->curves[panel][o], error);
@@ -70,7 +71,7 @@ static bat_status refine_outlines(figure *f, const bat_space *plane, size_t pane
 static bat_status measure_outline(figure *f, size_t o, const bat_stencil *stencil, bat_error *error)
 {
     const bat_curve *middle = &f->curves[MIDDLE][o], *last = &f->curves[LAST][o];
-    bat_measure_options how = bat_measure_defaults();
+    bat_curve_measure_options how = bat_curve_measure_defaults();
     how.progress = report_progress(f->name);
     double chord, middle_off_limit, last_off_limit;
     bat_status status = bat_curve_chord_distance(middle, last, &how, &chord, error);
@@ -98,15 +99,15 @@ static bat_status figure_measure(figure *f, const bat_stencil *stencil, bat_erro
     return status;
 }
 
-static bat_status figure_make(const bat_shape *shape, const bat_shape_figure *study, const bat_space *plane, figure *f,
+static bat_status figure_make(const bat_curve_shape *shape, const bat_shape_figure *study, const bat_space *plane, figure *f,
                               bat_error *error)
 {
     *f = (figure){.shape = shape, .study = study};
     (void)snprintf(f->name, sizeof f->name, "curve-figures-%.*s-%s", (int)strcspn(study->scheme, ":"), study->scheme,
                    shape->name);
-    bat_scheme scheme;
+    bat_curve_scheme scheme;
     bat_stencil stencil;
-    bat_status status = bat_scheme_by_name(study->scheme, &scheme, error);
+    bat_status status = bat_curve_scheme_by_name(study->scheme, &scheme, error);
     if (status == BAT_OK)
         status = bat_mask_limit_stencil(&scheme.mask, &stencil, error);
     for (size_t panel = 0; panel < PANELS && status == BAT_OK; panel++)
@@ -139,7 +140,7 @@ static int figure_draw(const figure *f, const char *folder)
         panels[panel] = (bat_picture_panel){layers[panel], f->shape->outline_count, titles[panel]};
     }
     (void)snprintf(heading, sizeof heading, "%s, %s", f->shape->name, f->study->scheme);
-    bat_picture_options how = bat_picture_defaults();
+    bat_curve_picture_options how = bat_curve_picture_defaults();
     how.title = heading;
     static const char *const ENDINGS[] = {"svg", "png"};
     for (size_t i = 0; i < sizeof ENDINGS / sizeof ENDINGS[0]; i++)
@@ -147,7 +148,7 @@ static int figure_draw(const figure *f, const char *folder)
         bat_error error;
         if ((size_t)snprintf(path, sizeof path, "%s/%s.%s", folder, f->name, ENDINGS[i]) >= sizeof path)
             return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
-        if (bat_picture_write(path, panels, PANELS, &how, &error) != BAT_OK)
+        if (bat_curve_picture_write(path, panels, PANELS, &how, &error) != BAT_OK)
             return report_failure(path, &error);
     }
     return EXIT_DONE;
@@ -185,7 +186,7 @@ static void print_foot(const char *folder)
 }
 
 /// Make, draw and report one figure, and let go of its points.
-static int reproduce_figure(const bat_shape *shape, const bat_shape_figure *study, const char *folder, json_t *array)
+static int reproduce_figure(const bat_curve_shape *shape, const bat_shape_figure *study, const char *folder, json_t *array)
 {
     bat_space plane = bat_euclidean(2);
     bat_error error;
@@ -210,9 +211,9 @@ int reproduce_curve_figures(const reproduce_job *job)
         return report_json(NULL);
     if (!as_json)
         print_head();
-    for (size_t s = 0; s < bat_shape_count() && code == EXIT_DONE; s++)
+    for (size_t s = 0; s < bat_curve_shape_count() && code == EXIT_DONE; s++)
     {
-        const bat_shape *shape = bat_shape_at(s);
+        const bat_curve_shape *shape = bat_curve_shape_at(s);
         for (size_t k = 0; k < shape->figure_count && code == EXIT_DONE; k++)
             code = reproduce_figure(shape, &shape->figures[k], job->folder, array);
     }

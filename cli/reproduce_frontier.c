@@ -4,6 +4,7 @@
 #include "report.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -91,7 +92,7 @@ int reproduce_draw_frontier(const bat_tension_row *rows, size_t count, const cha
         collect(own, count / SPACES, bending, &frontiers[c]);
         charts[c] = chart_of(&frontiers[c], own->space, bending);
     }
-    bat_picture_options draw = bat_picture_defaults();
+    bat_curve_picture_options draw = bat_curve_picture_defaults();
     draw.columns = SPACES;
     draw.width = 1400;
     draw.height = 900;

@@ -3,7 +3,7 @@
 #include "arguments.h"
 #include "report.h"
 
-#include "batten/hermite_study.h"
+#include "batten/research/motion_study.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,7 +52,7 @@ static int draw_figure(const bat_hermite_figure *figure, const char *folder)
         (void)snprintf(titles[p], sizeof titles[p], "%s, %zu points: error %.2g", words, panel->samples, panel->error);
         panels[p] = (bat_picture_panel){layers[p], panel->curve_count, titles[p]};
     }
-    bat_picture_options how = bat_picture_defaults();
+    bat_curve_picture_options how = bat_curve_picture_defaults();
     how.title = figure->title;
     how.columns = figure->columns;
     how.control_polygon = false;
@@ -62,7 +62,7 @@ static int draw_figure(const bat_hermite_figure *figure, const char *folder)
         bat_error error;
         if ((size_t)snprintf(path, sizeof path, "%s/hermite-%s.%s", folder, figure->name, ENDINGS[i]) >= sizeof path)
             return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
-        if (bat_picture_write(path, panels, figure->panel_count, &how, &error) != BAT_OK)
+        if (bat_curve_picture_write(path, panels, figure->panel_count, &how, &error) != BAT_OK)
             return report_failure(path, &error);
     }
     return EXIT_DONE;

@@ -6,11 +6,11 @@
 #include <math.h>
 #include <stdio.h>
 
-int reproduce_model(const reproduce_job *job, bat_tension_model **model)
+int reproduce_model(const reproduce_job *job, bat_curve_model **model)
 {
     bat_error error;
     bat_status status =
-        job->model != NULL ? bat_tension_model_read(job->model, model, &error) : bat_tension_model_published(model, &error);
+        job->model != NULL ? bat_curve_model_read(job->model, model, &error) : bat_curve_model_published(model, &error);
     return status == BAT_OK ? EXIT_DONE : report_failure(job->model, &error);
 }
 

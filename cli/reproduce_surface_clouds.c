@@ -4,6 +4,7 @@
 #include "report.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,6 +4,7 @@
 #include "report.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -73,27 +74,27 @@ static int print_rows(const bat_tension_row *rows, size_t count, const char *tit
 /// The networks to compare: the published one of the library, and its own, unless the user gives another of the kind.
 typedef struct networks
 {
-    bat_tension_model *published, *own; ///< `own` null: the shipped weights
+    bat_curve_model *published, *own; ///< `own` null: the shipped weights
 } networks;
 
 static void networks_free(networks *n)
 {
-    bat_tension_model_free(n->published);
-    bat_tension_model_free(n->own);
+    bat_curve_model_free(n->published);
+    bat_curve_model_free(n->own);
 }
 
 static int read_networks(const reproduce_job *job, networks *n)
 {
     bat_error error;
-    bat_tension_model *given = NULL;
+    bat_curve_model *given = NULL;
     *n = (networks){0};
-    if (job->model != NULL && bat_tension_model_read(job->model, &given, &error) != BAT_OK)
+    if (job->model != NULL && bat_curve_model_read(job->model, &given, &error) != BAT_OK)
         return report_failure(job->model, &error);
-    if (given != NULL && bat_tension_model_has_fairness(given))
+    if (given != NULL && bat_curve_model_has_fairness(given))
         n->own = given;
     else
         n->published = given;
-    if (n->published == NULL && bat_tension_model_published(&n->published, &error) != BAT_OK)
+    if (n->published == NULL && bat_curve_model_published(&n->published, &error) != BAT_OK)
     {
         networks_free(n);
         return report_failure(NULL, &error);
@@ -103,10 +104,10 @@ static int read_networks(const reproduce_job *job, networks *n)
 
 static void own_methods(const networks *n, bat_tension_method methods[OWN])
 {
-    methods[0] = (bat_tension_method){BAT_TENSION_LEARNED_PUBLISHED, NAN, bat_scheme_of_model(n->published)};
+    methods[0] = (bat_tension_method){BAT_TENSION_LEARNED_PUBLISHED, NAN, bat_curve_scheme_of_model(n->published)};
     for (size_t i = 0; i < FAIRNESS_COUNT; i++)
     {
-        bat_scheme scheme = n->own != NULL ? bat_scheme_of_model(n->own) : bat_scheme_learned(FAIRNESS[i]);
+        bat_curve_scheme scheme = n->own != NULL ? bat_curve_scheme_of_model(n->own) : bat_curve_scheme_learned(FAIRNESS[i]);
         scheme.fairness = FAIRNESS[i];
         methods[1 + i] = (bat_tension_method){"learned", FAIRNESS[i], scheme};
     }
@@ -191,9 +192,9 @@ static int draw_iss(const char *folder)
             {.curve = &fine, .role = BAT_LAYER_CURVE, .label = "four-point, outward"},
         };
         bat_picture_panel panel = {.layers = layers, .layer_count = 3};
-        bat_picture_options draw = bat_picture_defaults();
+        bat_curve_picture_options draw = bat_curve_picture_defaults();
         draw.projection = BAT_PROJECTION_BOTH;
-        status = bat_picture_write(path, &panel, 1, &draw, &error);
+        status = bat_curve_picture_write(path, &panel, 1, &draw, &error);
     }
     bat_curve_free(&truth);
     bat_curve_free(&control);

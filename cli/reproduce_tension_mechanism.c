@@ -4,6 +4,7 @@
 #include "report.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <stdio.h>
 
@@ -52,7 +53,7 @@ static int draw(const char *folder, const bat_tension_mechanism_report *report)
         charts[i].x_label = "effective tension";
         charts[i].y_label = "share of the insertions";
     }
-    bat_picture_options options = bat_picture_defaults();
+    bat_curve_picture_options options = bat_curve_picture_defaults();
     options.columns = SPACES;
     bat_error error;
     (void)snprintf(path, sizeof path, "%s/tension-mechanism.png", folder);

@@ -4,6 +4,7 @@
 #include "report.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <stdio.h>
 
@@ -62,7 +63,7 @@ static int print_text(const bat_tension_noise_options *options, const bat_tensio
 int reproduce_tension_table2(const reproduce_job *job)
 {
     bat_tension_noise_row rows[BAT_TENSION_NOISE_METHODS + 1];
-    bat_tension_model *model;
+    bat_curve_model *model;
     bat_error error;
     if (reproduce_model(job, &model) != EXIT_DONE)
         return EXIT_BAD_INPUT;
@@ -73,12 +74,12 @@ int reproduce_tension_table2(const reproduce_job *job)
     bat_status status = bat_tension_table2(&options, rows, &error);
     if (status == BAT_OK)
     {
-        bat_scheme scheme = bat_scheme_of_model(model);
-        const char *name = bat_tension_model_has_fairness(model) ? "learned 0.50" : BAT_TENSION_LEARNED_PUBLISHED;
+        bat_curve_scheme scheme = bat_curve_scheme_of_model(model);
+        const char *name = bat_curve_model_has_fairness(model) ? "learned 0.50" : BAT_TENSION_LEARNED_PUBLISHED;
         status = bat_tension_table2_method(name, &scheme, &options, &rows[count++], &error);
     }
     report_progress_end();
-    bat_tension_model_free(model);
+    bat_curve_model_free(model);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
     return job->json ? print_json(&options, rows, count) : print_text(&options, rows, count);

@@ -103,9 +103,9 @@ static bool read_smoothing(const arguments *given, bat_surface_fit_options *fit)
     if (!argument_number(given, "smoothing", 0, &fit->weight) || !argument_number(given, "noise", 0, &fit->noise))
         return false;
     if (argument(given, "smoothing") != NULL)
-        fit->smoothing = BAT_SMOOTHING_GIVEN;
+        fit->smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
     else if (argument(given, "noise") != NULL)
-        fit->smoothing = BAT_SMOOTHING_DISCREPANCY;
+        fit->smoothing = BAT_SURFACE_SMOOTHING_DISCREPANCY;
     return true;
 }
 
@@ -223,7 +223,7 @@ static int read_helpers(const surface_job *job, const bat_cloud *cloud, bat_surf
     bat_error error;
     if (job->model != NULL && bat_surface_model_read(job->model, model, &error) != BAT_OK)
         return report_failure(job->model, &error);
-    if (job->given != NULL && bat_parameters_read(job->given, cloud, given, &error) != BAT_OK)
+    if (job->given != NULL && bat_cloud_parameters_read(job->given, cloud, given, &error) != BAT_OK)
         return report_failure(job->given, &error);
     return EXIT_DONE;
 }
@@ -275,7 +275,7 @@ static int write_files(const surface_job *job, const bat_cloud *cloud, const bat
     write.point_count = cloud->count;
     int code = job->picture != NULL ? draw(job, cloud, result) : EXIT_DONE;
     if (code == EXIT_DONE && job->parameters != NULL &&
-        bat_parameters_write(job->parameters, cloud, result->parameters, &error) != BAT_OK)
+        bat_cloud_parameters_write(job->parameters, cloud, result->parameters, &error) != BAT_OK)
         code = report_failure(job->parameters, &error);
     if (code == EXIT_DONE && job->output != NULL &&
         bat_surface_write(job->output, &result->surface, &write, &error) != BAT_OK)

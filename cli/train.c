@@ -5,6 +5,7 @@
 #include "verbs.h"
 
 #include "batten/batten.h"
+#include "batten/research/research.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -145,10 +146,10 @@ static int train_published(const arguments *given)
 static const double FAIRNESS[BAT_FAIRING_CHECKS] = {0, 0.5, 1};
 
 /// False after a message.
-static bool read_fairing_options(const arguments *given, bat_fairing_train_options *options)
+static bool read_fairing_options(const arguments *given, bat_learned_train_options *options)
 {
     long seed, epochs, threads;
-    *options = bat_fairing_train_defaults();
+    *options = bat_learned_train_defaults();
     if (argument(given, "embedding") != NULL || argument(given, "without") != NULL)
     {
         (void)usage_error(given, "only the published recipe has --embedding and --without");
@@ -166,13 +167,13 @@ static bool read_fairing_options(const arguments *given, bat_fairing_train_optio
     return true;
 }
 
-static int print_fairing_json(const bat_fairing_train_options *options, const bat_fairing_train_report *report)
+static int print_fairing_json(const bat_learned_train_options *options, const bat_learned_train_report *report)
 {
     json_t *scores = json_array();
     for (int i = 0; i < BAT_FAIRING_CHECKS; i++)
         for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         {
-            const bat_fairing_score *score = &report->scores[i][space];
+            const bat_learned_score *score = &report->scores[i][space];
             (void)json_array_append_new(scores, json_pack("{s:f, s:s, s:o, s:o, s:o}", "fairness", FAIRNESS[i], "space",
                                                           SPACES[space], "mean_nn", report_number(score->mean_nn), "bending",
                                                           report_number(score->bending), "g1", report_number(score->g1)));
@@ -182,14 +183,14 @@ static int print_fairing_json(const bat_fairing_train_options *options, const ba
                                  "folder", options->folder));
 }
 
-static int print_fairing_text(const bat_fairing_train_options *options, const bat_fairing_train_report *report)
+static int print_fairing_text(const bat_learned_train_options *options, const bat_learned_train_report *report)
 {
     (void)printf("%llu epochs. Curves kept aside, drawn from the trained families, five levels:\n\n",
                  (unsigned long long)report->epochs);
     for (int i = 0; i < BAT_FAIRING_CHECKS; i++)
         for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         {
-            const bat_fairing_score *score = &report->scores[i][space];
+            const bat_learned_score *score = &report->scores[i][space];
             (void)printf("fairness %.1f %-7s mean-NN %.5f   bending %8.4g   G1 %.3f\n", FAIRNESS[i], SPACES[space],
                          score->mean_nn, score->bending, score->g1);
         }
@@ -199,13 +200,13 @@ static int print_fairing_text(const bat_fairing_train_options *options, const ba
 
 static int train_batten(const arguments *given)
 {
-    bat_fairing_train_options options;
-    bat_fairing_train_report report;
+    bat_learned_train_options options;
+    bat_learned_train_report report;
     bat_error error;
     if (!read_fairing_options(given, &options))
         return EXIT_BAD_USAGE;
     options.progress = report_progress("training");
-    bat_status status = bat_fairing_train(&options, &report, &error);
+    bat_status status = bat_learned_train(&options, &report, &error);
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(NULL, &error);

@@ -2,7 +2,7 @@
 #include "arguments.h"
 #include "report.h"
 
-#include "batten/surface_train.h"
+#include "batten/research/surface_train.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -46,9 +46,9 @@ static bool is_right_for_chaikin(const bat_analysis *analysis)
 int main(int argc, char **argv)
 {
     bat_error error;
-    bat_scheme scheme;
+    bat_curve_scheme scheme;
     bat_analysis analysis;
-    if (bat_scheme_by_name(argc > 1 ? argv[1] : "chaikin", &scheme, &error) != BAT_OK)
+    if (bat_curve_scheme_by_name(argc > 1 ? argv[1] : "chaikin", &scheme, &error) != BAT_OK)
     {
         fprintf(stderr, "analyze_mask: %s\n", error.text);
         return EXIT_FAILURE;

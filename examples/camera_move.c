@@ -60,14 +60,14 @@ int main(int argc, char **argv)
     bat_error error;
     bat_motion_options options = bat_motion_defaults();
     options.rate = RATE;
-    if (bat_curves_read(path, NULL, &poses, &error) != BAT_OK)
+    if (bat_curve_read(path, NULL, &poses, &error) != BAT_OK)
         return fail(path, &error);
     poses.space->weight = RADIANS_PER_METRE;
 
     // From file to file in one call …
     bat_status status = bat_motion_curves(&poses, &options, &move, NULL, &error);
     if (status == BAT_OK && argc > 2)
-        status = bat_curves_write(argv[2], &move, NULL, &error);
+        status = bat_curve_write(argv[2], &move, NULL, &error);
     // … and step by step, with velocities to look at.
     if (status == BAT_OK)
         status = bat_motion_data(&poses, 0, &options, &keys, &error);

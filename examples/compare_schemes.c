@@ -28,11 +28,11 @@ static double distance_from_circle(const bat_curve *curve)
 /// Refine by one scheme and print a line of the table.
 static bat_status measure(const bat_curve *coarse, const char *name, double *distance, bat_error *error)
 {
-    bat_refine_options options = bat_refine_defaults();
+    bat_curve_refine_options options = bat_curve_refine_defaults();
     options.levels = LEVELS;
     bat_curve fine = {0};
     bat_fairness fairness;
-    bat_status status = bat_scheme_by_name(name, &options.scheme, error);
+    bat_status status = bat_curve_scheme_by_name(name, &options.scheme, error);
     if (status == BAT_OK)
         status = bat_curve_refine(coarse, &options, &fine, error);
     if (status == BAT_OK)

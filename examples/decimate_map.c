@@ -3,6 +3,7 @@
 //
 //     cc decimate_map.c $(pkg-config --cflags --libs batten) -lm && ./a.out [OUT.obj]
 
+#include "batten/research/research.h"
 #include <batten/batten.h>
 
 #include <math.h>
@@ -82,7 +83,7 @@ int main(int argc, char **argv)
     bat_mesh fine = {0}, coarse = {0}, refined = {0};
     bat_mesh_map *map = NULL;
     bat_error error = {.text = "out of memory"};
-    bat_decimate_options decimate = bat_decimate_defaults();
+    bat_mesh_decimate_options decimate = bat_mesh_decimate_defaults();
     decimate.vertices = COARSE_VERTICES;
     bat_mesh_refine_options refine = bat_mesh_refine_defaults();
     refine.scheme = BAT_MESH_BUTTERFLY;

@@ -276,11 +276,11 @@ int main(void)
     // A vector keeps its length and its angle with the way.
     double way[3], arrival[3], moved[3];
     const bat_curve route = {.space = &earth, .points = points, .count = COUNT};
-    bat_refine_options options = bat_refine_defaults();
+    bat_curve_refine_options options = bat_curve_refine_defaults();
     options.levels = LEVELS;
     bat_curve fine = {0};
     bat_error error = {0};
-    if (bat_scheme_by_name("log-exp-4", &options.scheme, &error) != BAT_OK ||
+    if (bat_curve_scheme_by_name("log-exp-4", &options.scheme, &error) != BAT_OK ||
         bat_curve_refine(&route, &options, &fine, &error) != BAT_OK)
     {
         fprintf(stderr, "ellipsoid: %s\n", error.text);

@@ -2,6 +2,7 @@
 //
 //     cc fit_surface.c $(pkg-config --cflags --libs batten) -lm && ./a.out [IN.xyz [OUT.step [PICTURE.png]]]
 
+#include "batten/research/research.h"
 #include <batten/batten.h>
 
 #include <stdio.h>

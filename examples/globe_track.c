@@ -49,7 +49,7 @@ static bat_status draw(const bat_curve *coarse, const bat_curve *fine, const cha
         {.curve = fine, .role = BAT_LAYER_CURVE, .label = "track"},
     };
     const bat_picture_panel panel = {.layers = layers, .layer_count = 2};
-    return bat_picture_write(path, &panel, 1, NULL, error);
+    return bat_curve_picture_write(path, &panel, 1, NULL, error);
 }
 
 int main(int argc, char **argv)
@@ -60,8 +60,8 @@ int main(int argc, char **argv)
         unit_vector(positions[i], points + 3 * i);
     const bat_curve coarse = {.space = &sphere, .points = points, .count = POSITIONS};
 
-    bat_refine_options options = bat_refine_defaults();
-    options.scheme = bat_scheme_for_space(&sphere);
+    bat_curve_refine_options options = bat_curve_refine_defaults();
+    options.scheme = bat_curve_scheme_for_space(&sphere);
     options.levels = LEVELS;
 
     bat_curve fine = {0};

@@ -3,6 +3,7 @@
 //
 //     cc refine_mesh.c $(pkg-config --cflags --libs batten) -lm && ./a.out [IN.obj [OUT.obj [PICTURE.png]]]
 
+#include "batten/research/research.h"
 #include <batten/batten.h>
 
 #include <math.h>

@@ -33,8 +33,8 @@ int main(void)
     const bat_space plane = bat_euclidean(2);
     const bat_curve coarse = {.space = &plane, .points = deck_line, .count = POINTS};
 
-    bat_refine_options options = bat_refine_defaults();
-    options.scheme = bat_scheme_for_space(&plane);
+    bat_curve_refine_options options = bat_curve_refine_defaults();
+    options.scheme = bat_curve_scheme_for_space(&plane);
     options.ends = BAT_END_EXTRAPOLATE;
     options.levels = LEVELS;
 

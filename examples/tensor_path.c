@@ -40,11 +40,11 @@ int main(int argc, char **argv)
     bat_error error;
     bat_motion_options options = bat_motion_defaults();
     options.scheme.levels = LEVELS;
-    bat_status status = bat_curves_read(path, NULL, &tensors, &error);
+    bat_status status = bat_curve_read(path, NULL, &tensors, &error);
     if (status == BAT_OK)
         status = bat_motion_curves(&tensors, &options, &smooth, NULL, &error);
     if (status == BAT_OK && argc > 2)
-        status = bat_curves_write(argv[2], &smooth, NULL, &error);
+        status = bat_curve_write(argv[2], &smooth, NULL, &error);
     if (status != BAT_OK)
     {
         fprintf(stderr, "%s:%zu: %s\n", path, error.line, error.text);

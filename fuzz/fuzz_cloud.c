@@ -1,4 +1,4 @@
-#include "io/cloud_formats.h"
+#include "io/surface/cloud_formats.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -31,16 +31,16 @@ static void compare_values(const double *a, const double *b, size_t count)
 /// What can be read through the parser alone can be read with coordinates lifted out, and gives the same curves.
 static void compare_spellings(const uint8_t *data, size_t size, const char *space)
 {
-    bat_read_options options = bat_read_defaults();
-    options.format = BAT_FORMAT_GEOJSON;
+    bat_curve_read_options options = bat_curve_read_defaults();
+    options.format = BAT_CURVE_FORMAT_GEOJSON;
     options.space = space;
     options.threads = 1;
     bat_curve_set parsed = {0}, lifted = {0};
     size_t spelled_size;
     char *spelled = spell_types(data, size, &spelled_size);
-    if (spelled != NULL && bat_curves_read_memory(spelled, spelled_size, &options, &parsed, NULL) == BAT_OK)
+    if (spelled != NULL && bat_curve_read_memory(spelled, spelled_size, &options, &parsed, NULL) == BAT_OK)
     {
-        PROMISE(bat_curves_read_memory((const char *)data, size, &options, &lifted, NULL) == BAT_OK);
+        PROMISE(bat_curve_read_memory((const char *)data, size, &options, &lifted, NULL) == BAT_OK);
         compare_counts(&parsed, &lifted, false);
         for (size_t i = 0; i < parsed.count; i++)
         {
@@ -56,10 +56,10 @@ static void compare_spellings(const uint8_t *data, size_t size, const char *spac
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    round_trip(data, size, BAT_FORMAT_GEOJSON, NULL, false);
-    round_trip(data, size, BAT_FORMAT_GEOJSON, "plane", false);
-    round_trip(data, size, BAT_FORMAT_GEOJSON, "sphere", true);
-    round_trip(data, size, BAT_FORMAT_GEOJSON, "disk", true);
+    round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, NULL, false);
+    round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, "plane", false);
+    round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, "sphere", true);
+    round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, "disk", true);
     compare_spellings(data, size, NULL);
     compare_spellings(data, size, "plane");
     return 0;

@@ -1,8 +1,8 @@
 #ifndef FUZZ_MESH_ROUND_TRIP_H
 #define FUZZ_MESH_ROUND_TRIP_H
 
+#include "batten/mesh.h"
 #include "batten/mesh_file.h"
-#include "batten/mesh_repair.h"
 
 #include <math.h>
 #include <stdlib.h>

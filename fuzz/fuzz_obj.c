@@ -4,9 +4,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    round_trip(data, size, BAT_FORMAT_OBJ, NULL, false);
-    round_trip(data, size, BAT_FORMAT_OBJ, "plane", false);
-    round_trip(data, size, BAT_FORMAT_OBJ, "sphere", true);
-    round_trip(data, size, BAT_FORMAT_OBJ, "disk", true);
+    round_trip(data, size, BAT_CURVE_FORMAT_OBJ, NULL, false);
+    round_trip(data, size, BAT_CURVE_FORMAT_OBJ, "plane", false);
+    round_trip(data, size, BAT_CURVE_FORMAT_OBJ, "sphere", true);
+    round_trip(data, size, BAT_CURVE_FORMAT_OBJ, "disk", true);
     return 0;
 }

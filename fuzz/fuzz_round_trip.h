@@ -1,7 +1,7 @@
 #ifndef FUZZ_ROUND_TRIP_H
 #define FUZZ_ROUND_TRIP_H
 
-#include "batten/file.h"
+#include "batten/curve_file.h"
 
 #include <stdlib.h>
 
@@ -30,29 +30,29 @@ static inline void compare_counts(const bat_curve_set *before, const bat_curve_s
 }
 
 /// Read a text in a format; what is read can be written, and what is written can be read again.
-static inline void round_trip(const uint8_t *data, size_t size, bat_file_format format, const char *space, bool project)
+static inline void round_trip(const uint8_t *data, size_t size, bat_curve_format format, const char *space, bool project)
 {
-    bat_read_options reading = bat_read_defaults();
+    bat_curve_read_options reading = bat_curve_read_defaults();
     reading.format = format;
     reading.space = space;
     reading.project = project;
     reading.threads = 1;
     bat_curve_set set = {0};
     bat_error error = {0};
-    bat_status status = bat_curves_read_memory((const char *)data, size, &reading, &set, &error);
+    bat_status status = bat_curve_read_memory((const char *)data, size, &reading, &set, &error);
     PROMISE(status == error.status);
     if (status != BAT_OK)
         return;
-    bat_write_options writing = bat_write_defaults();
+    bat_curve_write_options writing = bat_curve_write_defaults();
     writing.threads = 1;
     char *text = NULL;
     size_t text_size = 0;
-    status = bat_curves_write_memory(&set, &writing, &text, &text_size, &error);
+    status = bat_curve_write_memory(&set, &writing, &text, &text_size, &error);
     if (status == BAT_OK)
     {
         bat_curve_set back = {0};
-        PROMISE(bat_curves_read_memory(text, text_size, &reading, &back, &error) == BAT_OK);
-        compare_counts(&set, &back, format == BAT_FORMAT_GEOJSON && set.space->point_dim == 3);
+        PROMISE(bat_curve_read_memory(text, text_size, &reading, &back, &error) == BAT_OK);
+        compare_counts(&set, &back, format == BAT_CURVE_FORMAT_GEOJSON && set.space->point_dim == 3);
         free(text);
         bat_curve_set_free(&back);
     }

@@ -1,4 +1,4 @@
-#include "io/safetensors.h"
+#include "learn/safetensors.h"
 
 #include <stdint.h>
 #include <stdlib.h>

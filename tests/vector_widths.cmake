@@ -15,8 +15,9 @@ foreach(source ${BATTEN_SOURCES})
   endif()
 endforeach()
 
-add_executable(refine_digest refine_digest.c)
+add_executable(refine_digest curve/refine_digest.c)
 target_link_libraries(refine_digest PRIVATE batten_internal)
+target_include_directories(refine_digest PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/support)
 
 foreach(architecture x86-64 x86-64-v3 x86-64-v4)
   string(REPLACE - _ label ${architecture})
@@ -36,10 +37,11 @@ foreach(architecture x86-64 x86-64-v3 x86-64-v4)
   target_compile_options(cloned_${label} PRIVATE -march=${architecture} -U__gnu_linux__)
 
   foreach(name refine refine_invariance)
-    batten_test(${name}_${label} test_${name}.c $<TARGET_OBJECTS:cloned_${label}>)
+    batten_test(${name}_${label} curve/test_${name}.c $<TARGET_OBJECTS:cloned_${label}>)
   endforeach()
-  add_executable(refine_digest_${label} refine_digest.c $<TARGET_OBJECTS:cloned_${label}>)
+  add_executable(refine_digest_${label} curve/refine_digest.c $<TARGET_OBJECTS:cloned_${label}>)
   target_link_libraries(refine_digest_${label} PRIVATE batten_internal)
-  add_test(NAME same_bytes_${label} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/same-output $<TARGET_FILE:refine_digest>
+  target_include_directories(refine_digest_${label} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/support)
+  add_test(NAME same_bytes_${label} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/curve/same-output $<TARGET_FILE:refine_digest>
                                             $<TARGET_FILE:refine_digest_${label}>)
 endforeach()

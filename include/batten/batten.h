@@ -2,52 +2,41 @@
 #define BATTEN_H
 
 /// @file
-/// Everything batten offers.
+/// Everything that the library batten offers. The library batten-research has headers of its own below batten/research.
 
-#include "batten/analysis.h"
+// Foundations
 #include "batten/base.h"
-#include "batten/cloud.h"
-#include "batten/cloud_file.h"
+#include "batten/space.h"
+
+// Curves
 #include "batten/curve.h"
-#include "batten/decimate.h"
-#include "batten/fairing_train.h"
-#include "batten/file.h"
-#include "batten/hermite.h"
-#include "batten/hermite_study.h"
-#include "batten/hierarchical_spline.h"
-#include "batten/manifold.h"
-#include "batten/measure.h"
+#include "batten/curve_analysis.h"
+#include "batten/curve_file.h"
+#include "batten/curve_measure.h"
+#include "batten/curve_picture.h"
+#include "batten/curve_scheme.h"
+
+// Motions
+#include "batten/motion.h"
+#include "batten/motion_hermite.h"
+
+// Meshes
 #include "batten/mesh.h"
+#include "batten/mesh_decimate.h"
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
-#include "batten/mesh_model.h"
 #include "batten/mesh_picture.h"
 #include "batten/mesh_refine.h"
-#include "batten/mesh_repair.h"
-#include "batten/mesh_shapes.h"
-#include "batten/mesh_study.h"
-#include "batten/mesh_train.h"
-#include "batten/motion.h"
-#include "batten/parameterize.h"
-#include "batten/picture.h"
-#include "batten/scheme.h"
-#include "batten/shapes.h"
-#include "batten/space.h"
+
+// Scans and spline surfaces
+#include "batten/cloud.h"
+#include "batten/cloud_file.h"
+#include "batten/cloud_parameterize.h"
 #include "batten/spline.h"
+#include "batten/spline_hierarchical.h"
 #include "batten/surface.h"
 #include "batten/surface_file.h"
 #include "batten/surface_fit.h"
-#include "batten/surface_model.h"
 #include "batten/surface_picture.h"
-#include "batten/surface_shapes.h"
-#include "batten/surface_study.h"
-#include "batten/surface_train.h"
-#include "batten/tension_ablation.h"
-#include "batten/tension_data.h"
-#include "batten/tension_mechanism.h"
-#include "batten/tension_model.h"
-#include "batten/tension_noise.h"
-#include "batten/tension_table.h"
-#include "batten/tension_train.h"
 
 #endif

@@ -55,13 +55,14 @@ BAT_API bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat
 /// Write parameters as lines "u v", in the order that the points had in the input; "nan nan" stands for a point that was left out.
 /// @param path       "-" for standard output
 /// @param parameters cloud->count x 2
-BAT_API bat_status bat_parameters_write(const char *path, const bat_cloud *cloud, const double *parameters,
-                                        bat_error *error);
-/// Read what bat_parameters_write() writes, for the same input: a row for each of its points, '#' beginning a remark.
+BAT_API bat_status bat_cloud_parameters_write(const char *path, const bat_cloud *cloud, const double *parameters,
+                                              bat_error *error);
+/// Read what bat_cloud_parameters_write() writes, for the same input: a row for each of its points, '#' beginning a remark.
 /// @param parameters receives an array of cloud->count x 2 from malloc(), in the cloud's order
 /// @return BAT_OK; BAT_BAD_FILE with the line for what is no number from 0 to 1, or for another number of rows; BAT_FILE_ACCESS or
 ///         BAT_NO_MEMORY
-BAT_API bat_status bat_parameters_read(const char *path, const bat_cloud *cloud, double **parameters, bat_error *error);
+BAT_API bat_status bat_cloud_parameters_read(const char *path, const bat_cloud *cloud, double **parameters,
+                                             bat_error *error);
 
 BAT_C_END
 

@@ -1,7 +1,7 @@
 #ifndef BATTEN_CURVE_H
 #define BATTEN_CURVE_H
 
-#include "batten/scheme.h"
+#include "batten/curve_scheme.h"
 #include "batten/space.h"
 
 BAT_C_BEGIN
@@ -28,14 +28,14 @@ BAT_API void bat_curve_free(bat_curve *curve);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
 BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 
-/// The name, for bat_scheme_by_name(), of the scheme to begin with in a space: "learned" on the plane, the sphere S^2 and the
+/// The name, for bat_curve_scheme_by_name(), of the scheme to begin with in a space: "learned" on the plane, the sphere S^2 and the
 /// disk, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
-BAT_API const char *bat_scheme_name_for_space(const bat_space *space);
+BAT_API const char *bat_curve_scheme_name_for_space(const bat_space *space);
 /// The scheme of that name.
-BAT_API bat_scheme bat_scheme_for_space(const bat_space *space);
+BAT_API bat_curve_scheme bat_curve_scheme_for_space(const bat_space *space);
 
 /// How an open curve goes on beyond its ends, where a rule asks for points that are not there.
-typedef enum bat_end_rule
+typedef enum bat_curve_end_rule
 {
     /// By geodesic point reflection in the end point: the end has no curvature, the curve passes through the end point for
     /// every symmetric mask. Works in every space. The default.
@@ -47,28 +47,28 @@ typedef enum bat_end_rule
     BAT_END_EXTRAPOLATE,
     /// Not at all: only points whose whole stencil lies inside are made, so that the curve shrinks. Linear schemes only.
     BAT_END_FREE
-} bat_end_rule;
+} bat_curve_end_rule;
 
-/// How to refine. Begin with bat_refine_defaults().
-typedef struct bat_refine_options
+/// How to refine. Begin with bat_curve_refine_defaults().
+typedef struct bat_curve_refine_options
 {
-    bat_scheme scheme; ///< default: the angle-based four-point scheme, outward, for the plane, sphere and disk
-    size_t levels;     ///< default 5
-    bat_end_rule ends; ///< open curves; default BAT_END_REFLECT
-    bool snap;         ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
-    size_t max_points; ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
+    bat_curve_scheme scheme; ///< default: the angle-based four-point scheme, outward, for the plane, sphere and disk
+    size_t levels;           ///< default 5
+    bat_curve_end_rule ends; ///< open curves; default BAT_END_REFLECT
+    bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
+    size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
     int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it; default 0
     bat_progress progress; ///< default: none
-} bat_refine_options;
+} bat_curve_refine_options;
 
 /// The options' default values.
-BAT_API bat_refine_options bat_refine_defaults(void);
+BAT_API bat_curve_refine_options bat_curve_refine_defaults(void);
 
 /// The number of points that refining gives: count * 2^levels for a closed curve; for an open one
 /// (count - 1) * 2^levels + 1 where the refined curve has a vertex at the ends' parameters (masks of odd length, all
 /// interpolatory schemes), else (count - 1) * 2^levels + 2, the ends themselves included. With BAT_END_FREE fewer.
 /// @return as bat_curve_refine(), but for BAT_NO_MEMORY and BAT_CANCELLED
-BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_options *options, size_t *count,
+BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                            bat_error *error);
 
 /// Refine a curve by repeated subdivision. A level doubles the number of edges.
@@ -76,13 +76,13 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_re
 /// Memory beyond the result is at most as much again; linear schemes need next to none.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
-/// @param options what bat_refine_defaults() gives, changed as wanted; null for the defaults with a classical scheme of the
+/// @param options what bat_curve_refine_defaults() gives, changed as wanted; null for the defaults with a classical scheme of the
 ///                space's own: "angle-4" on oriented surfaces, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere
 /// @param fine    receives the refined curve; release it with bat_curve_free()
 /// @param error   receives what went wrong and at which point; may be null
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
 ///         BAT_CANCELLED; `fine` is untouched on failure
-BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_options *options, bat_curve *fine,
+BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
                                     bat_error *error);
 
 /// bat_curve_refine() for many curves, which the threads share.
@@ -90,13 +90,13 @@ BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_op
 /// @param fine         receives `count` curves; all empty on failure
 /// @param failed_curve receives the first curve at fault on failure; may be null
 /// @return as bat_curve_refine()
-BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_refine_options *options,
+BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options,
                                      bat_curve *fine, size_t *failed_curve, bat_error *error);
 
 /// bat_curve_refine() into the caller's arrays: `points` of `capacity` rows, which must be at least bat_curve_refined_count(), and
 /// `channels` (may be null when they are not wanted).
 /// @return as bat_curve_refine()
-BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
+BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
                                          double *channels, size_t capacity, bat_error *error);
 
 /// The signed exterior angle at every vertex of a curve in an oriented surface (0 at the ends of an open one).

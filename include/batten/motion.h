@@ -1,8 +1,8 @@
 #ifndef BATTEN_MOTION_H
 #define BATTEN_MOTION_H
 
-#include "batten/file.h"
-#include "batten/hermite.h"
+#include "batten/curve_file.h"
+#include "batten/motion_hermite.h"
 
 BAT_C_BEGIN
 

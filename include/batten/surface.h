@@ -1,9 +1,8 @@
 #ifndef BATTEN_SURFACE_H
 #define BATTEN_SURFACE_H
 
-#include "batten/parameterize.h"
+#include "batten/cloud_parameterize.h"
 #include "batten/surface_fit.h"
-#include "batten/surface_model.h"
 
 BAT_C_BEGIN
 
@@ -36,7 +35,7 @@ typedef struct bat_surface_options
     bool published;                    ///< classical neighbourhoods as published, which may fail; default false
     const bat_surface_model *model;    ///< null: the built-in one
     const double *given; ///< count x 2 for BAT_SURFACE_GIVEN, each in [0, 1]^2, in the cloud's order; they are not unfolded
-    bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_fit_data); default false
+    bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_surface_fit_data); default false
     bool no_repair;      ///< leave folds, only report them; default false
 } bat_surface_options;
 

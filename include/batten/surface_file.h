@@ -1,7 +1,7 @@
 #ifndef BATTEN_SURFACE_FILE_H
 #define BATTEN_SURFACE_FILE_H
 
-#include "batten/hierarchical_spline.h"
+#include "batten/spline_hierarchical.h"
 
 BAT_C_BEGIN
 

@@ -1,7 +1,7 @@
 #ifndef BATTEN_SURFACE_FIT_H
 #define BATTEN_SURFACE_FIT_H
 
-#include "batten/hierarchical_spline.h"
+#include "batten/spline_hierarchical.h"
 
 BAT_C_BEGIN
 
@@ -10,7 +10,7 @@ BAT_C_BEGIN
 /// Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et al. (2014).
 
 /// Points and their parameters.
-typedef struct bat_fit_data
+typedef struct bat_surface_fit_data
 {
     const double *points;  ///< count x dimension
     double *parameters;    ///< count x 2 in [0, 1]^2; parameter correction moves them
@@ -20,19 +20,19 @@ typedef struct bat_fit_data
     /// Whether correction moves boundary parameters along their sides. Where the boundary has few points against the functions they
     /// crowd, and the surface runs wild between. False: they stay; those at the square's corners always do.
     bool slides;
-} bat_fit_data;
+} bat_surface_fit_data;
 
 /// The most rings of cells that are refined around a marked one.
 #define BAT_SURFACE_FIT_MOST_NEIGHBOURS 64
 
 /// How the smoothing weight is found.
-typedef enum bat_smoothing
+typedef enum bat_surface_smoothing
 {
-    BAT_SMOOTHING_LIKELIHOOD,       ///< restricted maximum likelihood: Wahba (1985)
-    BAT_SMOOTHING_CROSS_VALIDATION, ///< generalized cross-validation: Craven and Wahba (1979)
-    BAT_SMOOTHING_DISCREPANCY,      ///< the residual matches the noise that is given: Morozov (1966)
-    BAT_SMOOTHING_GIVEN             ///< the number in the options
-} bat_smoothing;
+    BAT_SURFACE_SMOOTHING_LIKELIHOOD,       ///< restricted maximum likelihood: Wahba (1985)
+    BAT_SURFACE_SMOOTHING_CROSS_VALIDATION, ///< generalized cross-validation: Craven and Wahba (1979)
+    BAT_SURFACE_SMOOTHING_DISCREPANCY,      ///< the residual matches the noise that is given: Morozov (1966)
+    BAT_SURFACE_SMOOTHING_GIVEN             ///< the number in the options
+} bat_surface_smoothing;
 
 /// When the adaptive loop stops and what it does. Begin with bat_surface_fit_defaults().
 typedef struct bat_surface_fit_options
@@ -45,10 +45,11 @@ typedef struct bat_surface_fit_options
                       ///< set; default 0. Without a tolerance and a budget the loop stops at a quarter of the points
     int iterations;   ///< the most refinements, 0 or more; default 30
     int neighbours; ///< rings of cells of its level refined around a marked one; to BAT_SURFACE_FIT_MOST_NEIGHBOURS; default 1
-    bat_smoothing smoothing; ///< default likelihood, which corrected parameters do not mislead
-    double weight;   ///< lambda of eq. (5) for BAT_SMOOTHING_GIVEN, at least 0; it does not depend on the points' unit
-    double noise;    ///< standard deviation of a coordinate for BAT_SMOOTHING_DISCREPANCY, in units of the points; above 0
-    int corrections; ///< parameter corrections after each fit, 0 or more; default 1
+    bat_surface_smoothing smoothing; ///< default likelihood, which corrected parameters do not mislead
+    double weight; ///< lambda of eq. (5) for BAT_SURFACE_SMOOTHING_GIVEN, at least 0; it does not depend on the points' unit
+    double
+        noise; ///< standard deviation of a coordinate for BAT_SURFACE_SMOOTHING_DISCREPANCY, in units of the points; above 0
+    int corrections;       ///< parameter corrections after each fit, 0 or more; default 1
     int final_corrections; ///< rounds of correction and fit after the last refinement, 0 or more; default 0
     bool robust; ///< re-weight: points far off count less (Tukey's biweight on the residuals' scale); default false
     int threads; ///< 0: as many as OpenMP gives; the result does not depend on it
@@ -93,22 +94,22 @@ BAT_API void bat_surface_fit_report_free(bat_surface_fit_report *report);
 /// @param control receives functions x dimension
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or parameter not in the square;
 ///         BAT_NO_CONVERGENCE when the system is singular beyond repair; BAT_TOO_LARGE; BAT_NO_MEMORY
-BAT_API bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat_fit_data *data, const double *weights,
-                                  double *lambda, double *control, bat_error *error);
+BAT_API bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat_surface_fit_data *data,
+                                  const double *weights, double *lambda, double *control, bat_error *error);
 
 /// Find parameters of feet: for each point the parameter near its own where S comes nearest, eq. (6), by a safeguarded Newton
 /// method that never makes a distance larger. Boundary parameters stay on their side and go at most half
 /// way to its corners.
 /// @param moved receives how many changed; may be null
-BAT_API bat_status bat_spline_correct(const bat_spline_surface *surface, bat_fit_data *data, size_t *moved,
+BAT_API bat_status bat_spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved,
                                       bat_error *error);
 
 /// The adaptive loop: fit, measure, mark, refine, correct.
 /// @param surface receives the surface; release it with bat_spline_surface_free()
 /// @param report  may be null; else release it with bat_surface_fit_report_free()
 /// @return as bat_spline_fit(), or BAT_CANCELLED
-BAT_API bat_status bat_surface_fit(bat_fit_data *data, const bat_surface_fit_options *options, bat_spline_surface *surface,
-                                   bat_surface_fit_report *report, bat_error *error);
+BAT_API bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options,
+                                   bat_spline_surface *surface, bat_surface_fit_report *report, bat_error *error);
 
 BAT_C_END
 

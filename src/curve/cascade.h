@@ -1,7 +1,7 @@
 #ifndef CURVE_CASCADE_H
 #define CURVE_CASCADE_H
 
-#include "batten/analysis.h"
+#include "batten/curve_analysis.h"
 #include "curve/kernel.h"
 
 /// @file

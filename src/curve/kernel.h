@@ -18,7 +18,7 @@ typedef bat_status row_average(const refine_kernel *kernel, const double *rows, 
 struct refine_kernel
 {
     const bat_space *space;
-    const bat_scheme *scheme;
+    const bat_curve_scheme *scheme;
     const struct angle_surface *surface; ///< angle-based and rules: the vector code of the space; null for a user's space
     size_t dim;                          ///< numbers a point is stored in
     int first, last;                     ///< support of the step, see above
@@ -40,22 +40,22 @@ struct refine_kernel
 };
 
 /// A mask on rows of `dim` numbers.
-refine_kernel kernel_linear(const bat_scheme *scheme, size_t dim);
+refine_kernel kernel_linear(const bat_curve_scheme *scheme, size_t dim);
 /// An angle-based step; the space must be oriented.
-refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme);
+refine_kernel kernel_angle(const bat_space *space, const bat_curve_scheme *scheme);
 /// The mean absolute exterior angle at the points first … end - 1, 0 when there are none; the rows before and behind are there.
 /// The kernel knows its scale.
 double kernel_angle_mean(const refine_kernel *kernel, const double *points, size_t first, size_t end);
 /// An angle-based step whose angles come from scheme->rule; the space must be oriented.
-refine_kernel kernel_rule(const bat_space *space, const bat_scheme *scheme);
+refine_kernel kernel_rule(const bat_space *space, const bat_curve_scheme *scheme);
 /// The mean length of the edges first … end - 1, 0 when there are none. The kernel knows its scale.
 double kernel_rule_mean_length(const refine_kernel *kernel, const double *points, size_t first, size_t end);
 /// A log-exp step.
-refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme);
+refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *scheme);
 /// Doubling followed by `order` rounds of averaging rows of `dim` numbers (Lane and Riesenfeld 1980), centred as
 /// bat_mask_lane_riesenfeld() is.
 refine_kernel kernel_lane_riesenfeld(const bat_space *space, size_t dim, size_t order, row_average *average);
 /// kernel_lane_riesenfeld() of points by midpoints of geodesics.
-refine_kernel kernel_geodesic(const bat_space *space, const bat_scheme *scheme);
+refine_kernel kernel_geodesic(const bat_space *space, const bat_curve_scheme *scheme);
 
 #endif

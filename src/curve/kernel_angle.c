@@ -43,7 +43,7 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
                              size_t *fault)
 {
     const angle_surface *where = kernel->surface;
-    const bat_scheme *scheme = kernel->scheme;
+    const bat_curve_scheme *scheme = kernel->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
     double sign = scheme->sign == BAT_ANGLE_OUTWARD ? -1 : 1;
@@ -75,7 +75,7 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
                           size_t *fault)
 {
     const bat_space *space = kernel->space;
-    const bat_scheme *scheme = kernel->scheme;
+    const bat_curve_scheme *scheme = kernel->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
     double sign = scheme->sign == BAT_ANGLE_OUTWARD ? -1 : 1;
@@ -100,7 +100,7 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
     return BAT_OK;
 }
 
-refine_kernel kernel_angle(const bat_space *space, const bat_scheme *scheme)
+refine_kernel kernel_angle(const bat_space *space, const bat_curve_scheme *scheme)
 {
     const angle_surface *surface = angle_surface_of(space);
     return (refine_kernel){

@@ -108,7 +108,7 @@ static bat_status average_points(const refine_kernel *kernel, const double *rows
     return BAT_OK;
 }
 
-refine_kernel kernel_geodesic(const bat_space *space, const bat_scheme *scheme)
+refine_kernel kernel_geodesic(const bat_space *space, const bat_curve_scheme *scheme)
 {
     return kernel_lane_riesenfeld(space, space->point_dim, scheme->mask.count - 2, average_points);
 }

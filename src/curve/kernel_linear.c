@@ -178,7 +178,7 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
     return BAT_OK;
 }
 
-refine_kernel kernel_linear(const bat_scheme *scheme, size_t dim)
+refine_kernel kernel_linear(const bat_curve_scheme *scheme, size_t dim)
 {
     bat_mask mask = mask_trimmed(&scheme->mask);
     return (refine_kernel){

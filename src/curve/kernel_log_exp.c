@@ -299,7 +299,7 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
 }
 
 /// The support is that of the mask, widened to both sides alike until it holds both ends of the edge.
-static refine_kernel smoothing_kernel(const bat_space *space, const bat_scheme *scheme)
+static refine_kernel smoothing_kernel(const bat_space *space, const bat_curve_scheme *scheme)
 {
     mask_taps even = mask_taps_of(&scheme->mask, 0), odd = mask_taps_of(&scheme->mask, 1);
     bat_mask mask = mask_trimmed(&scheme->mask);
@@ -318,7 +318,7 @@ static refine_kernel smoothing_kernel(const bat_space *space, const bat_scheme *
     };
 }
 
-refine_kernel kernel_log_exp(const bat_space *space, const bat_scheme *scheme)
+refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *scheme)
 {
     if (!bat_mask_is_interpolatory(&scheme->mask))
         return smoothing_kernel(space, scheme);

@@ -123,7 +123,7 @@ static bat_status run_rule(const refine_kernel *kernel, const double *points, si
     return BAT_OK;
 }
 
-refine_kernel kernel_rule(const bat_space *space, const bat_scheme *scheme)
+refine_kernel kernel_rule(const bat_space *space, const bat_curve_scheme *scheme)
 {
     int support = 2 * (int)scheme->rule->reach + 1;
     return (refine_kernel){

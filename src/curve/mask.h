@@ -1,7 +1,7 @@
 #ifndef CURVE_MASK_H
 #define CURVE_MASK_H
 
-#include "batten/scheme.h"
+#include "batten/curve_scheme.h"
 
 /// Whether a mask can be worked with: 1 to BAT_MASK_MAX finite coefficients of moderate size, not all zero, a first index of
 /// moderate size.

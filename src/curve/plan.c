@@ -17,25 +17,25 @@ const char *scheme_classical_name(const bat_space *space)
     return space_is_euclidean(space) ? "four-point" : "log-exp-4";
 }
 
-bat_scheme scheme_classical(const bat_space *space)
+bat_curve_scheme scheme_classical(const bat_space *space)
 {
     if (space->exterior_angle != NULL && space->apex != NULL)
-        return bat_scheme_angle(BAT_TENSION_FOUR_POINT);
+        return bat_curve_scheme_angle(BAT_TENSION_FOUR_POINT);
     bat_mask mask = bat_mask_four_point(BAT_FOUR_POINT_WEIGHT);
-    return space_is_euclidean(space) ? bat_scheme_linear(mask) : bat_scheme_log_exp(mask);
+    return space_is_euclidean(space) ? bat_curve_scheme_linear(mask) : bat_curve_scheme_log_exp(mask);
 }
 
-bat_refine_options bat_refine_defaults(void)
+bat_curve_refine_options bat_curve_refine_defaults(void)
 {
-    return (bat_refine_options){
-        .scheme = bat_scheme_angle(BAT_TENSION_FOUR_POINT),
+    return (bat_curve_refine_options){
+        .scheme = bat_curve_scheme_angle(BAT_TENSION_FOUR_POINT),
         .levels = 5,
         .ends = BAT_END_REFLECT,
         .max_points = SIZE_MAX >> 24,
     };
 }
 
-refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme)
+refine_kernel kernel_for(const bat_space *space, const bat_curve_scheme *scheme)
 {
     switch (scheme->kind)
     {
@@ -84,7 +84,7 @@ static bat_status check_lane_riesenfeld(const bat_mask *mask, bat_error *error)
                 : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a geodesic scheme needs a Lane-Riesenfeld mask");
 }
 
-static bat_status check_rule(const bat_space *space, const bat_scheme *scheme, bat_error *error)
+static bat_status check_rule(const bat_space *space, const bat_curve_scheme *scheme, bat_error *error)
 {
     const bat_angle_rule *rule = scheme->rule;
     if (!isfinite(scheme->fairness))
@@ -100,9 +100,9 @@ static bat_status check_rule(const bat_space *space, const bat_scheme *scheme, b
     return BAT_OK;
 }
 
-static bat_status check_options(const bat_space *space, const bat_refine_options *options, bat_error *error)
+static bat_status check_options(const bat_space *space, const bat_curve_refine_options *options, bat_error *error)
 {
-    const bat_scheme *scheme = &options->scheme;
+    const bat_curve_scheme *scheme = &options->scheme;
     if (options->ends < BAT_END_REFLECT || options->ends > BAT_END_FREE)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no end rule %d", (int)options->ends);
     if (scheme->kind != BAT_SCHEME_LINEAR && (options->snap || options->ends == BAT_END_FREE))
@@ -182,7 +182,7 @@ bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, siz
 
 static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, refine_plan *plan, bat_error *error)
 {
-    const bat_refine_options *options = &plan->options;
+    const bat_curve_refine_options *options = &plan->options;
     size_t count = coarse->count, levels = options->levels;
     if (!plan_has_room(kernel, count, levels, options->max_points))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
@@ -206,9 +206,10 @@ static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, 
     return BAT_OK;
 }
 
-bat_status refine_plan_make(const bat_curve *coarse, const bat_refine_options *options, refine_plan *plan, bat_error *error)
+bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_options *options, refine_plan *plan,
+                            bat_error *error)
 {
-    *plan = (refine_plan){.options = options != NULL ? *options : bat_refine_defaults()};
+    *plan = (refine_plan){.options = options != NULL ? *options : bat_curve_refine_defaults()};
     if (options == NULL)
         plan->options.scheme = scheme_classical(coarse->space);
     bat_status status = check_options(coarse->space, &plan->options, error);

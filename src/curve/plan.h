@@ -6,7 +6,7 @@
 /// What refining a curve comes down to, known before anything is computed.
 typedef struct refine_plan
 {
-    bat_refine_options options;
+    bat_curve_refine_options options;
     bat_stencil snap;   ///< count 0 when points stay where they are
     index_range points; ///< the indices of the last level that make the refined curve
     bool ends_added;    ///< the coarse end points are put around them
@@ -15,10 +15,11 @@ typedef struct refine_plan
 
 /// Check a curve and the options (null for the defaults with scheme_classical()) and lay out the result.
 /// @return as bat_curve_refined_count()
-bat_status refine_plan_make(const bat_curve *coarse, const bat_refine_options *options, refine_plan *plan, bat_error *error);
+bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_options *options, refine_plan *plan,
+                            bat_error *error);
 
 /// The scheme to begin with in a space that needs no training, and its name.
-bat_scheme scheme_classical(const bat_space *space);
+bat_curve_scheme scheme_classical(const bat_space *space);
 const char *scheme_classical_name(const bat_space *space);
 /// Whether indices, bytes and the caller's limit leave room for `count` rows refined `levels` times.
 bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit);
@@ -26,6 +27,6 @@ bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, siz
 index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t count);
 
 /// The kernel of a scheme in a space that it is made for.
-refine_kernel kernel_for(const bat_space *space, const bat_scheme *scheme);
+refine_kernel kernel_for(const bat_space *space, const bat_curve_scheme *scheme);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "batten/curve.h"
 
-/// How an open polygon goes on beyond its ends; what bat_end_rule and the scheme come down to.
+/// How an open polygon goes on beyond its ends; what bat_curve_end_rule and the scheme come down to.
 typedef enum polygon_end
 {
     POLYGON_END_REFLECT, ///< point reflection in the end point

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static polygon_end end_of(const bat_scheme *scheme, bat_end_rule rule)
+static polygon_end end_of(const bat_curve_scheme *scheme, bat_curve_end_rule rule)
 {
     if (rule != BAT_END_EXTRAPOLATE)
         return POLYGON_END_REFLECT;
@@ -21,9 +21,10 @@ static polygon_end end_of(const bat_scheme *scheme, bat_end_rule rule)
 }
 
 /// What a curve's channels are refined by: the scheme's own mask, or the four-point mask beside an angle-based scheme.
-static bat_scheme channel_scheme(const bat_scheme *scheme)
+static bat_curve_scheme channel_scheme(const bat_curve_scheme *scheme)
 {
-    return bat_scheme_linear(scheme->kind == BAT_SCHEME_ANGLE ? bat_mask_four_point(BAT_FOUR_POINT_WEIGHT) : scheme->mask);
+    return bat_curve_scheme_linear(scheme->kind == BAT_SCHEME_ANGLE ? bat_mask_four_point(BAT_FOUR_POINT_WEIGHT)
+                                                                    : scheme->mask);
 }
 
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
@@ -73,7 +74,7 @@ static double scale_for(double largest)
 }
 
 /// What an angle-based kernel wants to know of the whole polygon.
-static void inform_kernel(const padded_rows *coarse, const bat_scheme *scheme, refine_kernel *kernel)
+static void inform_kernel(const padded_rows *coarse, const bat_curve_scheme *scheme, refine_kernel *kernel)
 {
     size_t first = coarse->closed ? 0 : 1, end = coarse->closed ? coarse->count : coarse->count - 1;
     kernel->scale = scale_for(largest_of(coarse->rows, coarse->count * coarse->space->point_dim));
@@ -84,7 +85,7 @@ static void inform_kernel(const padded_rows *coarse, const bat_scheme *scheme, r
 }
 
 /// Refine rows by the levels of `task`, whose result goes to `fine`.
-static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_scheme *scheme, bat_end_rule ends,
+static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_curve_scheme *scheme, bat_curve_end_rule ends,
                                 double *fine, bat_error *error)
 {
     bat_status status = polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end_of(scheme, ends),
@@ -96,8 +97,8 @@ static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_sc
     return cascade_run(task, coarse->rows, fine, error);
 }
 
-static cascade make_task(const bat_space *space, const bat_scheme *scheme, const bat_refine_options *options, size_t count,
-                         bool closed)
+static cascade make_task(const bat_space *space, const bat_curve_scheme *scheme, const bat_curve_refine_options *options,
+                         size_t count, bool closed)
 {
     return (cascade){
         .kernel = kernel_for(space, scheme),
@@ -117,7 +118,7 @@ static bool may_overflow(const bat_mask *mask, size_t levels, double largest)
 }
 
 /// The result of a linear scheme is looked through only where it may hold what is not finite.
-static bat_status check_overflow(const padded_rows *coarse, const bat_scheme *scheme, const refine_plan *plan,
+static bat_status check_overflow(const padded_rows *coarse, const bat_curve_scheme *scheme, const refine_plan *plan,
                                  const double *fine, bat_error *error)
 {
     size_t dim = coarse->space->point_dim, rows = coarse->before + coarse->count + coarse->after;
@@ -136,10 +137,11 @@ static bat_status check_overflow(const padded_rows *coarse, const bat_scheme *sc
 }
 
 /// All levels at once, from rows to the plan's rows.
-static bat_status refine_rows(const bat_space *space, const double *rows, const bat_curve *coarse, const bat_scheme *scheme,
-                              const refine_plan *plan, bat_progress progress, double *fine, bat_error *error)
+static bat_status refine_rows(const bat_space *space, const double *rows, const bat_curve *coarse,
+                              const bat_curve_scheme *scheme, const refine_plan *plan, bat_progress progress, double *fine,
+                              bat_error *error)
 {
-    const bat_refine_options *options = &plan->options;
+    const bat_curve_refine_options *options = &plan->options;
     size_t dim = space->point_dim, count = coarse->count;
     cascade task = make_task(space, scheme, options, count, coarse->closed);
     task.levels = options->levels;
@@ -168,7 +170,7 @@ static bat_status refine_rows(const bat_space *space, const double *rows, const 
 }
 
 /// One level of a whole polygon of `count` points.
-static cascade one_level(const bat_curve *coarse, const bat_refine_options *options, size_t count)
+static cascade one_level(const bat_curve *coarse, const bat_curve_refine_options *options, size_t count)
 {
     cascade task = make_task(coarse->space, &options->scheme, options, count, coarse->closed);
     task.levels = 1;
@@ -181,7 +183,7 @@ static bat_status refine_level_by_level(const bat_curve *coarse, const refine_pl
                                         double *fine, bat_error *error)
 {
     const bat_space *space = coarse->space;
-    const bat_refine_options *options = &plan->options;
+    const bat_curve_refine_options *options = &plan->options;
     double cost = ldexp(1, (int)options->levels) - 1;
     padded_rows now;
     cascade task = one_level(coarse, options, coarse->count);
@@ -208,7 +210,7 @@ static bat_status refine_level_by_level(const bat_curve *coarse, const refine_pl
 }
 
 /// Whether each level must be there as a whole before the next begins.
-static bool needs_whole_polygons(const bat_scheme *scheme)
+static bool needs_whole_polygons(const bat_curve_scheme *scheme)
 {
     if (scheme->kind != BAT_SCHEME_ANGLE)
         return false;
@@ -218,7 +220,7 @@ static bool needs_whole_polygons(const bat_scheme *scheme)
 static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
                                 bat_error *error)
 {
-    const bat_scheme *scheme = &plan->options.scheme;
+    const bat_curve_scheme *scheme = &plan->options.scheme;
     if (needs_whole_polygons(scheme) && plan->options.levels > 0)
         return refine_level_by_level(coarse, plan, progress, fine, error);
     return refine_rows(coarse->space, coarse->points, coarse, scheme, plan, progress, fine, error);
@@ -228,7 +230,7 @@ static bat_status refine_channels(const bat_curve *coarse, const refine_plan *pl
                                   bat_error *error)
 {
     bat_space space = bat_euclidean(coarse->channel_count);
-    bat_scheme scheme = channel_scheme(&plan->options.scheme);
+    bat_curve_scheme scheme = channel_scheme(&plan->options.scheme);
     return refine_rows(&space, coarse->channels, coarse, &scheme, plan, progress, fine, error);
 }
 
@@ -246,7 +248,7 @@ static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, do
     return status;
 }
 
-bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_options *options, size_t *count,
+bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                    bat_error *error)
 {
     refine_plan plan;
@@ -256,7 +258,7 @@ bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_refine_opt
     return status;
 }
 
-bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_options *options, double *points,
+bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
                                  double *channels, size_t capacity, bat_error *error)
 {
     refine_plan plan;
@@ -269,7 +271,8 @@ bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_refine_optio
     return carry_out(coarse, &plan, points, channels, error);
 }
 
-bat_status bat_curve_refine(const bat_curve *coarse, const bat_refine_options *options, bat_curve *fine, bat_error *error)
+bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
+                            bat_error *error)
 {
     refine_plan plan;
     bat_status status = refine_plan_make(coarse, options, &plan, error);

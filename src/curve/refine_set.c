@@ -12,15 +12,15 @@ enum
     MANY = 4
 };
 
-static bat_refine_options options_for(const bat_curve *curve, const bat_refine_options *options)
+static bat_curve_refine_options options_for(const bat_curve *curve, const bat_curve_refine_options *options)
 {
-    bat_refine_options how = options != NULL ? *options : bat_refine_defaults();
+    bat_curve_refine_options how = options != NULL ? *options : bat_curve_refine_defaults();
     if (options == NULL)
         how.scheme = scheme_classical(curve->space);
     return how;
 }
 
-static void refine_many(const bat_curve *coarse, const bat_refine_options *options, int threads, bat_curve *fine,
+static void refine_many(const bat_curve *coarse, const bat_curve_refine_options *options, int threads, bat_curve *fine,
                         shared_work *work)
 {
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
@@ -29,7 +29,7 @@ static void refine_many(const bat_curve *coarse, const bat_refine_options *optio
         if (!shared_work_wants(work, i))
             continue;
         bat_error error;
-        bat_refine_options how = options_for(&coarse[i], options);
+        bat_curve_refine_options how = options_for(&coarse[i], options);
         how.threads = 1;
         how.progress = (bat_progress){0};
         bat_status status = bat_curve_refine(&coarse[i], &how, &fine[i], &error);
@@ -38,13 +38,13 @@ static void refine_many(const bat_curve *coarse, const bat_refine_options *optio
 }
 
 /// One after the other, each reporting its part of the whole.
-static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_refine_options *options, bat_curve *fine,
+static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
                              size_t *failed, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        bat_refine_options how = options_for(&coarse[i], options);
+        bat_curve_refine_options how = options_for(&coarse[i], options);
         progress_part part = {how.progress, (double)i / (double)count, 1 / (double)count};
         how.progress = progress_of_part(&part);
         status = bat_curve_refine(&coarse[i], &how, &fine[i], error);
@@ -53,7 +53,7 @@ static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_re
     return status;
 }
 
-bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_refine_options *options, bat_curve *fine,
+bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
                              size_t *failed_curve, bat_error *error)
 {
     int threads = threads_for(options != NULL ? options->threads : 0, SIZE_MAX);

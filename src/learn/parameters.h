@@ -2,8 +2,8 @@
 #define LEARN_PARAMETERS_H
 
 #include "batten/base.h"
-#include "io/safetensors.h"
 #include "learn/real.h"
+#include "learn/safetensors.h"
 
 /// @file
 /// The weights of a network: named arrays one after the other in one block of numbers, so that whatever treats all alike

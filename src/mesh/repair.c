@@ -1,4 +1,4 @@
-#include "batten/mesh_repair.h"
+#include "batten/mesh.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,7 +1,7 @@
 #ifndef MESH_REPAIR_STEPS_H
 #define MESH_REPAIR_STEPS_H
 
-#include "batten/mesh_repair.h"
+#include "batten/mesh.h"
 
 /// The steps of bat_mesh_repair(), in their order. Each returns false when out of memory.
 

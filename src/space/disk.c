@@ -140,8 +140,9 @@ static bat_status apex(const bat_space *space, const double *p, const double *q,
     double w[2], denominator[2];
     disk_centre(p, q, w, denominator);
     double slope = tan(angle);
-    double rim_of_w = disk_rim(p) * disk_rim(q) / (denominator[0] * denominator[0] + denominator[1] * denominator[1]);
-    double discriminant = rim_of_w - (w[0] * w[0] + w[1] * w[1]) * slope * slope;
+    double alpha_boundary_of_w =
+        disk_rim(p) * disk_rim(q) / (denominator[0] * denominator[0] + denominator[1] * denominator[1]);
+    double discriminant = alpha_boundary_of_w - (w[0] * w[0] + w[1] * w[1]) * slope * slope;
     if (!(discriminant > 0))
         return BAT_INVALID_POINT;
     double scale = 1 / (1 + sqrt(discriminant));

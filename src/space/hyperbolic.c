@@ -1,4 +1,4 @@
-#include "batten/manifold.h"
+#include "batten/space.h"
 
 #include <float.h>
 #include <math.h>

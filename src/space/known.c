@@ -1,6 +1,6 @@
 #include "space/known.h"
 
-#include "batten/manifold.h"
+#include "batten/space.h"
 
 static bool is_same(const bat_space *a, const bat_space *b)
 {

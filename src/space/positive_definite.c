@@ -1,4 +1,4 @@
-#include "batten/manifold.h"
+#include "batten/space.h"
 
 #include "linalg/symmetric.h"
 #include "space/small_tensor.h"

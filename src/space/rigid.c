@@ -1,4 +1,4 @@
-#include "batten/manifold.h"
+#include "batten/space.h"
 
 #include "base/error.h"
 #include "space/rotation.h"

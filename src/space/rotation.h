@@ -1,7 +1,7 @@
 #ifndef SPACE_ROTATION_H
 #define SPACE_ROTATION_H
 
-#include "batten/manifold.h"
+#include "batten/space.h"
 
 /// @file
 /// The rotation group as it is used by the spaces that contain it. Tangent vectors are rotation vectors in the body's frame.

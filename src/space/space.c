@@ -1,7 +1,6 @@
 #include "batten/space.h"
 
 #include "base/error.h"
-#include "batten/manifold.h"
 
 #include <math.h>
 #include <string.h>

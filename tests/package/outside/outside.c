@@ -10,8 +10,8 @@ int main(void)
     double corners[] = {0, 0, 16, 0, 16, 16, 0, 16};
     const bat_curve square = {.space = &plane, .points = corners, .count = 4, .closed = true};
 
-    bat_refine_options options = bat_refine_defaults();
-    options.scheme = bat_scheme_linear(bat_mask_chaikin());
+    bat_curve_refine_options options = bat_curve_refine_defaults();
+    options.scheme = bat_curve_scheme_linear(bat_mask_chaikin());
     options.levels = 2;
 
     bat_curve round = {0};

@@ -14,8 +14,8 @@ int main()
     square.count = 4;
     square.closed = true;
 
-    bat_refine_options options = bat_refine_defaults();
-    options.scheme = bat_scheme_linear(bat_mask_chaikin());
+    bat_curve_refine_options options = bat_curve_refine_defaults();
+    options.scheme = bat_curve_scheme_linear(bat_mask_chaikin());
     options.levels = 2;
 
     bat_curve round = bat_curve();

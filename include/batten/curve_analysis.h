@@ -1,0 +1,195 @@
+#ifndef BATTEN_CURVE_ANALYSIS_H
+#define BATTEN_CURVE_ANALYSIS_H
+
+#include "batten/curve_scheme.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// What a linear subdivision scheme does in the limit, read from its mask: convergence, limit points and tangents, polynomials,
+/// smoothness with proven bounds. `docs/analysis.md` explains the mathematics.
+///
+/// Point i of level k belongs to the parameter (i + shift) / 2^k, with shift = a'(1) / 2: then the limit of the points p_i = i
+/// is the straight line x -> x of a scheme that has straight lines as limits at all. For a symmetric mask that is its centre.
+/// The *index parametrization* leaves the shift out: point i at i / 2^k.
+///
+/// Everything here is about the exact mask that lies within rounding of the given one. "Proven" and "disproven" are meant so:
+/// bounds carry an allowance for rounding, and an equality that holds to 1e-12 counts as one.
+
+/// The deepest search.
+#define BAT_ANALYSIS_MAX_DEPTH 24
+/// Bounds within this share of a power of two count as equal to it.
+#define BAT_ANALYSIS_EQUALITY 1e-12
+
+/// Whether a statement holds.
+typedef enum bat_verdict
+{
+    BAT_UNDECIDED, ///< a deeper search may tell
+    BAT_PROVEN,
+    BAT_DISPROVEN
+} bat_verdict;
+
+/// "undecided", "proven" or "disproven". Never null.
+BAT_API const char *bat_verdict_name(bat_verdict verdict);
+
+/// How hard to look.
+typedef struct bat_analysis_options
+{
+    size_t depth;     ///< the longest products of difference matrices tried, 1 … BAT_ANALYSIS_MAX_DEPTH; 12 by default
+    double tolerance; ///< stop when the bounds of the joint spectral radius are this close, relative; 1e-10 by default
+    size_t vertices;  ///< the most vertices of the polytope that proves the upper bound; 1000 by default
+} bat_analysis_options;
+
+BAT_API bat_analysis_options bat_analysis_defaults(void);
+
+/// Weights of neighbouring points: the sum over k of weights[k] p(i + first + k).
+typedef struct bat_stencil
+{
+    double weights[BAT_MASK_MAX];
+    size_t count; ///< 0 when there is no such stencil
+    int first;    ///< offset of the first point, may be negative
+} bat_stencil;
+
+/// An eigenvalue of the local subdivision matrix, with all its eigenvectors.
+typedef struct bat_eigenvalue
+{
+    double real;
+    double imaginary;
+    size_t multiplicity; ///< as a zero of the characteristic polynomial
+    size_t vector; ///< its right eigenvectors are rows vector … vector + vector_count - 1 of bat_analysis::eigenvectors
+    size_t vector_count; ///< dimension of the eigenspace; below the multiplicity when the matrix cannot be diagonalized
+} bat_eigenvalue;
+
+/// What bat_mask_analyze() finds.
+typedef struct bat_analysis
+{
+    /// @name The symbol a(z) = sum a(k) z^k = (1 + z)^multiplicity quotient(z)
+    /// @{
+    bat_mask mask; ///< without zeros at its ends
+    size_t multiplicity;
+    bat_mask quotient;
+    double remainder; ///< the largest coefficient of what the division left, at rounding level
+    bool is_interpolatory;
+    bool is_symmetric;
+    double shift;               ///< a'(1) / 2, where the mask's centre lies
+    size_t generation_degree;   ///< polynomials up to this degree are limits of polynomial data: multiplicity - 1
+    size_t reproduction_degree; ///< and are limits of their own values at the points' parameters
+    /// @}
+
+    /// @name The local subdivision matrix
+    /// Points matrix_first … matrix_first + matrix_size - 1 are the fewest that determine, level after level, themselves
+    /// and with them the limit at 0 of the index parametrization: a vertex for four-point, the middle of an edge for
+    /// Chaikin. Entry (i, j) is a(i - 2 j); see also Alam 2025, sections 3.2, 4.2 and 5.2.
+    /// @{
+    int matrix_first;
+    size_t matrix_size;
+    double *matrix;              ///< matrix_size x matrix_size, row-major
+    bat_eigenvalue *eigenvalues; ///< of falling modulus
+    size_t eigenvalue_count;     ///< distinct ones
+    double *eigenvectors;        ///< rows of matrix_size complex numbers (real part, imaginary part), largest entry 1
+    /// @}
+
+    bat_verdict converges; ///< to a continuous limit, for every data
+
+    /// @name Stencils; their count is 0 unless the scheme is proven to converge
+    /// @{
+    bat_stencil limit;   ///< limit point at 0 of the index parametrization
+    bat_stencil tangent; ///< derivative there with respect to the parameter; count 0 where the matrix does not give one
+    bat_stencil vertex;  ///< limit point at the parameter of point 0: bat_mask_limit_stencil()
+    /// @}
+
+    /// @name Smoothness
+    /// The limit functions have Hölder exponent -log2(radius): their derivative of order l < exponent satisfies
+    /// |f(x) - f(y)| <= C |x - y|^e for every e < min(1, exponent - l).
+    /// @{
+    double radius_lower; ///< bounds of the joint spectral radius of the two matrices of the quotient
+    double radius_upper;
+    char product[BAT_ANALYSIS_MAX_DEPTH + 1]; ///< the product of them, as 0s and 1s, that gives the lower bound
+    size_t depth;                             ///< products up to this length were tried
+    bool is_stable;        ///< integer shifts of the basic limit function are proven stable, so that upper bounds are valid
+    double exponent_lower; ///< proven: -log2(radius_upper)
+    double exponent_upper; ///< proven: -log2(radius_lower); INFINITY unless the scheme is stable
+    int smooth_proven;     ///< the largest k with limits proven C^k; -1 for none
+    int smooth_disproven;  ///< the smallest k with limits proven not to be C^k in general; -1 for none
+    /// Whether the derivative of order smooth_proven is Lipschitz continuous, which an exponent of 1 does not tell.
+    bat_verdict lipschitz;
+    /// @}
+} bat_analysis;
+
+/// Analyse the scheme with a mask. Any mask will do that sums to 1 over its even indices and over its odd ones.
+/// @param options what bat_analysis_defaults() gives, changed as wanted; null for the defaults
+/// @param analysis receives the result; release it with bat_analysis_free()
+/// @return BAT_OK, whatever the verdicts; BAT_INVALID_ARGUMENT for a malformed mask or an option out of range,
+///         BAT_NO_CONVERGENCE when an eigenvalue iteration fails, or BAT_NO_MEMORY; `analysis` is untouched on failure
+BAT_API bat_status bat_mask_analyze(const bat_mask *mask, const bat_analysis_options *options, bat_analysis *analysis,
+                                    bat_error *error);
+BAT_API void bat_analysis_free(bat_analysis *analysis);
+
+/// Bounds of the Hölder exponent of the derivative of an order, both between 0 and 1.
+/// @return false when limits are not proven to have a continuous derivative of that order
+BAT_API bool bat_analysis_derivative_exponent(const bat_analysis *analysis, size_t order, double *lower, double *upper);
+
+/// The mask that refines the differences of an order, a(z) / (1 + z)^order: with d_i = p_i - p_(i-1) for order 1.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT for a malformed mask or an order above the multiplicity of 1 + z
+BAT_API bat_status bat_mask_difference(const bat_mask *mask, size_t order, bat_mask *difference, bat_error *error);
+
+/// The stencil that moves points of any level onto the limit curve: the limit at the parameter of point i is the sum over
+/// k of weights[k] p(i + first + k). For an interpolatory mask it is [1]; for Chaikin's [1, 6, 1] / 8.
+///
+/// The weights are values of the basic limit function at the mask's shift plus integers, exact but for rounding of the
+/// shift to 40 binary digits, whatever the shift is.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT for a malformed mask, BAT_NO_CONVERGENCE when the scheme is not proven to converge
+///         (by the default options), or BAT_NO_MEMORY
+BAT_API bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_stencil *stencil, bat_error *error);
+
+/// Values of the basic limit function, the limit of the data 1 at point 0 and 0 elsewhere, in the index parametrization.
+typedef struct bat_basis
+{
+    double *values; ///< values[i] is the value at first + i / 2^level
+    size_t count;   ///< (last - first) 2^level + 1
+    size_t level;
+    int first; ///< the function vanishes outside first … last
+    int last;
+} bat_basis;
+
+/// Sample the basic limit function at multiples of 2^-level: exact values at the integers, refined by the scheme.
+/// @return as bat_mask_limit_stencil(), and BAT_TOO_LARGE
+BAT_API bat_status bat_mask_basis(const bat_mask *mask, size_t level, bat_basis *basis, bat_error *error);
+BAT_API void bat_basis_free(bat_basis *basis);
+
+/// A family of masks with one parameter. Coefficients must depend on it affinely, as a + parameter b.
+typedef bat_mask (*bat_mask_family)(void *context, double parameter);
+
+typedef struct bat_sweep_options
+{
+    double begin;
+    double end;
+    size_t smoothness;             ///< the k of C^k; 1 by default
+    double tolerance;              ///< undecided intervals are halved down to this length; 0 stands for (end - begin) / 2^15
+    bat_analysis_options analysis; ///< of each interval
+    bat_progress progress;
+} bat_sweep_options;
+
+BAT_API bat_sweep_options bat_sweep_defaults(void);
+
+/// Parameters from begin to end, both included, with one verdict for all of them. A single parameter has begin = end, and
+/// then its verdict goes before those of the intervals beside it.
+typedef struct bat_interval
+{
+    double begin;
+    double end;
+    bat_verdict verdict; ///< whether limits are C^k
+} bat_interval;
+
+/// For which parameters of a family the limits are C^k, proven for whole intervals, not samples: a polytope that maps into
+/// itself under the matrices of both ends of an interval does so under all between.
+///
+/// @param intervals receives an array in rising order that covers the range; release it with free()
+/// @return BAT_OK, BAT_INVALID_ARGUMENT for a range or a mask that makes no sense, BAT_UNSUPPORTED for a family that is not
+///         affine or changes its support, BAT_CANCELLED, BAT_NO_CONVERGENCE or BAT_NO_MEMORY
+BAT_API bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_sweep_options *options,
+                                  bat_interval **intervals, size_t *count, bat_error *error);
+
+BAT_C_END
+
+#endif

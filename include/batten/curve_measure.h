@@ -1,0 +1,135 @@
+#ifndef BATTEN_CURVE_MEASURE_H
+#define BATTEN_CURVE_MEASURE_H
+
+#include "batten/curve.h"
+#include "batten/curve_analysis.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// How near one curve is to another, how fair a curve is, and both over sets: the measures of Ugail and Howard (2026),
+/// sections 3.2 and 3.5.
+
+/// What the published bending energies add to a mean edge length before dividing by it. (The paper prints only "epsilon".)
+#define BAT_BENDING_OFFSET 1e-7
+
+/// How to measure. Begin with bat_curve_measure_defaults().
+typedef struct bat_curve_measure_options
+{
+    /// Geodesic distances. Default false: Euclidean distances of the stored coordinates ("chordal"), in the disk too, as in
+    /// the paper's figures.
+    bool geodesic;
+    /// Distances to the other curve's edges, as chords, instead of its vertices, so that they do not depend on how densely
+    /// it is sampled. Chordal only. Default false, as in the paper.
+    bool to_segments;
+    /// Added to the mean edge length in the bending energy, in the unit of the space; 0 or more. Default BAT_BENDING_OFFSET.
+    double bending_offset;
+    int threads;           ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress; ///< of comparisons and of sets; default: none
+} bat_curve_measure_options;
+
+/// The options' default values.
+BAT_API bat_curve_measure_options bat_curve_measure_defaults(void);
+
+/// How near two curves are. Each point's distance is that to the nearest vertex (or edge) of the other curve.
+typedef struct bat_curve_distance
+{
+    double mean_nn;         ///< mean over the points of the first curve (eq. 10)
+    double mean_nn_back;    ///< mean over the points of the second curve
+    double mean_symmetric;  ///< half the sum of the two (eq. 19)
+    double hausdorff_there; ///< greatest over the points of the first curve
+    double hausdorff_back;  ///< greatest over the points of the second curve
+    double hausdorff;       ///< the greater of the two (eq. 11)
+    size_t farthest_there;  ///< the point of the first curve where hausdorff_there is reached, the first such
+    size_t farthest_back;   ///< the point of the second curve where hausdorff_back is reached, the first such
+} bat_curve_distance;
+
+/// Measure how near the first curve is to the second and back, in O(n log n). Coordinates may have any size up to DBL_MAX / 2,
+/// however small: squares neither overflow nor underflow on the way.
+///
+/// @param first, second at least one point each, in the same space when distances are geodesic, else with the same number of
+///                      coordinates
+/// @param options       null for the defaults
+/// @return BAT_OK; BAT_INVALID_ARGUMENT (no points, spaces that differ); BAT_INVALID_POINT (a coordinate not finite or beyond
+///         DBL_MAX / 2, for geodesic distances a point not in the space, or one whose distance a double cannot hold) with its
+///         index; BAT_UNSUPPORTED (geodesic distances to edges), BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched on
+///         failure
+BAT_API bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second,
+                                     const bat_curve_measure_options *options, bat_curve_distance *distance,
+                                     bat_error *error);
+
+/// bat_curve_compare() of first[i] with second[i] for many pairs. Threads share the pairs, or the points of each where there are
+/// few pairs.
+/// @param distances    receives `count` results; some of them on failure
+/// @param failed_curve receives the first pair at fault on failure, and is untouched when cancelled; may be null
+BAT_API bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, size_t count,
+                                      const bat_curve_measure_options *options, bat_curve_distance *distances,
+                                      size_t *failed_curve, bat_error *error);
+
+/// How fair a curve is.
+typedef struct bat_fairness
+{
+    double bending; ///< mean over the vertices of (exterior angle / (mean length of the two edges + offset))^2 (eq. 5)
+    double g1;      ///< largest absolute exterior angle, radians (eq. 4)
+    double length;  ///< sum of the edges' lengths
+} bat_fairness;
+
+/// Measure the fairness of a curve. Angles and lengths are the space's own; where it has no signed angles (above dimension 2)
+/// they are the angles between the edges, in 0 … pi. The ends of an open curve have no angle and do not enter the mean. A
+/// point that repeats the one before it is passed over, as it adds nothing to the polyline. A curve without an angle has
+/// both measures 0.
+///
+/// @param curve   at least one point, each in its space
+/// @param options null for the defaults; only bending_offset counts
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT (also where a double cannot hold the length or the bending energy) or
+///         BAT_CUT_LOCUS (antipodal neighbours), with the index of the point; `fairness` is untouched on failure
+BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_options *options,
+                                      bat_fairness *fairness, bat_error *error);
+
+/// bat_curve_fairness() for many curves, which the threads share.
+/// @param fairness     receives `count` results; some of them on failure
+/// @param failed_curve receives the first curve at fault on failure, and is untouched when cancelled; may be null
+/// @return as bat_curve_fairness(), and BAT_CANCELLED
+BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
+                                       bat_fairness *fairness, size_t *failed_curve, bat_error *error);
+
+/// @name Convergence of refinement
+/// How far a refined polygon still is from what it tends to, by chordal distance; O(n), also for tens of millions of points.
+/// Of the options (null for the defaults) threads and progress count. Both return BAT_OK; BAT_INVALID_ARGUMENT (too few
+/// points, numbers of coordinates that differ); BAT_INVALID_POINT (a coordinate as in bat_curve_compare(), or a distance that a
+/// double cannot hold) or BAT_CANCELLED; `distance` is untouched on failure.
+/// @{
+
+/// The greatest distance of a vertex of `fine` from the polygon `coarse` that it was refined from. A vertex is compared with
+/// five edges about its own place along the curve, so the polygon is not taken for near where another part of it passes by.
+/// @param coarse at least 2 points
+/// @param fine   at least 1 point
+BAT_API bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine,
+                                            const bat_curve_measure_options *options, double *distance, bat_error *error);
+
+/// The greatest distance of a vertex from the limit that a linear scheme takes it to. Vertices of an open curve whose stencil
+/// reaches its ends are left out; 0 when none is left.
+/// @param curve   at least 1 point, in a Euclidean space (else BAT_UNSUPPORTED)
+/// @param stencil the scheme's limit stencil, as bat_mask_limit_stencil() gives it; its weights add up to 1
+BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_stencil *stencil,
+                                            const bat_curve_measure_options *options, double *distance, bat_error *error);
+/// @}
+
+/// A set of numbers in a few.
+typedef struct bat_summary
+{
+    size_t count;
+    double mean;
+    double deviation; ///< standard deviation of the set itself (divisor `count`)
+    double median;    ///< half the sum of the middle two when the count is even
+    double least, greatest;
+} bat_summary;
+
+/// Summarize a set of numbers. Finite numbers have a finite mean, deviation and median, however large they are.
+/// @param values at least one, none of them NaN
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY
+BAT_API bat_status bat_curve_summarize(const double *values, size_t count, bat_summary *summary, bat_error *error);
+
+BAT_C_END
+
+#endif

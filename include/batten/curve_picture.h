@@ -1,0 +1,151 @@
+#ifndef BATTEN_CURVE_PICTURE_H
+#define BATTEN_CURVE_PICTURE_H
+
+#include "batten/curve.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Pictures of curves, and charts of numbers, as SVG, PNG or PDF.
+///
+/// A picture is a grid of panels, a panel a stack of curves in one space. The space decides how a panel looks: Euclidean
+/// spaces are drawn flat and at true aspect (R^2 as it is, R^3 along a fixed axonometric view, R^n by its first two
+/// coordinates), the sphere S^2 as a globe or a world map, the hyperbolic plane as the Poincaré disk. Edges are geodesics:
+/// arcs of great circles, circular arcs orthogonal to the rim. Rotations are drawn as the three columns of their matrices on the
+/// sphere, rigid motions as a path in R^3 with the body's axes along it, symmetric positive-definite 2 x 2 and 3 x 3 matrices as
+/// a row of ellipses or ellipsoids for every curve, hyperboloids of dimension 2 as the disk.
+
+/// How the sphere is laid flat.
+typedef enum bat_projection
+{
+    BAT_PROJECTION_GLOBE, ///< orthographic, seen from far away; what lies behind shows faintly. The default.
+    BAT_PROJECTION_MAP,   ///< equirectangular: longitude to the right, latitude upwards, cut at the antimeridian
+    BAT_PROJECTION_BOTH   ///< the globe, and the map to its right
+} bat_projection;
+
+/// What a curve is in its panel; it decides how the curve is drawn.
+typedef enum bat_layer_role
+{
+    BAT_LAYER_CURVE,   ///< a result: a solid line in a strong colour
+    BAT_LAYER_CONTROL, ///< what was given: a thin dashed line through small open circles
+    BAT_LAYER_TRUTH    ///< what ought to come out: a dashed grey line
+} bat_layer_role;
+
+/// The number of distinct colours; further curves repeat them with long dashes, then with short ones.
+#define BAT_PICTURE_COLOURS 7
+
+/// One curve of a panel. All zero but `curve` is a sensible layer.
+typedef struct bat_picture_layer
+{
+    const bat_curve *curve; ///< at least one point, every one finite and in its space; never null
+    bat_layer_role role;
+    const char *label; ///< UTF-8, for the legend; null or "" for none
+    int colour;        ///< 1, 2, …: that colour of the fixed order; 0: the place among the panel's curves
+} bat_picture_layer;
+
+/// One panel of a picture.
+typedef struct bat_picture_panel
+{
+    const bat_picture_layer *layers; ///< at least one, all in the same space; drawn from the first to the last within a role
+    size_t layer_count;
+    const char *title; ///< UTF-8, drawn beneath the panel; null or "" for none
+} bat_picture_panel;
+
+/// How to draw. Begin with bat_curve_picture_defaults().
+typedef struct bat_curve_picture_options
+{
+    double width;              ///< in points, up to 10000; 0: from the number of columns and the content; default 0
+    double height;             ///< in points, up to 10000; 0: from the content; default 0
+    double pixels_per_point;   ///< PNG only, 0.1 to 20; default 2
+    size_t columns;            ///< panels in a row; 0: up to five as `width` allows, evenly filled; default 0
+    bool own_frames;           ///< every panel has its own scale and view, else a row shares them; default false
+    bat_projection projection; ///< default BAT_PROJECTION_GLOBE
+    double longitude;          ///< of the middle of the globe, radians; NaN: automatic; default NaN
+    double latitude; ///< the same, -pi/2 to pi/2; automatic when either is NaN: see bat_curve_picture_view(); default NaN
+    bool control_polygon; ///< draw the edges of BAT_LAYER_CONTROL; default true
+    bool control_points;  ///< draw the points of BAT_LAYER_CONTROL, if there are at most 5000; default true
+    bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_LAYER_CURVE; default false
+    double comb_scale;    ///< length of a tooth per curvature, in the space's unit squared; 0: automatic; default 0
+    bool grid;         ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
+    bool axes;         ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false
+    bool legend;       ///< explain the labels below the panels; default true
+    const char *title; ///< UTF-8, above the panels; null or "" for none; default null
+} bat_curve_picture_options;
+
+/// The options' default values.
+BAT_API bat_curve_picture_options bat_curve_picture_defaults(void);
+
+/// Draw panels into a file, whose ending chooses the format: .svg, .png or .pdf, in small or capital letters.
+///
+/// The panels fill the rows from left to right. The file appears whole or not at all; one that was there survives a
+/// failure. The same input gives the same bytes. Curves of millions of points are thinned on the way, to within 0.05
+/// points of the true line; one so rough that more than 30000 points would stay is drawn as the area that the pen covers,
+/// to within 0.2. A comb uses at most 8192 vertices of a curve, evenly chosen; the curvature at a vertex is its
+/// exterior angle over the mean of its two edges' lengths.
+///
+/// @param options what bat_curve_picture_defaults() gives, changed as wanted; null for the defaults
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a size without room for the titles, a
+///         text that is not UTF-8 or has control characters, spaces mixed in one panel, an empty panel or curve (with the
+///         index of the panel or layer); BAT_INVALID_POINT or BAT_CUT_LOCUS with the index of the point; BAT_UNSUPPORTED
+///         for a space that has no picture; BAT_TOO_LARGE for more than 10000 points of height or 32767 pixels;
+///         BAT_NO_MEMORY; BAT_FILE_ACCESS
+BAT_API bat_status bat_curve_picture_write(const char *path, const bat_picture_panel *panels, size_t count,
+                                           const bat_curve_picture_options *options, bat_error *error);
+
+/// The automatic middle of the globe for curves on S^2: the direction of the mean of all points, weighted by length. Where
+/// curves surround the sphere and the mean says little, a view that shows the best plane through them obliquely, from
+/// the north.
+/// @param longitude,latitude receive radians
+/// @return BAT_OK, or as bat_curve_picture_write()
+BAT_API bat_status bat_curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,
+                                          bat_error *error);
+
+/// How the numbers of a series are drawn.
+typedef enum bat_series_mark
+{
+    BAT_SERIES_LINE,        ///< joined in their order. The default.
+    BAT_SERIES_POINTS,      ///< dots
+    BAT_SERIES_LINE_POINTS, ///< both
+    BAT_SERIES_BARS         ///< bars from 0 to y that touch half-way between neighbouring x; x increases; no logarithmic y
+} bat_series_mark;
+
+/// One series of a chart.
+typedef struct bat_chart_series
+{
+    const double *x; ///< `count` finite numbers, positive on a logarithmic axis
+    const double *y; ///< the same
+    size_t count;    ///< at least 1; at least 2 for bars
+    bat_series_mark mark;
+    const char *label;               ///< UTF-8, for the legend; null or "" for none
+    const char *const *point_labels; ///< `count` texts written beside the points, entries may be null; null for none
+    int colour;                      ///< 1, 2, …: that colour of the fixed order; 0: the place in the chart
+} bat_chart_series;
+
+/// A chart: axes with ticks at round numbers, a light grid, a legend below. All zero but `series` is a sensible chart, but
+/// for the ranges: begin with bat_chart_defaults().
+typedef struct bat_chart
+{
+    const bat_chart_series *series;
+    size_t series_count; ///< at least 1
+    const char *title;   ///< UTF-8; these three may be null
+    const char *x_label;
+    const char *y_label;
+    bool log_x;
+    bool log_y;
+    double x_low, x_high; ///< the axis' range; NaN: from the numbers; default NaN. What lies outside is cut off.
+    double y_low, y_high;
+} bat_chart;
+
+/// A chart without series.
+BAT_API bat_chart bat_chart_defaults(void);
+
+/// Draw charts into a file, in the way of bat_curve_picture_write(). Of the options only `width`, `height`, `pixels_per_point`,
+/// `columns`, `legend`, `title` and `grid` matter.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the index of the number; BAT_TOO_LARGE; BAT_NO_MEMORY;
+///         BAT_FILE_ACCESS
+BAT_API bat_status bat_chart_write(const char *path, const bat_chart *charts, size_t count,
+                                   const bat_curve_picture_options *options, bat_error *error);
+
+BAT_C_END
+
+#endif

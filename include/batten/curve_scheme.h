@@ -1,0 +1,198 @@
+#ifndef BATTEN_CURVE_SCHEME_H
+#define BATTEN_CURVE_SCHEME_H
+
+#include "batten/space.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Subdivision rules for curves, as plain values.
+
+/// The longest mask: enough for Lane-Riesenfeld of order 126.
+#define BAT_MASK_MAX 128
+
+/// The mask of a binary subdivision scheme: new point i is the sum over j of a(i - 2 j) times old point j.
+/// `coefficients[k]` is a(first + k). The mask of a scheme that reproduces constants sums to 1 over the even indices and
+/// to 1 over the odd ones.
+typedef struct bat_mask
+{
+    double coefficients[BAT_MASK_MAX];
+    size_t count; ///< 1 … BAT_MASK_MAX
+    int first;    ///< index of the first coefficient, may be negative
+} bat_mask;
+
+/// Chaikin's corner cutting (1974): [1, 3, 3, 1] / 4, the uniform quadratic B-spline.
+BAT_API bat_mask bat_mask_chaikin(void);
+/// Corner cutting with ratios 0 < r < s < 1: each edge (p, q) gives p + r (q - p) and p + s (q - p). Chaikin is r = 1/4,
+/// s = 3/4 (Alam 2025, eq. 4.1, where the text has the two values swapped).
+BAT_API bat_mask bat_mask_corner_cutting(double r, double s);
+/// The interpolatory four-point scheme (Dyn, Gregory, Levin 1987): (1/2 + w) (p + q) - w (o + r); cubics at w = 1/16.
+BAT_API bat_mask bat_mask_four_point(double w);
+/// The interpolatory six-point scheme (Weissman 1990): w (n + s) - (1/16 + 3 w) (o + r) + (9/16 + 2 w) (p + q); quintics at
+/// w = 3/256, the four-point scheme at w = 0.
+BAT_API bat_mask bat_mask_six_point(double w);
+/// Lane and Riesenfeld (1980): doubling followed by `order` averagings, the uniform B-spline of degree `order`;
+/// 1 <= order <= BAT_MASK_MAX - 2. Order 2 is Chaikin's. Clipped to that range.
+BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
+
+/// The largest insertion angle of the angle-based schemes, pi/4 - 0.02 (Ugail and Howard 2026, Theorem 1).
+#define BAT_ANGLE_LIMIT 0.76539816339744830962
+/// The weight of the four-point scheme that reproduces cubic polynomials.
+#define BAT_FOUR_POINT_WEIGHT (1.0 / 16.0)
+/// Weissman's weight of the six-point scheme that reproduces quintic polynomials.
+#define BAT_SIX_POINT_WEIGHT (3.0 / 256.0)
+/// The tension of the angle-based four-point and six-point schemes (Ugail and Howard 2026, section 3.4).
+#define BAT_TENSION_FOUR_POINT 0.0
+#define BAT_TENSION_SIX_POINT (-0.25)
+
+/// The families of rules.
+typedef enum bat_curve_scheme_kind
+{
+    BAT_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
+    BAT_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
+    BAT_SCHEME_LOG_EXP, ///< a mask applied in the tangent space of one point; any space
+    BAT_SCHEME_GEODESIC ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means; any space
+} bat_curve_scheme_kind;
+
+/// On which side of the edge an angle-based scheme inserts.
+typedef enum bat_angle_sign
+{
+    BAT_ANGLE_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the default
+    BAT_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
+} bat_angle_sign;
+
+/// The farthest reach of an angle rule.
+#define BAT_ANGLE_RULE_REACH 64
+/// The most edges that an angle rule is given at a time.
+#define BAT_ANGLE_RULE_EDGES 512
+
+/// A run of consecutive edges of a polygon, numbered from 0, as an angle rule sees them. Edge j goes from vertex j to vertex
+/// j + 1. Everything here is invariant under orientation-preserving isometries, and so is a scheme that uses nothing else.
+typedef struct bat_angle_rule_view
+{
+    const bat_space *space;
+    size_t count;          ///< edges that want an angle, 1 … BAT_ANGLE_RULE_EDGES
+    const double *angles;  ///< exterior angles, positive for left turns, of the vertices 1 - reach … count - 1 + reach
+    const double *lengths; ///< geodesic lengths of the edges -reach … count - 1 + reach
+    double mean_length;    ///< of all edges of the polygon, where the rule wants it; else 0
+    double fairness;       ///< the scheme's
+} bat_angle_rule_view;
+
+typedef struct bat_angle_rule bat_angle_rule;
+
+/// Where an angle-based scheme takes its insertion angles from, when not from eq. (9) of Ugail and Howard: a function of what
+/// each edge sees around it. The library's learned schemes are such rules; a user makes another by filling a bat_angle_rule.
+/// Open curves are continued beyond their ends before they are measured, as bat_curve_end_rule says.
+struct bat_angle_rule
+{
+    const char *name;       ///< a word for messages
+    size_t reach;           ///< edges and vertices that an edge sees on either side, 1 … BAT_ANGLE_RULE_REACH
+    bool wants_mean_length; ///< then levels are made one after the other; else all at once, in chunks that threads share
+    size_t scratch_size;    ///< bytes that one call of angles() needs
+    const void *parameters; ///< whatever the maker needs; the library does not touch it
+
+    /// Optional: null when the rule is made for the space, else a few words that say why not.
+    const char *(*fault)(const bat_angle_rule *rule, const bat_space *space);
+    /// Write view->count insertion angles, positive to the left of the edge. They are clipped to +-BAT_ANGLE_LIMIT; one that is
+    /// not a number fails with BAT_INVALID_POINT. Called from several threads at once, and on runs of any length: an edge's angle
+    /// may depend on nothing but the edge's own surroundings.
+    /// @param scratch scratch_size bytes, aligned to 64
+    void (*angles)(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch);
+};
+
+/// In which tangent space a log-exp scheme averages.
+typedef enum bat_log_exp_base
+{
+    BAT_BASE_VERTEX,  ///< at the vertex that begins the edge (Ugail and Howard, section 7.1; Wallner and Dyn 2005)
+    BAT_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
+} bat_log_exp_base;
+
+/// A rule that refines a curve once. Make one with the functions below, then change what you want.
+typedef struct bat_curve_scheme
+{
+    bat_curve_scheme_kind kind;
+    bat_mask mask;       ///< LINEAR: the mask; LOG_EXP: a mask that sums to 1 over its even indices and over its odd ones;
+                         ///< GEODESIC: that of bat_mask_lane_riesenfeld(), whose order it tells
+    double tension;      ///< ANGLE: mu of eq. (9)
+    bat_angle_sign sign; ///< ANGLE
+    bool adaptive;       ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
+    const bat_angle_rule
+        *rule;       ///< ANGLE: makes the angles instead of eq. (9), so that the three above do not matter; or null
+    double fairness; ///< ANGLE with a rule: handed to it; for the learned rule 0 (nearest to the data) … 1 (smoothest)
+    bat_log_exp_base base; ///< LOG_EXP
+} bat_curve_scheme;
+
+BAT_API bat_curve_scheme bat_curve_scheme_linear(bat_mask mask);
+/// Angle-based with tension `mu`: BAT_TENSION_FOUR_POINT, BAT_TENSION_SIX_POINT or any other; outward sign.
+BAT_API bat_curve_scheme bat_curve_scheme_angle(double mu);
+/// Angle-based with the angles of a rule, which must outlive the scheme.
+BAT_API bat_curve_scheme bat_curve_scheme_angle_rule(const bat_angle_rule *rule);
+/// Log-exp with a mask that sums to 1 over its even indices and over its odd ones, base at the vertex. Interpolatory masks keep the
+/// given points.
+BAT_API bat_curve_scheme bat_curve_scheme_log_exp(bat_mask mask);
+/// Lane-Riesenfeld of an order by geodesic averages (Dyn and Sharon 2017): doubling followed by `order` rounds of midpoints. In R^n
+/// it is the linear scheme. The order is clipped as by bat_mask_lane_riesenfeld().
+BAT_API bat_curve_scheme bat_curve_scheme_geodesic(size_t order);
+
+/// A scheme by name, as the program's `--scheme` takes it: a name and, after a colon, settings separated by commas.
+///
+///     chaikin   corner-cutting:r=0.25,s=0.75   four-point:w=0.0625   six-point:w=0.01171875   lane-riesenfeld:order=3
+///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred without)
+///     angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1)
+///     log-exp-4 log-exp-6                      (each also with base=midpoint)
+///     learned   learned:fairness=0.8           (bat_curve_scheme_learned())
+///     log-exp-lane-riesenfeld:order=3          (also with base=midpoint)
+///     geodesic:order=3
+///
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
+BAT_API bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, bat_error *error);
+
+/// The names that bat_curve_scheme_by_name() knows, each with its settings and one line on what it is; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_curve_scheme_list(size_t index, const char **name, const char **settings, const char **summary);
+
+/// Whether the refined curve contains the vertices of the coarse one: a(0) = 1 and every other even coefficient 0.
+BAT_API bool bat_mask_is_interpolatory(const bat_mask *mask);
+/// Whether a(c - k) = a(c + k) for some centre c.
+BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
+
+// Learned curve schemes: the one that the library comes with, and those of networks that are read from files.
+
+/// The learned scheme that the library comes with: for the plane, the sphere S^2 and the disk, closed and open curves of any
+/// scale and spacing. A network adds to the angle of the six-point rule what 8 exterior angles and 9 edge lengths around the
+/// edge suggest. It keeps the given points; it commutes with isometries, mirror images, reversal and, on the plane, scaling;
+/// no angle reaches BAT_ANGLE_LIMIT whatever the weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md describes it;
+/// `batten train tension --recipe batten` makes its weights.
+///
+/// @param fairness 0 follows the data most closely, 1 gives the smoothest curve; clipped to that range, NaN is 1/2
+BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
+
+/// A trained network. It does not change, and any number of calls may use it at once.
+typedef struct bat_curve_model bat_curve_model;
+
+/// Read a model from a safetensors file: what bat_learned_train() or bat_tension_train() writes, or any file with the arrays of the published program
+/// ("geom_embed.weight", "input_proj.0.weight", …) in single or double precision. Of a training's checkpoint the best weights
+/// so far are taken, or those of its last step where no best are known yet. The networks of table 3 without a learned
+/// embedding (BAT_TENSION_EMBEDDING_ONE_HOT, BAT_TENSION_EMBEDDING_NONE) are told by their arrays.
+///
+/// @param model receives the model; release it with bat_curve_model_free()
+/// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
+///         BAT_FILE_ACCESS, BAT_UNSUPPORTED or BAT_NO_MEMORY; `*model` is untouched on failure
+BAT_API bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_error *error);
+/// The network of the published recipe that the library's project trained (weights/tension-published.md), to compare with.
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error);
+/// Whether bat_curve_scheme's fairness means something to a model.
+BAT_API bool bat_curve_model_has_fairness(const bat_curve_model *model);
+/// Does nothing to null.
+BAT_API void bat_curve_model_free(bat_curve_model *model);
+
+/// The scheme that takes its insertion angles from a model, which must outlive it: for the plane, the sphere S^2 and the disk.
+/// The published network looks at four exterior angles and two edge lengths around an edge (eq. 17), the lengths relative to
+/// the mean of the polygon. New vertices are safe whatever the weights (Theorem 1): no angle reaches BAT_ANGLE_LIMIT.
+/// `scheme.fairness`, 1/2 at first, only means something to a model of the library's own recipe.
+BAT_API bat_curve_scheme bat_curve_scheme_of_model(const bat_curve_model *model);
+
+BAT_C_END
+
+#endif

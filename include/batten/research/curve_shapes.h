@@ -1,0 +1,60 @@
+#ifndef BATTEN_RESEARCH_CURVE_SHAPES_H
+#define BATTEN_RESEARCH_CURVE_SHAPES_H
+
+#include "batten/curve.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Eight control polygons of everyday things, to show plane curve schemes with: the shapes named in Alam, *Study of
+/// Subdivision Curve Schemes* (2025), sections 3.3, 4.3 and 5.3. The study prints no coordinates; these are our own drawings.
+
+/// The most schemes that the study applies to one shape.
+#define BAT_SHAPE_MAX_SCHEMES 3
+/// The most outlines of one shape.
+#define BAT_SHAPE_MAX_OUTLINES 5
+
+/// One polygon of a shape, in the plane.
+typedef struct bat_shape_outline
+{
+    const double (*points)[2]; ///< `count` points: x to the right, y up
+    size_t count;
+    bool closed; ///< the last point joins the first
+} bat_shape_outline;
+
+/// One figure of the study: a scheme applied to a shape.
+typedef struct bat_shape_figure
+{
+    const char *number; ///< "3.2"
+    const char *scheme; ///< as bat_curve_scheme_by_name() takes it
+} bat_shape_figure;
+
+/// A drawing of one or more polygons, two or three units across. Every polygon is simple, and so are the curves that the
+/// figures' schemes make of it.
+typedef struct bat_curve_shape
+{
+    const char *name;    ///< "jar", "mango", "pi", "car", "rabbit", "hand", "U" or "mug"
+    const char *summary; ///< what is drawn, in a few words
+    const bat_shape_outline *outlines;
+    size_t outline_count;
+    bat_shape_figure figures[BAT_SHAPE_MAX_SCHEMES];
+    size_t figure_count;
+} bat_curve_shape;
+
+/// The number of shapes.
+BAT_API size_t bat_curve_shape_count(void);
+/// A shape, `index` from 0 on; null past the last. It is there as long as the program.
+BAT_API const bat_curve_shape *bat_curve_shape_at(size_t index);
+
+/// A copy of one outline as a curve.
+///
+/// @param outline index of the outline in the shape
+/// @param plane   R^2, as bat_euclidean(2) gives it; must outlive the curve
+/// @param curve   receives the points; release it with bat_curve_free()
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (no such outline, not R^2) or BAT_NO_MEMORY; `curve` is untouched on failure
+BAT_API bat_status bat_curve_shape_curve(const bat_curve_shape *shape, size_t outline, const bat_space *plane,
+                                         bat_curve *curve, bat_error *error);
+
+BAT_C_END
+
+#endif

@@ -1,0 +1,19 @@
+#ifndef BATTEN_RESEARCH_RESEARCH_H
+#define BATTEN_RESEARCH_RESEARCH_H
+
+/// @file
+/// Everything that the library batten-research offers.
+
+#include "batten/research/curve_data.h"
+#include "batten/research/curve_shapes.h"
+#include "batten/research/curve_study.h"
+#include "batten/research/curve_train.h"
+#include "batten/research/mesh_shapes.h"
+#include "batten/research/mesh_study.h"
+#include "batten/research/mesh_train.h"
+#include "batten/research/motion_study.h"
+#include "batten/research/surface_shapes.h"
+#include "batten/research/surface_study.h"
+#include "batten/research/surface_train.h"
+
+#endif

@@ -1,0 +1,58 @@
+#include "research/data/tension_control.h"
+
+#include "research/data/arc_samples.h"
+#include "research/data/tension_set.h"
+
+#include <math.h>
+
+/// Neighbours are too close below this share of the even spacing.
+static const double LEAST_EDGE = 1e-6;
+/// Neighbours on the sphere are nearly antipodal below this inner product: beyond 171 degrees.
+static const double LEAST_COSINE = -0.988;
+
+static bool edge_is_fit(bat_tension_space space, const double *p, const double *q, double least)
+{
+    size_t dim = tension_dim(space);
+    double squared = 0, inner = 0;
+    for (size_t i = 0; i < dim; i++)
+    {
+        squared += (q[i] - p[i]) * (q[i] - p[i]);
+        inner += p[i] * q[i];
+    }
+    return squared > least * least && (space != BAT_TENSION_SPHERE || inner > LEAST_COSINE);
+}
+
+/// The first of the points, in the order of their ascending lengths, whose length reaches `reached`; at most `count`.
+static size_t vertex_at(const double *lengths, size_t count, double reached)
+{
+    size_t low = 0, high = count;
+    while (low < high)
+    {
+        size_t middle = low + (high - low) / 2;
+        if (lengths[middle] < reached)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+bool tension_control_sample(bat_tension_space space, const double *points, size_t count, const tension_control_plan *plan,
+                            bat_random *random, double *lengths, size_t *samples)
+{
+    size_t dim = tension_dim(space), first;
+    arc_samples(points, count, dim, true, lengths, 1, &first);
+    double total = lengths[count], spacing = 1 / (double)plan->count;
+    for (size_t k = 0; k < plan->count; k++)
+    {
+        double moved = plan->jitter > 0 ? plan->jitter * (bat_random_uniform(random) - 0.5) : 0;
+        double share = plan->start + ((double)k + moved) * spacing;
+        share -= floor(share);
+        samples[k] = vertex_at(lengths, count, total * (share - ARC_SAMPLES_TOLERANCE)) % count;
+    }
+    for (size_t k = 0; k < plan->count; k++)
+        if (!edge_is_fit(space, points + samples[k] * dim, points + samples[(k + 1) % plan->count] * dim,
+                         LEAST_EDGE * total * spacing))
+            return false;
+    return true;
+}

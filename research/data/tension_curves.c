@@ -1,0 +1,259 @@
+#include "research/data/tension_curves.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+/// Polar Fourier curves keep this distance from the poles.
+static const double POLE_DISTANCE = 0.1;
+
+/// Seeds of the curves' own streams count from TENSION_SEED plus these.
+enum
+{
+    PLANE_LOW_STRIDE = 7,   ///< times the curve's number, Fourier curves with 3 terms
+    PLANE_HIGH_STRIDE = 13, ///< times the curve's number, Fourier curves with 4 terms
+    SPHERE_SEEDS = 1000,    ///< plus the curve's number
+    DISK_SEEDS = 2000       ///< plus the curve's number
+};
+
+enum
+{
+    POINTS = BAT_TENSION_TRUTH_POINTS
+};
+
+static double parameter(size_t i)
+{
+    return (double)i * (2 * PI / POINTS);
+}
+
+/// low … low + width, uniform.
+static double draw_between(mersenne *stream, double low, double width)
+{
+    return low + width * mersenne_uniform(stream);
+}
+
+/// One of `count` consecutive whole numbers.
+static unsigned draw_whole(mersenne *stream, unsigned first, unsigned count)
+{
+    return first + mersenne_below(stream, count);
+}
+
+static mersenne own_stream(size_t offset)
+{
+    return mersenne_seed((uint32_t)(TENSION_SEED + offset));
+}
+
+/// Move plane points to mean 0 and scale them to largest radius 1.
+static void centre_and_scale(double *points)
+{
+    double sum_x = 0, sum_y = 0, radius = 0;
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        sum_x += points[2 * i];
+        sum_y += points[2 * i + 1];
+    }
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double x = points[2 * i] -= sum_x / POINTS;
+        double y = points[2 * i + 1] -= sum_y / POINTS;
+        radius = fmax(radius, sqrt(x * x + y * y));
+    }
+    for (size_t i = 0; i < 2 * POINTS; i++)
+        points[i] /= radius;
+}
+
+static void scale_to_sphere(double *points)
+{
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double *p = points + 3 * i;
+        double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+        for (size_t axis = 0; axis < 3; axis++)
+            p[axis] /= length;
+    }
+}
+
+static void ellipse(double x, double y, double a, double b, double *points)
+{
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double t = parameter(i);
+        points[2 * i] = x + a * cos(t);
+        points[2 * i + 1] = y + b * sin(t);
+    }
+}
+
+static void superellipse(double exponent, double *points)
+{
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double t = parameter(i), x = cos(t), y = sin(t);
+        points[2 * i] = copysign(pow(fabs(x), 2 / exponent), x);
+        points[2 * i + 1] = copysign(pow(fabs(y), 2 / exponent), y);
+    }
+    centre_and_scale(points);
+}
+
+/// Coordinates a cos(k t) + b sin(k t), k = 1 … terms, with a, b normal of deviation k^(-3/2).
+static void fourier(mersenne stream, unsigned terms, double *points)
+{
+    for (size_t i = 0; i < 2 * POINTS; i++)
+        points[i] = 0;
+    for (unsigned k = 1; k <= terms; k++)
+    {
+        double coefficients[4];
+        for (size_t i = 0; i < 4; i++)
+            coefficients[i] = mersenne_normal(&stream) / pow(k, 1.5);
+        for (size_t i = 0; i < POINTS; i++)
+        {
+            double c = cos(k * parameter(i)), s = sin(k * parameter(i));
+            points[2 * i] += coefficients[0] * c + coefficients[1] * s;
+            points[2 * i + 1] += coefficients[2] * c + coefficients[3] * s;
+        }
+    }
+    centre_and_scale(points);
+}
+
+static void plane_curve(size_t number, mersenne *stream, double *points)
+{
+    double a = draw_between(stream, 0.6, 1.4); // drawn for every curve, used by the ellipses
+    double b = draw_between(stream, 0.6, 1.4);
+    switch (number % 4)
+    {
+    case 0:
+        ellipse(0, 0, a, b, points);
+        centre_and_scale(points);
+        break;
+    case 1:
+        fourier(own_stream(PLANE_LOW_STRIDE * number), 3, points);
+        break;
+    case 2:
+        fourier(own_stream(PLANE_HIGH_STRIDE * number), 4, points);
+        break;
+    default:
+        superellipse(draw_between(stream, 2, 4), points);
+    }
+}
+
+static void lissajous(unsigned a, unsigned b, double *points)
+{
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double t = parameter(i), *p = points + 3 * i;
+        p[0] = cos(a * t);
+        p[1] = cos(b * t + PI / 4);
+        p[2] = sin(a * t) * sin(b * t);
+    }
+    scale_to_sphere(points);
+}
+
+/// Add the terms c_k cos(k t + phase_k) to coordinate `axis`, with c_k normal of deviation k^(-decay).
+static void add_waves(mersenne *stream, unsigned terms, double decay, size_t axis, double *points)
+{
+    for (unsigned k = 1; k <= terms; k++)
+    {
+        double amplitude = mersenne_normal(stream) / pow(k, decay);
+        double phase = 2 * PI * mersenne_uniform(stream);
+        for (size_t i = 0; i < POINTS; i++)
+            points[3 * i + axis] += amplitude * cos(k * parameter(i) + phase);
+    }
+}
+
+/// Colatitude and longitude are sums of waves; the longitude does not wind round the axis.
+static void polar_fourier(mersenne stream, unsigned terms, double *points)
+{
+    enum
+    {
+        COLATITUDE,
+        LONGITUDE
+    };
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        points[3 * i + COLATITUDE] = PI / 2;
+        points[3 * i + LONGITUDE] = 0;
+    }
+    add_waves(&stream, terms, 1.5, COLATITUDE, points);
+    add_waves(&stream, terms, 1.0, LONGITUDE, points);
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double *p = points + 3 * i;
+        double colatitude = fmin(fmax(p[COLATITUDE], POLE_DISTANCE), PI - POLE_DISTANCE), longitude = p[LONGITUDE];
+        p[0] = sin(colatitude) * cos(longitude);
+        p[1] = sin(colatitude) * sin(longitude);
+        p[2] = cos(colatitude);
+    }
+}
+
+static void perturbed_great_circle(mersenne stream, double *points)
+{
+    double amplitude = 0.3 * mersenne_uniform(&stream);
+    unsigned frequency = draw_whole(&stream, 2, 3);
+    double phase = 2 * PI * mersenne_uniform(&stream);
+    for (size_t i = 0; i < POINTS; i++)
+    {
+        double t = parameter(i), *p = points + 3 * i;
+        p[0] = cos(t);
+        p[1] = sin(t);
+        p[2] = amplitude * sin(frequency * t + phase);
+    }
+    scale_to_sphere(points);
+}
+
+static void sphere_curve(size_t number, mersenne *stream, double *points)
+{
+    switch (number % 3)
+    {
+    case 0:
+    {
+        unsigned a = draw_whole(stream, 2, 3), b = draw_whole(stream, 3, 3);
+        lissajous(a, b, points);
+        break;
+    }
+    case 1:
+        polar_fourier(own_stream(SPHERE_SEEDS + number), draw_whole(stream, 2, 2), points);
+        break;
+    default:
+        perturbed_great_circle(own_stream(SPHERE_SEEDS + number), points);
+    }
+}
+
+/// The paper clips to radius 0.97, which no choice of these numbers reaches.
+static void offset_ellipse(mersenne stream, double *points)
+{
+    double a = draw_between(&stream, 0.35, 0.3), b = draw_between(&stream, 0.25, 0.25);
+    double x = 0.15 * mersenne_uniform(&stream), y = 0.15 * mersenne_uniform(&stream);
+    ellipse(x, y, a, b, points);
+}
+
+static void disk_curve(size_t number, mersenne *stream, double *points)
+{
+    switch (number % 3)
+    {
+    case 0:
+    {
+        unsigned terms = draw_whole(stream, 2, 3);
+        double radius = draw_between(stream, 0.50, 0.12);
+        fourier(own_stream(DISK_SEEDS + number), terms, points);
+        for (size_t i = 0; i < 2 * POINTS; i++)
+            points[i] *= radius;
+        break;
+    }
+    case 1:
+    {
+        double radius = draw_between(stream, 0.30, 0.40);
+        ellipse(0, 0, radius, radius, points);
+        break;
+    }
+    default:
+        offset_ellipse(own_stream(DISK_SEEDS + number), points);
+    }
+}
+
+void tension_curve(bat_tension_space space, size_t number, mersenne *stream, double *points)
+{
+    if (space == BAT_TENSION_PLANE)
+        plane_curve(number, stream, points);
+    else if (space == BAT_TENSION_SPHERE)
+        sphere_curve(number, stream, points);
+    else
+        disk_curve(number, stream, points);
+}

@@ -1,0 +1,66 @@
+#ifndef RESEARCH_SHAPES_BLENDED_BODY_H
+#define RESEARCH_SHAPES_BLENDED_BODY_H
+
+#include "research/shapes/noise.h"
+
+/// @file
+/// Bodies of bones and muscles that grow together smoothly, with a skin of noise: what creatures are made of.
+
+enum
+{
+    BLENDED_BODY_MOST_PARTS = 96
+};
+
+typedef enum blended_body_kind
+{
+    BLENDED_BODY_BONE,      ///< a round cone from one ball to another
+    BLENDED_BODY_ELLIPSOID, ///< with its own axes
+    BLENDED_BODY_TORUS,     ///< a ring
+    BLENDED_BODY_BOX        ///< with its own axes and rounded edges
+} blended_body_kind;
+
+/// One part. Its own function is a distance, or nearly.
+typedef struct blended_body_part
+{
+    blended_body_kind kind;
+    double a[3], b[3]; ///< the ends of a bone; of others, a is the middle; of a box, b[0] is the rounding
+    double axes[3][3]; ///< of ellipsoids and rings: unit vectors; a ring lies across axes[2]
+    double radius
+        [3];      ///< of a bone's two ends; of an ellipsoid or box, half of its width along its axes; of a ring and its tube
+    double blend; ///< the width over which the part grows together with those before
+    bool hollow;  ///< taken away rather than added
+} blended_body_part;
+
+/// The least of all parts, blended, moved by the noise.
+typedef struct blended_body
+{
+    blended_body_part parts[BLENDED_BODY_MOST_PARTS];
+    size_t count;
+    noise_sum skin;  ///< amplitude 0 for none
+    noise_sum folds; ///< a second layer, likewise
+    double ridges;   ///< the height of ridges along bones, around which there are `ridge_count`; 0 for none
+    double ridge_count;
+    double low[3], high[3]; ///< a box around it, as parts are added
+} blended_body;
+
+/// A blended_body without parts.
+void blended_body_begin(blended_body *body);
+/// Add a bone. Returns the part, to be changed further.
+blended_body_part *blended_body_bone(blended_body *body, const double a[3], const double b[3], double radius_a,
+                                     double radius_b, double blend);
+/// Add an ellipsoid whose axes are those of space.
+blended_body_part *blended_body_ellipsoid(blended_body *body, const double middle[3], double x, double y, double z,
+                                          double blend);
+/// Add a ring across a unit vector.
+blended_body_part *blended_body_ring(blended_body *body, const double middle[3], const double across[3], double radius,
+                                     double tube, double blend);
+/// Add a box of half the widths x, y and z, whose axes are those of space.
+blended_body_part *blended_body_box(blended_body *body, const double middle[3], double x, double y, double z,
+                                    double rounding, double blend);
+/// Turn a part's axes by angles about x, then y, then z.
+void blended_body_turn(blended_body_part *part, double x, double y, double z);
+
+/// A solid_function of a blended_body.
+double blended_body_value(const void *context, const double point[3]);
+
+#endif

@@ -1,0 +1,126 @@
+#include "research/shapes/surface_bezier.h"
+
+#include "base/error.h"
+#include "research/data/wave.h"
+#include "research/shapes/surface_cloud.h"
+
+#include <math.h>
+
+bat_cloud_bezier_options bat_cloud_bezier_defaults(void)
+{
+    return (bat_cloud_bezier_options){.degree = 2, .interior = 1000, .turned = true};
+}
+
+/// The rotation about a uniformly distributed axis by a uniformly distributed angle (Rodrigues' formula).
+static void draw_rotation(bat_random *random, double rotation[3][3])
+{
+    double height = draw_between(random, -1, 1), longitude = draw_angle(random), angle = draw_angle(random);
+    double across = sqrt(1 - height * height), cosine = cos(angle), sine = sin(angle);
+    const double axis[3] = {across * cos(longitude), across * sin(longitude), height};
+    const double cross[3][3] = {{0, -axis[2], axis[1]}, {axis[2], 0, -axis[0]}, {-axis[1], axis[0], 0}};
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            rotation[r][c] = (r == c ? cosine : 0) + sine * cross[r][c] + (1 - cosine) * axis[r] * axis[c];
+}
+
+void bezier_surface_draw(int degree, bool turned, bat_random *random, bezier_surface *surface)
+{
+    double half = 0.5 / degree, rotation[3][3];
+    double(*point)[3] = surface->control;
+    surface->degree = degree;
+    for (int j = 0; j <= degree; j++)
+        for (int i = 0; i <= degree; i++, point++)
+        {
+            (*point)[0] = (double)i / degree + draw_between(random, -half, half);
+            (*point)[1] = (double)j / degree + draw_between(random, -half, half);
+            (*point)[2] = draw_between(random, -1, 1);
+        }
+    draw_rotation(random, rotation);
+    for (point = surface->control; turned && point < surface->control + (degree + 1) * (degree + 1); point++)
+    {
+        const double x = (*point)[0], y = (*point)[1], z = (*point)[2];
+        for (int r = 0; r < 3; r++)
+            (*point)[r] = rotation[r][0] * x + rotation[r][1] * y + rotation[r][2] * z;
+    }
+}
+
+void bezier_basis(int degree, double t, double *value, double *slope)
+{
+    value[0] = 1;
+    for (int d = 1; d <= degree; d++)
+    {
+        if (slope != NULL && d == degree)
+            for (int i = 0; i <= d; i++)
+                slope[i] = d * ((i > 0 ? value[i - 1] : 0) - (i < d ? value[i] : 0));
+        value[d] = t * value[d - 1];
+        for (int i = d - 1; i > 0; i--)
+            value[i] = t * value[i - 1] + (1 - t) * value[i];
+        value[0] *= 1 - t;
+    }
+}
+
+void bezier_surface_at(const bezier_surface *surface, const double parameter[2], double point[3])
+{
+    double of_u[BEZIER_MOST_DEGREE + 1], of_v[BEZIER_MOST_DEGREE + 1], sum[3] = {0};
+    int degree = surface->degree;
+    bezier_basis(degree, parameter[0], of_u, NULL);
+    bezier_basis(degree, parameter[1], of_v, NULL);
+    const double(*control)[3] = surface->control;
+    for (int j = 0; j <= degree; j++)
+        for (int i = 0; i <= degree; i++, control++)
+        {
+            double share = of_u[i] * of_v[j];
+            for (int c = 0; c < 3; c++)
+                sum[c] += share * (*control)[c];
+        }
+    for (int c = 0; c < 3; c++)
+        point[c] = sum[c];
+}
+
+static bat_status check_options(const bat_cloud_bezier_options *options, bat_error *error)
+{
+    const char *wrong = NULL;
+    if (options->degree < 1 || options->degree > BEZIER_MOST_DEGREE)
+        wrong = "the degree of a Bézier cloud is 1 to 15";
+    else if (options->side == 1)
+        wrong = "a side of a Bézier cloud has at least its two corners";
+    else if (!(options->noise >= 0 && isfinite(options->noise)))
+        wrong = "the noise of a Bézier cloud is finite and not below zero";
+    if (wrong != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    return BAT_OK;
+}
+
+/// Equally spaced parameters of the boundary, then uniformly distributed ones.
+static void draw_parameters(sampled_cloud *sampled, size_t side, bat_random *random)
+{
+    double *parameter = sampled->parameters, *inside = parameter + 2 * sampled->cloud.boundary_count;
+    for (int s = 0; s < 4; s++)
+        for (size_t i = 0; i + 1 < side; i++, parameter += 2)
+            square_side_at(s, (double)i / (double)(side - 1), parameter);
+    for (const double *end = sampled->parameters + 2 * sampled->cloud.count; inside < end; inside++)
+        *inside = bat_random_uniform(random);
+}
+
+bat_status bat_cloud_bezier(const bat_cloud_bezier_options *options, bat_random *random, bat_cloud *cloud,
+                            double **parameters, bat_error *error)
+{
+    bat_status status = check_options(options, error);
+    if (status != BAT_OK)
+        return status;
+    size_t side = options->side > 0 ? options->side : 2 + (size_t)lround(sqrt((double)options->interior));
+    const size_t steps[4] = {side - 1, side - 1, side - 1, side - 1};
+    sampled_cloud sampled;
+    status = sampled_cloud_make(steps, options->interior, &sampled, error);
+    if (status != BAT_OK)
+        return status;
+    bezier_surface surface;
+    bezier_surface_draw(options->degree, options->turned, random, &surface);
+    draw_parameters(&sampled, side, random);
+    for (size_t i = 0; i < sampled.cloud.count; i++)
+        bezier_surface_at(&surface, sampled.parameters + 2 * i, sampled.cloud.points + 3 * i);
+    if (options->noise > 0)
+        cloud_add_noise(&sampled.cloud, options->noise, random);
+    sampled_cloud_give(&sampled, cloud, parameters);
+    return BAT_OK;
+}

@@ -1,0 +1,27 @@
+#ifndef RESEARCH_SHAPES_SURFACE_BEZIER_H
+#define RESEARCH_SHAPES_SURFACE_BEZIER_H
+
+#include "batten/research/surface_shapes.h"
+
+/// @file
+/// Random Bézier surfaces.
+
+#define BEZIER_MOST_DEGREE 15
+
+/// A tensor-product Bézier surface of bidegree (degree, degree). Control point (i, j) is row j (degree + 1) + i.
+typedef struct bezier_surface
+{
+    int degree;
+    double control[(BEZIER_MOST_DEGREE + 1) * (BEZIER_MOST_DEGREE + 1)][3];
+} bezier_surface;
+
+/// Draw control points (Giannelli et al., 2023, section 4.2), then a turn, which is drawn also where it is not asked for.
+void bezier_surface_draw(int degree, bool turned, bat_random *random, bezier_surface *surface);
+void bezier_surface_at(const bezier_surface *surface, const double parameter[2], double point[3]);
+
+/// The Bernstein polynomials at t, and their derivatives where they are wanted, by the recurrence of degrees.
+/// @param value receives degree + 1 numbers
+/// @param slope the same; null for none
+void bezier_basis(int degree, double t, double *value, double *slope);
+
+#endif

@@ -1,0 +1,230 @@
+#include "research/shapes/surface_spread.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "linalg/vector3.h"
+#include "research/data/wave.h"
+
+#include <stdlib.h>
+
+/// The grid on which lengths and areas are measured.
+#define CELLS 192
+/// Points leave their places in the pattern by up to half of this share of the distance between neighbours.
+#define JITTER 0.6
+
+/// Sums of lengths along both ways of a grid over the square, and of areas, from which parameters are found again.
+typedef struct measured_surface
+{
+    int along;                       ///< the parameter that the surface is longer in
+    double length[CELLS + 1];        ///< up to a line of the grid, of the way along, in the mean
+    double area[CELLS + 1];          ///< likewise
+    double across[CELLS][CELLS + 1]; ///< within each strip of cells: the area up to a line across
+    double width[CELLS];             ///< the length of each strip of cells across
+    double sides[4][CELLS + 1];      ///< the length of each side up to a line
+} measured_surface;
+
+/// The area of a four-sided cell, from its diagonals.
+static double cell_area(const double *a, const double *b, const double *c, const double *d)
+{
+    double first[3], second[3], normal[3];
+    vector3_subtract(c, a, first);
+    vector3_subtract(d, b, second);
+    vector3_cross(first, second, normal);
+    return 0.5 * sqrt(vector3_dot(normal, normal));
+}
+
+/// A point of the grid, whose first index goes along.
+static double *grid_point(double *grid, size_t i, size_t j)
+{
+    return grid + 3 * (i * (CELLS + 1) + j);
+}
+
+static void fill_grid(const surface_shape *shape, int along, double *grid)
+{
+    for (size_t i = 0; i <= CELLS; i++)
+        for (size_t j = 0; j <= CELLS; j++)
+        {
+            double parameter[2];
+            parameter[along] = (double)i / CELLS;
+            parameter[1 - along] = (double)j / CELLS;
+            shape->at(shape, parameter, grid_point(grid, i, j));
+        }
+}
+
+/// The mean length of the lines along.
+static double mean_length(double *grid)
+{
+    double sum = 0;
+    for (size_t i = 0; i < CELLS; i++)
+        for (size_t j = 0; j <= CELLS; j++)
+            sum += vector3_distance(grid_point(grid, i, j), grid_point(grid, i + 1, j));
+    return sum / (CELLS + 1);
+}
+
+static void measure_strips(double *grid, measured_surface *measured)
+{
+    measured->length[0] = measured->area[0] = 0;
+    for (size_t i = 0; i < CELLS; i++)
+    {
+        double length = 0, *across = measured->across[i];
+        across[0] = measured->width[i] = 0;
+        for (size_t j = 0; j < CELLS; j++)
+        {
+            const double *a = grid_point(grid, i, j), *b = grid_point(grid, i + 1, j);
+            const double *c = grid_point(grid, i + 1, j + 1), *d = grid_point(grid, i, j + 1);
+            across[j + 1] = across[j] + cell_area(a, b, c, d);
+            length += vector3_distance(a, b) / CELLS;
+            measured->width[i] += vector3_distance(a, d);
+        }
+        measured->length[i + 1] = measured->length[i] + length;
+        measured->area[i + 1] = measured->area[i] + across[CELLS];
+    }
+}
+
+static void measure_sides(const surface_shape *shape, measured_surface *measured)
+{
+    for (int s = 0; s < 4; s++)
+    {
+        double before[3], at[3], parameter[2];
+        square_side_at(s, 0, parameter);
+        shape->at(shape, parameter, before);
+        measured->sides[s][0] = 0;
+        for (size_t i = 1; i <= CELLS; i++)
+        {
+            square_side_at(s, (double)i / CELLS, parameter);
+            shape->at(shape, parameter, at);
+            measured->sides[s][i] = measured->sides[s][i - 1] + vector3_distance(before, at);
+            for (int c = 0; c < 3; c++)
+                before[c] = at[c];
+        }
+    }
+}
+
+static bat_status measure_surface(const surface_shape *shape, measured_surface *measured, bat_error *error)
+{
+    const size_t count = (size_t)(CELLS + 1) * (CELLS + 1);
+    double *grid = memory_array(count, 3 * sizeof *grid);
+    if (grid == NULL)
+        return error_memory(error, count * 3 * sizeof *grid);
+    fill_grid(shape, 1, grid);
+    double second = mean_length(grid);
+    fill_grid(shape, 0, grid);
+    measured->along = second > mean_length(grid);
+    if (measured->along == 1)
+        fill_grid(shape, 1, grid);
+    measure_strips(grid, measured);
+    measure_sides(shape, measured);
+    free(grid);
+    return BAT_OK;
+}
+
+/// The place, 0 to 1, where sums at evenly spaced places reach a share of their last.
+static double place_of_share(const double *sums, double share)
+{
+    double target = share * sums[CELLS];
+    size_t low = 0, high = CELLS;
+    while (high - low > 1)
+    {
+        size_t middle = (low + high) / 2;
+        *(sums[middle] <= target ? &low : &high) = middle;
+    }
+    return fmin(((double)low + (target - sums[low]) / fmax(sums[high] - sums[low], 1e-300)) / CELLS, 1);
+}
+
+/// The sum at a place.
+static double sum_at_place(const double *sums, double place)
+{
+    size_t cell = (size_t)fmin(place * CELLS, CELLS - 1);
+    return sums[cell] + (place * CELLS - (double)cell) * (sums[cell + 1] - sums[cell]);
+}
+
+/// The distance between neighbours of `points` that lie in a square pattern: area / distance^2 of them fill the surface, half a step
+/// of which the boundary takes along its length, where it has length / distance of its own.
+static double pattern_distance(const measured_surface *measured, size_t points)
+{
+    double area = measured->area[CELLS], half_perimeter = 0;
+    for (int s = 0; s < 4; s++)
+        half_perimeter += 0.5 * measured->sides[s][CELLS];
+    double root = sqrt(half_perimeter * half_perimeter + 4 * area * (double)points);
+    return (half_perimeter + root) / (2 * (double)points);
+}
+
+/// A share moved from [0, 1] into what leaves half a step free at both ends.
+static double leave_ends(double share, double step)
+{
+    double margin = fmin(0.5 * step, 0.25);
+    return margin + (1 - 2 * margin) * share;
+}
+
+static double jittered(double place, size_t count, bat_random *random)
+{
+    return fmin(fmax((place + JITTER * (bat_random_uniform(random) - 0.5)) / (double)count, 0), 1);
+}
+
+/// Find the parameters of the points inside.
+static void spread_inside(const measured_surface *measured, double distance, bat_random *random, sampled_cloud *sampled)
+{
+    size_t interior = sampled->cloud.count - sampled->cloud.boundary_count, done = 0;
+    double *parameter = sampled->parameters + 2 * sampled->cloud.boundary_count;
+    double step = distance / measured->length[CELLS];
+    size_t strips = (size_t)fmax(1, rint(1 / step) - 1);
+    double begin = sum_at_place(measured->area, place_of_share(measured->length, leave_ends(0, step)));
+    double whole = sum_at_place(measured->area, place_of_share(measured->length, leave_ends(1, step))) - begin;
+    for (size_t strip = 0; strip < strips; strip++)
+    {
+        double end = place_of_share(measured->length, leave_ends((double)(strip + 1) / (double)strips, step));
+        double share = strip + 1 < strips ? (sum_at_place(measured->area, end) - begin) / whole : 1;
+        size_t until = (size_t)fmin(rint(share * (double)interior), (double)interior), count = until - done;
+        for (size_t i = 0; i < count; i++, parameter += 2)
+        {
+            double place = place_of_share(measured->length, leave_ends(jittered((double)strip + 0.5, strips, random), step));
+            size_t cell = (size_t)fmin(place * CELLS, CELLS - 1);
+            // Points of a strip face the gaps of the one before.
+            double stagger = strip % 2 == 0 ? 0.25 : 0.75;
+            double across = leave_ends(jittered((double)i + stagger, count, random), distance / measured->width[cell]);
+            parameter[measured->along] = place;
+            parameter[1 - measured->along] = place_of_share(measured->across[cell], across);
+        }
+        done = until;
+    }
+}
+
+static void spread_boundary(const measured_surface *measured, const size_t steps[4], double *parameter)
+{
+    for (int s = 0; s < 4; s++)
+        for (size_t i = 0; i < steps[s]; i++, parameter += 2)
+            square_side_at(s, place_of_share(measured->sides[s], (double)i / (double)steps[s]), parameter);
+}
+
+static bat_status spread_measured(const surface_shape *shape, const measured_surface *measured, size_t points,
+                                  bat_random *random, sampled_cloud *sampled, bat_error *error)
+{
+    double distance = pattern_distance(measured, points);
+    size_t steps[4], boundary = 0;
+    for (int s = 0; s < 4; s++)
+    {
+        steps[s] = (size_t)fmax(1, rint(measured->sides[s][CELLS] / distance));
+        boundary += steps[s];
+    }
+    bat_status status = sampled_cloud_make(steps, points > boundary ? points - boundary : 0, sampled, error);
+    if (status != BAT_OK)
+        return status;
+    spread_boundary(measured, steps, sampled->parameters);
+    spread_inside(measured, distance, random, sampled);
+    for (size_t i = 0; i < sampled->cloud.count; i++)
+        shape->at(shape, sampled->parameters + 2 * i, sampled->cloud.points + 3 * i);
+    return BAT_OK;
+}
+
+bat_status surface_spread(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
+                          bat_error *error)
+{
+    measured_surface *measured = malloc(sizeof *measured);
+    if (measured == NULL)
+        return error_memory(error, sizeof *measured);
+    bat_status status = measure_surface(shape, measured, error);
+    if (status == BAT_OK)
+        status = spread_measured(shape, measured, points, random, sampled, error);
+    free(measured);
+    return status;
+}

@@ -1,0 +1,393 @@
+#include "batten/research/motion_study.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/space.h"
+#include "research/studies/motion_curves.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PERIOD = 6.28318530717958647693;
+
+enum
+{
+    SPACES = 9,
+    COARSEST = 16, ///< samples of the coarsest data …
+    HALVINGS = 4,  ///< … and how often the spacing is taken, halved from one to the next
+    LEVELS = 3,
+    ORDERS = 5, ///< whose contraction and displacement are measured
+    TRIALS = 20,
+    DIM = 8, ///< room for a point or tangent of any of the spaces
+    LEAST_CAPACITY = 256
+};
+
+/// Where curves are, and what their spaces refer to.
+typedef struct study_spaces
+{
+    bat_space spaces[SPACES];
+    bat_space factors[2];
+    bat_product_factors product;
+} study_spaces;
+
+static const char *const SPACE_NAMES[SPACES] = {"R^3",       "sphere",    "disk",           "rotation",     "rigid",
+                                                "spd 2 x 2", "spd 3 x 3", "hyperbolic H^3", "sphere x disk"};
+
+static bat_status make_spaces(study_spaces *made, bat_error *error)
+{
+    *made = (study_spaces){.spaces = {bat_euclidean(3),
+                                      bat_sphere(2),
+                                      bat_disk(),
+                                      bat_rotation(),
+                                      {0},
+                                      bat_positive_definite(2),
+                                      bat_positive_definite(3),
+                                      bat_hyperbolic(3)},
+                           .factors = {bat_sphere(2), bat_disk()}};
+    made->product = (bat_product_factors){.spaces = made->factors, .count = 2};
+    bat_status status = bat_rigid(0.5, &made->spaces[4], error);
+    return status == BAT_OK ? bat_product(&made->product, &made->spaces[SPACES - 1], error) : status;
+}
+
+/// A scheme of the table.
+typedef struct study_scheme
+{
+    const char *name;
+    bool points_alone; ///< `name` is one for bat_curve_scheme_by_name()
+    bool estimated;
+    bat_hermite_kind kind;
+    size_t order;
+    bool smooth; ///< the C2 mask
+    bat_log_exp_base base;
+} study_scheme;
+
+static const study_scheme SCHEMES[] = {
+    {.name = "hermite:order=1", .order = 1},
+    {.name = "hermite:order=2", .order = 2},
+    {.name = "hermite:order=3", .order = 3},
+    {.name = "transport:mask=merrien", .kind = BAT_HERMITE_TRANSPORT, .order = 1},
+    {.name = "transport:mask=merrien,base=midpoint", .kind = BAT_HERMITE_TRANSPORT, .order = 1, .base = BAT_BASE_MIDPOINT},
+    {.name = "transport:mask=de-rham", .kind = BAT_HERMITE_TRANSPORT, .order = 1, .smooth = true},
+    {.name = "hermite:order=1,tangents=estimated", .estimated = true, .order = 1},
+    {.name = "log-exp-4", .points_alone = true},
+    {.name = "log-exp-lane-riesenfeld:order=3", .points_alone = true},
+    {.name = "geodesic:order=3", .points_alone = true},
+};
+enum
+{
+    SCHEME_COUNT = sizeof SCHEMES / sizeof SCHEMES[0]
+};
+
+const char *bat_hermite_quantity_name(bat_hermite_quantity quantity)
+{
+    static const char *const NAMES[] = {"error",           "geodesic error", "point proximity",
+                                        "angle proximity", "contraction",    "displacement"};
+    return quantity >= BAT_HERMITE_ERROR && quantity <= BAT_HERMITE_DISPLACEMENT ? NAMES[quantity] : "unknown";
+}
+
+/// A table that grows.
+typedef struct study_table
+{
+    bat_hermite_table made;
+    size_t capacity;
+} study_table;
+
+/// Add a number; its order is taken from the row before where that has the same name, quantity and twice the spacing.
+static bat_status add_row(study_table *table, bat_hermite_measure row, bat_error *error)
+{
+    bat_hermite_table *made = &table->made;
+    if (made->count == table->capacity)
+    {
+        size_t capacity = table->capacity > 0 ? 2 * table->capacity : LEAST_CAPACITY;
+        bat_hermite_measure *rows = realloc(made->rows, capacity * sizeof *rows);
+        if (rows == NULL)
+            return error_memory(error, capacity * sizeof *rows);
+        made->rows = rows;
+        table->capacity = capacity;
+    }
+    const bat_hermite_measure *before = made->count > 0 ? &made->rows[made->count - 1] : NULL;
+    bool halved = before != NULL && before->space == row.space && before->scheme == row.scheme &&
+                  before->quantity == row.quantity && fabs(before->h - 2 * row.h) < 1e-9;
+    row.order = halved ? log2(before->value / row.value) : NAN;
+    made->rows[made->count++] = row;
+    return BAT_OK;
+}
+
+// Errors and orders
+
+/// The distance of a curve refined from points alone. Point i 2^LEVELS belongs to sample i, or is near it.
+static bat_status points_alone_error(const study_curve *curve, const char *name, size_t count, double *largest,
+                                     bat_error *error)
+{
+    bat_curve_refine_options how = bat_curve_refine_defaults();
+    double parameters[COARSEST << (HALVINGS - 1)], times[COARSEST << (HALVINGS - 1 + LEVELS)];
+    bat_hermite_curve samples = {0};
+    bat_curve fine = {0};
+    for (size_t i = 0; i < count; i++)
+        parameters[i] = PERIOD * (double)i / (double)count;
+    how.levels = LEVELS;
+    bat_status status = bat_curve_scheme_by_name(name, &how.scheme, error);
+    if (status == BAT_OK)
+        status = study_curve_sample(curve, parameters, count, true, &samples, error);
+    bat_curve coarse = {.space = curve->space, .points = samples.points, .count = count, .closed = true};
+    if (status == BAT_OK)
+        status = bat_curve_refine(&coarse, &how, &fine, error);
+    for (size_t i = 0; i < fine.count; i++)
+        times[i] = PERIOD * (double)i / (double)fine.count;
+    bat_hermite_curve timed = {.space = curve->space, .points = fine.points, .times = times, .count = fine.count};
+    if (status == BAT_OK && study_curve_error(curve, &timed, largest) != BAT_OK)
+        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the refined curve is too far from the smooth one");
+    bat_hermite_free(&samples);
+    bat_curve_free(&fine);
+    return status;
+}
+
+static bat_status scheme_error(const study_curve *curve, const study_scheme *scheme, size_t count, double *largest,
+                               bat_error *error)
+{
+    if (scheme->points_alone)
+        return points_alone_error(curve, scheme->name, count, largest, error);
+    bat_hermite_options how = bat_hermite_defaults();
+    how.levels = LEVELS;
+    how.kind = scheme->kind;
+    how.order = scheme->order;
+    how.base = scheme->base;
+    if (scheme->smooth)
+        how.mask = bat_hermite_mask_de_rham();
+    study_setup setup = {.count = count, .closed = true, .estimated = scheme->estimated, .options = &how};
+    return study_refinement_error(curve, &setup, largest, error);
+}
+
+static bat_status add_errors(study_table *table, const study_curve *curve, const char *space, const study_scheme *scheme,
+                             bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t halving = 0; halving < HALVINGS && status == BAT_OK; halving++)
+    {
+        size_t count = (size_t)COARSEST << halving;
+        bat_hermite_measure row = {
+            .space = space, .scheme = scheme->name, .quantity = BAT_HERMITE_ERROR, .h = PERIOD / (double)count};
+        status = scheme_error(curve, scheme, count, &row.value, error);
+        if (status == BAT_OK)
+            status = add_row(table, row, error);
+    }
+    return status;
+}
+
+// Pairs
+
+/// Two points with directions.
+typedef struct study_pair
+{
+    double points[2 * DIM], directions[2 * DIM];
+} study_pair;
+
+static void random_direction(const bat_space *space, bat_random *random, const double *p, double *direction)
+{
+    double goal[DIM], square = 0;
+    do
+    {
+        space->random_point(space, random, goal);
+        square = space->log(space, p, goal, direction) == BAT_OK ? space->inner(space, p, direction, direction) : 0;
+    } while (square < 1e-6);
+    for (size_t k = 0; k < space->tangent_dim; k++)
+        direction[k] /= sqrt(square);
+}
+
+/// Turn a direction by up to the angle whose tangent is `amount`.
+static void bend(const bat_space *space, bat_random *random, const double *p, double amount, double *direction)
+{
+    double other[DIM];
+    random_direction(space, random, p, other);
+    for (size_t k = 0; k < space->tangent_dim; k++)
+        direction[k] += amount * other[k];
+    double length = sqrt(space->inner(space, p, direction, direction));
+    for (size_t k = 0; k < space->tangent_dim; k++)
+        direction[k] /= length;
+}
+
+/// A random geodesic of that length, with its own directions, bent by `amount`.
+static bat_status random_pair(const bat_space *space, bat_random *random, double length, double amount, study_pair *pair)
+{
+    double way[DIM], *p = pair->points, *q = p + space->point_dim;
+    double *v = pair->directions, *w = v + space->tangent_dim;
+    space->random_point(space, random, p);
+    random_direction(space, random, p, v);
+    for (size_t k = 0; k < space->tangent_dim; k++)
+        way[k] = length * v[k];
+    bat_status status = space->exp(space, p, way, q);
+    if (status == BAT_OK)
+        status = space->transport(space, p, q, v, w);
+    if (status == BAT_OK && amount > 0)
+    {
+        bend(space, random, p, amount, v);
+        bend(space, random, q, amount, w);
+    }
+    return status;
+}
+
+/// The largest distance of a refined pair's points from the geodesic at their shares of the way.
+static bat_status geodesic_error(const bat_space *space, study_pair *pair, double *largest, bat_error *error)
+{
+    bat_hermite_curve coarse = {.space = space, .points = pair->points, .tangents = pair->directions, .count = 2}, fine;
+    bat_status status = bat_hermite_refine(&coarse, NULL, &fine, error);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < fine.count && status == BAT_OK; i++)
+    {
+        double there[DIM], share = (double)i / (double)(fine.count - 1);
+        status = bat_space_geodesic(space, pair->points, pair->points + space->point_dim, share, there);
+        if (status == BAT_OK)
+            *largest = fmax(*largest, space->distance(space, there, fine.points + i * space->point_dim));
+    }
+    bat_hermite_free(&fine);
+    return status == BAT_OK ? BAT_OK : error_set(error, status, BAT_NO_INDEX, 0, "the pair has no geodesic");
+}
+
+static bat_status add_geodesics(study_table *table, const bat_space *space, const char *name, bat_error *error)
+{
+    bat_random random = bat_random_seed(1);
+    bat_hermite_measure row = {.space = name, .scheme = SCHEMES[0].name, .quantity = BAT_HERMITE_GEODESIC_ERROR, .h = NAN};
+    bat_status status = BAT_OK;
+    for (int trial = 0; trial < TRIALS && status == BAT_OK; trial++)
+    {
+        study_pair pair;
+        status = random_pair(space, &random, 1, 0, &pair);
+        status = status == BAT_OK ? geodesic_error(space, &pair, &row.value, error)
+                                  : error_set(error, status, BAT_NO_INDEX, 0, "there is no random geodesic in %s", name);
+    }
+    return status == BAT_OK ? add_row(table, row, error) : status;
+}
+
+/// Lemma 3.7 and theorem 4.3 where the space's coordinates embed it isometrically; R^3 would give 0.
+static bat_status add_proximity(study_table *table, const bat_space *space, const char *name, bool angles, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t halving = 0; halving < HALVINGS && status == BAT_OK; halving++)
+    {
+        bat_random random = bat_random_seed(1);
+        bat_hermite_measure row = {.space = name,
+                                   .scheme = SCHEMES[0].name,
+                                   .quantity = angles ? BAT_HERMITE_ANGLE_PROXIMITY : BAT_HERMITE_POINT_PROXIMITY,
+                                   .h = ldexp(0.01, -(int)halving)};
+        for (int trial = 0; trial < TRIALS && status == BAT_OK; trial++)
+        {
+            study_pair pair;
+            study_proximity near = {0};
+            status = random_pair(space, &random, row.h, 0.2, &pair);
+            if (status == BAT_OK)
+                status = study_proximity_of(space, pair.points, pair.directions, pair.points + space->point_dim,
+                                            pair.directions + space->tangent_dim, &near);
+            row.value = fmax(row.value, angles ? near.angle : near.point);
+        }
+        status = status == BAT_OK ? add_row(table, row, error)
+                                  : error_set(error, status, BAT_NO_INDEX, 0, "a pair in %s has no average", name);
+    }
+    return status;
+}
+
+// Contraction and displacement
+
+/// The largest ratios over LEVELS levels from COARSEST samples.
+static bat_status level_ratios(const study_curve *curve, size_t order, double *contraction, double *displacement,
+                               bat_error *error)
+{
+    bat_hermite_options how = bat_hermite_defaults();
+    bat_hermite_curve coarse = {0};
+    double parameters[COARSEST];
+    for (size_t i = 0; i < COARSEST; i++)
+        parameters[i] = PERIOD * (double)i / COARSEST;
+    bat_status status = study_curve_sample(curve, parameters, COARSEST, true, &coarse, error);
+    if (status == BAT_OK)
+        status = bat_hermite_normalize(&coarse, error);
+    how.levels = 1;
+    how.order = order;
+    for (int level = 0; level < LEVELS && status == BAT_OK; level++)
+    {
+        bat_hermite_curve fine;
+        status = bat_hermite_refine(&coarse, &how, &fine, error);
+        if (status != BAT_OK)
+            break;
+        double longest = study_longest_edge(&coarse);
+        *contraction = fmax(*contraction, study_longest_edge(&fine) / longest);
+        *displacement = fmax(*displacement, study_displacement(&coarse, &fine) / longest);
+        bat_hermite_free(&coarse);
+        coarse = fine;
+    }
+    bat_hermite_free(&coarse);
+    return status;
+}
+
+static bat_status add_ratios(study_table *table, const study_curve *curve, const char *space, bat_error *error)
+{
+    static const char *const NAMES[ORDERS] = {"hermite:order=1", "hermite:order=2", "hermite:order=3", "hermite:order=4",
+                                              "hermite:order=5"};
+    bat_status status = BAT_OK;
+    for (size_t order = 1; order <= ORDERS && status == BAT_OK; order++)
+    {
+        bat_hermite_measure row = {.space = space, .scheme = NAMES[order - 1], .h = NAN};
+        double contraction = 0, displacement = 0;
+        status = level_ratios(curve, order, &contraction, &displacement, error);
+        row.quantity = BAT_HERMITE_CONTRACTION;
+        row.value = contraction;
+        if (status == BAT_OK)
+            status = add_row(table, row, error);
+        row.quantity = BAT_HERMITE_DISPLACEMENT;
+        row.value = displacement;
+        if (status == BAT_OK)
+            status = add_row(table, row, error);
+    }
+    return status;
+}
+
+static bat_status check_progress(bat_progress progress, size_t done, size_t all, bat_error *error)
+{
+    if (progress.report == NULL || progress.report(progress.context, (double)done / (double)all))
+        return BAT_OK;
+    return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "measuring was cancelled");
+}
+
+/// All rows of space `s`.
+static bat_status add_space(study_table *table, const study_spaces *made, size_t s, bat_progress progress, bat_error *error)
+{
+    const bat_space *space = &made->spaces[s];
+    study_curve curve;
+    bat_status status = study_curve_make(space, 0.5, s, &curve, error);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < SCHEME_COUNT && status == BAT_OK; i++)
+    {
+        status = check_progress(progress, s * SCHEME_COUNT + i, SPACES * (size_t)SCHEME_COUNT, error);
+        if (status == BAT_OK)
+            status = add_errors(table, &curve, SPACE_NAMES[s], &SCHEMES[i], error);
+    }
+    if (status == BAT_OK)
+        status = add_geodesics(table, space, SPACE_NAMES[s], error);
+    for (int angles = 0; angles < 2 && status == BAT_OK && strcmp(space->name, "sphere") == 0; angles++)
+        status = add_proximity(table, space, SPACE_NAMES[s], angles == 1, error);
+    if (status == BAT_OK)
+        status = add_ratios(table, &curve, SPACE_NAMES[s], error);
+    study_curve_free(&curve);
+    return status;
+}
+
+bat_status bat_hermite_measure_orders(bat_progress progress, bat_hermite_table *table, bat_error *error)
+{
+    study_spaces made;
+    study_table grown = {0};
+    bat_status status = make_spaces(&made, error);
+    for (size_t s = 0; s < SPACES && status == BAT_OK; s++)
+        status = add_space(&grown, &made, s, progress, error);
+    if (status == BAT_OK)
+        *table = grown.made;
+    else
+        bat_hermite_table_free(&grown.made);
+    return status;
+}
+
+void bat_hermite_table_free(bat_hermite_table *table)
+{
+    free(table->rows);
+    *table = (bat_hermite_table){0};
+}

@@ -1,0 +1,12 @@
+#ifndef RESEARCH_STUDIES_TENSION_ABLATION_H
+#define RESEARCH_STUDIES_TENSION_ABLATION_H
+
+#include "batten/research/curve_study.h"
+
+/// Train some variants on curves of the caller's; no published figures.
+/// @param data as for tension_train_on()
+/// @param rows receives `count` rows
+bat_status tension_ablate_on(const bat_tension_data *data, const bat_tension_variant *variants, size_t count,
+                             const bat_tension_ablation_options *options, bat_tension_ablation_row *rows, bat_error *error);
+
+#endif

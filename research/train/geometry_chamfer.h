@@ -1,0 +1,41 @@
+#ifndef RESEARCH_TRAIN_GEOMETRY_CHAMFER_H
+#define RESEARCH_TRAIN_GEOMETRY_CHAMFER_H
+
+#include "batten/base.h"
+
+/// @file
+/// Symmetric Chamfer distance of two sets of points, with nearest neighbours by brute force: for the hundreds of points of a
+/// training sample that is faster than any tree, and it needs no memory. Distances are Euclidean in the stored coordinates,
+/// on every surface: those of the published training program.
+
+/// For each query, a point of 2 or 3 coordinates, the nearest item; of several at the same distance the first.
+/// @param nearest receives query_count numbers of items
+void geometry_nearest(const double *queries, size_t query_count, const double *items, size_t item_count, size_t dim,
+                      size_t *nearest);
+
+/// Which points are nearest to which; arrays of the caller.
+typedef struct geometry_matches
+{
+    size_t *of_points; ///< for each point, the nearest of the truth
+    size_t *of_truth;  ///< for each point of the truth, the nearest point
+} geometry_matches;
+
+/// Half the mean distance of the points to the truth plus half that of the truth to the points: eq. (19) of Ugail and Howard
+/// (2026).
+/// @param points  count x dim, count >= 1, dim 2 or 3
+/// @param truth   truth_count x dim, truth_count >= 1
+/// @param matches receives what the derivative needs
+double geometry_chamfer(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                        geometry_matches matches);
+/// The derivative with respect to the points, 0 where a point lies on the truth.
+void geometry_chamfer_back(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                           geometry_matches matches, double loss_gradient, double *point_gradients);
+
+/// The mean distance of the points to the truth alone: "mean-NN" of section 7.
+/// @param of_points receives for each point the nearest of the truth
+double geometry_mean_nearest(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                             size_t *of_points);
+void geometry_mean_nearest_back(const double *points, size_t count, const double *truth, size_t dim, const size_t *of_points,
+                                double loss_gradient, double *point_gradients);
+
+#endif

@@ -1,0 +1,100 @@
+#include "research/train/surface_sample.h"
+#include "surface/network/surface_chart.h"
+#include "surface/network/surface_chart_network.h"
+
+#include <math.h>
+
+/// @file
+/// The network of surface/network/surface_chart_network.h on a tape, for training.
+
+/// He's normal weights, a last layer that says next to nothing, biases 0.
+static void start(learn_parameters *parameters, uint64_t seed)
+{
+    bat_random random = bat_random_seed(seed);
+    for (size_t layer = 0; layer < CHART_LAYERS; layer++)
+    {
+        double factor = layer + 1 == CHART_LAYERS ? 1e-4 : 2;
+        learn_parameter_fill_normal(parameters, 2 * layer, sqrt(factor / (double)(layer == 0 ? SURFACE_SEEN : CHART_WIDTH)),
+                                    &random);
+        learn_parameter_fill(parameters, 2 * layer + 1, 0);
+    }
+}
+
+typedef struct movement
+{
+    surface_chart chart;
+    learn_array *moves, *interior;
+    double precise[CHART_MOVES];
+    double *scratch; ///< interior points x 2
+} movement;
+
+static void move_back(void *context)
+{
+    movement *m = context;
+    const real *by_interior = m->interior->gradient;
+    double by_moves[CHART_MOVES] = {0};
+    for (size_t i = 0; i < learn_size(m->interior); i++)
+        m->scratch[i] = (double)by_interior[i];
+    surface_chart_move_back(&m->chart, m->precise, m->scratch, by_moves);
+    real *to = learn_gradient(m->moves);
+    for (size_t i = 0; i < CHART_MOVES; i++)
+        to[i] += (real)by_moves[i];
+}
+
+static learn_array *say(learn_tape *tape, learn_array *seen)
+{
+    learn_array *x = seen;
+    for (size_t layer = 0; layer < CHART_LAYERS; layer++)
+    {
+        x = learn_linear(tape, x, learn_parameter_array(tape, 2 * layer), learn_parameter_array(tape, 2 * layer + 1));
+        if (layer + 1 < CHART_LAYERS)
+            x = learn_gelu(tape, x);
+    }
+    return x;
+}
+
+static learn_array *predict(learn_tape *tape, const bat_cloud *cloud, const double *boundary)
+{
+    size_t count = cloud->count - cloud->boundary_count;
+    movement *m = learn_tape_memory(tape, 1, sizeof *m);
+    double *memory = learn_tape_memory(tape, count, 6 * sizeof *memory);
+    if (tape->status != BAT_OK)
+        return &tape->nothing;
+    bat_status status = surface_chart_make(cloud, boundary, memory, &m->chart, NULL);
+    if (status != BAT_OK)
+    {
+        tape->status = status;
+        return &tape->nothing;
+    }
+    learn_array *seen = learn_array_make(tape, 1, SURFACE_SEEN, false);
+    for (size_t i = 0; i < learn_size(seen); i++)
+        seen->value[i] = (real)m->chart.seen[i];
+    m->moves = say(tape, seen);
+    m->interior = learn_array_make(tape, count, 2, learn_wants(m->moves));
+    if (tape->status != BAT_OK)
+        return &tape->nothing;
+    for (size_t i = 0; i < CHART_MOVES; i++)
+        m->precise[i] = m->chart.sees ? (double)m->moves->value[i] : 0;
+    m->scratch = memory + 4 * count;
+    surface_chart_move(&m->chart, m->precise, m->scratch);
+    for (size_t i = 0; i < 2 * count; i++)
+        m->interior->value[i] = (real)m->scratch[i];
+    if (learn_wants(m->interior) && m->chart.sees)
+        learn_tape_record(tape, m->interior, move_back, m);
+    return m->interior;
+}
+
+/// Squares differ by orders of magnitude between clean and noisy clouds: the logarithm lets all count.
+static const real LOSS_FLOOR = (real)1e-7;
+
+static learn_array *loss(learn_tape *tape, const surface_sample *sample, learn_array *interior)
+{
+    return learn_log(tape, learn_add_number(tape, surface_sample_residual(tape, sample, interior), LOSS_FLOOR));
+}
+
+const surface_network_training surface_training_batten = {
+    .kind = &surface_network_batten,
+    .start = start,
+    .predict = predict,
+    .loss = loss,
+};

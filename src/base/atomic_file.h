@@ -1,0 +1,40 @@
+#ifndef BASE_ATOMIC_FILE_H
+#define BASE_ATOMIC_FILE_H
+
+#include "batten/base.h"
+
+#include <stdio.h>
+
+/// A file that appears whole or not at all: until it is finished an existing file is untouched. It is written without a name in
+/// its folder, so that nothing stays behind when the process is killed, then linked to a hidden name and renamed. Where the
+/// system or the file system has no nameless files, it has the hidden name from the beginning. Links are followed. What is no
+/// regular file (a pipe, a device) is written directly. "-" is standard output.
+///
+///     atomic_file file;
+///     bat_status status = atomic_file_begin(path, &file, error);
+///     if (status != BAT_OK)
+///         return status;
+///     status = write_something(file.stream, error);
+///     return atomic_file_end(&file, status, error);
+typedef struct atomic_file
+{
+    FILE *stream;    ///< write here
+    char *temporary; ///< the hidden name; null while it has none
+    char *target;    ///< where it goes in the end; null when written directly
+} atomic_file;
+
+/// Open a file for writing.
+/// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY; on failure nothing is left behind
+bat_status atomic_file_begin(const char *path, atomic_file *file, bat_error *error);
+
+/// Finish writing and put the file in its place. When that fails, the file is abandoned.
+/// @return BAT_OK or BAT_FILE_ACCESS
+bat_status atomic_file_commit(atomic_file *file, bat_error *error);
+
+/// Remove what was written. Does nothing after a commit.
+void atomic_file_abandon(atomic_file *file);
+
+/// Commit when `status` is BAT_OK, else abandon and hand the status back.
+bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *error);
+
+#endif

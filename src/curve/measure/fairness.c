@@ -1,0 +1,146 @@
+#include "batten/curve_measure.h"
+
+#include "base/error.h"
+
+#include <math.h>
+
+static const double *row(const bat_curve *curve, size_t index)
+{
+    return curve->points + index * curve->space->point_dim;
+}
+
+/// A tangent vector at p brought to length 1; by a power of two first, so that its square stays in range.
+static void make_unit(const bat_space *space, const double *p, double *tangent)
+{
+    double largest = 0;
+    int exponent;
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        largest = fmax(largest, fabs(tangent[i]));
+    (void)frexp(largest, &exponent);
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        tangent[i] = ldexp(tangent[i], -exponent);
+    double length = sqrt(space->inner(space, p, tangent, tangent));
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        tangent[i] /= length;
+}
+
+/// The angle between two unit vectors at p, by half angles: exact near 0 and near pi.
+static double angle_between(const bat_space *space, const double *p, const double *u, const double *v)
+{
+    double difference[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
+    for (size_t i = 0; i < space->tangent_dim; i++)
+    {
+        difference[i] = u[i] - v[i];
+        sum[i] = u[i] + v[i];
+    }
+    return 2 * atan2(sqrt(space->inner(space, p, difference, difference)), sqrt(space->inner(space, p, sum, sum)));
+}
+
+/// Spaces multiply the lengths of the two edges on their way to a signed angle; outside of this range they lose digits.
+static const double LEAST_PRODUCT = 1e-250, MOST_PRODUCT = 1e250;
+
+/// The absolute exterior angle at p between its neighbours; `product` is that of the lengths of its edges.
+static bat_status exterior_angle(const bat_space *space, const double *before, const double *p, const double *after,
+                                 double product, double *angle)
+{
+    if (space->exterior_angle != NULL && product >= LEAST_PRODUCT && product <= MOST_PRODUCT)
+    {
+        *angle = fabs(space->exterior_angle(space, before, p, after));
+        return BAT_OK;
+    }
+    double back[BAT_SPACE_MAX_DIM], forth[BAT_SPACE_MAX_DIM];
+    bat_status status = space->log(space, p, before, back);
+    if (status == BAT_OK)
+        status = space->log(space, p, after, forth);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        back[i] = -back[i];
+    make_unit(space, p, back);
+    make_unit(space, p, forth);
+    *angle = angle_between(space, p, back, forth);
+    return BAT_OK;
+}
+
+/// A walk along the vertices that differ from the one before.
+typedef struct walk
+{
+    size_t before, here;  ///< the last two vertices
+    double length_before; ///< of the edge between them
+    size_t angles;        ///< vertices that had an angle
+    double bending, g1;   ///< sum and maximum over them
+    double length;        ///< of all edges so far
+} walk;
+
+static bat_status edge_length(const bat_curve *curve, size_t i, size_t next, double *length, bat_error *error)
+{
+    const bat_space *space = curve->space;
+    *length = space->distance(space, row(curve, i), row(curve, next));
+    if (!isfinite(*length))
+        return error_set(error, BAT_INVALID_POINT, next, 0,
+                         "the distance of point %zu from point %zu is too large for a double", next, i);
+    double tangent[BAT_SPACE_MAX_DIM];
+    if (*length >= space->injectivity && space->log(space, row(curve, i), row(curve, next), tangent) != BAT_OK)
+        return error_set(error, BAT_CUT_LOCUS, next, 0, "point %zu is antipodal to point %zu", next, i);
+    return BAT_OK;
+}
+
+/// Go on to a vertex; the one left behind then has both its edges.
+static bat_status walk_to(walk *walker, const bat_curve *curve, size_t next, double offset, bat_error *error)
+{
+    double length, angle;
+    bat_status status = edge_length(curve, walker->here, next, &length, error);
+    if (status != BAT_OK || length == 0)
+        return status;
+    walker->length += length;
+    if (walker->length_before > 0)
+    {
+        status = exterior_angle(curve->space, row(curve, walker->before), row(curve, walker->here), row(curve, next),
+                                walker->length_before * length, &angle);
+        if (status != BAT_OK)
+            return error_set(error, status, walker->here, 0, "no unique geodesic at point %zu", walker->here);
+        double curvature = angle / (walker->length_before / 2 + length / 2 + offset);
+        walker->bending += curvature * curvature;
+        walker->g1 = fmax(walker->g1, angle);
+        walker->angles++;
+    }
+    if (!isfinite(walker->length) || !isfinite(walker->bending))
+        return error_set(error, BAT_INVALID_POINT, walker->here, 0, "at point %zu the %s becomes too large for a double",
+                         walker->here, isfinite(walker->length) ? "bending energy" : "length");
+    walker->before = walker->here;
+    walker->here = next;
+    walker->length_before = length;
+    return BAT_OK;
+}
+
+/// The first vertex that differs from vertex 0; 0 when there is none.
+static size_t second_vertex(const bat_curve *curve)
+{
+    for (size_t i = 1; i < curve->count; i++)
+        if (curve->space->distance(curve->space, row(curve, 0), row(curve, i)) > 0)
+            return i;
+    return 0;
+}
+
+bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_options *options, bat_fairness *fairness,
+                              bat_error *error)
+{
+    double offset = options == NULL ? BAT_BENDING_OFFSET : options->bending_offset;
+    if (curve->count == 0 || !(offset >= 0) || !isfinite(offset))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         curve->count == 0 ? "the curve has no points" : "the bending offset must be 0 or more");
+    bat_status status = bat_space_check(curve->space, curve->points, curve->count, error);
+    walk walker = {0};
+    for (size_t i = 1; i < curve->count && status == BAT_OK; i++)
+        status = walk_to(&walker, curve, i, offset, error);
+    if (curve->closed && status == BAT_OK)
+        status = walk_to(&walker, curve, 0, offset, error);
+    double total = walker.length;
+    if (curve->closed && status == BAT_OK)
+        status = walk_to(&walker, curve, second_vertex(curve), offset, error);
+    if (status != BAT_OK)
+        return status;
+    double angles = walker.angles > 0 ? (double)walker.angles : 1;
+    *fairness = (bat_fairness){.bending = walker.bending / angles, .g1 = walker.g1, .length = total};
+    return BAT_OK;
+}

@@ -1,0 +1,254 @@
+#include "batten/curve_measure.h"
+
+#include "base/error.h"
+#include "base/exact_sum.h"
+#include "base/memory.h"
+#include "base/shared_work.h"
+#include "base/threads.h"
+#include "curve/coordinates.h"
+#include "search/metric_tree.h"
+#include "search/nearest.h"
+#include "space/disk.h"
+#include "space/known.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Queries that a thread takes at a time.
+enum
+{
+    BLOCK = 512
+};
+
+bat_curve_measure_options bat_curve_measure_defaults(void)
+{
+    return (bat_curve_measure_options){.bending_offset = BAT_BENDING_OFFSET};
+}
+
+/// What answers for a curve when asked for the nearest of its vertices or edges.
+typedef struct finder
+{
+    const bat_curve *curve;
+    bool geodesic;
+    bool by_metric;     ///< ask `metric`, else `tree`
+    nearest_tree tree;  ///< chordal distance; in the disk with weights that make it monotone in the geodesic one
+    metric_tree metric; ///< any other space
+} finder;
+
+static const double *row(const bat_curve *curve, size_t index)
+{
+    return curve->points + index * curve->space->point_dim;
+}
+
+/// The disk: sinh^2(d(z, w) / 2) = |z - w|^2 / ((1 - |z|^2) (1 - |w|^2)), so that for a fixed z the nearest w is the one of least
+/// |z - w|^2 / (1 - |w|^2).
+static bat_status disk_tree(const bat_curve *curve, nearest_tree *tree, bat_error *error)
+{
+    double *weights = memory_array(curve->count, sizeof *weights);
+    if (weights == NULL)
+        return error_memory(error, curve->count * sizeof *weights);
+    for (size_t i = 0; i < curve->count; i++)
+        weights[i] = 1 / disk_rim(row(curve, i));
+    bat_status status = nearest_build(NEAREST_POINTS, curve->points, weights, curve->count, 2, tree, error);
+    free(weights);
+    return status;
+}
+
+/// The edges as pairs of points; of a single point an edge of length 0.
+static bat_status edge_tree(const bat_curve *curve, nearest_tree *tree, bat_error *error)
+{
+    size_t dim = curve->space->point_dim, bytes = dim * sizeof(double);
+    size_t edges = curve->closed || curve->count == 1 ? curve->count : curve->count - 1;
+    double *ends = memory_array(edges, 2 * bytes);
+    if (ends == NULL)
+        return error_memory(error, edges * 2 * bytes);
+    for (size_t i = 0; i < edges; i++)
+    {
+        memcpy(ends + 2 * i * dim, row(curve, i), bytes);
+        memcpy(ends + (2 * i + 1) * dim, row(curve, (i + 1) % curve->count), bytes);
+    }
+    bat_status status = nearest_build(NEAREST_SEGMENTS, ends, NULL, edges, dim, tree, error);
+    free(ends);
+    return status;
+}
+
+/// Whether the nearest point by chord is the nearest by geodesic.
+static bool chord_decides(const bat_space *space)
+{
+    return space_is_euclidean(space) || space_is_sphere(space);
+}
+
+static bat_status finder_make(const bat_curve *curve, const bat_curve_measure_options *options, finder *made,
+                              bat_error *error)
+{
+    const bat_space *space = curve->space;
+    *made = (finder){.curve = curve, .geodesic = options->geodesic};
+    if (options->to_segments)
+        return edge_tree(curve, &made->tree, error);
+    if (!options->geodesic || chord_decides(space))
+        return nearest_build(NEAREST_POINTS, curve->points, NULL, curve->count, space->point_dim, &made->tree, error);
+    if (space_is_disk(space))
+        return disk_tree(curve, &made->tree, error);
+    made->by_metric = true;
+    return metric_tree_build(space, curve->points, curve->count, &made->metric, error);
+}
+
+static void finder_free(finder *made)
+{
+    nearest_free(&made->tree);
+    metric_tree_free(&made->metric);
+}
+
+static double finder_distance(const finder *from, const double *point)
+{
+    if (from->by_metric)
+        return metric_tree_find(&from->metric, point).distance;
+    nearest_hit hit = nearest_find(&from->tree, point);
+    const bat_space *space = from->curve->space;
+    return from->geodesic ? space->distance(space, point, row(from->curve, hit.item)) : hit.distance;
+}
+
+/// One way: mean, greatest, and where that is.
+typedef struct one_way
+{
+    double mean, greatest;
+    size_t farthest;
+} one_way;
+
+/// The mean of numbers from 0 to `greatest`. A power of two keeps their sum in range.
+static double mean_of(const double *distances, size_t count, double greatest)
+{
+    int exponent;
+    (void)frexp(greatest, &exponent);
+    exponent = exponent < -1000 ? -1000 : exponent;
+    double scale = ldexp(1, -exponent);
+    exact_sum sum = {0};
+    for (size_t i = 0; i < count; i++)
+        sum_add(&sum, distances[i] * scale);
+    return fmin(ldexp(sum_total(&sum) / (double)count, exponent), greatest);
+}
+
+static one_way reduce(const double *distances, size_t count)
+{
+    one_way result = {.greatest = -1};
+    for (size_t i = 0; i < count; i++)
+        if (distances[i] > result.greatest)
+        {
+            result.greatest = distances[i];
+            result.farthest = i;
+        }
+    result.mean = mean_of(distances, count, result.greatest);
+    return result;
+}
+
+static size_t blocks_of(const bat_curve *curve)
+{
+    return curve->count / BLOCK + (curve->count % BLOCK > 0);
+}
+
+static bat_status measure_block(const finder *target, const bat_curve *from, size_t begin, double *distances,
+                                bat_error *error)
+{
+    size_t end = from->count - begin < BLOCK ? from->count : begin + BLOCK;
+    for (size_t i = begin; i < end; i++)
+    {
+        distances[i] = finder_distance(target, row(from, i));
+        if (!isfinite(distances[i]))
+            return error_set(error, BAT_INVALID_POINT, i, 0,
+                             "the distance of point %zu from the other curve is too large for a double", i);
+    }
+    return BAT_OK;
+}
+
+/// The distances of all points; the blocks are the pieces of `work` from `first_piece` on.
+static void measure_all(const finder *target, const bat_curve *from, int threads, double *distances, size_t first_piece,
+                        shared_work *work)
+{
+    size_t blocks = blocks_of(from);
+    threads = threads_for(threads, blocks);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t block = 0; block < blocks; block++)
+    {
+        if (!shared_work_wants(work, first_piece + block))
+            continue;
+        bat_error own;
+        bat_status status = measure_block(target, from, block * BLOCK, distances, &own);
+        shared_work_finish(work, first_piece + block, status, &own);
+    }
+}
+
+/// `result` is filled in unless `work` has failed or is cancelled.
+static bat_status compare_one_way(const bat_curve *from, const bat_curve *to, const bat_curve_measure_options *options,
+                                  size_t first_piece, shared_work *work, one_way *result, bat_error *error)
+{
+    size_t end_piece = first_piece + blocks_of(from);
+    if (!shared_work_wants(work, end_piece))
+        return BAT_OK;
+    double *distances = memory_array(from->count, sizeof *distances);
+    if (distances == NULL)
+        return error_memory(error, from->count * sizeof *distances);
+    finder target;
+    bat_status status = finder_make(to, options, &target, error);
+    if (status == BAT_OK)
+    {
+        measure_all(&target, from, options->threads, distances, first_piece, work);
+        if (shared_work_wants(work, end_piece))
+            *result = reduce(distances, from->count);
+        finder_free(&target);
+    }
+    free(distances);
+    return status;
+}
+
+static bat_status check_points(const bat_curve *curve, const char *which, bool geodesic, bat_error *error)
+{
+    if (curve->count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s curve has no points", which);
+    bat_status status = coordinates_check(curve, which, error);
+    return status == BAT_OK && geodesic ? bat_space_check(curve->space, curve->points, curve->count, error) : status;
+}
+
+static bat_status check_pair(const bat_curve *first, const bat_curve *second, const bat_curve_measure_options *options,
+                             bat_error *error)
+{
+    const bat_space *a = first->space, *b = second->space;
+    if (options->geodesic && options->to_segments)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "distances to edges are chordal, not geodesic");
+    if (a->point_dim != b->point_dim)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the first curve has %zu coordinates a point and the second %zu", a->point_dim, b->point_dim);
+    if (options->geodesic && (a->distance != b->distance || a->parameters != b->parameters))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the first curve lies in the space %s and the second in %s", a->name, b->name);
+    bat_status status = check_points(first, "first", options->geodesic, error);
+    return status == BAT_OK ? check_points(second, "second", options->geodesic, error) : status;
+}
+
+bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, const bat_curve_measure_options *options,
+                             bat_curve_distance *distance, bat_error *error)
+{
+    bat_curve_measure_options defaults = bat_curve_measure_defaults();
+    options = options == NULL ? &defaults : options;
+    one_way there = {0}, back = {0};
+    bat_status status = check_pair(first, second, options, error);
+    if (status != BAT_OK)
+        return status;
+    shared_work work = shared_work_make(blocks_of(first) + blocks_of(second), options->progress);
+    status = compare_one_way(first, second, options, 0, &work, &there, error);
+    if (status == BAT_OK)
+        status = compare_one_way(second, first, options, blocks_of(first), &work, &back, error);
+    if (status == BAT_OK)
+        status = shared_work_end(&work, error);
+    if (status != BAT_OK)
+        return status;
+    *distance = (bat_curve_distance){.mean_nn = there.mean,
+                                     .mean_nn_back = back.mean,
+                                     .mean_symmetric = there.mean / 2 + back.mean / 2,
+                                     .hausdorff_there = there.greatest,
+                                     .hausdorff_back = back.greatest,
+                                     .hausdorff = fmax(there.greatest, back.greatest),
+                                     .farthest_there = there.farthest,
+                                     .farthest_back = back.farthest};
+    return BAT_OK;
+}

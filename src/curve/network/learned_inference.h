@@ -1,0 +1,34 @@
+#ifndef CURVE_NETWORK_LEARNED_INFERENCE_H
+#define CURVE_NETWORK_LEARNED_INFERENCE_H
+
+#include "curve/network/learned_network.h"
+#include "learn/packed.h"
+
+/// @file
+/// The network of models/learned_network.h for inference alone: no tape, nothing allocated, nothing laid out anew: the
+/// weights are used as a file holds them.
+
+enum
+{
+    /// Edges that go through the network together.
+    LEARNED_ROWS = 8 * LEARN_TILE
+};
+
+/// One call's memory; aligned to 64 bytes.
+typedef struct learned_scratch
+{
+    _Alignas(64) real x[LEARNED_ROWS * LEARNED_WIDTH];
+    real inner[LEARNED_ROWS * LEARNED_WIDTH], next[LEARNED_ROWS * LEARNED_WIDTH];
+    real features[LEARNED_ROWS * LEARNED_FEATURES];
+    learned_features sights[LEARNED_ROWS];
+} learned_scratch;
+
+/// The insertion angles of `count` edges, positive to the left. Where weights are so large that numbers overflow on the way, the
+/// angle is that of the six-point rule.
+/// @param weights  the values of learned_network_make()'s parameters, in order
+/// @param angles   angles[j + i] is that of vertex i as edge j counts (learned_see()), lengths alike
+/// @param chosen   receives `count` angles; not limited to the admissible ones
+void learned_inference_angles(const real *weights, size_t count, const double *angles, const double *lengths,
+                              double curvature, double fairness, double *chosen, learned_scratch *scratch);
+
+#endif

@@ -1,0 +1,46 @@
+#include "curve/network/learned_rule.h"
+
+#include "batten/curve_scheme.h"
+#include "curve/network/learned_inference.h"
+#include "learn/weights.h"
+#include "space/known.h"
+
+#include <math.h>
+
+const char *learned_rule_fault(const bat_angle_rule *rule, const bat_space *space)
+{
+    (void)rule;
+    int curvature;
+    return space_is_surface(space, &curvature) ? NULL : "the network knows the plane, the sphere and the disk";
+}
+
+static void angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *chosen, void *scratch)
+{
+    int curvature = 0;
+    (void)space_is_surface(view->space, &curvature);
+    learned_inference_angles(rule->parameters, view->count, view->angles, view->lengths, curvature, view->fairness, chosen,
+                             scratch);
+}
+
+static const bat_angle_rule SHIPPED = {
+    .name = "learned",
+    .reach = LEARNED_REACH,
+    .scratch_size = sizeof(learned_scratch),
+    .parameters = &weights_learned,
+    .fault = learned_rule_fault,
+    .angles = angles,
+};
+
+bat_angle_rule learned_rule(const real *weights)
+{
+    bat_angle_rule rule = SHIPPED;
+    rule.parameters = weights;
+    return rule;
+}
+
+bat_curve_scheme bat_curve_scheme_learned(double fairness)
+{
+    bat_curve_scheme scheme = bat_curve_scheme_angle_rule(&SHIPPED);
+    scheme.fairness = isnan(fairness) ? 0.5 : fmin(fmax(fairness, 0), 1);
+    return scheme;
+}

@@ -1,0 +1,344 @@
+#include "batten/curve.h"
+#include "batten/curve_scheme.h"
+
+#include "base/error.h"
+#include "curve/plan.h"
+#include "space/known.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// The settings that a scheme's name may carry, with their values before the text is read.
+typedef struct settings
+{
+    double w, r, s, mu, order, fairness;
+    bool adaptive;
+    bat_angle_sign sign;
+    bat_log_exp_base base;
+} settings;
+
+/// One name: what it takes, and how the settings become a scheme.
+typedef struct entry
+{
+    const char *name, *settings, *summary;
+    settings defaults;
+    bat_curve_scheme (*make)(const settings *);
+} entry;
+
+static bat_curve_scheme make_chaikin(const settings *s)
+{
+    (void)s;
+    return bat_curve_scheme_linear(bat_mask_chaikin());
+}
+
+static bat_curve_scheme make_corner_cutting(const settings *s)
+{
+    return bat_curve_scheme_linear(bat_mask_corner_cutting(s->r, s->s));
+}
+
+static bat_curve_scheme make_four_point(const settings *s)
+{
+    return bat_curve_scheme_linear(bat_mask_four_point(s->w));
+}
+
+static bat_curve_scheme make_six_point(const settings *s)
+{
+    return bat_curve_scheme_linear(bat_mask_six_point(s->w));
+}
+
+static bat_curve_scheme make_lane_riesenfeld(const settings *s)
+{
+    return bat_curve_scheme_linear(bat_mask_lane_riesenfeld((size_t)s->order));
+}
+
+static bat_curve_scheme make_angle(const settings *s)
+{
+    bat_curve_scheme scheme = bat_curve_scheme_angle(s->mu);
+    scheme.sign = s->sign;
+    scheme.adaptive = s->adaptive;
+    return scheme;
+}
+
+static bat_curve_scheme make_log_exp_4(const settings *s)
+{
+    bat_curve_scheme scheme = bat_curve_scheme_log_exp(bat_mask_four_point(s->w));
+    scheme.base = s->base;
+    return scheme;
+}
+
+static bat_curve_scheme make_log_exp_6(const settings *s)
+{
+    bat_curve_scheme scheme = bat_curve_scheme_log_exp(bat_mask_six_point(s->w));
+    scheme.base = s->base;
+    return scheme;
+}
+
+static bat_curve_scheme make_log_exp_lane_riesenfeld(const settings *s)
+{
+    bat_curve_scheme scheme = bat_curve_scheme_log_exp(bat_mask_lane_riesenfeld((size_t)s->order));
+    scheme.base = s->base;
+    return scheme;
+}
+
+static bat_curve_scheme make_geodesic(const settings *s)
+{
+    return bat_curve_scheme_geodesic((size_t)s->order);
+}
+
+static bat_curve_scheme make_learned(const settings *s)
+{
+    return bat_curve_scheme_learned(s->fairness);
+}
+
+static const entry ENTRIES[] = {
+    {"chaikin", "", "corner cutting at 1/4 and 3/4, the quadratic B-spline; R^n", {.w = 0}, make_chaikin},
+    {"corner-cutting", "r=0.25,s=0.75", "corner cutting at r and s; R^n", {.r = 0.25, .s = 0.75}, make_corner_cutting},
+    {"four-point", "w=0.0625", "interpolates, C1, reproduces cubics; R^n", {.w = BAT_FOUR_POINT_WEIGHT}, make_four_point},
+    {"six-point", "w=0.01171875", "interpolates, C2, reproduces quintics; R^n", {.w = BAT_SIX_POINT_WEIGHT}, make_six_point},
+    {"lane-riesenfeld", "order=3", "the B-spline of degree `order`; R^n", {.order = 3}, make_lane_riesenfeld},
+    {"mask", "a,b,c,…@first", "any mask, coefficients as numbers or fractions; R^n", {.w = 0}, NULL},
+    {"angle-4",
+     "sign=outward,adaptive=0",
+     "interpolates by exterior angles, tension 0; plane, sphere, disk",
+     {.mu = 0},
+     make_angle},
+    {"angle-6",
+     "sign=outward,adaptive=0",
+     "interpolates by exterior angles, tension -1/4; plane, sphere, disk",
+     {.mu = BAT_TENSION_SIX_POINT},
+     make_angle},
+    {"angle",
+     "mu=0,sign=outward,adaptive=0",
+     "interpolates by exterior angles, any tension; plane, sphere, disk",
+     {.mu = 0},
+     make_angle},
+    {"log-exp-4",
+     "w=0.0625,base=vertex",
+     "the four-point scheme in tangent spaces; any space",
+     {.w = BAT_FOUR_POINT_WEIGHT},
+     make_log_exp_4},
+    {"log-exp-6",
+     "w=0.01171875,base=vertex",
+     "the six-point scheme in tangent spaces; any space",
+     {.w = BAT_SIX_POINT_WEIGHT},
+     make_log_exp_6},
+    {"log-exp-lane-riesenfeld",
+     "order=3,base=vertex",
+     "the B-spline of degree `order` in tangent spaces; any space",
+     {.order = 3},
+     make_log_exp_lane_riesenfeld},
+    {"geodesic", "order=3", "Lane-Riesenfeld by midpoints of geodesics; any space", {.order = 3}, make_geodesic},
+    {"learned",
+     "fairness=0.5",
+     "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk",
+     {.fairness = 0.5},
+     make_learned},
+};
+enum
+{
+    ENTRY_COUNT = sizeof ENTRIES / sizeof ENTRIES[0]
+};
+
+bool bat_curve_scheme_list(size_t index, const char **name, const char **setting_list, const char **summary)
+{
+    if (index >= ENTRY_COUNT)
+        return false;
+    *name = ENTRIES[index].name;
+    *setting_list = ENTRIES[index].settings;
+    *summary = ENTRIES[index].summary;
+    return true;
+}
+
+/// A number or a fraction of two, up to the character after it.
+static bool read_number(const char **text, double *value)
+{
+    char *end;
+    double numerator = strtod(*text, &end);
+    if (end == *text || !isfinite(numerator))
+        return false;
+    double denominator = 1;
+    if (*end == '/')
+    {
+        const char *start = end + 1;
+        denominator = strtod(start, &end);
+        if (end == start || !isfinite(denominator) || denominator == 0)
+            return false;
+    }
+    *text = end;
+    *value = numerator / denominator;
+    return isfinite(*value);
+}
+
+/// "1/4,3/4,3/4,1/4@-2"
+static bat_status read_mask(const char *text, bat_curve_scheme *scheme, bat_error *error)
+{
+    bat_mask mask = {.count = 0};
+    const char *at = text;
+    do
+    {
+        double value;
+        if (mask.count == BAT_MASK_MAX)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a mask has at most %d coefficients",
+                             BAT_MASK_MAX);
+        if (!read_number(&at, &value))
+            return error_set(error, BAT_INVALID_ARGUMENT, mask.count, 0, "coefficient %zu of the mask '%s' is not a number",
+                             mask.count, text);
+        mask.coefficients[mask.count++] = value;
+    } while (*at == ',' && at++);
+    mask.first = -(int)(mask.count / 2);
+    if (*at == '@')
+    {
+        char *end;
+        errno = 0;
+        long first = strtol(at + 1, &end, 10);
+        if (end == at + 1 || *end != '\0' || errno != 0 || labs(first) > BAT_MASK_MAX)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                             "the first index in the mask '%s' is not a whole number within %d of 0", text, BAT_MASK_MAX);
+        mask.first = (int)first;
+        at = end;
+    }
+    if (*at != '\0')
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "'%s' does not belong in a mask", at);
+    *scheme = bat_curve_scheme_linear(mask);
+    return BAT_OK;
+}
+
+/// Whether the entry's settings text begins one of its items with `key=`.
+static bool takes(const entry *e, const char *key, size_t length)
+{
+    for (const char *item = e->settings; item != NULL && *item != '\0'; item = strchr(item, ','))
+    {
+        item += *item == ',' ? 1 : 0;
+        if (strncmp(item, key, length) == 0 && item[length] == '=')
+            return true;
+    }
+    return false;
+}
+
+/// Whether `length` characters are the word.
+static bool is_word(const char *text, size_t length, const char *word)
+{
+    return strlen(word) == length && strncmp(text, word, length) == 0;
+}
+
+/// One of two words: 0 for the first, 1 for the second, -1 for neither.
+static int read_word(const char *text, size_t length, const char *first, const char *second)
+{
+    return is_word(text, length, first) ? 0 : is_word(text, length, second) ? 1 : -1;
+}
+
+/// The value of one item, `length` characters long.
+static bool read_setting(const char *key, size_t key_length, const char *value, size_t length, settings *s)
+{
+    int chosen = -1;
+    if (is_word(key, key_length, "sign"))
+    {
+        chosen = read_word(value, length, "outward", "printed");
+        s->sign = chosen == 1 ? BAT_ANGLE_PRINTED : BAT_ANGLE_OUTWARD;
+        return chosen >= 0;
+    }
+    if (is_word(key, key_length, "base"))
+    {
+        chosen = read_word(value, length, "vertex", "midpoint");
+        s->base = chosen == 1 ? BAT_BASE_MIDPOINT : BAT_BASE_VERTEX;
+        return chosen >= 0;
+    }
+    if (is_word(key, key_length, "adaptive"))
+    {
+        chosen = read_word(value, length, "0", "1");
+        s->adaptive = chosen == 1;
+        return chosen >= 0;
+    }
+    const struct
+    {
+        const char *key;
+        double *value;
+    } numbers[] = {{"w", &s->w},   {"r", &s->r},         {"s", &s->s},
+                   {"mu", &s->mu}, {"order", &s->order}, {"fairness", &s->fairness}};
+    const char *end = value;
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        if (is_word(key, key_length, numbers[i].key))
+            return read_number(&end, numbers[i].value) && end == value + length;
+    return false;
+}
+
+/// "key=value,key=value"
+static bat_status read_settings(const entry *e, const char *text, settings *s, bat_error *error)
+{
+    bool more = *text != '\0';
+    while (more)
+    {
+        size_t key_length = strcspn(text, "=,");
+        const char *key = text;
+        if (text[key_length] != '=' || !takes(e, key, key_length))
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                             "the scheme %s has no setting '%.*s'; it takes: %s", e->name, (int)key_length, key,
+                             e->settings[0] != '\0' ? e->settings : "none");
+        const char *value = text + key_length + 1;
+        size_t length = strcspn(value, ",");
+        if (!read_setting(key, key_length, value, length, s))
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, key, e->name, (int)length,
+                             value);
+        more = value[length] == ',';
+        text = value + length + 1;
+    }
+    return BAT_OK;
+}
+
+static bat_status check_settings(const entry *e, const settings *s, bat_error *error)
+{
+    if (e->make == make_corner_cutting && !(0 < s->r && s->r < s->s && s->s < 1))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "corner cutting needs 0 < r < s < 1, not r = %g, s = %g", s->r, s->s);
+    bool has_order = e->make == make_lane_riesenfeld || e->make == make_log_exp_lane_riesenfeld || e->make == make_geodesic;
+    if (has_order && !(s->order >= 1 && s->order <= BAT_MASK_MAX - 2 && s->order == floor(s->order)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the order must be a whole number from 1 to %d, not %g", BAT_MASK_MAX - 2, s->order);
+    if (e->make == make_learned && !(s->fairness >= 0 && s->fairness <= 1))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fairness must lie between 0 and 1, not be %g",
+                         s->fairness);
+    return BAT_OK;
+}
+
+bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, bat_error *error)
+{
+    size_t length = strcspn(name, ":");
+    const char *text = name[length] == ':' ? name + length + 1 : name + length;
+    for (size_t i = 0; i < ENTRY_COUNT; i++)
+    {
+        const entry *e = &ENTRIES[i];
+        if (strlen(e->name) != length || strncmp(e->name, name, length) != 0)
+            continue;
+        if (e->make == NULL)
+            return read_mask(text, scheme, error);
+        settings s = e->defaults;
+        bat_status status = read_settings(e, text, &s, error);
+        if (status == BAT_OK)
+            status = check_settings(e, &s, error);
+        if (status == BAT_OK)
+            *scheme = e->make(&s);
+        return status;
+    }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
+}
+
+/// Whether the network knows the space.
+static bool is_learned(const bat_space *space)
+{
+    int curvature;
+    return space_is_surface(space, &curvature);
+}
+
+const char *bat_curve_scheme_name_for_space(const bat_space *space)
+{
+    return is_learned(space) ? "learned" : scheme_classical_name(space);
+}
+
+bat_curve_scheme bat_curve_scheme_for_space(const bat_space *space)
+{
+    return is_learned(space) ? bat_curve_scheme_learned(0.5) : scheme_classical(space);
+}

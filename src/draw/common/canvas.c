@@ -1,0 +1,163 @@
+#include "draw/common/canvas.h"
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "draw/common/style.h"
+#include "draw/common/svg_numbers.h"
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *error)
+{
+    static const char *const endings[] = {[CANVAS_SVG] = ".svg", [CANVAS_PNG] = ".png", [CANVAS_PDF] = ".pdf"};
+    const char *slash = strrchr(path, '/');
+    const char *name = slash != NULL ? slash + 1 : path;
+    const char *ending = strrchr(name, '.');
+    for (int i = CANVAS_SVG; ending != NULL && ending != name && i <= CANVAS_PDF; i++)
+    {
+        if (strcasecmp(ending, endings[i]) == 0)
+        {
+            *format = (canvas_format)i;
+            return BAT_OK;
+        }
+    }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture's name must end in .svg, .png or .pdf");
+}
+
+static cairo_status_t append_bytes(void *context, const unsigned char *data, unsigned int length)
+{
+    canvas_bytes *bytes = context;
+    if (length > bytes->capacity - bytes->size)
+    {
+        size_t capacity = 2 * bytes->capacity + length + 65536;
+        unsigned char *grown = capacity > bytes->capacity ? realloc(bytes->data, capacity) : NULL;
+        if (grown == NULL)
+        {
+            return CAIRO_STATUS_WRITE_ERROR;
+        }
+        bytes->data = grown;
+        bytes->capacity = capacity;
+    }
+    memcpy(bytes->data + bytes->size, data, length);
+    bytes->size += length;
+    return CAIRO_STATUS_SUCCESS;
+}
+
+/// The status for a failure of cairo, whose files are all in memory.
+static bat_status drawing_failed(cairo_status_t status, bat_error *error)
+{
+    bat_status mine = status == CAIRO_STATUS_INVALID_SIZE ? BAT_TOO_LARGE : BAT_NO_MEMORY;
+    return error_set(error, mine, BAT_NO_INDEX, 0, "the picture cannot be drawn: %s", cairo_status_to_string(status));
+}
+
+/// Shape and place text alike in all formats.
+static void use_exact_text(cairo_t *cairo)
+{
+    cairo_font_options_t *options = cairo_font_options_create();
+    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+    cairo_set_font_options(cairo, options);
+    cairo_font_options_destroy(options);
+}
+
+bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, double height, double pixels_per_point,
+                       bat_error *error)
+{
+    *canvas = (draw_canvas){.format = format, .pixels_per_point = format == CANVAS_PNG ? pixels_per_point : 1.0};
+    double scale = canvas->pixels_per_point;
+    switch (format)
+    {
+    case CANVAS_PNG:
+        canvas->surface =
+            cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)lround(width * scale), (int)lround(height * scale));
+        break;
+    case CANVAS_SVG:
+        canvas->surface = cairo_svg_surface_create_for_stream(append_bytes, &canvas->bytes, width, height);
+        break;
+    case CANVAS_PDF:
+        canvas->surface = cairo_pdf_surface_create_for_stream(append_bytes, &canvas->bytes, width, height);
+        cairo_pdf_surface_set_metadata(canvas->surface, CAIRO_PDF_METADATA_CREATE_DATE, "");
+        break;
+    }
+    canvas->cairo = cairo_create(canvas->surface);
+    cairo_status_t status = cairo_status(canvas->cairo);
+    if (status != CAIRO_STATUS_SUCCESS)
+    {
+        canvas_close(canvas);
+        return drawing_failed(status, error);
+    }
+    cairo_scale(canvas->cairo, scale, scale);
+    use_exact_text(canvas->cairo);
+    style_use_colour(canvas->cairo, COLOUR_PAPER);
+    cairo_paint(canvas->cairo);
+    return BAT_OK;
+}
+
+static bat_status write_file(const char *path, const canvas_bytes *bytes, bat_error *error)
+{
+    atomic_file file;
+    bat_status status = atomic_file_begin(path, &file, error);
+    if (status == BAT_OK)
+    {
+        if (fwrite(bytes->data, 1, bytes->size, file.stream) != bytes->size)
+        {
+            status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
+        }
+        status = atomic_file_end(&file, status, error);
+    }
+    return status;
+}
+
+bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error)
+{
+    cairo_status_t status = cairo_status(canvas->cairo);
+    if (status == CAIRO_STATUS_SUCCESS && canvas->format == CANVAS_PNG)
+    {
+        status = cairo_surface_write_to_png_stream(canvas->surface, append_bytes, &canvas->bytes);
+    }
+    cairo_surface_finish(canvas->surface);
+    if (status == CAIRO_STATUS_SUCCESS)
+    {
+        status = cairo_surface_status(canvas->surface);
+    }
+    if (status != CAIRO_STATUS_SUCCESS)
+    {
+        return drawing_failed(status, error);
+    }
+    if (canvas->format == CANVAS_SVG && !svg_renumber(&canvas->bytes.data, &canvas->bytes.size))
+    {
+        return error_memory(error, canvas->bytes.size);
+    }
+    return write_file(path, &canvas->bytes, error);
+}
+
+void canvas_close(draw_canvas *canvas)
+{
+    cairo_destroy(canvas->cairo);
+    cairo_surface_destroy(canvas->surface);
+    free(canvas->bytes.data);
+    *canvas = (draw_canvas){0};
+}
+
+static void sink_move(void *context, double x, double y)
+{
+    cairo_move_to(context, x, y);
+}
+
+static void sink_line(void *context, double x, double y)
+{
+    cairo_line_to(context, x, y);
+}
+
+path_sink canvas_sink(cairo_t *cairo)
+{
+    return (path_sink){sink_move, sink_line, cairo};
+}

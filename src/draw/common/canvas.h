@@ -1,0 +1,51 @@
+#ifndef DRAW_COMMON_CANVAS_H
+#define DRAW_COMMON_CANVAS_H
+
+#include "batten/base.h"
+#include "draw/curve/simplify.h"
+
+#include <cairo.h>
+
+/// @file
+/// A sheet of paper in memory that becomes an SVG, PNG or PDF file.
+
+typedef enum canvas_format
+{
+    CANVAS_SVG,
+    CANVAS_PNG,
+    CANVAS_PDF
+} canvas_format;
+
+/// The format that the ending of a path asks for.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
+bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *error);
+
+/// Bytes that grow.
+typedef struct canvas_bytes
+{
+    unsigned char *data;
+    size_t size;
+    size_t capacity;
+} canvas_bytes;
+
+typedef struct draw_canvas
+{
+    cairo_t *cairo; ///< the unit is a point, the origin at the top left
+    cairo_surface_t *surface;
+    canvas_format format;
+    canvas_bytes bytes;
+    double pixels_per_point; ///< 1 for SVG and PDF
+} draw_canvas;
+
+/// A white sheet. The canvas must stay where it is until canvas_close().
+bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, double height, double pixels_per_point,
+                       bat_error *error);
+/// Finish the drawing and put it into a file, whole or not at all.
+bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error);
+/// Free everything. Does nothing to a canvas that is all zero.
+void canvas_close(draw_canvas *canvas);
+
+/// A sink that adds to cairo's current path.
+path_sink canvas_sink(cairo_t *cairo);
+
+#endif

@@ -1,0 +1,219 @@
+#include "draw/common/sheet.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "draw/common/text.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define MARGIN 14.0
+#define GAP_ACROSS 16.0
+#define GAP_DOWN 14.0
+#define TITLE_SPACE 24.0
+#define CAPTION_SPACE 17.0
+#define LEGEND_GAP 9.0
+#define LEAST_BOX 10.0
+#define LARGEST_SIDE 10000.0
+
+typedef struct layout
+{
+    double width, height;
+    double box_width;
+    double title; ///< height of the title
+    double legend;
+    double footer;
+    size_t rows;
+    double *heights;  ///< of the boxes of each row
+    double *captions; ///< height of the captions of each row
+} layout;
+
+double sheet_width(double box_width, size_t columns)
+{
+    return 2.0 * MARGIN + box_width * (double)columns + GAP_ACROSS * (double)(columns - 1);
+}
+
+static double row_height(const sheet_content *content, size_t row, double width)
+{
+    double height = LEAST_BOX;
+    for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
+    {
+        height = fmax(height, content->height(content->context, i, width));
+    }
+    return height;
+}
+
+static double row_caption(const sheet_content *content, size_t row)
+{
+    bool any = false;
+    for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
+    {
+        any = any || text_given(content->caption(content->context, i));
+    }
+    return any ? CAPTION_SPACE : 0.0;
+}
+
+/// Give the rows what a prescribed height of the sheet leaves them, in proportion to what suits them.
+static void squeeze(layout *plan, double fixed, double natural)
+{
+    double available = plan->height - fixed;
+    for (size_t row = 0; row < plan->rows; row++)
+    {
+        plan->heights[row] *= available / natural;
+    }
+}
+
+/// Whether everything finds room on the sheet.
+static bat_status check_room(const layout *plan, double fixed, bat_error *error)
+{
+    if (plan->height > LARGEST_SIDE)
+    {
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the picture would be %.0f points high; 10000 is the most",
+                         plan->height);
+    }
+    if (plan->box_width < LEAST_BOX || plan->height < fixed + LEAST_BOX * (double)plan->rows)
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "a picture of %.0f by %.0f points has no room for its panels, titles and legend", plan->width,
+                         plan->height);
+    }
+    return BAT_OK;
+}
+
+/// The sheet's widths, title and legend.
+static layout plan_page(const sheet_content *content, cairo_t *cairo)
+{
+    const bat_curve_picture_options *options = content->options;
+    double columns = (double)content->columns;
+    layout plan = {.width = options->width > 0.0 ? options->width : content->natural_width,
+                   .rows = (content->count + content->columns - 1) / content->columns,
+                   .title = text_given(options->title) ? TITLE_SPACE : 0.0};
+    plan.box_width = (plan.width - 2.0 * MARGIN - GAP_ACROSS * (columns - 1.0)) / columns;
+    plan.legend = legend_height(cairo, content->items, content->item_count, plan.width - 2.0 * MARGIN);
+    plan.legend += plan.legend > 0.0 ? LEGEND_GAP : 0.0;
+    plan.footer = content->footer_height > 0.0 ? content->footer_height + LEGEND_GAP : 0.0;
+    return plan;
+}
+
+static bat_status plan_layout(const sheet_content *content, cairo_t *cairo, layout *plan, bat_error *error)
+{
+    *plan = plan_page(content, cairo);
+    plan->heights = memory_array(plan->rows, sizeof(double));
+    plan->captions = memory_array(plan->rows, sizeof(double));
+    if (plan->heights == NULL || plan->captions == NULL)
+    {
+        return error_memory(error, plan->rows * sizeof(double));
+    }
+    double natural = 0.0;
+    double fixed = 2.0 * MARGIN + plan->title + plan->legend + plan->footer + GAP_DOWN * (double)(plan->rows - 1);
+    for (size_t row = 0; row < plan->rows; row++)
+    {
+        plan->heights[row] = row_height(content, row, plan->box_width);
+        plan->captions[row] = row_caption(content, row);
+        natural += plan->heights[row];
+        fixed += plan->captions[row];
+    }
+    bool prescribed = content->options->height > 0.0;
+    plan->height = prescribed ? content->options->height : ceil(natural + fixed);
+    if (prescribed)
+    {
+        squeeze(plan, fixed, natural);
+    }
+    return check_room(plan, fixed, error);
+}
+
+static bat_status draw_row(const sheet_content *content, cairo_t *cairo, const layout *plan, size_t row, double y,
+                           bat_error *error)
+{
+    size_t first = row * content->columns;
+    for (size_t i = first; i < first + content->columns && i < content->count; i++)
+    {
+        double x = MARGIN + (double)(i - first) * (plan->box_width + GAP_ACROSS);
+        double box[4] = {x, y, plan->box_width, plan->heights[row]};
+        cairo_save(cairo);
+        bat_status status = content->draw(content->context, cairo, i, box, error);
+        cairo_restore(cairo);
+        if (status != BAT_OK)
+        {
+            return status;
+        }
+        const char *caption = content->caption(content->context, i);
+        if (text_given(caption))
+        {
+            style_use_colour(cairo, COLOUR_INK);
+            text_draw_fitted(cairo, caption, TEXT_CAPTION, false, x + 0.5 * plan->box_width,
+                             y + plan->heights[row] + CAPTION_SPACE - 4.0, plan->box_width);
+        }
+    }
+    return BAT_OK;
+}
+
+static bat_status draw_sheet(const sheet_content *content, cairo_t *cairo, const layout *plan, bat_error *error)
+{
+    double y = MARGIN + plan->title;
+    if (plan->title > 0.0)
+    {
+        style_use_colour(cairo, COLOUR_INK);
+        text_draw_fitted(cairo, content->options->title, TEXT_TITLE, true, 0.5 * plan->width, MARGIN + 10.0,
+                         plan->width - 2.0 * MARGIN);
+    }
+    for (size_t row = 0; row < plan->rows; row++)
+    {
+        bat_status status = draw_row(content, cairo, plan, row, y, error);
+        if (status != BAT_OK)
+        {
+            return status;
+        }
+        y += plan->heights[row] + plan->captions[row] + GAP_DOWN;
+    }
+    y += LEGEND_GAP - GAP_DOWN;
+    legend_draw(cairo, content->items, content->item_count, MARGIN, y, plan->width - 2.0 * MARGIN);
+    if (plan->footer > 0.0)
+    {
+        double box[4] = {MARGIN, y + plan->legend, plan->width - 2.0 * MARGIN, content->footer_height};
+        content->draw_footer(content->context, cairo, box);
+    }
+    return BAT_OK;
+}
+
+/// Plan on a small sheet, which knows the fonts.
+static bat_status plan_sheet(const sheet_content *content, layout *plan, bat_error *error)
+{
+    draw_canvas small;
+    bat_status status = canvas_open(&small, CANVAS_PNG, 1.0, 1.0, 1.0, error);
+    if (status == BAT_OK)
+    {
+        status = plan_layout(content, small.cairo, plan, error);
+        canvas_close(&small);
+    }
+    return status;
+}
+
+bat_status sheet_write(const char *path, const sheet_content *content, bat_error *error)
+{
+    canvas_format format;
+    bat_status status = canvas_format_of(path, &format, error);
+    if (status != BAT_OK)
+    {
+        return status;
+    }
+    layout plan = {0};
+    draw_canvas canvas = {0};
+    status = plan_sheet(content, &plan, error);
+    if (status == BAT_OK)
+    {
+        status = canvas_open(&canvas, format, plan.width, plan.height, content->options->pixels_per_point, error);
+    }
+    if (status == BAT_OK)
+    {
+        status = draw_sheet(content, canvas.cairo, &plan, error);
+    }
+    if (status == BAT_OK)
+    {
+        status = canvas_save(&canvas, path, error);
+    }
+    canvas_close(&canvas);
+    free(plan.heights);
+    free(plan.captions);
+    return status;
+}

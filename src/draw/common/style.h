@@ -1,0 +1,59 @@
+#ifndef DRAW_COMMON_STYLE_H
+#define DRAW_COMMON_STYLE_H
+
+#include <cairo.h>
+
+#include <stdbool.h>
+
+/// @file
+/// The look of all pictures in one place: colours, weights of lines, sizes of text. Lengths are in points.
+
+typedef struct draw_colour
+{
+    double red, green, blue;
+} draw_colour;
+
+/// A line as it is stroked; `dash` 0 is solid.
+typedef struct line_style
+{
+    draw_colour colour;
+    double width;
+    double dash; ///< length of a dash
+    double gap;  ///< length between two dashes
+} line_style;
+
+static const draw_colour COLOUR_PAPER = {1.0, 1.0, 1.0};
+static const draw_colour COLOUR_INK = {0.16, 0.18, 0.21};
+static const draw_colour COLOUR_SOFT_INK = {0.38, 0.41, 0.45};
+static const draw_colour COLOUR_FRAME = {0.55, 0.58, 0.62};
+static const draw_colour COLOUR_CONTROL = {0.40, 0.48, 0.58};
+static const draw_colour COLOUR_TRUTH = {0.68, 0.69, 0.71};
+static const draw_colour COLOUR_GRID = {0.865, 0.88, 0.90};
+static const draw_colour COLOUR_STRONG_GRID = {0.68, 0.715, 0.755};
+
+#define TEXT_TITLE 11.5
+#define TEXT_CAPTION 9.5
+#define TEXT_LEGEND 9.0
+#define TEXT_TICK 7.5
+
+#define LINE_CURVE 1.4
+#define LINE_TRUTH 2.3
+#define LINE_CONTROL 0.8
+#define LINE_COMB 0.45
+#define LINE_ENVELOPE 0.7
+#define LINE_GRID 0.5
+#define LINE_FRAME 0.7
+#define MARKER_RADIUS 2.1
+
+/// The colour `index` of the fixed order, from 1; orders repeat after BAT_PICTURE_COLOURS.
+draw_colour style_palette(int index);
+/// The line of the curve with colour `index`: solid in the first round of the palette, then with long and with short dashes.
+line_style style_curve(int index);
+/// `share` of draw_colour a, the rest of colour b.
+draw_colour style_mix(draw_colour a, draw_colour b, double share);
+
+void style_use_colour(cairo_t *cairo, draw_colour colour);
+/// Colour, width and dashes for the next stroke.
+void style_use_line(cairo_t *cairo, line_style line);
+
+#endif

@@ -1,0 +1,111 @@
+#include "draw/common/text.h"
+
+#include <string.h>
+
+/// The length in bytes of the well-formed UTF-8 character at `text`; 0 when there is none (RFC 3629, section 4).
+static size_t character_length(const unsigned char *text)
+{
+    if (text[0] < 0x80)
+    {
+        return text[0] >= 0x20 && text[0] != 0x7f ? 1 : 0;
+    }
+    size_t length = text[0] >= 0xf0 ? 4 : text[0] >= 0xe0 ? 3 : 2;
+    if (text[0] < 0xc2 || text[0] > 0xf4)
+    {
+        return 0;
+    }
+    for (size_t i = 1; i < length; i++)
+    {
+        if ((text[i] & 0xc0) != 0x80)
+        {
+            return 0;
+        }
+    }
+    bool overlong = (text[0] == 0xe0 && text[1] < 0xa0) || (text[0] == 0xf0 && text[1] < 0x90);
+    bool surrogate = text[0] == 0xed && text[1] >= 0xa0;
+    bool beyond = text[0] == 0xf4 && text[1] >= 0x90;
+    return overlong || surrogate || beyond ? 0 : length;
+}
+
+bool text_is_valid(const char *text)
+{
+    const unsigned char *rest = (const unsigned char *)text;
+    while (rest != NULL && *rest != '\0')
+    {
+        size_t length = character_length(rest);
+        if (length == 0)
+        {
+            return false;
+        }
+        rest += length;
+    }
+    return true;
+}
+
+bool text_given(const char *text)
+{
+    return text != NULL && text[0] != '\0';
+}
+
+void text_use(cairo_t *cairo, double size, bool bold)
+{
+    cairo_select_font_face(cairo, "sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cairo, size);
+}
+
+double text_width(cairo_t *cairo, const char *text)
+{
+    cairo_text_extents_t extents;
+    cairo_text_extents(cairo, text, &extents);
+    return extents.x_advance;
+}
+
+void text_draw(cairo_t *cairo, const char *text, double x, double y, double align)
+{
+    cairo_move_to(cairo, x - align * text_width(cairo, text), y);
+    cairo_show_text(cairo, text);
+    cairo_new_path(cairo);
+}
+
+void text_draw_middle(cairo_t *cairo, const char *text, double x, double y, double align)
+{
+    cairo_matrix_t font;
+    cairo_get_font_matrix(cairo, &font);
+    text_draw(cairo, text, x, y + 0.5 * text_digit_height(font.yy), align);
+}
+
+void text_cut(cairo_t *cairo, const char *text, double width, char *buffer, size_t capacity)
+{
+    static const char ellipsis[] = "\xe2\x80\xa6";
+    size_t length = strlen(text);
+    if (length < capacity && text_width(cairo, text) <= width)
+    {
+        memcpy(buffer, text, length + 1);
+        return;
+    }
+    size_t room = capacity - sizeof ellipsis;
+    length = length < room ? length : room;
+    do
+    {
+        while (length > 0 && ((unsigned char)text[length] & 0xc0) == 0x80)
+        {
+            length--;
+        }
+        memcpy(buffer, text, length);
+        memcpy(buffer + length, ellipsis, sizeof ellipsis);
+    } while (length > 0 && text_width(cairo, buffer) > width && length--);
+}
+
+void text_draw_fitted(cairo_t *cairo, const char *text, double size, bool bold, double x, double y, double width)
+{
+    char buffer[1024];
+    text_use(cairo, size, bold);
+    double natural = text_width(cairo, text);
+    if (natural > width)
+    {
+        double smaller = size * width / natural;
+        text_use(cairo, smaller > TEXT_SMALLEST ? smaller : TEXT_SMALLEST, bold);
+    }
+    text_cut(cairo, text, width * 1.001, buffer, sizeof buffer);
+    text_draw(cairo, buffer, x, y, 0.5);
+}

@@ -1,0 +1,225 @@
+#include "draw/common/ticks.h"
+
+#include "draw/common/text.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define EXPONENT_SHARE 0.72
+
+/// The one of 1, 2, 5 times a power of ten that is next to `step` on a logarithmic scale.
+static double nice_step(double step)
+{
+    double power = pow(10.0, floor(log10(step)));
+    double share = step / power;
+    return power * (share < sqrt(2.0) ? 1.0 : share < sqrt(10.0) ? 2.0 : share < sqrt(50.0) ? 5.0 : 10.0);
+}
+
+static void add_tick(tick_list *ticks, double value, bool labelled)
+{
+    if (ticks->count < TICKS_MAX)
+    {
+        ticks->values[ticks->count] = value;
+        ticks->labelled[ticks->count] = labelled;
+        ticks->count++;
+    }
+}
+
+/// The decimals that tell multiples of a step apart.
+static int decimals_of(double step)
+{
+    return (int)fmin(fmax(-floor(log10(step) + 1e-9), 0.0), 12.0);
+}
+
+tick_list ticks_linear(double low, double high, double wanted)
+{
+    double step = nice_step((high - low) / fmax(wanted, 1.0));
+    double slack = 1e-9 * (high - low);
+    tick_list ticks = {.step = step, .decimals = decimals_of(step)};
+    for (double i = ceil((low - slack) / step); i * step <= high + slack && ticks.count < TICKS_MAX; i += 1.0)
+    {
+        add_tick(&ticks, i * step, true);
+    }
+    return ticks;
+}
+
+/// The smallest power of ten that is not below a positive number.
+static double power_above(double value)
+{
+    return pow(10.0, ceil(log10(value) - 1e-9));
+}
+
+/// Whether numbers of that size are short without a power of ten.
+static bool plain(double size)
+{
+    return size < 1e5 && size >= 1e-2;
+}
+
+tick_scale ticks_scale(double low, double high)
+{
+    tick_scale scale = {0};
+    double range = high - low;
+    double largest = fmax(fabs(low), fabs(high));
+    double agreement = plain(largest) ? 1e5 : 1e2;
+    if (largest > agreement * range)
+    {
+        double unit = power_above(range);
+        scale.offset = unit * round((low + 0.5 * range) / unit);
+        largest = fmax(fabs(low - scale.offset), fabs(high - scale.offset));
+    }
+    scale.exponent = plain(largest) ? 0 : 3 * (int)floor(log10(largest) / 3.0);
+    return scale;
+}
+
+void ticks_use_scale(tick_list *ticks, tick_scale scale)
+{
+    ticks->scale = scale;
+    ticks->decimals = decimals_of(ticks->step * pow(10.0, -scale.exponent));
+}
+
+/// "×10⁻⁶"
+static void power_text(int exponent, char *text, size_t size)
+{
+    static const char *const digits[] = {"\xe2\x81\xb0", "\xc2\xb9",     "\xc2\xb2",     "\xc2\xb3",     "\xe2\x81\xb4",
+                                         "\xe2\x81\xb5", "\xe2\x81\xb6", "\xe2\x81\xb7", "\xe2\x81\xb8", "\xe2\x81\xb9"};
+    int magnitude = abs(exponent); // at most 324
+    (void)snprintf(text, size,
+                   "\xc3\x97"
+                   "10%s%s%s%s",
+                   exponent < 0 ? "\xe2\x81\xbb" : "", magnitude >= 100 ? digits[magnitude / 100 % 10] : "",
+                   magnitude >= 10 ? digits[magnitude / 10 % 10] : "", digits[magnitude % 10]);
+}
+
+void tick_scale_text(tick_scale scale, char *text)
+{
+    char power[24] = "";
+    char offset[32] = "";
+    if (scale.exponent != 0)
+    {
+        power_text(scale.exponent, power, sizeof power);
+    }
+    if (scale.offset != 0.0)
+    {
+        (void)snprintf(offset, sizeof offset, "%.15g", fabs(scale.offset));
+    }
+    const char *gap = *power != '\0' && *offset != '\0' ? " " : "";
+    const char *sign = scale.offset < 0.0 ? "\xe2\x88\x92" : scale.offset > 0.0 ? "+" : "";
+    (void)snprintf(text, TICK_SCALE_SIZE, "%s%s%s%s%s", power, gap, sign, gap, offset);
+}
+
+/// The multiples of powers of ten that get ticks on a logarithmic axis over `decades` powers.
+static size_t multiples(double decades, const double **shares)
+{
+    static const double few[] = {1.0, 2.0, 5.0};
+    static const double many[] = {1.0, 2.0, 3.0, 4.0, 6.0, 8.0};
+    *shares = decades < 1.2 ? many : few;
+    return decades < 1.2 ? 6 : decades < 3.0 ? 3 : 1;
+}
+
+tick_list ticks_logarithmic(double low, double high, double wanted)
+{
+    double decades = log10(high / low);
+    if (decades < 0.4)
+    {
+        tick_list linear = ticks_linear(low, high, wanted);
+        linear.decimals = -1;
+        linear.powers = low < 1e-4 || high > 1e5;
+        return linear;
+    }
+    tick_list ticks = {.decimals = -1};
+    const double *shares;
+    size_t share_count = multiples(decades, &shares);
+    double first = floor(log10(low) + 1e-9);
+    double every = fmax(1.0, nice_step(decades / fmax(wanted, 1.0)));
+    ticks.powers = share_count == 1 || first < -4.0 || log10(high) > 5.0;
+    double stride = decades > TICKS_MAX - 2 ? every : 1.0;
+    for (double i = stride * floor(first / stride); i <= log10(high) + 1e-9; i += stride)
+    {
+        for (size_t k = 0; k < share_count; k++)
+        {
+            // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): shares has share_count numbers
+            double value = shares[k] * pow(10.0, i);
+            bool whole = k == 0 && fmod(fabs(i), every) == 0.0;
+            if (value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9))
+            {
+                add_tick(&ticks, value, whole || !ticks.powers || decades < 1.2);
+            }
+        }
+    }
+    return ticks;
+}
+
+/// The power of ten of a positive number's leading digit.
+static double exponent_of(double value)
+{
+    return floor(log10(value) + 1e-9);
+}
+
+void tick_label(const tick_list *ticks, size_t index, char *label)
+{
+    double value = (ticks->values[index] - ticks->scale.offset) * pow(10.0, -ticks->scale.exponent);
+    if (ticks->powers)
+    {
+        double leading = value / pow(10.0, exponent_of(value));
+        (void)snprintf(label, TICK_LABEL_SIZE,
+                       leading > 1.0 + 1e-9 ? "%.6g\xc3\x97"
+                                              "10"
+                                            : "10",
+                       leading);
+        return;
+    }
+    double size = fabs(value);
+    bool general = ticks->decimals < 0;
+    bool zero = !general && size < 0.5 * pow(10.0, -ticks->decimals);
+    const char *sign = value < 0.0 && !zero ? "\xe2\x88\x92" : "";
+    if (general)
+    {
+        (void)snprintf(label, TICK_LABEL_SIZE, "%s%.6g", sign, size);
+        return;
+    }
+    (void)snprintf(label, TICK_LABEL_SIZE, "%s%.*f", sign, ticks->decimals, size);
+}
+
+static void exponent_label(const tick_list *ticks, size_t index, char *label)
+{
+    double exponent = exponent_of(ticks->values[index]);
+    (void)snprintf(label, TICK_LABEL_SIZE, "%s%.0f", exponent < 0.0 ? "\xe2\x88\x92" : "", fabs(exponent));
+}
+
+static double font_size(cairo_t *cairo)
+{
+    cairo_matrix_t font;
+    cairo_get_font_matrix(cairo, &font);
+    return font.yy;
+}
+
+double tick_width(cairo_t *cairo, const tick_list *ticks, size_t index)
+{
+    char label[TICK_LABEL_SIZE];
+    tick_label(ticks, index, label);
+    double width = text_width(cairo, label);
+    if (ticks->powers)
+    {
+        exponent_label(ticks, index, label);
+        width += EXPONENT_SHARE * text_width(cairo, label);
+    }
+    return width;
+}
+
+void tick_draw(cairo_t *cairo, const tick_list *ticks, size_t index, double x, double y, double align)
+{
+    char label[TICK_LABEL_SIZE];
+    double left = x - align * tick_width(cairo, ticks, index);
+    tick_label(ticks, index, label);
+    text_draw_middle(cairo, label, left, y, 0.0);
+    if (ticks->powers)
+    {
+        double size = font_size(cairo);
+        left += text_width(cairo, label);
+        exponent_label(ticks, index, label);
+        cairo_set_font_size(cairo, EXPONENT_SHARE * size);
+        text_draw_middle(cairo, label, left, y - 0.38 * size, 0.0);
+        cairo_set_font_size(cairo, size);
+    }
+}

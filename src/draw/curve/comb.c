@@ -1,0 +1,185 @@
+#include "draw/curve/comb.h"
+#include "base/ascending.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double dot(const double *a, const double *b, size_t n)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < n; k++)
+    {
+        sum += a[k] * b[k];
+    }
+    return sum;
+}
+
+/// (z + w) / (1 + conj(w) z) for complex numbers: the translation of the disk that takes 0 to w.
+static void translate(const double *w, const double *z, double *result)
+{
+    double real = 1.0 + w[0] * z[0] + w[1] * z[1];
+    double imaginary = w[0] * z[1] - w[1] * z[0];
+    double x = z[0] + w[0];
+    double y = z[1] + w[1];
+    double square = real * real + imaginary * imaginary;
+    double result_x = (x * real + y * imaginary) / square;
+    result[1] = (y * real - x * imaginary) / square;
+    result[0] = result_x;
+}
+
+/// The unit tangent vector at p towards q.
+/// @return the distance from p to q; 0 with a zero vector when they coincide
+static double direction_to(const comb *teeth, const double *p, const double *q, double *direction)
+{
+    size_t n = teeth->point_dim;
+    if (teeth->space == VIEW_DISK)
+    {
+        double back[2] = {-p[0], -p[1]};
+        translate(back, q, direction);
+    }
+    else
+    {
+        double square = teeth->space == VIEW_SPHERE ? dot(p, p, n) : 1.0;
+        for (size_t k = 0; k < n; k++)
+        {
+            direction[k] = q[k] - p[k];
+        }
+        double radial = teeth->space == VIEW_SPHERE ? dot(direction, p, n) / square : 0.0;
+        for (size_t k = 0; k < n && radial != 0.0; k++)
+        {
+            direction[k] -= radial * p[k];
+        }
+    }
+    double length = sqrt(dot(direction, direction, n));
+    for (size_t k = 0; k < n; k++)
+    {
+        direction[k] = length > 0.0 ? direction[k] / length : 0.0;
+    }
+    if (teeth->space == VIEW_SPHERE)
+    {
+        return atan2(length, dot(p, q, n));
+    }
+    return teeth->space == VIEW_DISK ? 2.0 * atanh(fmin(length, 1.0 - 1e-16)) : length;
+}
+
+/// Minus the curvature vector of the polyline before, p, after at p. With the unit tangent vectors a towards `before` and b
+/// towards `after`, the exterior angle is that between -a and b, and the curvature vector has the direction of a + b.
+static void set_vector(const comb *teeth, const double *before, const double *p, const double *after, double *scratch,
+                       double *vector)
+{
+    size_t n = teeth->point_dim;
+    double *a = scratch;
+    double *b = scratch + n;
+    double mean = 0.5 * (direction_to(teeth, p, before, a) + direction_to(teeth, p, after, b));
+    double sum = 0.0;
+    double difference = 0.0;
+    for (size_t k = 0; k < n; k++)
+    {
+        sum += (a[k] + b[k]) * (a[k] + b[k]);
+        difference += (b[k] - a[k]) * (b[k] - a[k]);
+    }
+    double angle = 2.0 * atan2(sqrt(sum), sqrt(difference));
+    double factor = sum > 0.0 && mean > 0.0 ? -angle / (mean * sqrt(sum)) : 0.0;
+    for (size_t k = 0; k < n; k++)
+    {
+        vector[k] = factor * (a[k] + b[k]);
+    }
+}
+
+static void set_vectors(comb *teeth, double *scratch)
+{
+    size_t n = teeth->point_dim;
+    memset(teeth->vectors, 0, teeth->count * n * sizeof(double));
+    for (size_t i = teeth->closed ? 0 : 1; i + (teeth->closed ? 0 : 1) < teeth->count && teeth->count >= 3; i++)
+    {
+        size_t before = i > 0 ? i - 1 : teeth->count - 1;
+        size_t after = i + 1 < teeth->count ? i + 1 : 0;
+        set_vector(teeth, teeth->points + before * n, teeth->points + i * n, teeth->points + after * n, scratch,
+                   teeth->vectors + i * n);
+    }
+}
+
+bat_status comb_make(const bat_curve *curve, comb *teeth, bat_error *error)
+{
+    size_t n = curve->space->point_dim;
+    size_t stride = (curve->count + COMB_MOST - 1) / COMB_MOST;
+    size_t count = (curve->count + stride - 1) / stride;
+    comb made = {.space = view_space_of(curve->space), .point_dim = n, .count = count, .closed = curve->closed};
+    made.points = memory_array(count * n, sizeof(double));
+    made.vectors = memory_array(count * n, sizeof(double));
+    double *scratch = memory_array(2 * n, sizeof(double));
+    if (made.points == NULL || made.vectors == NULL || scratch == NULL)
+    {
+        free(scratch);
+        comb_free(&made);
+        return error_memory(error, 2 * count * n * sizeof(double));
+    }
+    for (size_t i = 0; i < count; i++)
+    {
+        memcpy(made.points + i * n, curve->points + i * stride * n, n * sizeof(double));
+    }
+    set_vectors(&made, scratch);
+    free(scratch);
+    *teeth = made;
+    return BAT_OK;
+}
+
+void comb_free(comb *teeth)
+{
+    free(teeth->points);
+    free(teeth->vectors);
+    *teeth = (comb){0};
+}
+
+bat_status comb_natural_scale(const comb *teeth, double usual, double longest, double *scale, bat_error *error)
+{
+    size_t n = teeth->point_dim;
+    double *sizes = memory_array(teeth->count, sizeof(double));
+    if (sizes == NULL)
+    {
+        return error_memory(error, teeth->count * sizeof(double));
+    }
+    for (size_t i = 0; i < teeth->count; i++)
+    {
+        sizes[i] = sqrt(dot(teeth->vectors + i * n, teeth->vectors + i * n, n));
+    }
+    qsort(sizes, teeth->count, sizeof(double), ascending);
+    double large = sizes[(size_t)(0.95 * (double)(teeth->count - 1))];
+    double largest = sizes[teeth->count - 1];
+    free(sizes);
+    *scale = largest > 0.0 ? fmin(usual / large, longest / largest) : INFINITY;
+    return BAT_OK;
+}
+
+void comb_tip(const comb *teeth, size_t index, double scale, double *tip)
+{
+    size_t n = teeth->point_dim;
+    const double *p = teeth->points + index * n;
+    const double *vector = teeth->vectors + index * n;
+    double length = sqrt(dot(vector, vector, n));
+    double reach = scale * length;
+    double along = length > 0.0 ? scale : 0.0;
+    double stay = 1.0;
+    if (teeth->space == VIEW_SPHERE && length > 0.0)
+    {
+        stay = cos(reach);
+        along = sin(reach) / length;
+    }
+    if (teeth->space == VIEW_DISK && length > 0.0)
+    {
+        stay = 0.0;
+        along = tanh(0.5 * reach) / length;
+    }
+    for (size_t k = 0; k < n; k++)
+    {
+        tip[k] = stay * p[k] + along * vector[k];
+    }
+    if (teeth->space == VIEW_DISK && length > 0.0)
+    {
+        translate(p, tip, tip);
+    }
+}

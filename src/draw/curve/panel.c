@@ -1,0 +1,398 @@
+#include "draw/curve/panel.h"
+
+#include "draw/curve/comb_lines.h"
+#include "draw/curve/grid.h"
+#include "draw/curve/stroke.h"
+#include "draw/curve/tensor_row.h"
+
+#include <math.h>
+
+static const double TURN = 6.28318530717958647693;
+
+/// More open circles would hide each other.
+#define MANY_RINGS 5000
+/// Between a curve and the edge of its box.
+#define FLAT_MARGIN 5.0
+#define ALPHA_BOUNDARY_MARGIN 2.0
+/// The least height of a flat drawing over its width.
+#define FLATTEST 0.12
+/// Between a globe and a map.
+#define BETWEEN 10.0
+
+/// Spaces on the left, top, right and below of what is drawn.
+typedef struct insets
+{
+    double left, top, right, bottom;
+} insets;
+
+static insets flat_insets(const scene_panel *panel, const bat_curve_picture_options *options)
+{
+    double margin = FLAT_MARGIN;
+    if (options->axes && panel->space == VIEW_SOLID)
+    {
+        margin += GRID_SOLID_MARGIN;
+    }
+    if (options->axes && panel->space == VIEW_PLANE)
+    {
+        double room[4];
+        grid_plane_room(&panel->frame, room);
+        return (insets){room[0], room[1], room[2], room[3]};
+    }
+    return (insets){margin, margin, margin, margin};
+}
+
+static insets globe_insets(const bat_curve_picture_options *options)
+{
+    double side = options->grid ? GRID_GLOBE_MARGIN : ALPHA_BOUNDARY_MARGIN;
+    return (insets){side, ALPHA_BOUNDARY_MARGIN, side, ALPHA_BOUNDARY_MARGIN};
+}
+
+static insets map_insets(const bat_curve_picture_options *options)
+{
+    bool labels = options->grid;
+    return (insets){labels ? GRID_MAP_LEFT : ALPHA_BOUNDARY_MARGIN, 4.0, labels ? GRID_MAP_RIGHT : ALPHA_BOUNDARY_MARGIN,
+                    labels ? GRID_MAP_BOTTOM : ALPHA_BOUNDARY_MARGIN};
+}
+
+/// The height at which content of that aspect (height over width) fills a box of that width.
+static double height_around(insets around, double width, double aspect)
+{
+    return fmax(10.0, width - around.left - around.right) * aspect + around.top + around.bottom;
+}
+
+/// With the globe and the map side by side, both as high as the box: the globe's width at that height.
+static double globe_share(const bat_curve_picture_options *options, double height)
+{
+    insets globe = globe_insets(options);
+    return height - globe.top - globe.bottom + globe.left + globe.right;
+}
+
+double panel_height(const scene_panel *panel, const bat_curve_picture_options *options, double tallest, double width)
+{
+    if (panel->space == VIEW_DISK)
+    {
+        return width;
+    }
+    if (panel->space != VIEW_SPHERE)
+    {
+        double aspect = scene_aspect(&panel->frame);
+        return height_around(flat_insets(panel, options), width, fmin(fmax(aspect, FLATTEST), tallest));
+    }
+    insets globe = globe_insets(options);
+    insets map = map_insets(options);
+    switch (options->projection)
+    {
+    case BAT_PROJECTION_MAP:
+        return height_around(map, width, 0.5);
+    case BAT_PROJECTION_BOTH:
+        // width = (h - globe.top - globe.bottom + globe.left + globe.right) + BETWEEN + 2 (h - map.top - map.bottom) + ...
+        return (width - BETWEEN + globe.top + globe.bottom - globe.left - globe.right + 2.0 * (map.top + map.bottom) -
+                map.left - map.right) /
+               3.0;
+    default:
+        return height_around(globe, width, 1.0);
+    }
+}
+
+/// Scale and centre the range from (low_u, low_v) to (high_u, high_v) in a box less its insets.
+static void fit(draw_view *view, const double box[4], insets around, const double low[2], const double high[2])
+{
+    double width = fmax(1.0, box[2] - around.left - around.right);
+    double height = fmax(1.0, box[3] - around.top - around.bottom);
+    view->scale = fmin(width / (high[0] - low[0]), height / (high[1] - low[1]));
+    view->origin_x = box[0] + around.left + 0.5 * width - view->scale * 0.5 * (low[0] + high[0]);
+    view->origin_y = box[1] + around.top + 0.5 * height + view->scale * 0.5 * (low[1] + high[1]);
+}
+
+static draw_view make_view(const scene_panel *panel, view_kind kind)
+{
+    draw_view view = {.kind = kind, .space = panel->space, .point_dim = panel->point_dim, .tolerance = STROKE_TOLERANCE};
+    if (kind == VIEW_GLOBE)
+    {
+        view_face(&view, panel->frame.longitude, panel->frame.latitude);
+    }
+    if (panel->space == VIEW_SOLID)
+    {
+        view_face_solid(&view);
+    }
+    return view;
+}
+
+static line_style layer_line(const bat_picture_panel *panel, size_t index)
+{
+    switch (panel->layers[index].role)
+    {
+    case BAT_LAYER_CONTROL:
+        return (line_style){COLOUR_CONTROL, LINE_CONTROL, 3.0, 2.2};
+    case BAT_LAYER_TRUTH:
+        return (line_style){COLOUR_TRUTH, LINE_TRUTH, 4.0, 2.2};
+    default:
+        return style_curve(scene_colour(panel, index));
+    }
+}
+
+static bool has_rings(const bat_picture_layer *layer, const bat_curve_picture_options *options)
+{
+    return layer->role == BAT_LAYER_CONTROL && options->control_points && layer->curve->count <= MANY_RINGS;
+}
+
+legend_item panel_legend_item(const bat_picture_panel *panel, size_t index, const bat_curve_picture_options *options)
+{
+    const bat_picture_layer *layer = &panel->layers[index];
+    legend_item item = {layer->label, layer_line(panel, index), LEGEND_NO_MARK};
+    if (layer->role == BAT_LAYER_CONTROL)
+    {
+        item.line.width = options->control_polygon ? item.line.width : 0.0;
+        item.mark = has_rings(layer, options) ? LEGEND_RING : LEGEND_NO_MARK;
+    }
+    return item;
+}
+
+/// What lies behind a globe: paler and thinner.
+static line_style behind(line_style line)
+{
+    line.colour = style_mix(line.colour, (draw_colour){0.95, 0.96, 0.97}, 0.32);
+    line.width *= 0.7;
+    return line;
+}
+
+static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_panel *panel, size_t index, view_side side,
+                            bat_error *error)
+{
+    const bat_curve *curve = panel->drawn->layers[index].curve;
+    line_style line = layer_line(panel->drawn, index);
+    if (panel->drawn == &panel->stand.panel && panel->stand.lines[index].width > 0.0)
+    {
+        line = panel->stand.lines[index];
+    }
+    line = side == VIEW_BACK ? behind(line) : line;
+    double x;
+    double y;
+    bool front = view_place(view, curve->points, &x, &y);
+    if (curve->count == 1 && front == (side == VIEW_FRONT))
+    {
+        cairo_arc(cairo, x, y, line.width, 0.0, TURN);
+        style_use_colour(cairo, line.colour);
+        cairo_fill(cairo);
+    }
+    drawn_line drawn = {view, curve->points, curve->count, curve->closed && curve->count > 1, side};
+    return curve->count > 1 ? stroke_line(cairo, &drawn, line, error) : BAT_OK;
+}
+
+/// The radius of the open circles: smaller where many points crowd.
+static double ring_radius(const draw_view *view, const bat_curve *curve)
+{
+    double length = 0.0;
+    double last_x;
+    double last_y;
+    view_place(view, curve->points, &last_x, &last_y);
+    for (size_t i = 1; i < curve->count; i++)
+    {
+        double x;
+        double y;
+        view_place(view, curve->points + i * view->point_dim, &x, &y);
+        length += hypot(x - last_x, y - last_y);
+        last_x = x;
+        last_y = y;
+    }
+    double spacing = curve->count > 1 ? length / (double)(curve->count - 1) : INFINITY;
+    return fmin(MARKER_RADIUS, fmax(0.7, 0.2 * spacing));
+}
+
+/// Open circles at the points of one side, but none closer than half a radius to the one before.
+static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *curve, view_side side)
+{
+    double radius = ring_radius(view, curve);
+    line_style line = {COLOUR_CONTROL, 1.0, 0.0, 0.0};
+    double last_x = INFINITY;
+    double last_y = INFINITY;
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        double x;
+        double y;
+        bool front = view_place(view, curve->points + i * view->point_dim, &x, &y);
+        if (front == (side == VIEW_FRONT) && !(hypot(x - last_x, y - last_y) < 0.5 * radius))
+        {
+            legend_ring(cairo, x, y, side == VIEW_FRONT ? radius : 0.8 * radius,
+                        side == VIEW_FRONT ? line.colour : behind(line).colour);
+            last_x = x;
+            last_y = y;
+        }
+    }
+}
+
+/// All lines of one role.
+static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_layer_role role,
+                            view_side side, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
+    {
+        status = panel->drawn->layers[i].role == role ? draw_line(cairo, view, panel, i, side, error) : BAT_OK;
+    }
+    return status;
+}
+
+/// The points of all control polygons.
+static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_picture_panel *panel,
+                           const bat_curve_picture_options *options, view_side side)
+{
+    for (size_t i = 0; i < panel->layer_count; i++)
+    {
+        if (has_rings(&panel->layers[i], options))
+        {
+            draw_rings(cairo, view, panel->layers[i].curve, side);
+        }
+    }
+}
+
+/// All combs.
+static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
+    {
+        draw_colour colour = style_palette(scene_colour(panel->drawn, i));
+        if (panel->combs[i].count > 0)
+        {
+            status = comb_lines_draw(cairo, view, &panel->combs[i], panel->frame.comb_scale, colour, error);
+        }
+    }
+    return status;
+}
+
+/// All lines and combs.
+static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
+                             const bat_curve_picture_options *options, view_side side, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    if (options->control_polygon)
+    {
+        status = draw_role(cairo, view, panel, BAT_LAYER_CONTROL, side, error);
+    }
+    if (status == BAT_OK && options->comb && side == VIEW_FRONT)
+    {
+        status = draw_combs(cairo, view, panel, error);
+    }
+    if (status == BAT_OK)
+    {
+        status = draw_role(cairo, view, panel, BAT_LAYER_TRUTH, side, error);
+    }
+    if (status == BAT_OK)
+    {
+        status = draw_role(cairo, view, panel, BAT_LAYER_CURVE, side, error);
+    }
+    return status;
+}
+
+static bat_status draw_layers(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
+                              const bat_curve_picture_options *options, view_side side, bat_error *error)
+{
+    bat_status status = draw_lines(cairo, view, panel, options, side, error);
+    draw_all_rings(cairo, view, panel->drawn, options, side);
+    return status;
+}
+
+static bat_status draw_flat(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                            const double box[4], bat_error *error)
+{
+    draw_view view = make_view(panel, VIEW_FLAT);
+    insets around = flat_insets(panel, options);
+    fit(&view, box, around, panel->frame.low, panel->frame.high);
+    if (options->axes && panel->space == VIEW_SOLID)
+    {
+        grid_solid(cairo, &view, &panel->frame);
+    }
+    if (options->axes && panel->space == VIEW_PLANE)
+    {
+        double width = view.scale * (panel->frame.high[0] - panel->frame.low[0]) + 2.0 * FLAT_MARGIN;
+        double height = view.scale * (panel->frame.high[1] - panel->frame.low[1]) + 2.0 * FLAT_MARGIN;
+        double inner[4] = {view_x(&view, panel->frame.low[0]) - FLAT_MARGIN,
+                           view_y(&view, panel->frame.high[1]) - FLAT_MARGIN, width, height};
+        grid_plane(cairo, &view, &panel->frame, inner);
+    }
+    return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
+}
+
+static bat_status draw_disk(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                            const double box[4], bat_error *error)
+{
+    draw_view view = make_view(panel, VIEW_POINCARE);
+    insets around = {ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN};
+    fit(&view, box, around, (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
+    grid_disk(cairo, &view, options->grid);
+    grid_disk_rim(cairo, &view);
+    return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
+}
+
+static bat_status draw_globe(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                             const double box[4], bat_error *error)
+{
+    draw_view view = make_view(panel, VIEW_GLOBE);
+    fit(&view, box, globe_insets(options), (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
+    grid_globe_ball(cairo, &view);
+    bat_status status = draw_layers(cairo, &view, panel, options, VIEW_BACK, error);
+    if (options->grid)
+    {
+        grid_globe_lines(cairo, &view);
+    }
+    grid_globe_limb(cairo, &view, &panel->frame, options->grid);
+    return status == BAT_OK ? draw_layers(cairo, &view, panel, options, VIEW_FRONT, error) : status;
+}
+
+static bat_status draw_map(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                           const double box[4], bat_error *error)
+{
+    draw_view view = make_view(panel, VIEW_MAP);
+    fit(&view, box, map_insets(options), (double[2]){-TURN / 2.0, -TURN / 4.0}, (double[2]){TURN / 2.0, TURN / 4.0});
+    grid_map(cairo, &view, options->grid);
+    cairo_save(cairo);
+    grid_map_clip(cairo, &view);
+    bat_status status = draw_lines(cairo, &view, panel, options, VIEW_FRONT, error);
+    cairo_restore(cairo);
+    draw_all_rings(cairo, &view, panel->drawn, options, VIEW_FRONT);
+    return status;
+}
+
+static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                              const double box[4], bat_error *error)
+{
+    if (options->projection == BAT_PROJECTION_GLOBE)
+    {
+        return draw_globe(cairo, panel, options, box, error);
+    }
+    if (options->projection == BAT_PROJECTION_MAP)
+    {
+        return draw_map(cairo, panel, options, box, error);
+    }
+    double share = fmin(globe_share(options, box[3]), 0.4 * box[2]);
+    double left[4] = {box[0], box[1], share, box[3]};
+    double right[4] = {box[0] + share + BETWEEN, box[1], box[2] - share - BETWEEN, box[3]};
+    bat_status status = draw_globe(cairo, panel, options, left, error);
+    return status == BAT_OK ? draw_map(cairo, panel, options, right, error) : status;
+}
+
+static bat_status draw_tensors(cairo_t *cairo, const scene_panel *panel, const double box[4], bat_error *error)
+{
+    draw_view view = make_view(panel, VIEW_FLAT);
+    insets around = {FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN};
+    view_face_solid(&view);
+    fit(&view, box, around, panel->frame.low, panel->frame.high);
+    return tensor_row_draw(cairo, &view, panel, error);
+}
+
+bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                      const double box[4], bat_error *error)
+{
+    switch (panel->space)
+    {
+    case VIEW_SPHERE:
+        return draw_sphere(cairo, panel, options, box, error);
+    case VIEW_DISK:
+        return draw_disk(cairo, panel, options, box, error);
+    case VIEW_TENSOR:
+        return draw_tensors(cairo, panel, box, error);
+    default:
+        return draw_flat(cairo, panel, options, box, error);
+    }
+}

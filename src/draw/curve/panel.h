@@ -1,0 +1,20 @@
+#ifndef DRAW_CURVE_PANEL_H
+#define DRAW_CURVE_PANEL_H
+
+#include "draw/common/legend.h"
+#include "draw/curve/scene.h"
+
+#include <cairo.h>
+
+/// @file
+/// One panel on paper.
+
+/// The height that suits a panel of that width; a flat drawing is at most `tallest` times as high as wide.
+double panel_height(const scene_panel *panel, const bat_curve_picture_options *options, double tallest, double width);
+/// Draw a panel into the box (x, y, width, height), its content in the middle and at true aspect.
+bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                      const double box[4], bat_error *error);
+/// How a layer looks in the legend; the label may be null.
+legend_item panel_legend_item(const bat_picture_panel *panel, size_t index, const bat_curve_picture_options *options);
+
+#endif

@@ -1,0 +1,168 @@
+#include "batten/curve_picture.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "draw/common/sheet.h"
+#include "draw/common/text.h"
+#include "draw/curve/panel.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+bat_curve_picture_options bat_curve_picture_defaults(void)
+{
+    return (bat_curve_picture_options){.pixels_per_point = 2.0,
+                                       .longitude = NAN,
+                                       .latitude = NAN,
+                                       .control_polygon = true,
+                                       .control_points = true,
+                                       .grid = true,
+                                       .legend = true};
+}
+
+/// The greatest height of a flat drawing over its width at the sheet's usual width.
+#define TALLEST 1.25
+
+/// The share of its usual width that a sheet needs: less where all panels are taller than they may be.
+static double narrowing(const scene *made)
+{
+    const double least = 0.55;
+    double share = made->options->width > 0.0 ? 1.0 : least;
+    for (size_t i = 0; i < made->count; i++)
+    {
+        const scene_panel *panel = &made->panels[i];
+        bool flat = panel->space == VIEW_PLANE || panel->space == VIEW_SOLID;
+        share = fmax(share, flat ? TALLEST / scene_aspect(&panel->frame) : 1.0);
+    }
+    return fmin(share, 1.0);
+}
+
+static double content_height(const void *context, size_t index, double width)
+{
+    const scene *made = context;
+    return panel_height(&made->panels[index], made->options, TALLEST / narrowing(made), width);
+}
+
+static const char *content_caption(const void *context, size_t index)
+{
+    const scene *made = context;
+    return made->panels[index].source->title;
+}
+
+static bat_status content_draw(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
+{
+    const scene *made = context;
+    return panel_draw(cairo, &made->panels[index], made->options, box, error);
+}
+
+/// The labelled layers of all panels, each look once. Release the items with free().
+static bat_status collect_legend(const scene *made, legend_item **items, size_t *count, bat_error *error)
+{
+    size_t most = 0;
+    for (size_t i = 0; i < made->count; i++)
+    {
+        most += made->panels[i].source->layer_count;
+    }
+    *count = 0;
+    *items = memory_array(most, sizeof **items);
+    if (*items == NULL)
+    {
+        return error_memory(error, most * sizeof **items);
+    }
+    for (size_t i = 0; i < made->count && made->options->legend; i++)
+    {
+        const bat_picture_panel *panel = made->panels[i].source;
+        for (size_t k = 0; k < panel->layer_count; k++)
+        {
+            if (text_given(panel->layers[k].label) && scene_layer_shown(&panel->layers[k], made->options))
+            {
+                legend_add(*items, count, panel_legend_item(panel, k, made->options));
+            }
+        }
+    }
+    return BAT_OK;
+}
+
+/// A width that gives the panels of a row room without more than a page needs.
+static double natural_width(const scene *made)
+{
+    bool wide = false;
+    for (size_t i = 0; i < made->count; i++)
+    {
+        wide = wide || (made->panels[i].space == VIEW_SPHERE && made->options->projection != BAT_PROJECTION_GLOBE);
+    }
+    switch (made->columns)
+    {
+    case 1:
+        return wide ? 640.0 : 400.0;
+    case 2:
+        return wide ? 960.0 : 620.0;
+    default:
+        return wide ? 1200.0 : fmin(840.0 + 130.0 * fmax(0.0, (double)made->columns - 5.0), 4000.0);
+    }
+}
+
+bat_status bat_curve_picture_write(const char *path, const bat_picture_panel *panels, size_t count,
+                                   const bat_curve_picture_options *options, bat_error *error)
+{
+    bat_curve_picture_options defaults = bat_curve_picture_defaults();
+    canvas_format format;
+    if (path == NULL || panels == NULL || count == 0)
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one panel");
+    }
+    bat_status status = canvas_format_of(path, &format, error);
+    if (status != BAT_OK)
+    {
+        return status;
+    }
+    scene made;
+    status = scene_make(panels, count, options != NULL ? options : &defaults, &made, error);
+    if (status != BAT_OK)
+    {
+        return status;
+    }
+    legend_item *items;
+    size_t item_count;
+    status = collect_legend(&made, &items, &item_count, error);
+    if (status == BAT_OK)
+    {
+        sheet_content content = {.count = count,
+                                 .columns = made.columns,
+                                 .options = made.options,
+                                 .items = items,
+                                 .item_count = item_count,
+                                 .natural_width = narrowing(&made) * natural_width(&made),
+                                 .context = &made,
+                                 .height = content_height,
+                                 .caption = content_caption,
+                                 .draw = content_draw};
+        status = sheet_write(path, &content, error);
+        free(items);
+    }
+    scene_free(&made);
+    return status;
+}
+
+bat_status bat_curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,
+                                  bat_error *error)
+{
+    if (curves == NULL || count == 0 || longitude == NULL || latitude == NULL)
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a view needs at least one curve");
+    }
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_status status = view_check(curves[i], error);
+        if (status != BAT_OK)
+        {
+            return status;
+        }
+        if (view_space_of(curves[i]->space) != VIEW_SPHERE)
+        {
+            return error_set(error, BAT_UNSUPPORTED, i, 0, "curve %zu does not lie on the sphere S^2", i);
+        }
+    }
+    view_automatic(curves, count, longitude, latitude);
+    return BAT_OK;
+}

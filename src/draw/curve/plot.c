@@ -1,0 +1,320 @@
+#include "draw/curve/plot.h"
+
+#include "draw/common/canvas.h"
+#include "draw/common/text.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double TURN = 6.28318530717958647693;
+
+#define TOLERANCE 0.05
+#define TICK_LENGTH 3.0
+#define TICK_GAP 3.0
+#define AXIS_LABEL_SPACE 14.0
+#define BOTTOM 14.0
+#define TOP 6.0
+#define RIGHT 12.0
+#define DOT_RADIUS 2.3
+#define AXIS_TEXT_SIZE 512
+
+int plot_colour(const bat_chart *chart, size_t index)
+{
+    return chart->series[index].colour > 0 ? chart->series[index].colour : (int)(index % 1000) + 1;
+}
+
+legend_item plot_legend_item(const bat_chart *chart, size_t index)
+{
+    const bat_chart_series *series = &chart->series[index];
+    legend_item item = {series->label, style_curve(plot_colour(chart, index)), LEGEND_NO_MARK};
+    if (series->mark == BAT_SERIES_POINTS || series->mark == BAT_SERIES_BARS)
+    {
+        item.line.width = 0.0;
+    }
+    if (series->mark != BAT_SERIES_LINE)
+    {
+        item.mark = series->mark == BAT_SERIES_BARS ? LEGEND_BAR : LEGEND_DOT;
+    }
+    return item;
+}
+
+static tick_list axis_ticks(const plot_axis *axis, double spacing)
+{
+    double wanted = fabs(axis->end - axis->start) / spacing;
+    if (axis->logarithmic)
+    {
+        return ticks_logarithmic(pow(10.0, axis->low), pow(10.0, axis->high), wanted);
+    }
+    tick_list ticks = ticks_linear(axis->low, axis->high, wanted);
+    ticks_use_scale(&ticks, ticks_scale(axis->low, axis->high));
+    return ticks;
+}
+
+/// The text along an axis: its label and what was left out of the ticks' labels, "error (×10⁻⁶)".
+static void axis_text(const plot_axis *axis, const char *label, char *text, size_t size)
+{
+    char left_out[TICK_SCALE_SIZE] = "";
+    const char *given = text_given(label) ? label : "";
+    if (!axis->logarithmic)
+    {
+        tick_scale_text(ticks_scale(axis->low, axis->high), left_out);
+    }
+    bool both = *given != '\0' && *left_out != '\0';
+    (void)snprintf(text, size, both ? "%s (%s)" : "%s%s", given, left_out);
+}
+
+static double widest_label(cairo_t *cairo, const tick_list *ticks)
+{
+    double width = 0.0;
+    for (size_t i = 0; i < ticks->count; i++)
+    {
+        width = fmax(width, ticks->labelled[i] ? tick_width(cairo, ticks, i) : 0.0);
+    }
+    return width;
+}
+
+static double tick_place(const plot_axis *axis, const tick_list *ticks, size_t index)
+{
+    return plot_place(axis, plot_number(axis, ticks->values[index]));
+}
+
+static void draw_grid(cairo_t *cairo, const plot_axis *x, const plot_axis *y, const tick_list *across,
+                      const tick_list *upwards)
+{
+    for (size_t i = 0; i < across->count; i++)
+    {
+        cairo_move_to(cairo, tick_place(x, across, i), y->start);
+        cairo_line_to(cairo, tick_place(x, across, i), y->end);
+    }
+    for (size_t i = 0; i < upwards->count; i++)
+    {
+        cairo_move_to(cairo, x->start, tick_place(y, upwards, i));
+        cairo_line_to(cairo, x->end, tick_place(y, upwards, i));
+    }
+    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
+    cairo_stroke(cairo);
+}
+
+/// The lines of the axes with their ticks.
+static void draw_axes(cairo_t *cairo, const plot_axis *x, const plot_axis *y, const tick_list *across,
+                      const tick_list *upwards)
+{
+    cairo_move_to(cairo, x->start, y->end);
+    cairo_line_to(cairo, x->start, y->start);
+    cairo_line_to(cairo, x->end, y->start);
+    for (size_t i = 0; i < across->count; i++)
+    {
+        cairo_move_to(cairo, tick_place(x, across, i), y->start);
+        cairo_rel_line_to(cairo, 0.0, across->labelled[i] ? TICK_LENGTH : 0.5 * TICK_LENGTH);
+    }
+    for (size_t i = 0; i < upwards->count; i++)
+    {
+        cairo_move_to(cairo, x->start, tick_place(y, upwards, i));
+        cairo_rel_line_to(cairo, upwards->labelled[i] ? -TICK_LENGTH : -0.5 * TICK_LENGTH, 0.0);
+    }
+    style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
+    cairo_stroke(cairo);
+}
+
+static void draw_tick_labels(cairo_t *cairo, const plot_axis *x, const plot_axis *y, const tick_list *across,
+                             const tick_list *upwards)
+{
+    text_use(cairo, TEXT_TICK, false);
+    style_use_colour(cairo, COLOUR_SOFT_INK);
+    double taken = -INFINITY;
+    for (size_t i = 0; i < across->count; i++)
+    {
+        double place = tick_place(x, across, i);
+        double half = 0.5 * tick_width(cairo, across, i);
+        if (across->labelled[i] && place - half > taken + 4.0)
+        {
+            tick_draw(cairo, across, i, place, y->start + TICK_LENGTH + TICK_GAP + 0.5 * TEXT_TICK, 0.5);
+            taken = place + half;
+        }
+    }
+    taken = INFINITY;
+    for (size_t i = 0; i < upwards->count; i++)
+    {
+        double place = tick_place(y, upwards, i);
+        if (upwards->labelled[i] && place + TEXT_TICK < taken)
+        {
+            tick_draw(cairo, upwards, i, x->start - TICK_LENGTH - TICK_GAP, place, 1.0);
+            taken = place;
+        }
+    }
+}
+
+static void draw_axis_names(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y,
+                            const double box[4])
+{
+    char text[AXIS_TEXT_SIZE];
+    style_use_colour(cairo, COLOUR_INK);
+    axis_text(x, chart->x_label, text, sizeof text);
+    text_draw_fitted(cairo, text, TEXT_LEGEND, false, 0.5 * (x->start + x->end), box[1] + box[3] - 4.0, x->end - x->start);
+    axis_text(y, chart->y_label, text, sizeof text);
+    cairo_save(cairo);
+    cairo_translate(cairo, box[0] + TEXT_LEGEND, 0.5 * (y->start + y->end));
+    cairo_rotate(cairo, -TURN / 4.0);
+    text_draw_fitted(cairo, text, TEXT_LEGEND, false, 0.0, 0.0, y->start - y->end);
+    cairo_restore(cairo);
+}
+
+/// Shorten [*enter, *leave], shares of a segment, to where from + share * step lies between low and high.
+static void clip_share(double from, double step, double low, double high, double *enter, double *leave)
+{
+    if (step == 0.0)
+    {
+        *leave = from < low || from > high ? -1.0 : *leave;
+        return;
+    }
+    double a = (low - from) / step;
+    double b = (high - from) / step;
+    *enter = fmax(*enter, fmin(a, b));
+    *leave = fmin(*leave, fmax(a, b));
+}
+
+/// Add a segment's part inside the plot to the path (Liang and Barsky 1984). `joined` says whether the path is at p already.
+/// @return whether the path has come to q
+static bool add_segment(path_simplifier *path, const plot_axis *x, const plot_axis *y, const double p[2], const double q[2],
+                        bool joined)
+{
+    double enter = 0.0;
+    double leave = 1.0;
+    clip_share(p[0], q[0] - p[0], x->start, x->end, &enter, &leave);
+    clip_share(p[1], q[1] - p[1], y->end, y->start, &enter, &leave);
+    if (enter > leave)
+    {
+        return false;
+    }
+    if (!joined || enter > 0.0)
+    {
+        simplifier_move(path, p[0] + enter * (q[0] - p[0]), p[1] + enter * (q[1] - p[1]));
+    }
+    simplifier_line(path, leave < 1.0 ? p[0] + leave * (q[0] - p[0]) : q[0],
+                    leave < 1.0 ? p[1] + leave * (q[1] - p[1]) : q[1]);
+    return leave >= 1.0;
+}
+
+static void place(const plot_axis *x, const plot_axis *y, const bat_chart_series *series, size_t index, double point[2])
+{
+    point[0] = plot_place(x, plot_number(x, series->x[index]));
+    point[1] = plot_place(y, plot_number(y, series->y[index]));
+}
+
+static void draw_line(cairo_t *cairo, const bat_chart_series *series, const plot_axis *x, const plot_axis *y, int colour)
+{
+    path_simplifier path = simplifier_begin(canvas_sink(cairo), TOLERANCE);
+    double p[2];
+    bool joined = false;
+    place(x, y, series, 0, p);
+    for (size_t i = 1; i < series->count; i++)
+    {
+        double q[2];
+        place(x, y, series, i, q);
+        joined = add_segment(&path, x, y, p, q, joined);
+        p[0] = q[0];
+        p[1] = q[1];
+    }
+    simplifier_flush(&path);
+    style_use_line(cairo, style_curve(colour));
+    cairo_stroke(cairo);
+}
+
+static void draw_dots(cairo_t *cairo, const bat_chart_series *series, const plot_axis *x, const plot_axis *y, int colour)
+{
+    double radius = series->count > 1000 ? 0.4 * DOT_RADIUS : series->count > 200 ? 0.7 * DOT_RADIUS : DOT_RADIUS;
+    for (size_t i = 0; i < series->count; i++)
+    {
+        double p[2];
+        place(x, y, series, i, p);
+        if (p[0] >= x->start && p[0] <= x->end && p[1] >= y->end && p[1] <= y->start)
+        {
+            legend_dot(cairo, p[0], p[1], radius, style_palette(colour));
+        }
+    }
+}
+
+static double clamp(double value, double low, double high)
+{
+    return fmin(fmax(value, low), high);
+}
+
+static void draw_bars(cairo_t *cairo, const bat_chart_series *series, const plot_axis *x, const plot_axis *y, int colour)
+{
+    double ground = clamp(plot_place(y, 0.0), y->end, y->start);
+    for (size_t i = 0; i < series->count; i++)
+    {
+        double centre[2];
+        double next[2];
+        double before[2];
+        place(x, y, series, i, centre);
+        place(x, y, series, i + 1 < series->count ? i + 1 : i - 1, next);
+        place(x, y, series, i > 0 ? i - 1 : 1, before);
+        double left = clamp(centre[0] - 0.5 * fabs(centre[0] - before[0]), x->start, x->end);
+        double right = clamp(centre[0] + 0.5 * fabs(next[0] - centre[0]), x->start, x->end);
+        double top = clamp(centre[1], y->end, y->start);
+        cairo_rectangle(cairo, left, fmin(top, ground), right - left, fabs(ground - top));
+    }
+    legend_fill_bars(cairo, style_palette(colour));
+}
+
+/// Bars first, then lines, then dots.
+static void draw_series(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y)
+{
+    for (int layer = 0; layer < 3; layer++)
+    {
+        for (size_t i = 0; i < chart->series_count; i++)
+        {
+            const bat_chart_series *series = &chart->series[i];
+            bool line = series->mark == BAT_SERIES_LINE || series->mark == BAT_SERIES_LINE_POINTS;
+            bool dots = series->mark == BAT_SERIES_POINTS || series->mark == BAT_SERIES_LINE_POINTS || series->count == 1;
+            if (layer == 0 && series->mark == BAT_SERIES_BARS)
+            {
+                draw_bars(cairo, series, x, y, plot_colour(chart, i));
+            }
+            if (layer == 1 && line)
+            {
+                draw_line(cairo, series, x, y, plot_colour(chart, i));
+            }
+            if (layer == 2 && dots)
+            {
+                draw_dots(cairo, series, x, y, plot_colour(chart, i));
+            }
+        }
+    }
+}
+
+/// Put the axes on paper: y first, whose labels decide where x begins.
+static void set_axes(cairo_t *cairo, const bat_chart *chart, const double box[4], plot_axis *x, plot_axis *y,
+                     tick_list *across, tick_list *upwards)
+{
+    char text[AXIS_TEXT_SIZE];
+    axis_text(x, chart->x_label, text, sizeof text);
+    double below = BOTTOM + (text_given(text) ? AXIS_LABEL_SPACE : 0.0);
+    axis_text(y, chart->y_label, text, sizeof text);
+    double beside = text_given(text) ? AXIS_LABEL_SPACE : 0.0;
+    text_use(cairo, TEXT_TICK, false);
+    y->end = box[1] + TOP;
+    y->start = fmax(y->end + 10.0, box[1] + box[3] - below);
+    *upwards = axis_ticks(y, 36.0);
+    x->start = box[0] + beside + widest_label(cairo, upwards) + TICK_LENGTH + TICK_GAP;
+    x->end = fmax(x->start + 10.0, box[0] + box[2] - RIGHT);
+    *across = axis_ticks(x, 52.0);
+}
+
+bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
+                     plot_axis y, const double box[4], bat_error *error)
+{
+    tick_list across;
+    tick_list upwards;
+    set_axes(cairo, chart, box, &x, &y, &across, &upwards);
+    if (options->grid)
+    {
+        draw_grid(cairo, &x, &y, &across, &upwards);
+    }
+    draw_series(cairo, chart, &x, &y);
+    draw_axes(cairo, &x, &y, &across, &upwards);
+    draw_tick_labels(cairo, &x, &y, &across, &upwards);
+    draw_axis_names(cairo, chart, &x, &y, box);
+    return plot_draw_labels(cairo, chart, &x, &y, error);
+}

@@ -1,0 +1,347 @@
+#include "draw/curve/proxy.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/space.h"
+#include "draw/curve/scene.h"
+#include "draw/curve/view.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Frames of a control polygon, and along the path of a rigid motion; of more points, as many of them evenly chosen.
+#define MOST_FRAMES 32
+#define MOST_CURVES (3 + 3 * MOST_FRAMES)
+/// The longest step, in radians, along a geodesic of rotations, whose columns do not follow great circles.
+#define COLUMN_STEP 0.05
+/// The axes of a rigid motion's frames over the diagonal of the box of all paths.
+#define AXIS_SHARE 0.07
+
+/// Room for the points of one more curve.
+/// @return BAT_OK or BAT_NO_MEMORY
+static bat_status add_curve(proxy *made, size_t count, bool closed, bat_picture_layer layer, line_style line,
+                            bat_error *error)
+{
+    bat_curve curve = {.space = &made->space, .count = count, .closed = closed};
+    curve.points = memory_array(count, made->space.point_dim * sizeof(double));
+    if (curve.points == NULL)
+    {
+        return error_memory(error, count * made->space.point_dim * sizeof(double));
+    }
+    made->curves[made->count] = curve;
+    made->layers[made->count] = layer;
+    made->lines[made->count++] = line;
+    return BAT_OK;
+}
+
+static size_t frames_of(const bat_curve *curve)
+{
+    return curve->count < MOST_FRAMES ? curve->count : MOST_FRAMES;
+}
+
+/// The index of the point that has frame `k`.
+static size_t frame_index(const bat_curve *curve, size_t k)
+{
+    size_t frames = frames_of(curve);
+    return frames > 1 ? k * (curve->count - 1) / (frames - 1) : 0;
+}
+
+static void column_of(const double *quaternion, size_t column, double *direction)
+{
+    double matrix[9];
+    bat_rotation_to_matrix(quaternion, matrix);
+    for (size_t row = 0; row < 3; row++)
+    {
+        direction[row] = matrix[3 * row + column];
+    }
+}
+
+static size_t edge_count(const bat_curve *curve)
+{
+    return curve->count - (curve->closed && curve->count > 1 ? 0 : 1);
+}
+
+/// The index of the point at the end of edge `i`.
+static size_t edge_end(const bat_curve *curve, size_t i)
+{
+    return i + 1 < curve->count ? i + 1 : 0;
+}
+
+/// The steps that edge `i` is drawn in.
+static size_t edge_steps(const bat_curve *curve, size_t i)
+{
+    const double *q = curve->points + 4 * edge_end(curve, i);
+    return 1 + (size_t)(curve->space->distance(curve->space, curve->points + 4 * i, q) / COLUMN_STEP);
+}
+
+/// Put the three columns of the rotations along all edges into the last three curves.
+static bat_status fill_columns(proxy *made, const bat_curve *curve, bat_error *error)
+{
+    bat_curve *columns = made->curves + made->count - 3;
+    size_t at = 0;
+    for (size_t i = 0; i < edge_count(curve); i++)
+    {
+        const double *p = curve->points + 4 * i, *q = curve->points + 4 * edge_end(curve, i);
+        size_t steps = edge_steps(curve, i);
+        for (size_t step = 0; step < steps; step++, at++)
+        {
+            double between[4];
+            bat_status status = bat_space_geodesic(curve->space, p, q, (double)step / (double)steps, between);
+            if (status != BAT_OK)
+            {
+                return error_set(error, status, i, 0, "points %zu and %zu are half a turn apart: no shortest way joins them",
+                                 i, edge_end(curve, i));
+            }
+            for (size_t c = 0; c < 3; c++)
+            {
+                column_of(between, c, columns[c].points + 3 * at);
+            }
+        }
+    }
+    for (size_t c = 0; c < 3 && at < columns[c].count; c++)
+    {
+        column_of(curve->points + 4 * (curve->count - 1), c, columns[c].points + 3 * at);
+    }
+    return BAT_OK;
+}
+
+/// The line of column `c`: paler from the first to the last.
+static line_style column_line(bat_layer_role role, draw_colour colour, size_t c)
+{
+    static const double shades[3] = {1.0, 0.72, 0.48};
+    draw_colour shade = style_mix(colour, COLOUR_PAPER, shades[c]);
+    if (role == BAT_LAYER_CONTROL)
+    {
+        return (line_style){shade, LINE_CONTROL, 3.0, 2.2};
+    }
+    return role == BAT_LAYER_TRUTH ? (line_style){shade, LINE_TRUTH, 4.0, 2.2} : (line_style){shade, LINE_CURVE, 0.0, 0.0};
+}
+
+static bat_status add_columns(proxy *made, const bat_picture_layer *layer, draw_colour colour, bat_error *error)
+{
+    const bat_curve *curve = layer->curve;
+    // The triangles at control points are the layers with the role of a control polygon.
+    bat_layer_role role = layer->role == BAT_LAYER_CURVE ? BAT_LAYER_CURVE : BAT_LAYER_TRUTH;
+    bool closed = curve->closed && curve->count > 1;
+    size_t count = closed ? 0 : 1;
+    for (size_t i = 0; i < edge_count(curve); i++)
+    {
+        count += edge_steps(curve, i);
+    }
+    bat_status status = BAT_OK;
+    for (size_t c = 0; c < 3 && status == BAT_OK; c++)
+    {
+        bat_picture_layer own = {.role = role, .colour = layer->colour};
+        status = add_curve(made, count, closed, own, column_line(layer->role, colour, c), error);
+    }
+    return status == BAT_OK ? fill_columns(made, curve, error) : status;
+}
+
+static bat_status add_triangles(proxy *made, const bat_curve *curve, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t k = 0; k < frames_of(curve) && status == BAT_OK; k++)
+    {
+        line_style line = {style_mix(COLOUR_CONTROL, COLOUR_PAPER, 0.6), 0.6, 0.0, 0.0};
+        status = add_curve(made, 3, true, (bat_picture_layer){.role = BAT_LAYER_CONTROL}, line, error);
+        for (size_t c = 0; c < 3 && status == BAT_OK; c++)
+        {
+            column_of(curve->points + 4 * frame_index(curve, k), c, made->curves[made->count - 1].points + 3 * c);
+        }
+    }
+    return status;
+}
+
+static draw_colour layer_colour(const bat_picture_panel *panel, size_t index)
+{
+    switch (panel->layers[index].role)
+    {
+    case BAT_LAYER_CONTROL:
+        return COLOUR_CONTROL;
+    case BAT_LAYER_TRUTH:
+        return COLOUR_TRUTH;
+    default:
+        return style_palette(scene_colour(panel, index));
+    }
+}
+
+static bat_status add_rotations(proxy *made, const bat_picture_panel *panel, const bat_curve_picture_options *options,
+                                bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
+    {
+        const bat_picture_layer *layer = &panel->layers[i];
+        bool control = layer->role == BAT_LAYER_CONTROL;
+        if (!control || options->control_polygon)
+        {
+            status = add_columns(made, layer, layer_colour(panel, i), error);
+        }
+        if (control && options->control_points && status == BAT_OK)
+        {
+            status = add_triangles(made, layer->curve, error);
+        }
+    }
+    return status;
+}
+
+/// The diagonal of the box of all translations, 1 where there is but one place.
+static double paths_extent(const bat_picture_panel *panel)
+{
+    double square = 0.0;
+    for (size_t k = 0; k < 3; k++)
+    {
+        double low = INFINITY;
+        double high = -INFINITY;
+        for (size_t i = 0; i < panel->layer_count; i++)
+        {
+            const bat_curve *curve = panel->layers[i].curve;
+            for (size_t j = 0; j < curve->count; j++)
+            {
+                low = fmin(low, curve->points[7 * j + k]);
+                high = fmax(high, curve->points[7 * j + k]);
+            }
+        }
+        square += (high - low) * (high - low);
+    }
+    return square > 0.0 ? sqrt(square) : 1.0;
+}
+
+static bat_status add_path(proxy *made, const bat_picture_layer *layer, int colour, bat_error *error)
+{
+    const bat_curve *curve = layer->curve;
+    bat_picture_layer own = {.role = layer->role, .colour = colour};
+    bat_status status = add_curve(made, curve->count, curve->closed, own, (line_style){0}, error);
+    for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
+    {
+        memcpy(made->curves[made->count - 1].points + 3 * i, curve->points + 7 * i, 3 * sizeof(double));
+    }
+    return status;
+}
+
+/// The body's axes at evenly chosen points: vermilion, green and blue, stronger where they were given.
+static bat_status add_axes(proxy *made, const bat_curve *curve, double length, bool given, bat_error *error)
+{
+    static const int colours[3] = {2, 3, 1};
+    bat_status status = BAT_OK;
+    for (size_t k = 0; k < 3 * frames_of(curve) && status == BAT_OK; k++)
+    {
+        const double *point = curve->points + 7 * frame_index(curve, k / 3);
+        draw_colour colour = style_mix(style_palette(colours[k % 3]), COLOUR_PAPER, given ? 1.0 : 0.55);
+        line_style line = {colour, given ? 1.7 : 0.7, 0.0, 0.0};
+        status = add_curve(made, 2, false, (bat_picture_layer){.role = BAT_LAYER_CURVE, .colour = 1}, line, error);
+        if (status == BAT_OK)
+        {
+            double *ends = made->curves[made->count - 1].points;
+            column_of(point + 3, k % 3, ends + 3);
+            for (size_t c = 0; c < 3; c++)
+            {
+                ends[c] = point[c];
+                ends[3 + c] = point[c] + length * ends[3 + c];
+            }
+        }
+    }
+    return status;
+}
+
+static bat_status add_motions(proxy *made, const bat_picture_panel *panel, const bat_curve_picture_options *options,
+                              bat_error *error)
+{
+    double length = AXIS_SHARE * paths_extent(panel);
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
+    {
+        status = add_path(made, &panel->layers[i], scene_colour(panel, i), error);
+        if (status == BAT_OK && panel->layers[i].role == BAT_LAYER_CURVE)
+        {
+            status = add_axes(made, panel->layers[i].curve, length, false, error);
+        }
+    }
+    for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
+    {
+        if (panel->layers[i].role == BAT_LAYER_CONTROL && options->control_points)
+        {
+            status = add_axes(made, panel->layers[i].curve, length, true, error);
+        }
+    }
+    return status;
+}
+
+/// z = x / (1 + x0), a hair inside the rim.
+static bat_status add_hyperboloids(proxy *made, const bat_picture_panel *panel, bat_error *error)
+{
+    const double rim = 1.0 - 1e-15;
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
+    {
+        const bat_curve *curve = panel->layers[i].curve;
+        bat_picture_layer own = panel->layers[i];
+        own.colour = scene_colour(panel, i);
+        status = add_curve(made, curve->count, curve->closed, own, (line_style){0}, error);
+        for (size_t k = 0; k < curve->count && status == BAT_OK; k++)
+        {
+            const double *x = curve->points + 3 * k;
+            double *z = made->curves[made->count - 1].points + 2 * k;
+            double inverse = rim / (1.0 + sqrt(1.0 + x[1] * x[1] + x[2] * x[2]));
+            z[0] = inverse * x[1];
+            z[1] = inverse * x[2];
+        }
+    }
+    return status;
+}
+
+static bat_status add_all(proxy *made, const bat_picture_panel *panel, const bat_curve_picture_options *options,
+                          bat_error *error)
+{
+    switch (view_space_of(panel->layers[0].curve->space))
+    {
+    case VIEW_ROTATION:
+        made->space = bat_sphere(2);
+        return add_rotations(made, panel, options, error);
+    case VIEW_RIGID:
+        made->space = bat_euclidean(3);
+        return add_motions(made, panel, options, error);
+    default:
+        made->space = bat_disk();
+        return add_hyperboloids(made, panel, error);
+    }
+}
+
+bat_status proxy_make(const bat_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
+                      bat_error *error)
+{
+    size_t most = panel->layer_count * MOST_CURVES;
+    *made = (proxy){0};
+    made->curves = memory_array(most, sizeof *made->curves);
+    made->layers = memory_array(most, sizeof *made->layers);
+    made->lines = memory_array(most, sizeof *made->lines);
+    if (made->curves == NULL || made->layers == NULL || made->lines == NULL)
+    {
+        proxy_free(made);
+        return error_memory(error, most * (sizeof *made->curves + sizeof *made->layers + sizeof *made->lines));
+    }
+    bat_status status = add_all(made, panel, options, error);
+    for (size_t i = 0; i < made->count; i++)
+    {
+        made->layers[i].curve = &made->curves[i];
+    }
+    made->panel = (bat_picture_panel){.layers = made->layers, .layer_count = made->count, .title = panel->title};
+    if (status != BAT_OK)
+    {
+        proxy_free(made);
+    }
+    return status;
+}
+
+void proxy_free(proxy *made)
+{
+    for (size_t i = 0; i < made->count; i++)
+    {
+        bat_curve_free(&made->curves[i]);
+    }
+    free(made->curves);
+    free(made->layers);
+    free(made->lines);
+    *made = (proxy){0};
+}

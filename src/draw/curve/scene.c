@@ -1,0 +1,470 @@
+#include "draw/curve/scene.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "draw/common/text.h"
+#include "draw/curve/tensor_row.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LARGEST_SIDE 10000.0
+#define MOST_COLUMNS 5
+/// Width that a panel needs for its details to show.
+#define LEAST_PANEL 100.0
+
+bool scene_layer_shown(const bat_picture_layer *layer, const bat_curve_picture_options *options)
+{
+    return layer->role != BAT_LAYER_CONTROL || options->control_points || options->control_polygon;
+}
+
+int scene_colour(const bat_picture_panel *panel, size_t index)
+{
+    int place = 1;
+    for (size_t i = 0; i < index; i++)
+    {
+        place += panel->layers[i].role == BAT_LAYER_CURVE ? 1 : 0;
+    }
+    return panel->layers[index].colour > 0 ? panel->layers[index].colour : place;
+}
+
+size_t scene_columns(const bat_curve_picture_options *options, size_t count, double least)
+{
+    if (options->columns > 0)
+    {
+        return options->columns < count ? options->columns : count;
+    }
+    size_t most = MOST_COLUMNS;
+    if (options->width > 0.0)
+    {
+        most = (size_t)fmin(fmax(options->width / least, 1.0), MOST_COLUMNS);
+    }
+    size_t rows = (count + most - 1) / most;
+    return (count + rows - 1) / rows;
+}
+
+static bool side_is_valid(double side)
+{
+    return side == 0.0 || (side >= 20.0 && side <= LARGEST_SIDE);
+}
+
+bat_status scene_check_options(const bat_curve_picture_options *options, bat_error *error)
+{
+    const char *fault = NULL;
+    if (!side_is_valid(options->width) || !side_is_valid(options->height))
+    {
+        fault = "the width and height of a picture must be 0 or from 20 to 10000 points";
+    }
+    else if (!(options->pixels_per_point >= 0.1 && options->pixels_per_point <= 20.0))
+    {
+        fault = "pixels per point must be from 0.1 to 20";
+    }
+    else if (!text_is_valid(options->title))
+    {
+        fault = "the picture's title is not plain UTF-8 text";
+    }
+    return fault == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
+}
+
+static bat_status check_view_options(const bat_curve_picture_options *options, bat_error *error)
+{
+    const double quarter = 1.57079632679489662;
+    const char *fault = NULL;
+    if (options->projection < BAT_PROJECTION_GLOBE || options->projection > BAT_PROJECTION_BOTH)
+    {
+        fault = "there is no such projection";
+    }
+    else if (isinf(options->longitude) || fabs(options->latitude) > quarter + 1e-12)
+    {
+        fault = "the middle of the globe must have a finite longitude and a latitude from -pi/2 to pi/2";
+    }
+    else if (!(options->comb_scale >= 0.0 && isfinite(options->comb_scale)))
+    {
+        fault = "the scale of the comb must be 0 or positive";
+    }
+    return fault == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
+}
+
+static bat_status check_layer(const bat_picture_layer *layer, size_t panel, size_t index, bat_error *error)
+{
+    bat_error inner = {0};
+    bat_status status = view_check(layer->curve, &inner);
+    if (status != BAT_OK)
+    {
+        return error_set(error, status, inner.index != BAT_NO_INDEX ? inner.index : index, 0, "panel %zu, layer %zu: %s",
+                         panel, index, inner.text);
+    }
+    if (layer->role < BAT_LAYER_CURVE || layer->role > BAT_LAYER_TRUTH || layer->colour < 0)
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu, layer %zu: no such role or colour", panel,
+                         index);
+    }
+    if (!text_is_valid(layer->label))
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu, layer %zu: the label is not plain UTF-8 text",
+                         panel, index);
+    }
+    return BAT_OK;
+}
+
+static bat_status check_panel(const bat_picture_panel *panel, size_t index, bat_error *error)
+{
+    if (panel->layers == NULL || panel->layer_count == 0)
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu has no layers", index);
+    }
+    if (!text_is_valid(panel->title))
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "the title of panel %zu is not plain UTF-8 text", index);
+    }
+    for (size_t i = 0; i < panel->layer_count; i++)
+    {
+        bat_status status = check_layer(&panel->layers[i], index, i, error);
+        if (status != BAT_OK)
+        {
+            return status;
+        }
+        const bat_space *first = panel->layers[0].curve->space;
+        const bat_space *space = panel->layers[i].curve->space;
+        if (view_space_of(space) != view_space_of(first) || space->point_dim != first->point_dim)
+        {
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0,
+                             "panel %zu, layer %zu: its space differs from that of layer 0", index, i);
+        }
+    }
+    return BAT_OK;
+}
+
+static bat_status make_combs(scene_panel *panel, bat_error *error)
+{
+    const bat_picture_panel *source = panel->drawn;
+    panel->combs = calloc(source->layer_count, sizeof *panel->combs);
+    if (panel->combs == NULL)
+    {
+        return error_memory(error, source->layer_count * sizeof *panel->combs);
+    }
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < source->layer_count && status == BAT_OK; i++)
+    {
+        bool itself = source == panel->source && panel->space != VIEW_TENSOR;
+        if (itself && source->layers[i].role == BAT_LAYER_CURVE)
+        {
+            status = comb_make(source->layers[i].curve, &panel->combs[i], error);
+        }
+    }
+    return status;
+}
+
+static scene_frame empty_frame(void)
+{
+    scene_frame frame = {.comb_scale = INFINITY};
+    for (int k = 0; k < 3; k++)
+    {
+        frame.box_low[k] = INFINITY;
+        frame.box_high[k] = -INFINITY;
+    }
+    for (int k = 0; k < 2; k++)
+    {
+        frame.low[k] = INFINITY;
+        frame.high[k] = -INFINITY;
+    }
+    return frame;
+}
+
+static void include_place(scene_frame *frame, double u, double v)
+{
+    frame->low[0] = fmin(frame->low[0], u);
+    frame->high[0] = fmax(frame->high[0], u);
+    frame->low[1] = fmin(frame->low[1], v);
+    frame->high[1] = fmax(frame->high[1], v);
+}
+
+static void include_point(scene_frame *frame, const draw_view *view, const double *point)
+{
+    double u;
+    double v;
+    view_project(view, point, &u, &v);
+    include_place(frame, u, v);
+    for (int k = 0; k < 3 && view->space == VIEW_SOLID; k++)
+    {
+        frame->box_low[k] = fmin(frame->box_low[k], point[k]);
+        frame->box_high[k] = fmax(frame->box_high[k], point[k]);
+    }
+}
+
+static bool same_space(const scene_panel *a, const scene_panel *b)
+{
+    return a->space == b->space && a->point_dim == b->point_dim;
+}
+
+/// The panels that share a frame with panel `index`: from `*first` to before `*end`, those of the same space.
+static void sharing(const scene *made, size_t index, size_t *first, size_t *end)
+{
+    bool alone = made->options->own_frames;
+    *first = alone ? index : index - index % made->columns;
+    *end = alone ? index + 1 : *first + made->columns;
+    *end = *end < made->count ? *end : made->count;
+}
+
+static void include_curves(scene_frame *frame, const scene *made, const scene_panel *panel)
+{
+    draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
+    view_face_solid(&view);
+    for (size_t i = 0; i < panel->drawn->layer_count; i++)
+    {
+        const bat_picture_layer *layer = &panel->drawn->layers[i];
+        for (size_t k = 0; k < layer->curve->count && scene_layer_shown(layer, made->options); k++)
+        {
+            include_point(frame, &view, layer->curve->points + k * panel->point_dim);
+        }
+    }
+    for (unsigned corner = 0; corner < 8 && panel->space == VIEW_SOLID && made->options->axes; corner++)
+    {
+        double point[3];
+        scene_corner(frame, corner, point);
+        include_point(frame, &view, point);
+    }
+}
+
+/// The lengths of usual and longest teeth in the unit of the space.
+static void tooth_lengths(const scene_frame *frame, view_space space, double *usual, double *longest)
+{
+    double extent = hypot(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
+    bool flat = space == VIEW_PLANE || space == VIEW_SOLID;
+    *usual = flat ? 0.1 * extent : space == VIEW_SPHERE ? 0.3 : 0.5;
+    *longest = 2.5 * *usual;
+}
+
+static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_error *error)
+{
+    double usual;
+    double longest;
+    tooth_lengths(frame, panel->space, &usual, &longest);
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
+    {
+        double scale = INFINITY;
+        if (panel->combs[i].count > 0)
+        {
+            status = comb_natural_scale(&panel->combs[i], usual, longest, &scale, error);
+        }
+        frame->comb_scale = fmin(frame->comb_scale, scale);
+    }
+    return status;
+}
+
+static void include_combs(scene_frame *frame, const scene_panel *panel, double *tip)
+{
+    draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
+    view_face_solid(&view);
+    for (size_t i = 0; i < panel->drawn->layer_count; i++)
+    {
+        for (size_t k = 0; k < panel->combs[i].count; k++)
+        {
+            double u;
+            double v;
+            comb_tip(&panel->combs[i], k, frame->comb_scale, tip);
+            view_project(&view, tip, &u, &v);
+            include_place(frame, u, v);
+        }
+    }
+}
+
+/// The scale of the combs of the panels from `first` to before `end` that are like `panel`, and room for the teeth.
+static bat_status frame_combs(scene_frame *frame, const scene *made, const scene_panel *panel, size_t first, size_t end,
+                              bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = first; i < end && status == BAT_OK; i++)
+    {
+        status = same_space(panel, &made->panels[i]) ? scale_combs(frame, &made->panels[i], error) : BAT_OK;
+    }
+    frame->comb_scale = isfinite(frame->comb_scale) ? frame->comb_scale : 0.0;
+    frame->comb_scale = made->options->comb_scale > 0.0 ? made->options->comb_scale : frame->comb_scale;
+    double *tip = memory_array(panel->point_dim, sizeof(double));
+    if (tip == NULL)
+    {
+        return error_memory(error, panel->point_dim * sizeof(double));
+    }
+    for (size_t i = first; i < end && (panel->space == VIEW_PLANE || panel->space == VIEW_SOLID); i++)
+    {
+        if (same_space(panel, &made->panels[i]))
+        {
+            include_combs(frame, &made->panels[i], tip);
+        }
+    }
+    free(tip);
+    return status;
+}
+
+/// The middle of the globe for the panels from `first` to before `end`.
+static bat_status frame_globe(scene_frame *frame, const scene *made, size_t first, size_t end, bat_error *error)
+{
+    const bat_curve_picture_options *options = made->options;
+    frame->longitude = options->longitude;
+    frame->latitude = options->latitude;
+    if (!isnan(options->longitude) && !isnan(options->latitude))
+    {
+        return BAT_OK;
+    }
+    size_t count = 0;
+    for (size_t i = first; i < end; i++)
+    {
+        count += made->panels[i].drawn->layer_count;
+    }
+    const bat_curve **curves = memory_array(count, sizeof *curves);
+    if (curves == NULL)
+    {
+        return error_memory(error, count * sizeof *curves);
+    }
+    count = 0;
+    for (size_t i = first; i < end; i++)
+    {
+        const bat_picture_panel *source = made->panels[i].drawn;
+        for (size_t k = 0; k < source->layer_count && made->panels[i].space == VIEW_SPHERE; k++)
+        {
+            curves[count++] = source->layers[k].curve;
+        }
+    }
+    view_automatic(curves, count, &frame->longitude, &frame->latitude);
+    free(curves);
+    return BAT_OK;
+}
+
+/// Keep an empty or one-dimensional range drawable.
+static void widen(scene_frame *frame)
+{
+    double extent = fmax(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
+    double least = extent > 0.0 ? 0.1 * extent : fmax(1e-3 * fmax(fabs(frame->low[0]), fabs(frame->low[1])), 1e-12);
+    for (int k = 0; k < 2; k++)
+    {
+        double lack = fmax(0.0, least - (frame->high[k] - frame->low[k]));
+        frame->low[k] -= 0.5 * lack;
+        frame->high[k] += 0.5 * lack;
+    }
+}
+
+static bat_status set_frame(scene *made, size_t index, bat_error *error)
+{
+    scene_panel *panel = &made->panels[index];
+    scene_frame frame = empty_frame();
+    size_t first;
+    size_t end;
+    sharing(made, index, &first, &end);
+    for (size_t i = first; i < index; i++)
+    {
+        if (same_space(panel, &made->panels[i]))
+        {
+            panel->frame = made->panels[i].frame;
+            return BAT_OK;
+        }
+    }
+    bool flat = panel->space == VIEW_PLANE || panel->space == VIEW_SOLID;
+    for (size_t i = first; i < end && flat; i++)
+    {
+        if (same_space(panel, &made->panels[i]))
+        {
+            include_curves(&frame, made, &made->panels[i]);
+        }
+    }
+    if (flat && !(frame.low[0] <= frame.high[0]))
+    {
+        include_place(&frame, 0.0, 0.0);
+    }
+    bat_status status = panel->space == VIEW_SPHERE ? frame_globe(&frame, made, first, end, error) : BAT_OK;
+    for (size_t i = first; i < end && panel->space == VIEW_TENSOR && status == BAT_OK; i++)
+    {
+        status = same_space(panel, &made->panels[i]) ? tensor_row_include(&frame, made->panels[i].drawn, error) : BAT_OK;
+    }
+    if (status == BAT_OK && made->options->comb)
+    {
+        status = frame_combs(&frame, made, panel, first, end, error);
+    }
+    widen(&frame);
+    panel->frame = frame;
+    return status;
+}
+
+/// The panel itself, or what stands in for it.
+static bat_status choose_drawn(scene_panel *panel, const bat_curve_picture_options *options, bat_error *error)
+{
+    const bat_space *space = panel->source->layers[0].curve->space;
+    panel->drawn = panel->source;
+    if (view_space_of(space) > VIEW_TENSOR)
+    {
+        bat_status status = proxy_make(panel->source, options, &panel->stand, error);
+        if (status != BAT_OK)
+        {
+            return status;
+        }
+        panel->drawn = &panel->stand.panel;
+        space = &panel->stand.space;
+    }
+    panel->space = view_space_of(space);
+    panel->point_dim = space->point_dim;
+    return BAT_OK;
+}
+
+static bat_status fill(scene *made, const bat_picture_panel *panels, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < made->count && status == BAT_OK; i++)
+    {
+        scene_panel *panel = &made->panels[i];
+        status = check_panel(&panels[i], i, error);
+        if (status == BAT_OK)
+        {
+            panel->source = &panels[i];
+            status = choose_drawn(panel, made->options, error);
+        }
+        if (status == BAT_OK && made->options->comb)
+        {
+            status = make_combs(panel, error);
+        }
+    }
+    for (size_t i = 0; i < made->count && status == BAT_OK; i++)
+    {
+        status = set_frame(made, i, error);
+    }
+    return status;
+}
+
+bat_status scene_make(const bat_picture_panel *panels, size_t count, const bat_curve_picture_options *options, scene *made,
+                      bat_error *error)
+{
+    bat_status status = scene_check_options(options, error);
+    status = status == BAT_OK ? check_view_options(options, error) : status;
+    if (status != BAT_OK)
+    {
+        return status;
+    }
+    *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, LEAST_PANEL)};
+    made->rows = (count + made->columns - 1) / made->columns;
+    made->panels = calloc(count, sizeof *made->panels);
+    if (made->panels == NULL)
+    {
+        return error_memory(error, count * sizeof *made->panels);
+    }
+    status = fill(made, panels, error);
+    if (status != BAT_OK)
+    {
+        scene_free(made);
+    }
+    return status;
+}
+
+void scene_free(scene *made)
+{
+    for (size_t i = 0; i < made->count && made->panels != NULL; i++)
+    {
+        for (size_t k = 0; made->panels[i].combs != NULL && k < made->panels[i].drawn->layer_count; k++)
+        {
+            comb_free(&made->panels[i].combs[k]);
+        }
+        free(made->panels[i].combs);
+        proxy_free(&made->panels[i].stand);
+    }
+    free(made->panels);
+    *made = (scene){0};
+}

@@ -1,0 +1,73 @@
+#ifndef DRAW_CURVE_SCENE_H
+#define DRAW_CURVE_SCENE_H
+
+#include "batten/curve_picture.h"
+#include "draw/curve/comb.h"
+#include "draw/curve/proxy.h"
+
+/// @file
+/// What the panels of a picture show, before there is paper.
+
+/// What a panel shows of its space. The panels of a row share theirs unless asked otherwise.
+typedef struct scene_frame
+{
+    double low[2], high[2];         ///< flat spaces: the range of u and v
+    double box_low[3], box_high[3]; ///< R^3: the range of the coordinates
+    double longitude, latitude;     ///< globe: its middle
+    double comb_scale;              ///< 0 for no comb
+    double tensor_unit;             ///< tensors: the largest semi-axis
+    size_t tensor_columns;          ///< tensors: the most in a row
+} scene_frame;
+
+typedef struct scene_panel
+{
+    const bat_picture_panel *source;
+    const bat_picture_panel *drawn; ///< the source, or what stands in for it
+    proxy stand;                    ///< all zero where the source itself is drawn
+    view_space space;               ///< of what is drawn
+    size_t point_dim;
+    comb *combs; ///< one a drawn layer, empty but for curves; null without combs
+    scene_frame frame;
+} scene_panel;
+
+typedef struct scene
+{
+    const bat_curve_picture_options *options;
+    scene_panel *panels;
+    size_t count;
+    size_t columns;
+    size_t rows;
+} scene;
+
+/// Check everything, measure everything. Release it with scene_free().
+bat_status scene_make(const bat_picture_panel *panels, size_t count, const bat_curve_picture_options *options, scene *made,
+                      bat_error *error);
+void scene_free(scene *made);
+
+/// Check what pictures and charts share: size, resolution, title.
+bat_status scene_check_options(const bat_curve_picture_options *options, bat_error *error);
+/// The number of panels in a row for `count` panels: when the caller leaves it open, up to five, but of a prescribed width every
+/// one gets at least `least`.
+size_t scene_columns(const bat_curve_picture_options *options, size_t count, double least);
+
+/// Whether anything of a layer is drawn.
+bool scene_layer_shown(const bat_picture_layer *layer, const bat_curve_picture_options *options);
+/// The palette's index for layer `index` of a panel.
+int scene_colour(const bat_picture_panel *panel, size_t index);
+
+/// Height over width of what a flat panel shows.
+static inline double scene_aspect(const scene_frame *frame)
+{
+    return (frame->high[1] - frame->low[1]) / (frame->high[0] - frame->low[0]);
+}
+
+/// A corner of the box of R^3, its bits choosing the high coordinates.
+static inline void scene_corner(const scene_frame *frame, unsigned corner, double *point)
+{
+    for (unsigned k = 0; k < 3; k++)
+    {
+        point[k] = (corner >> k & 1u) != 0 ? frame->box_high[k] : frame->box_low[k];
+    }
+}
+
+#endif

@@ -1,0 +1,257 @@
+#include "draw/curve/tensor_row.h"
+
+#include "base/error.h"
+#include "draw/common/style.h"
+
+#include <lapacke.h>
+#include <math.h>
+#include <string.h>
+
+static const double TURN = 6.28318530717958647693;
+
+/// The most tensors in a row.
+#define MOST_COLUMNS 13
+/// From the middle of a tensor to that of the next, in units of the largest semi-axis: across and between rows.
+#define COLUMN_SPACING 2.15
+#define ROW_SPACING 2.3
+/// The thinnest ellipse, in the same unit; flatter ones have no drawing.
+#define THINNEST 2e-3
+
+/// A tensor in units of the largest semi-axis: its principal semi-axes as vectors. In the plane the third is 0.
+typedef struct ellipsoid
+{
+    size_t side;
+    double axes[3][3];
+} ellipsoid;
+
+static bat_status ellipsoid_of(const bat_curve *curve, size_t index, double unit, ellipsoid *made, bat_error *error)
+{
+    size_t n = curve->space->point_dim == 3 ? 2 : 3;
+    const double *packed = curve->points + index * curve->space->point_dim;
+    double matrix[9];
+    double values[3];
+    for (size_t i = 0; i < n; i++)
+    {
+        for (size_t j = i; j < n; j++)
+        {
+            matrix[n * i + j] = *packed++ / unit / unit;
+        }
+    }
+    if (LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'V', 'U', (lapack_int)n, matrix, (lapack_int)n, values) != 0)
+    {
+        return error_set(error, BAT_NO_CONVERGENCE, index, 0, "point %zu has no eigenvalues to draw", index);
+    }
+    *made = (ellipsoid){.side = n};
+    for (size_t k = 0; k < n; k++)
+    {
+        for (size_t i = 0; i < n; i++)
+        {
+            made->axes[k][i] = sqrt(fmax(values[k], THINNEST * THINNEST)) * matrix[n * i + k];
+        }
+    }
+    return BAT_OK;
+}
+
+static double longest_axis(const ellipsoid *drawn)
+{
+    const double *axis = drawn->axes[drawn->side - 1]; // eigenvalues ascend
+    return sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+}
+
+/// The number of tensors of a curve in a row of so many columns.
+static size_t shown_of(const bat_curve *curve, size_t columns)
+{
+    return curve->count < columns ? curve->count : columns;
+}
+
+static size_t shown_index(const bat_curve *curve, size_t columns, size_t k)
+{
+    size_t shown = shown_of(curve, columns);
+    return shown > 1 ? (k * (curve->count - 1) + (shown - 1) / 2) / (shown - 1) : 0;
+}
+
+/// Where point `index` is on the way along the curve, 0 to 1.
+static double share_of(const bat_curve *curve, size_t index)
+{
+    size_t edges = curve->closed ? curve->count : curve->count - 1;
+    return edges > 0 ? (double)index / (double)edges : 0.5;
+}
+
+bat_status tensor_row_include(scene_frame *frame, const bat_picture_panel *panel, bat_error *error)
+{
+    for (size_t i = 0; i < panel->layer_count; i++)
+    {
+        const bat_curve *curve = panel->layers[i].curve;
+        size_t columns = curve->count < MOST_COLUMNS ? curve->count : MOST_COLUMNS;
+        frame->tensor_columns = columns > frame->tensor_columns ? columns : frame->tensor_columns;
+        for (size_t k = 0; k < columns; k++)
+        {
+            ellipsoid drawn;
+            // Numbers far from 1 are brought near it first.
+            double near = sqrt(curve->points[shown_index(curve, columns, k) * curve->space->point_dim]);
+            bat_status status = ellipsoid_of(curve, shown_index(curve, columns, k), near, &drawn, error);
+            if (status != BAT_OK)
+            {
+                return status;
+            }
+            frame->tensor_unit = fmax(frame->tensor_unit, near * longest_axis(&drawn));
+        }
+    }
+    frame->low[0] = -1.05;
+    frame->high[0] = COLUMN_SPACING * ((double)frame->tensor_columns - 1.0) + 1.05;
+    frame->low[1] = fmin(frame->low[1], -ROW_SPACING * ((double)panel->layer_count - 1.0) - 1.05);
+    frame->high[1] = 1.05;
+    return BAT_OK;
+}
+
+/// An ellipsoid's axes to the right, upwards and to the eye.
+static void turn(const draw_view *view, ellipsoid *drawn)
+{
+    for (size_t k = 0; k < drawn->side && drawn->side == 3; k++)
+    {
+        double rotated[3];
+        view_rotate(view, drawn->axes[k], rotated);
+        memcpy(drawn->axes[k], rotated, sizeof rotated);
+    }
+}
+
+/// The symmetric root of the outline's matrix, which is the sum of (a_x, a_y)^T (a_x, a_y) over the semi-axes a: it brings the
+/// unit circle to the outline, and up nearly upwards.
+static void outline_of(const ellipsoid *drawn, double root[3])
+{
+    double xx = THINNEST * THINNEST;
+    double xy = 0.0;
+    double yy = THINNEST * THINNEST;
+    for (size_t k = 0; k < drawn->side; k++)
+    {
+        const double *a = drawn->axes[k];
+        xx += a[0] * a[0];
+        xy += a[0] * a[1];
+        yy += a[1] * a[1];
+    }
+    double area = sqrt(fmax(xx * yy - xy * xy, xx * yy * 1e-12));
+    double scale = 1.0 / sqrt(xx + yy + 2.0 * area);
+    root[0] = scale * (xx + area);
+    root[1] = scale * xy;
+    root[2] = scale * (yy + area);
+}
+
+/// Colours of a tensor: paler along the curve.
+static draw_colour shade_of(const bat_picture_panel *panel, size_t layer, double share)
+{
+    switch (panel->layers[layer].role)
+    {
+    case BAT_LAYER_CONTROL:
+        return style_mix(COLOUR_CONTROL, COLOUR_PAPER, 0.75);
+    case BAT_LAYER_TRUTH:
+        return COLOUR_TRUTH;
+    default:
+        return style_mix(style_palette(scene_colour(panel, layer)), (draw_colour){0.99, 0.90, 0.62}, 0.95 - 0.65 * share);
+    }
+}
+
+/// Fill the outline about (x, y), lit from the upper left.
+static void fill_outline(cairo_t *cairo, const double root[3], double scale, double x, double y, draw_colour colour)
+{
+    cairo_matrix_t to_paper = {scale * root[0], -scale * root[1], scale * root[1], -scale * root[2], x, y};
+    draw_colour light = style_mix(colour, COLOUR_PAPER, 0.45);
+    draw_colour dark = style_mix(colour, COLOUR_INK, 0.85);
+    cairo_pattern_t *ball = cairo_pattern_create_radial(-0.35, 0.4, 0.0, 0.0, 0.0, 1.0);
+    cairo_pattern_add_color_stop_rgb(ball, 0.0, light.red, light.green, light.blue);
+    cairo_pattern_add_color_stop_rgb(ball, 0.6, colour.red, colour.green, colour.blue);
+    cairo_pattern_add_color_stop_rgb(ball, 1.0, dark.red, dark.green, dark.blue);
+    cairo_save(cairo);
+    cairo_transform(cairo, &to_paper);
+    cairo_new_path(cairo);
+    cairo_arc(cairo, 0.0, 0.0, 1.0, 0.0, TURN);
+    cairo_close_path(cairo);
+    cairo_set_source(cairo, ball);
+    cairo_fill_preserve(cairo);
+    cairo_restore(cairo);
+    cairo_pattern_destroy(ball);
+}
+
+/// The front half of the principal ellipse of semi-axes a and b: where a cos t + b sin t has a normal towards the eye, which is
+/// where the same of a/|a|^2 and b/|b|^2 points there.
+static void trace_front(cairo_t *cairo, const double *a, const double *b, double scale, double x, double y)
+{
+    enum
+    {
+        STEPS = 32
+    };
+    double of_a = a[2] / (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    double of_b = b[2] / (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
+    double middle = atan2(of_b, of_a);
+    for (int step = 0; step <= STEPS; step++)
+    {
+        double angle = middle + TURN * (0.5 * step / STEPS - 0.25);
+        double u = a[0] * cos(angle) + b[0] * sin(angle);
+        double v = a[1] * cos(angle) + b[1] * sin(angle);
+        (step == 0 ? cairo_move_to : cairo_line_to)(cairo, x + scale * u, y - scale * v);
+    }
+}
+
+/// The principal axes of an ellipse, the principal ellipses of an ellipsoid.
+static void trace_inside(cairo_t *cairo, const ellipsoid *drawn, double scale, double x, double y)
+{
+    for (size_t k = 0; k < drawn->side; k++)
+    {
+        const double *a = drawn->axes[k];
+        if (drawn->side == 2)
+        {
+            cairo_move_to(cairo, x - scale * a[0], y + scale * a[1]);
+            cairo_line_to(cairo, x + scale * a[0], y - scale * a[1]);
+        }
+        else
+        {
+            trace_front(cairo, a, drawn->axes[(k + 1) % 3], scale, x, y);
+        }
+    }
+}
+
+static void draw_ellipsoid(cairo_t *cairo, const ellipsoid *drawn, bool given, double scale, double x, double y,
+                           draw_colour colour)
+{
+    double root[3];
+    draw_colour rim = given ? COLOUR_INK : style_mix(colour, COLOUR_INK, 0.6);
+    outline_of(drawn, root);
+    fill_outline(cairo, root, scale, x, y, colour);
+    style_use_line(cairo, (line_style){rim, given ? 1.3 : 0.7, 0.0, 0.0});
+    cairo_stroke(cairo);
+    trace_inside(cairo, drawn, scale, x, y);
+    style_use_line(cairo, (line_style){style_mix(rim, colour, 0.6), given ? 0.6 : 0.4, 0.0, 0.0});
+    cairo_stroke(cairo);
+}
+
+static bat_status draw_row(cairo_t *cairo, const draw_view *view, const scene_panel *panel, size_t layer, bat_error *error)
+{
+    const bat_curve *curve = panel->source->layers[layer].curve;
+    const scene_frame *frame = &panel->frame;
+    double y = view_y(view, -ROW_SPACING * (double)layer);
+    for (size_t k = 0; k < shown_of(curve, frame->tensor_columns); k++)
+    {
+        size_t index = shown_index(curve, frame->tensor_columns, k);
+        double share = share_of(curve, index);
+        ellipsoid drawn;
+        bat_status status = ellipsoid_of(curve, index, frame->tensor_unit, &drawn, error);
+        if (status != BAT_OK)
+        {
+            return status;
+        }
+        turn(view, &drawn);
+        draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_LAYER_CONTROL, view->scale,
+                       view_x(view, COLUMN_SPACING * ((double)frame->tensor_columns - 1.0) * share), y,
+                       shade_of(panel->source, layer, share));
+    }
+    return BAT_OK;
+}
+
+bat_status tensor_row_draw(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < panel->source->layer_count && status == BAT_OK; i++)
+    {
+        status = draw_row(cairo, view, panel, i, error);
+    }
+    return status;
+}

@@ -1,0 +1,187 @@
+#include "draw/curve/view.h"
+
+#include "base/error.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/// How far from 1 the length of a point of the sphere may be: single-precision data pass.
+#define UNIT_TOLERANCE 1e-6
+
+view_space view_space_of(const bat_space *space)
+{
+    if (strcmp(space->name, "plane") == 0 || strcmp(space->name, "euclidean") == 0)
+    {
+        return space->point_dim == 3 ? VIEW_SOLID : space->point_dim >= 2 ? VIEW_PLANE : VIEW_NOTHING;
+    }
+    if (strcmp(space->name, "sphere") == 0)
+    {
+        return space->point_dim == 3 ? VIEW_SPHERE : VIEW_NOTHING;
+    }
+    static const struct
+    {
+        const char *name;
+        size_t point_dim;
+        view_space kind;
+    } others[] = {{"disk", 2, VIEW_DISK},         {"spd", 3, VIEW_TENSOR},  {"spd", 6, VIEW_TENSOR},
+                  {"rotation", 4, VIEW_ROTATION}, {"rigid", 7, VIEW_RIGID}, {"hyperbolic", 3, VIEW_HYPERBOLIC}};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+    {
+        if (strcmp(space->name, others[i].name) == 0 && space->point_dim == others[i].point_dim)
+        {
+            return others[i].kind;
+        }
+    }
+    return VIEW_NOTHING;
+}
+
+void view_face(draw_view *view, double longitude, double latitude)
+{
+    double sine = sin(longitude);
+    double cosine = cos(longitude);
+    double up = sin(latitude);
+    double level = cos(latitude);
+    double rows[3][3] = {{-sine, cosine, 0.0}, {-up * cosine, -up * sine, level}, {level * cosine, level * sine, up}};
+    memcpy(view->rotation, rows, sizeof rows);
+}
+
+void view_face_solid(draw_view *view)
+{
+    const double azimuth = -1.0821;  // -62 degrees: x runs to the right, y to the right and into the depth
+    const double elevation = 0.3840; // 22 degrees
+    view_face(view, azimuth, elevation);
+}
+
+bool view_project(const draw_view *view, const double *point, double *u, double *v)
+{
+    if (view->space == VIEW_SOLID || view->kind == VIEW_GLOBE)
+    {
+        double rotated[3];
+        view_rotate(view, point, rotated);
+        *u = rotated[0];
+        *v = rotated[1];
+        return view->kind != VIEW_GLOBE || rotated[2] >= 0.0;
+    }
+    bool map = view->kind == VIEW_MAP;
+    *u = map ? atan2(point[1] + 0.0, point[0]) : point[0];
+    *v = map ? atan2(point[2], hypot(point[0], point[1])) : point[1];
+    return true;
+}
+
+bool view_place(const draw_view *view, const double *point, double *x, double *y)
+{
+    double u;
+    double v;
+    bool front = view_project(view, point, &u, &v);
+    *x = view_x(view, u);
+    *y = view_y(view, v);
+    return front;
+}
+
+static void trace_flat(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
+{
+    double x;
+    double y;
+    view_place(view, points, &x, &y);
+    simplifier_move(path, x, y);
+    for (size_t i = 1; i < count + (closed ? 1 : 0); i++)
+    {
+        view_place(view, points + (i < count ? i : 0) * view->point_dim, &x, &y);
+        simplifier_line(path, x, y);
+    }
+}
+
+void view_trace(const draw_view *view, const double *points, size_t count, bool closed, view_side side,
+                path_simplifier *path)
+{
+    if (view->kind == VIEW_GLOBE)
+    {
+        view_trace_globe(view, points, count, closed, side, path);
+    }
+    else if (side == VIEW_FRONT && view->kind == VIEW_FLAT)
+    {
+        trace_flat(view, points, count, closed, path);
+    }
+    else if (side == VIEW_FRONT && view->kind == VIEW_MAP)
+    {
+        view_trace_map(view, points, count, closed, path);
+    }
+    else if (side == VIEW_FRONT)
+    {
+        view_trace_disk(view, points, count, closed, path);
+    }
+    simplifier_flush(path);
+}
+
+/// Null, or what is wrong with a point.
+static const char *point_fault(view_space space, const double *point, size_t point_dim)
+{
+    double square = 0.0;
+    for (size_t k = 0; k < point_dim; k++)
+    {
+        square += point[k] * point[k];
+    }
+    if (!isfinite(square))
+    {
+        return "is not finite, or too large to draw";
+    }
+    if (space == VIEW_SPHERE && fabs(sqrt(square) - 1.0) > UNIT_TOLERANCE)
+    {
+        return "is not of unit length";
+    }
+    return space == VIEW_DISK && square >= 1.0 ? "is not inside the unit disk" : NULL;
+}
+
+/// Null, or what a space that is drawn by way of another, or as tensors, has against a point.
+static const char *foreign_fault(const bat_space *space, const double *point, char *text, size_t size)
+{
+    const char *fault = space->fault(space, point);
+    (void)snprintf(text, size, "is %s", fault != NULL ? fault : "");
+    return fault != NULL ? text : NULL;
+}
+
+static bool antipodal(const double *p, const double *q)
+{
+    const double limit = 1e-10;
+    return hypot(hypot(p[0] + q[0], p[1] + q[1]), p[2] + q[2]) < limit;
+}
+
+bat_status view_check(const bat_curve *curve, bat_error *error)
+{
+    if (curve == NULL || curve->space == NULL || curve->points == NULL || curve->count == 0)
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a curve without points cannot be drawn");
+    }
+    view_space space = view_space_of(curve->space);
+    if (space == VIEW_NOTHING)
+    {
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the space %s of %zu coordinates has no picture",
+                         curve->space->name, curve->space->point_dim);
+    }
+    size_t dim = curve->space->point_dim;
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        char text[128];
+        const double *point = curve->points + i * dim;
+        const char *fault = point_fault(space, point, dim);
+        if (fault == NULL && space >= VIEW_TENSOR)
+        {
+            fault = foreign_fault(curve->space, point, text, sizeof text);
+        }
+        if (fault != NULL)
+        {
+            return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu %s", i, fault);
+        }
+    }
+    for (size_t i = 0; space == VIEW_SPHERE && i + (curve->closed ? 0 : 1) < curve->count; i++)
+    {
+        size_t next = i + 1 < curve->count ? i + 1 : 0;
+        if (antipodal(curve->points + 3 * i, curve->points + 3 * next))
+        {
+            return error_set(error, BAT_CUT_LOCUS, i, 0, "points %zu and %zu are antipodal: no shortest arc joins them", i,
+                             next);
+        }
+    }
+    return BAT_OK;
+}

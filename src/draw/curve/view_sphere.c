@@ -1,0 +1,222 @@
+#include "draw/curve/view.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+static void normalize(double *vector)
+{
+    double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    for (int k = 0; k < 3; k++)
+    {
+        vector[k] /= length;
+    }
+}
+
+/// The chord between two points, squared.
+static double chord_square(const double *p, const double *q)
+{
+    double dx = q[0] - p[0];
+    double dy = q[1] - p[1];
+    double dz = q[2] - p[2];
+    return dx * dx + dy * dy + dz * dz;
+}
+
+/// The path on one half of a globe as it is drawn. Points are rotated: the third coordinate points to the eye.
+typedef struct globe_tracer
+{
+    const draw_view *view;
+    path_simplifier *path;
+    double sign; ///< 1 in front, -1 behind
+    double point[3];
+    bool visible;
+} globe_tracer;
+
+static bool globe_visible(const globe_tracer *tracer, const double *point)
+{
+    return tracer->sign * point[2] >= 0.0;
+}
+
+/// Continue along an arc so short that its chord is as good. The limb is crossed where the chord's great circle crosses it.
+static void globe_step(globe_tracer *tracer, const double *point)
+{
+    const draw_view *view = tracer->view;
+    bool visible = globe_visible(tracer, point);
+    if (visible != tracer->visible)
+    {
+        double share = tracer->point[2] / (tracer->point[2] - point[2]);
+        double u = tracer->point[0] + share * (point[0] - tracer->point[0]);
+        double v = tracer->point[1] + share * (point[1] - tracer->point[1]);
+        double length = hypot(u, v);
+        void (*draw)(path_simplifier *, double, double) = visible ? simplifier_move : simplifier_line;
+        draw(tracer->path, view_x(view, u / length), view_y(view, v / length));
+    }
+    if (visible)
+    {
+        simplifier_line(tracer->path, view_x(view, point[0]), view_y(view, point[1]));
+    }
+    memcpy(tracer->point, point, sizeof tracer->point);
+    tracer->visible = visible;
+}
+
+/// Continue along the shortest arc to `target`, in steps of at most `step` radians.
+static void globe_arc(globe_tracer *tracer, const double *target, double step)
+{
+    double from[3];
+    memcpy(from, tracer->point, sizeof from);
+    double angle = 2.0 * atan2(sqrt(chord_square(from, target)),
+                               sqrt(chord_square(from, (double[3]){-target[0], -target[1], -target[2]})));
+    double steps = ceil(angle / step);
+    for (double i = 1.0; i < steps; i += 1.0)
+    {
+        double ahead = sin(angle * i / steps) / sin(angle);
+        double behind = sin(angle * (1.0 - i / steps)) / sin(angle);
+        double point[3];
+        for (int k = 0; k < 3; k++)
+        {
+            point[k] = behind * from[k] + ahead * target[k];
+        }
+        globe_step(tracer, point);
+    }
+    globe_step(tracer, target);
+}
+
+/// The largest angle whose arc on a circle of that radius deviates by at most `tolerance` from its chord.
+static double flat_angle(double radius, double tolerance)
+{
+    return fmin(0.1, sqrt(8.0 * tolerance / radius));
+}
+
+void view_trace_globe(const draw_view *view, const double *points, size_t count, bool closed, view_side side,
+                      path_simplifier *path)
+{
+    double step = flat_angle(view->scale, view->tolerance);
+    globe_tracer tracer = {.view = view, .path = path, .sign = side == VIEW_FRONT ? 1.0 : -1.0};
+    view_rotate(view, points, tracer.point);
+    tracer.visible = globe_visible(&tracer, tracer.point);
+    if (tracer.visible)
+    {
+        simplifier_move(path, view_x(view, tracer.point[0]), view_y(view, tracer.point[1]));
+    }
+    for (size_t i = 1; i < count + (closed ? 1 : 0); i++)
+    {
+        double target[3];
+        view_rotate(view, points + 3 * (i < count ? i : 0), target);
+        if (chord_square(tracer.point, target) < step * step)
+        {
+            globe_step(&tracer, target);
+        }
+        else
+        {
+            globe_arc(&tracer, target, step);
+        }
+    }
+}
+
+/// The path on a map as it is drawn.
+typedef struct map_tracer
+{
+    const draw_view *view;
+    path_simplifier *path;
+    double point[3];
+    double longitude, latitude; ///< of `point`
+} map_tracer;
+
+static double latitude_of(const double *point)
+{
+    return atan2(point[2], sqrt(point[0] * point[0] + point[1] * point[1]));
+}
+
+/// The longitude in (-pi, pi]; a negative zero counts as zero.
+static double longitude_of(const double *point)
+{
+    return atan2(point[1] + 0.0, point[0]);
+}
+
+/// Continue along an arc so short that it is straight on the map, cut where it crosses the antimeridian.
+static void map_step(map_tracer *tracer, const double *point)
+{
+    const draw_view *view = tracer->view;
+    const double *from = tracer->point;
+    double longitude = longitude_of(point);
+    double latitude = latitude_of(point);
+    if ((from[1] < 0.0) != (point[1] < 0.0))
+    {
+        double share = from[1] / (from[1] - point[1]);
+        double x = from[0] + share * (point[0] - from[0]);
+        double z = from[2] + share * (point[2] - from[2]);
+        if (x < 0.0)
+        {
+            double edge = from[1] < 0.0 ? -PI : PI;
+            double y = view_y(view, atan2(z, -x));
+            simplifier_line(tracer->path, view_x(view, edge), y);
+            simplifier_move(tracer->path, view_x(view, -edge), y);
+        }
+    }
+    simplifier_line(tracer->path, view_x(view, longitude), view_y(view, latitude));
+    memcpy(tracer->point, point, sizeof tracer->point);
+    tracer->longitude = longitude;
+    tracer->latitude = latitude;
+}
+
+/// Whether the arc from the tracer's point through its midpoint to `target` is straight on the map.
+static bool map_straight(const map_tracer *tracer, const double *middle, const double *target)
+{
+    double whole = remainder(longitude_of(target) - tracer->longitude, 2.0 * PI);
+    double half = remainder(longitude_of(middle) - tracer->longitude, 2.0 * PI);
+    double bend_u = half - 0.5 * whole;
+    double bend_v = latitude_of(middle) - 0.5 * (tracer->latitude + latitude_of(target));
+    return fabs(whole) < 0.5 * PI && hypot(bend_u, bend_v) * tracer->view->scale <= tracer->view->tolerance;
+}
+
+/// Continue along the shortest arc to `target`, halved until its parts are straight on the map or, next to a pole, until
+/// `depth` is used up.
+static void map_arc(map_tracer *tracer, const double *target, int depth)
+{
+    if (depth == 0)
+    {
+        map_step(tracer, target);
+        return;
+    }
+    double middle[3];
+    for (int k = 0; k < 3; k++)
+    {
+        middle[k] = tracer->point[k] + target[k];
+    }
+    normalize(middle);
+    if (chord_square(tracer->point, target) < 0.01 && map_straight(tracer, middle, target))
+    {
+        map_step(tracer, target);
+        return;
+    }
+    map_arc(tracer, middle, depth - 1);
+    map_arc(tracer, target, depth - 1);
+}
+
+/// Whether the next point of a dense curve is too near to show, and on the same side of the antimeridian's plane.
+static bool map_skips(const map_tracer *tracer, const double *point)
+{
+    double skip = 0.1 * tracer->view->tolerance / tracer->view->scale;
+    double across = point[0] * point[0] + point[1] * point[1];
+    return chord_square(tracer->point, point) < skip * skip * across && (tracer->point[1] < 0.0) == (point[1] < 0.0);
+}
+
+void view_trace_map(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
+{
+    const int depth = 18;
+    map_tracer tracer = {.view = view, .path = path};
+    memcpy(tracer.point, points, sizeof tracer.point);
+    tracer.longitude = longitude_of(points);
+    tracer.latitude = latitude_of(points);
+    simplifier_move(path, view_x(view, tracer.longitude), view_y(view, tracer.latitude));
+    size_t end = count + (closed ? 1 : 0);
+    for (size_t i = 1; i < end; i++)
+    {
+        const double *target = points + 3 * (i < count ? i : 0);
+        if (i + 1 == end || !map_skips(&tracer, target))
+        {
+            map_arc(&tracer, target, depth);
+        }
+    }
+}

@@ -1,0 +1,91 @@
+#include "io/common/block_writer.h"
+
+#include "base/error.h"
+
+#include <errno.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+int thread_count(int option)
+{
+#ifdef _OPENMP
+    return option > 0 ? option : omp_get_max_threads();
+#else
+    return option > 0 ? option : 1;
+#endif
+}
+
+bat_status sink_write(text_sink *sink, const text_buffer *text, bat_error *error)
+{
+    if (text->failed)
+        return error_memory(error, text->size);
+    if (sink->stream == NULL)
+    {
+        text_append(sink->buffer, text->data, text->size);
+        return sink->buffer->failed ? error_memory(error, sink->buffer->size) : BAT_OK;
+    }
+    if (text->size == 0 || fwrite(text->data, 1, text->size, sink->stream) == text->size)
+        return BAT_OK;
+    return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
+}
+
+bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format *format, const void *context,
+                        bat_error *error)
+{
+    bat_status outcome = BAT_OK;
+    (void)threads; // where there is no OpenMP
+#pragma omp parallel num_threads(thread_count(threads)) if (count > 1)
+    {
+        text_buffer text = {0};
+#pragma omp for ordered schedule(dynamic, 1)
+        for (size_t block = 0; block < count; block++)
+        {
+            bat_status before, status = BAT_OK;
+            bat_error fault = {0};
+            text.size = 0;
+#pragma omp atomic read
+            before = outcome;
+            if (before == BAT_OK)
+                status = format(context, block, &text, &fault);
+#pragma omp ordered
+            {
+                if (outcome == BAT_OK)
+                {
+                    if (status == BAT_OK)
+                        status = sink_write(sink, &text, &fault);
+                    if (status != BAT_OK && error != NULL)
+                        *error = fault;
+#pragma omp atomic write
+                    outcome = status;
+                }
+            }
+        }
+        text_free(&text);
+    }
+    return outcome;
+}
+
+bat_status blocks_cut(size_t count, size_t (*weigh)(const void *context, size_t job), const void *context, size_t weight,
+                      block_cut *cut, bat_error *error)
+{
+    void *starts = NULL;
+    size_t capacity = 0, blocks = 0, collected = weight;
+    for (size_t job = 0; job <= count; job++)
+    {
+        if (collected >= weight || job == count)
+        {
+            if (!array_grow(&starts, &capacity, blocks + 1, sizeof(size_t)))
+            {
+                free(starts);
+                return error_memory(error, capacity * sizeof(size_t));
+            }
+            ((size_t *)starts)[blocks++] = job;
+            collected = 0;
+        }
+        if (job < count)
+            collected += weigh(context, job);
+    }
+    *cut = (block_cut){starts, blocks - 1};
+    return BAT_OK;
+}

@@ -1,0 +1,49 @@
+#include "io/common/degrees.h"
+
+const char *degrees_fault(double longitude, double latitude)
+{
+    if (!(fabs(latitude) <= 90.0))
+        return "a latitude outside -90 to 90 degrees";
+    if (!(fabs(longitude) <= 360.0))
+        return "a longitude outside -360 to 360 degrees";
+    return NULL;
+}
+
+/// Sine and cosine of |degrees| <= 360, reduced to an eighth of a turn without rounding.
+static void degrees_sine_cosine(double degrees, double *sine, double *cosine)
+{
+    static const double radians_per_degree = 0.017453292519943295769236907684886;
+    double quarter = nearbyint(degrees / 90.0);
+    double rest = (degrees - 90.0 * quarter) * radians_per_degree;
+    double s = sin(rest), c = cos(rest);
+    switch ((int)quarter & 3)
+    {
+    case 0:
+        *sine = s;
+        *cosine = c;
+        break;
+    case 1:
+        *sine = c;
+        *cosine = -s;
+        break;
+    case 2:
+        *sine = -s;
+        *cosine = -c;
+        break;
+    default:
+        *sine = -c;
+        *cosine = s;
+        break;
+    }
+}
+
+void degrees_to_point(double longitude, double latitude, double point[3])
+{
+    double sine_longitude, cosine_longitude, sine_latitude, cosine_latitude;
+    degrees_sine_cosine(longitude, &sine_longitude, &cosine_longitude);
+    degrees_sine_cosine(latitude, &sine_latitude, &cosine_latitude);
+    // Adding zero turns a negative zero into a positive one.
+    point[0] = cosine_latitude * cosine_longitude + 0.0;
+    point[1] = cosine_latitude * sine_longitude + 0.0;
+    point[2] = sine_latitude;
+}

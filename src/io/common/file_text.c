@@ -1,0 +1,110 @@
+#include "io/common/file_text.h"
+
+#include "base/error.h"
+#include "io/common/text_buffer.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <sys/stat.h>
+
+static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
+
+static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *error)
+{
+    size_t mark = sizeof BYTE_ORDER_MARK - 1;
+    text_append(buffer, "", 1);
+    if (buffer->failed)
+    {
+        size_t size = buffer->size;
+        text_free(buffer);
+        return error_memory(error, size);
+    }
+    *text = (file_text){buffer->data, buffer->size - 1};
+    size_t skipped = 0;
+    while (text->size - skipped >= mark && memcmp(text->data + skipped, BYTE_ORDER_MARK, mark) == 0)
+        skipped += mark;
+    text->size -= skipped;
+    if (skipped > 0)
+        memmove(text->data, text->data + skipped, text->size + 1);
+    return BAT_OK;
+}
+
+static bat_status read_stream(FILE *file, file_text *text, bat_error *error)
+{
+    enum
+    {
+        CHUNK = 1 << 16
+    };
+    text_buffer buffer = {0};
+    struct stat status;
+    if (fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0)
+        (void)text_reserve(&buffer, (size_t)status.st_size + CHUNK);
+    for (;;)
+    {
+        char *place = text_reserve(&buffer, CHUNK);
+        if (place == NULL)
+            return text_finish(&buffer, text, error);
+        size_t got = fread(place, 1, buffer.capacity - buffer.size - 1, file);
+        buffer.size += got;
+        if (got == 0)
+            break;
+    }
+    if (ferror(file))
+    {
+        text_free(&buffer);
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
+    }
+    return text_finish(&buffer, text, error);
+}
+
+bat_status file_text_read(const char *path, file_text *text, bat_error *error)
+{
+    if (strcmp(path, "-") == 0)
+        return read_stream(stdin, text, error);
+    FILE *file = fopen(path, "rb");
+    if (file == NULL)
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open: %s", strerror(errno));
+    bat_status status = read_stream(file, text, error);
+    (void)fclose(file);
+    return status;
+}
+
+bat_status file_text_copy(const char *bytes, size_t size, file_text *text, bat_error *error)
+{
+    text_buffer buffer = {0};
+    text_append(&buffer, bytes, size);
+    return text_finish(&buffer, text, error);
+}
+
+void file_text_free(file_text *text)
+{
+    free(text->data);
+    *text = (file_text){0};
+}
+
+text_line text_line_start(const file_text *text)
+{
+    return (text_line){.next = text->data};
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+bool text_line_next(const file_text *text, text_line *line)
+{
+    const char *text_end = text->data + text->size;
+    if (line->next >= text_end)
+        return false;
+    line->begin = line->next;
+    const char *newline = memchr(line->begin, '\n', (size_t)(text_end - line->begin));
+    line->end = newline != NULL ? newline : text_end;
+    line->next = newline != NULL ? newline + 1 : text_end;
+    line->number++;
+    while (line->begin < line->end && is_blank(*line->begin))
+        line->begin++;
+    while (line->end > line->begin && is_blank(line->end[-1]))
+        line->end--;
+    return true;
+}

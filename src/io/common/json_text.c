@@ -1,0 +1,122 @@
+#include "io/common/json_text.h"
+
+#include "io/common/number_text.h"
+
+void json_text_string(text_buffer *text, const char *string, size_t length)
+{
+    enum
+    {
+        LONGEST_ESCAPE = 6
+    };
+    static const char digits[] = "0123456789abcdef";
+    if (length > SIZE_MAX / LONGEST_ESCAPE - 1)
+    {
+        text->failed = true;
+        return;
+    }
+    char *out = text_reserve(text, LONGEST_ESCAPE * length + 2);
+    if (out == NULL)
+        return;
+    *out++ = '"';
+    for (size_t i = 0; i < length; i++)
+    {
+        unsigned char c = (unsigned char)string[i];
+        if (c == '"' || c == '\\')
+            *out++ = '\\';
+        if (c >= ' ')
+        {
+            *out++ = (char)c;
+            continue;
+        }
+        memcpy(out, "\\u00", 4);
+        out[4] = digits[c >> 4];
+        out[5] = digits[c & 15];
+        out += LONGEST_ESCAPE;
+    }
+    *out++ = '"';
+    text_advance(text, out);
+}
+
+static void append_object(text_buffer *text, const json_t *object)
+{
+    const char *separator = "{";
+    // Iterating does not change the object, though the function wants a pointer that could.
+    json_t *members = (json_t *)(uintptr_t)object;
+    for (void *member = json_object_iter(members); member != NULL; member = json_object_iter_next(members, member))
+    {
+        const char *key = json_object_iter_key(member);
+        text_append_string(text, separator);
+        json_text_string(text, key, strlen(key));
+        text_append(text, ":", 1);
+        json_text(text, json_object_iter_value(member));
+        separator = ",";
+    }
+    text_append_string(text, *separator == '{' ? "{}" : "}");
+}
+
+static void append_array(text_buffer *text, const json_t *array)
+{
+    size_t count = json_array_size(array);
+    text_append(text, "[", 1);
+    for (size_t i = 0; i < count; i++)
+    {
+        if (i > 0)
+            text_append(text, ",", 1);
+        json_text(text, json_array_get(array, i));
+    }
+    text_append(text, "]", 1);
+}
+
+/// A real number keeps a mark of being one, so that it is read back as one.
+static void append_real(text_buffer *text, double value)
+{
+    char *begin = text_reserve(text, NUMBER_TEXT_SIZE + 2);
+    if (begin == NULL)
+        return;
+    char *end = number_write(begin, value);
+    size_t length = (size_t)(end - begin);
+    if (memchr(begin, '.', length) == NULL && memchr(begin, 'e', length) == NULL)
+    {
+        *end++ = '.';
+        *end++ = '0';
+    }
+    text_advance(text, end);
+}
+
+static void append_integer(text_buffer *text, json_int_t value)
+{
+    char digits[NUMBER_TEXT_SIZE];
+    int length = snprintf(digits, sizeof digits, "%" JSON_INTEGER_FORMAT, value);
+    text_append(text, digits, (size_t)length);
+}
+
+void json_text(text_buffer *text, const json_t *value)
+{
+    switch (json_typeof(value))
+    {
+    case JSON_OBJECT:
+        append_object(text, value);
+        break;
+    case JSON_ARRAY:
+        append_array(text, value);
+        break;
+    case JSON_STRING:
+        json_text_string(text, json_string_value(value), json_string_length(value));
+        break;
+    case JSON_INTEGER:
+        append_integer(text, json_integer_value(value));
+        break;
+    case JSON_REAL:
+        append_real(text, json_real_value(value));
+        break;
+    case JSON_TRUE:
+        text_append_string(text, "true");
+        break;
+    case JSON_FALSE:
+        text_append_string(text, "false");
+        break;
+    case JSON_NULL:
+        text_append_string(text, "null");
+        break;
+    }
+}

@@ -1,0 +1,59 @@
+#ifndef IO_COMMON_TEXT_BUFFER_H
+#define IO_COMMON_TEXT_BUFFER_H
+
+#include "base/array_grow.h"
+
+#include <string.h>
+
+/// Bytes that grow at the end. All zero: empty. After an allocation fails, `failed` stays set and nothing more is added, so that
+/// a writer checks once at its end.
+typedef struct text_buffer
+{
+    char *data;
+    size_t size;
+    size_t capacity;
+    bool failed;
+} text_buffer;
+
+/// Room for `size` more bytes at the end, which may be 0, or null when out of memory. What is written there counts once text_advance() was called.
+static inline char *text_reserve(text_buffer *buffer, size_t size)
+{
+    void *data = buffer->data;
+    if (buffer->failed || size >= SIZE_MAX - buffer->size ||
+        !array_grow(&data, &buffer->capacity, buffer->size + size + 1, 1))
+    {
+        buffer->failed = true;
+        return NULL;
+    }
+    buffer->data = data;
+    return buffer->data + buffer->size;
+}
+
+/// Make `end`, a place inside the reserved room, the end of the text.
+static inline void text_advance(text_buffer *buffer, const char *end)
+{
+    buffer->size = (size_t)(end - buffer->data);
+}
+
+static inline void text_append(text_buffer *buffer, const char *bytes, size_t size)
+{
+    char *out = text_reserve(buffer, size);
+    if (out != NULL && size > 0)
+    {
+        memcpy(out, bytes, size);
+        buffer->size += size;
+    }
+}
+
+static inline void text_append_string(text_buffer *buffer, const char *string)
+{
+    text_append(buffer, string, strlen(string));
+}
+
+static inline void text_free(text_buffer *buffer)
+{
+    free(buffer->data);
+    *buffer = (text_buffer){0};
+}
+
+#endif

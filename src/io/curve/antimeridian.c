@@ -1,0 +1,218 @@
+#include "io/curve/antimeridian.h"
+
+degree_grid degree_grid_of(int decimals)
+{
+    int64_t degree = number_power_of_ten(decimals);
+    return (degree_grid){180 * degree, 90 * degree, degree_units_per_radian(decimals)};
+}
+
+void globe_lines_add(globe_lines *lines, globe_position position)
+{
+    void *positions = lines->positions;
+    if (lines->failed || !array_grow(&positions, &lines->position_capacity, lines->position_count + 1, sizeof position))
+    {
+        lines->failed = true;
+        return;
+    }
+    lines->positions = positions;
+    lines->positions[lines->position_count++] = position;
+}
+
+void globe_lines_end(globe_lines *lines)
+{
+    void *ends = lines->ends;
+    if (lines->failed || !array_grow(&ends, &lines->capacity, lines->count + 1, sizeof *lines->ends))
+    {
+        lines->failed = true;
+        return;
+    }
+    lines->ends = ends;
+    lines->ends[lines->count++] = lines->position_count;
+}
+
+void globe_lines_free(globe_lines *lines)
+{
+    free(lines->positions);
+    free(lines->ends);
+    *lines = (globe_lines){0};
+}
+
+globe_position globe_curve_position(const globe_curve *curve, size_t index)
+{
+    return (globe_position){curve->shown[index],
+                            curve->altitudes != NULL ? curve->altitudes[index * curve->altitude_stride] : 0.0};
+}
+
+static bool on_pole(const degree_grid *grid, degree_units shown)
+{
+    return shown.latitude == grid->quarter_turn || shown.latitude == -grid->quarter_turn;
+}
+
+static bool on_meridian(const degree_grid *grid, degree_units shown)
+{
+    return shown.longitude == grid->half_turn || shown.longitude == -grid->half_turn;
+}
+
+/// Give a vertex on the meridian or a pole the side or the longitude of its neighbour.
+static void settle(const degree_grid *grid, degree_units *shown, degree_units neighbour)
+{
+    if (on_pole(grid, *shown))
+        shown->longitude = neighbour.longitude;
+    else if (on_meridian(grid, *shown))
+        shown->longitude = neighbour.longitude < 0 ? -grid->half_turn : grid->half_turn;
+}
+
+/// The first vertex that is neither on the meridian nor a pole; `count` when there is none.
+static size_t first_ordinary(const degree_grid *grid, const globe_curve *curve)
+{
+    size_t first = 0;
+    while (first < curve->count && (on_pole(grid, curve->shown[first]) || on_meridian(grid, curve->shown[first])))
+        first++;
+    return first;
+}
+
+static void settle_all(const degree_grid *grid, const globe_curve *curve)
+{
+    degree_units *shown = curve->shown;
+    size_t count = curve->count;
+    size_t first = first_ordinary(grid, curve);
+    if (first == count)
+    {
+        for (size_t i = 0; i < count; i++)
+            settle(grid, &shown[i], (degree_units){0});
+        return;
+    }
+    for (size_t i = first + 1; i < count; i++)
+        settle(grid, &shown[i], shown[i - 1]);
+    if (curve->closed)
+        for (size_t i = 0; i < first; i++)
+            settle(grid, &shown[i], shown[i == 0 ? count - 1 : i - 1]);
+    else
+        for (size_t i = first; i > 0; i--)
+            settle(grid, &shown[i - 1], shown[i]);
+}
+
+static size_t next_vertex(const globe_curve *curve, size_t index)
+{
+    return index + 1 < curve->count ? index + 1 : 0;
+}
+
+/// Whether the edge from a vertex to the next crosses the meridian: the shortest arc never spans more than 180 degrees.
+static bool crosses(const degree_grid *grid, const globe_curve *curve, size_t index)
+{
+    return llabs(curve->shown[index].longitude - curve->shown[next_vertex(curve, index)].longitude) > grid->half_turn;
+}
+
+static size_t edge_count(const globe_curve *curve)
+{
+    return curve->closed ? curve->count : curve->count - 1;
+}
+
+bool globe_curve_show(const degree_grid *grid, globe_curve *curve)
+{
+    bool special = false;
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        const double *point = curve->points + 3 * i;
+        if (!isfinite(point[0] + point[1] + point[2]))
+            return false;
+        curve->shown[i] = degrees_of_point(point, grid->units_per_radian);
+        special = special || on_pole(grid, curve->shown[i]) || on_meridian(grid, curve->shown[i]);
+    }
+    if (special)
+        settle_all(grid, curve);
+    curve->cut_count = 0;
+    for (size_t i = 0; i < edge_count(curve); i++)
+        curve->cut_count += crosses(grid, curve, i);
+    return true;
+}
+
+static double chord_angle(const double *p, const double *q)
+{
+    double difference = 0.0, sum = 0.0;
+    for (int k = 0; k < 3; k++)
+    {
+        difference += (p[k] - q[k]) * (p[k] - q[k]);
+        sum += (p[k] + q[k]) * (p[k] + q[k]);
+    }
+    return 2.0 * atan2(sqrt(difference), sqrt(sum));
+}
+
+/// Where the arc from a vertex to the next meets the meridian, seen from the vertex's side. The point of the plane y = 0 on the
+/// arc from p to q is along |y_q| p + |y_p| q.
+static globe_position crossing(const degree_grid *grid, const globe_curve *curve, size_t index)
+{
+    if (on_meridian(grid, curve->shown[index]))
+        return globe_curve_position(curve, index);
+    size_t next = next_vertex(curve, index);
+    const double *p = curve->points + 3 * index, *q = curve->points + 3 * next;
+    double weight_p = fabs(q[1]), weight_q = fabs(p[1]);
+    double x = weight_p * p[0] + weight_q * q[0], z = weight_p * p[2] + weight_q * q[2];
+    double length = hypot(x, z);
+    globe_position before = globe_curve_position(curve, index), after = globe_curve_position(curve, next);
+    double share = 0.5;
+    if (length > 0.0)
+    {
+        const double c[3] = {x / length, 0.0, z / length};
+        double to_p = chord_angle(p, c), to_q = chord_angle(c, q);
+        share = to_p + to_q > 0.0 ? to_p / (to_p + to_q) : 0.5;
+    }
+    globe_position cut = {.shown.longitude = before.shown.longitude < 0 ? -grid->half_turn : grid->half_turn,
+                          .shown.latitude = llrint(atan2(z, fabs(x)) * grid->units_per_radian),
+                          .altitude = before.altitude + share * (after.altitude - before.altitude)};
+    return cut;
+}
+
+static void end_piece(const degree_grid *grid, const globe_curve *curve, size_t index, globe_lines *pieces)
+{
+    if (!on_meridian(grid, curve->shown[index]))
+        globe_lines_add(pieces, crossing(grid, curve, index));
+    globe_lines_end(pieces);
+}
+
+static void begin_piece(const degree_grid *grid, const globe_curve *curve, size_t index, globe_lines *pieces)
+{
+    globe_position cut = crossing(grid, curve, index);
+    cut.shown.longitude = -cut.shown.longitude;
+    globe_lines_add(pieces, cut);
+}
+
+static void cut_open(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces)
+{
+    for (size_t i = 0; i + 1 < curve->count; i++)
+    {
+        globe_lines_add(pieces, globe_curve_position(curve, i));
+        if (!crosses(grid, curve, i))
+            continue;
+        end_piece(grid, curve, i, pieces);
+        begin_piece(grid, curve, i, pieces);
+    }
+    globe_lines_add(pieces, globe_curve_position(curve, curve->count - 1));
+    globe_lines_end(pieces);
+}
+
+/// Go once around, from the first crossing back to it.
+static void cut_closed(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces)
+{
+    size_t first = 0;
+    while (!crosses(grid, curve, first))
+        first++;
+    begin_piece(grid, curve, first, pieces);
+    for (size_t step = 1, i = next_vertex(curve, first); step <= curve->count; step++, i = next_vertex(curve, i))
+    {
+        globe_lines_add(pieces, globe_curve_position(curve, i));
+        if (!crosses(grid, curve, i))
+            continue;
+        end_piece(grid, curve, i, pieces);
+        if (step < curve->count)
+            begin_piece(grid, curve, i, pieces);
+    }
+}
+
+void globe_curve_cut(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces)
+{
+    if (curve->closed)
+        cut_closed(grid, curve, pieces);
+    else
+        cut_open(grid, curve, pieces);
+}

@@ -1,0 +1,146 @@
+#include "base/error.h"
+#include "io/common/degrees.h"
+#include "io/common/row_blocks.h"
+#include "io/curve/csv_columns.h"
+#include "io/curve/curve_formats.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/// How the rows look.
+typedef struct csv_layout
+{
+    size_t column_count;
+    size_t coordinate_count;
+    const csv_columns *columns; ///< names and order from the file that was read; null without
+    const point_form *form;     ///< how points are written; null for their coordinates
+    bool degrees;
+    int decimals; ///< of degrees
+} csv_layout;
+
+static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_options *options, csv_layout *layout,
+                                bat_error *error)
+{
+    size_t channels = set->curves[0].channel_count;
+    for (size_t i = 1; i < set->count; i++)
+        if (set->curves[i].channel_count != channels)
+            return error_set(error, BAT_UNSUPPORTED, i, 0, "CSV cannot hold curve %zu with %zu columns beside one with %zu",
+                             i, set->curves[i].channel_count, channels);
+    const bat_curve_attributes *attributes = set->attributes;
+    bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
+    bool degrees =
+        globe && attributes != NULL && (attributes->format == BAT_CURVE_FORMAT_GEOJSON || attributes->csv.degrees);
+    const point_form *form = attributes != NULL ? attributes->csv.form : NULL;
+    size_t coordinates = degrees ? 2 : form != NULL ? form->count : set->space->point_dim;
+    *layout = (csv_layout){coordinates + channels, coordinates, NULL, form, degrees, options->precision};
+    if (attributes != NULL && attributes->csv.names != NULL && attributes->csv.count == layout->column_count &&
+        attributes->csv.degrees == degrees)
+        layout->columns = &attributes->csv;
+    return BAT_OK;
+}
+
+/// What a reader would take the columns for.
+static const char *implied_space(const csv_layout *layout)
+{
+    size_t longitude, latitude;
+    if (layout->degrees || (layout->columns != NULL && csv_columns_geographic(layout->columns, &longitude, &latitude)))
+        return "sphere";
+    if (layout->form != NULL)
+        return ""; // the names depend on the space
+    return layout->column_count == 2 ? "plane" : "euclidean";
+}
+
+static void write_header(const csv_layout *layout, const bat_curve_set *set, text_buffer *text)
+{
+    char separator = ',';
+    if (strcmp(set->space->name, implied_space(layout)) != 0)
+    {
+        text_append_string(text, "# space: ");
+        text_append_string(text, set->space->name);
+        text_append_string(text, "\n");
+    }
+    if (layout->columns == NULL && !layout->degrees)
+        return;
+    for (size_t i = 0; i < layout->column_count; i++)
+    {
+        static const char *const names[] = {"lon", "lat", "alt"};
+        char other[32];
+        (void)snprintf(other, sizeof other, "channel%zu", i);
+        if (i > 0)
+            text_append(text, &separator, 1);
+        text_append_string(text, layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other);
+    }
+    text_append_string(text, "\n");
+}
+
+static char *write_number(char *out, const csv_layout *layout, const double *numbers, const double *channels,
+                          degree_units units, size_t place)
+{
+    if (channels != NULL && place >= layout->coordinate_count)
+        return number_write(out, channels[place - layout->coordinate_count]);
+    if (layout->degrees)
+        return number_write_fixed(out, place == 0 ? units.longitude : units.latitude, layout->decimals);
+    return number_write(out, numbers[place]);
+}
+
+static bool all_finite(const double *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return false;
+    return true;
+}
+
+static bat_status format_rows(const void *context, const row_span *span, text_buffer *text, bat_error *error)
+{
+    const csv_layout *layout = context;
+    const bat_curve *curve = span->curve;
+    size_t dim = curve->space->point_dim, channel_count = curve->channel_count;
+    double units_per_radian = degree_units_per_radian(layout->decimals);
+    if (span->begin == 0 && span->curve_index > 0)
+        text_append_string(text, "\n");
+    if (span->begin == 0 && curve->closed)
+        text_append_string(text, "# closed\n");
+    for (size_t i = span->begin; i < span->end; i++)
+    {
+        const double *point = curve->points + i * dim;
+        const double *channels = channel_count > 0 ? curve->channels + i * channel_count : NULL;
+        if (!all_finite(point, dim) || !all_finite(channels, channel_count))
+            return row_not_finite(span, i, error);
+        double written[MOST_FORM_COLUMNS];
+        if (layout->form != NULL)
+            point_form_write(layout->form, point, written);
+        const double *numbers = layout->form != NULL ? written : point;
+        degree_units units = layout->degrees ? degrees_of_point(point, units_per_radian) : (degree_units){0};
+        char *out = text_reserve(text, layout->column_count * (NUMBER_TEXT_SIZE + 1));
+        if (out == NULL)
+            return BAT_OK; // the sink reports it
+        for (size_t j = 0; j < layout->column_count; j++)
+        {
+            size_t place = layout->columns != NULL && layout->columns->places != NULL ? layout->columns->places[j] : j;
+            out = write_number(out, layout, numbers, channels, units, place);
+            *out++ = j + 1 < layout->column_count ? ',' : '\n';
+        }
+        text_advance(text, out);
+    }
+    return BAT_OK;
+}
+
+bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+{
+    csv_layout layout = {0};
+    bat_status status = choose_layout(set, options, &layout, error);
+    row_blocks blocks;
+    if (status == BAT_OK)
+        status = row_blocks_begin(set, &blocks, error);
+    if (status != BAT_OK)
+        return status;
+    text_buffer header = {0};
+    write_header(&layout, set, &header);
+    status = sink_write(sink, &header, error);
+    if (status == BAT_OK)
+        status = row_blocks_write(&blocks, sink, options->threads, format_rows, &layout, error);
+    text_free(&header);
+    row_blocks_end(&blocks);
+    return status;
+}

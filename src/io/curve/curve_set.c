@@ -1,0 +1,138 @@
+#include "batten/curve_file.h"
+
+#include "base/error.h"
+#include "io/curve/curve_attributes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bat_curve_attributes *attributes_new(bat_curve_format format)
+{
+    bat_curve_attributes *attributes = calloc(1, sizeof *attributes);
+    if (attributes != NULL)
+    {
+        atomic_init(&attributes->owners, 1);
+        attributes->format = format;
+        attributes->csv.altitude = BAT_NO_INDEX;
+    }
+    return attributes;
+}
+
+void attributes_share(bat_curve_attributes *attributes)
+{
+    if (attributes != NULL)
+        (void)atomic_fetch_add(&attributes->owners, 1);
+}
+
+void csv_columns_free(csv_columns *columns)
+{
+    free(columns->names);
+    free(columns->places);
+    *columns = (csv_columns){.altitude = BAT_NO_INDEX};
+}
+
+void geojson_document_free(geojson_document *document)
+{
+    for (size_t i = 0; i < document->feature_count; i++)
+        json_decref(document->features[i].tree);
+    json_decref(document->collection);
+    free(document->features);
+    free(document->geometries);
+    free(document->ring_counts);
+    *document = (geojson_document){0};
+}
+
+void attributes_release(bat_curve_attributes *attributes)
+{
+    if (attributes == NULL || atomic_fetch_sub(&attributes->owners, 1) != 1)
+        return;
+    csv_columns_free(&attributes->csv);
+    geojson_document_free(&attributes->geojson);
+    free(attributes);
+}
+
+void bat_curve_set_free(bat_curve_set *set)
+{
+    for (size_t i = 0; i < set->count; i++)
+        bat_curve_free(&set->curves[i]);
+    free(set->curves);
+    free(set->space);
+    free(set->lines);
+    attributes_release(set->attributes);
+    *set = (bat_curve_set){0};
+}
+
+/// Whether curves of one space can stand in the other: the same kind of points under the same name.
+static bool space_agrees(const bat_space *a, const bat_space *b)
+{
+    return a->point_dim == b->point_dim && strcmp(a->name, b->name) == 0;
+}
+
+static bat_status set_assemble(const bat_space *space, bat_curve *curves, size_t count, bat_curve_attributes *attributes,
+                               bat_curve_set *set, bat_error *error)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!space_agrees(curves[i].space, space))
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "curve %zu is in the space %s and not in %s", i,
+                             curves[i].space->name, space->name);
+    bat_space *copy = malloc(sizeof *copy);
+    if (copy == NULL)
+        return error_memory(error, sizeof *copy);
+    *copy = *space;
+    for (size_t i = 0; i < count; i++)
+        curves[i].space = copy;
+    attributes_share(attributes);
+    *set = (bat_curve_set){.space = copy, .curves = curves, .count = count, .attributes = attributes};
+    return BAT_OK;
+}
+
+bat_status bat_curve_set_take(bat_curve *curves, size_t count, bat_curve_set *set, bat_error *error)
+{
+    if (count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a set needs at least one curve");
+    return set_assemble(curves[0].space, curves, count, NULL, set, error);
+}
+
+bat_status bat_curve_set_single(bat_curve *curve, bat_curve_set *set, bat_error *error)
+{
+    bat_curve *curves = malloc(sizeof *curves);
+    if (curves == NULL)
+        return error_memory(error, sizeof *curves);
+    *curves = *curve;
+    bat_status status = bat_curve_set_take(curves, 1, set, error);
+    if (status == BAT_OK)
+        *curve = (bat_curve){.space = curve->space};
+    else
+        free(curves);
+    return status;
+}
+
+bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *curves, bat_curve_set *result, bat_error *error)
+{
+    return set_assemble(source->space, curves, source->count, source->attributes, result, error);
+}
+
+/// The line of the GeoJSON feature that a curve belongs to.
+static size_t line_of_feature(const bat_curve_attributes *attributes, size_t curve)
+{
+    const geojson_document *document = &attributes->geojson;
+    for (size_t i = 0; i < document->feature_count; i++)
+    {
+        const geojson_feature *feature = &document->features[i];
+        if (curve >= feature->curve && curve - feature->curve < feature->curve_count)
+            return feature->line;
+    }
+    return 0;
+}
+
+size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point)
+{
+    if (curve >= set->count || point >= set->curves[curve].count)
+        return 0;
+    if (set->lines == NULL)
+        return set->attributes != NULL ? line_of_feature(set->attributes, curve) : 0;
+    size_t before = 0;
+    for (size_t i = 0; i < curve; i++)
+        before += set->curves[i].count;
+    return set->lines[before + point];
+}

@@ -1,0 +1,215 @@
+#include "base/array_grow.h"
+#include "base/error.h"
+#include "io/curve/curve_formats.h"
+#include "io/curve/geojson_feature.h"
+#include "io/curve/geojson_split.h"
+
+#include <string.h>
+
+/// Features first … end - 1 of a split text, read by one thread.
+typedef struct feature_batch
+{
+    size_t first, end;
+    geojson_reader reader;
+    bat_error error;
+    bat_status status;
+} feature_batch;
+
+static void read_batch(feature_batch *batch, const geojson_split *split)
+{
+    geojson_reader *reader = &batch->reader;
+    reader->error = &batch->error;
+    for (size_t i = batch->first; i < batch->end && batch->status == BAT_OK; i++)
+    {
+        const feature_text *feature = &split->features[i];
+        reader->place.feature = i;
+        reader->place.line = feature->line;
+        json_t *tree = geojson_parse(reader, feature->begin, feature->end, feature->line);
+        batch->status = tree != NULL ? geojson_read_feature(reader, tree, false) : batch->error.status;
+    }
+}
+
+/// Make room for what a document will hold.
+static bool document_reserve(geojson_document *document, size_t features, size_t geometries, size_t polygons)
+{
+    void *feature_array = document->features, *geometry_array = document->geometries, *counts = document->ring_counts;
+    bool grown = array_grow(&feature_array, &document->feature_capacity, features, sizeof *document->features) &&
+                 array_grow(&geometry_array, &document->geometry_capacity, geometries, sizeof *document->geometries) &&
+                 array_grow(&counts, &document->polygon_capacity, polygons, sizeof *document->ring_counts);
+    document->features = feature_array;
+    document->geometries = geometry_array;
+    document->ring_counts = counts;
+    return grown;
+}
+
+/// Move what a batch has read behind what is in the reader.
+static bool append_batch(geojson_reader *reader, geojson_reader *batch)
+{
+    geojson_document *document = &reader->document;
+    geojson_document *part = &batch->document;
+    if (!document_reserve(document, document->feature_count + part->feature_count,
+                          document->geometry_count + part->geometry_count, document->polygon_count + part->polygon_count))
+        return false;
+    for (size_t i = 0; i < part->feature_count; i++)
+    {
+        geojson_feature feature = part->features[i];
+        feature.curve += reader->builder.curve_count;
+        feature.geometry += document->geometry_count;
+        feature.polygon += document->polygon_count;
+        document->features[document->feature_count + i] = feature;
+    }
+    if (part->geometry_count > 0)
+        memcpy(document->geometries + document->geometry_count, part->geometries,
+               part->geometry_count * sizeof *part->geometries);
+    if (part->polygon_count > 0)
+        memcpy(document->ring_counts + document->polygon_count, part->ring_counts,
+               part->polygon_count * sizeof *part->ring_counts);
+    document->feature_count += part->feature_count;
+    document->geometry_count += part->geometry_count;
+    document->polygon_count += part->polygon_count;
+    part->feature_count = 0;
+    return builder_append(&reader->builder, &batch->builder);
+}
+
+static size_t feature_size(const void *context, size_t feature)
+{
+    const geojson_split *split = context;
+    return (size_t)(split->features[feature].end - split->features[feature].begin);
+}
+
+static bat_status read_batches(geojson_reader *reader, const geojson_split *split, feature_batch *batches, size_t count,
+                               int threads)
+{
+    (void)threads; // where there is no OpenMP
+#pragma omp parallel for schedule(dynamic, 1) num_threads(thread_count(threads))
+    for (size_t i = 0; i < count; i++)
+        read_batch(&batches[i], split);
+    for (size_t i = 0; i < count; i++)
+    {
+        if (batches[i].status != BAT_OK)
+        {
+            if (reader->error != NULL)
+                *reader->error = batches[i].error;
+            return batches[i].status;
+        }
+        if (!append_batch(reader, &batches[i].reader))
+            return error_memory(reader->error, split->count * sizeof(geojson_feature));
+    }
+    return BAT_OK;
+}
+
+static bat_status read_split(geojson_reader *reader, const geojson_split *split, const bat_curve_read_options *options)
+{
+    enum
+    {
+        BATCH_BYTES = 1 << 18
+    };
+    block_cut cut;
+    bat_status status = blocks_cut(split->count, feature_size, split, BATCH_BYTES, &cut, reader->error);
+    if (status != BAT_OK)
+        return status;
+    feature_batch *batches = memory_array(cut.count, sizeof *batches);
+    if (batches == NULL)
+    {
+        free(cut.starts);
+        return error_memory(reader->error, cut.count * sizeof *batches);
+    }
+    for (size_t i = 0; i < cut.count; i++)
+        batches[i] = (feature_batch){.first = cut.starts[i],
+                                     .end = cut.starts[i + 1],
+                                     .reader = geojson_reader_start(&reader->builder.space, options, NULL)};
+    status = read_batches(reader, split, batches, cut.count, options->threads);
+    for (size_t i = 0; i < cut.count; i++)
+        geojson_reader_free(&batches[i].reader);
+    free(batches);
+    free(cut.starts);
+    return status;
+}
+
+/// Read a tree that holds the whole file.
+static bat_status read_whole(geojson_reader *reader, json_t *root)
+{
+    bool feature = geojson_has_type(root, "Feature");
+    if (!geojson_has_type(root, "FeatureCollection"))
+        return geojson_read_feature(reader, json_incref(root), !feature);
+    json_t *features = json_object_get(root, "features");
+    if (!json_is_array(features))
+        return error_set(reader->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the FeatureCollection has no array of features");
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < json_array_size(features) && status == BAT_OK; i++)
+    {
+        reader->place.feature = i;
+        status = geojson_read_feature(reader, json_incref(json_array_get(features, i)), false);
+    }
+    (void)json_array_clear(features);
+    reader->document.collection = json_incref(root);
+    return status;
+}
+
+/// Read feature by feature when the text allows it, which takes less memory and more threads; else as one tree.
+static bat_status read_text(geojson_reader *reader, const file_text *text, const bat_curve_read_options *options)
+{
+    geojson_split split;
+    json_t *root = NULL;
+    bat_status status = BAT_OK;
+    bool apart = geojson_split_text(text, &split);
+    if (apart)
+    {
+        root = geojson_parse(reader, split.frame, split.frame + split.frame_size, 1);
+        apart = root == NULL || geojson_has_type(root, "FeatureCollection");
+    }
+    if (apart && root != NULL)
+    {
+        reader->document.collection = json_incref(root);
+        status = read_split(reader, &split, options);
+    }
+    if (!apart)
+    {
+        json_decref(root);
+        root = geojson_parse(reader, text->data, text->data + text->size, 1);
+        if (root != NULL)
+            status = read_whole(reader, root);
+    }
+    geojson_split_free(&split);
+    if (root == NULL)
+        return reader->error->status;
+    json_decref(root);
+    return status;
+}
+
+static bat_status choose_space(const bat_curve_read_options *options, bat_space *space, bat_error *error)
+{
+    const char *name = options->space != NULL ? options->space : "sphere";
+    if (strcmp(name, "euclidean") == 0)
+        name = "plane";
+    bat_status status = bat_space_by_name(name, 0, space, error);
+    if (status == BAT_OK && strcmp(name, "sphere") != 0 && space->point_dim != 2)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
+    return status;
+}
+
+bat_status geojson_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
+{
+    bat_error unread;
+    bat_space space;
+    if (error == NULL)
+        error = &unread;
+    bat_status status = choose_space(options, &space, error);
+    if (status != BAT_OK)
+        return status;
+    geojson_reader reader = geojson_reader_start(&space, options, error);
+    status = read_text(&reader, text, options);
+    geojson_lift_free(&reader.lift);
+    if (status == BAT_OK && reader.builder.curve_count == 0)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
+    bat_curve_attributes *attributes = status == BAT_OK ? attributes_new(BAT_CURVE_FORMAT_GEOJSON) : NULL;
+    if (status == BAT_OK && attributes == NULL)
+        status = error_memory(error, sizeof *attributes);
+    if (attributes == NULL)
+    {
+        geojson_reader_free(&reader);
+        return status;
+    }
+    attributes->geojson = reader.document;
+    return builder_finish(&reader.builder, attributes, set, error);
+}

@@ -1,0 +1,287 @@
+#include "io/curve/geojson_shape.h"
+
+#include "base/error.h"
+
+static bool shape_reserve(geojson_shape *shape, size_t curves, size_t points)
+{
+    void *curve_array = shape->curves, *shown = shape->shown;
+    bool grown = array_grow(&curve_array, &shape->curve_capacity, curves, sizeof *shape->curves) &&
+                 array_grow(&shown, &shape->shown_capacity, points, sizeof *shape->shown);
+    shape->curves = curve_array;
+    shape->shown = shown;
+    return grown;
+}
+
+static void clear_lines(globe_lines *lines)
+{
+    lines->position_count = 0;
+    lines->count = 0;
+}
+
+static bool altitudes_finite(const globe_curve *curve)
+{
+    for (size_t i = 0; curve->altitudes != NULL && i < curve->count; i++)
+        if (!isfinite(curve->altitudes[i * curve->altitude_stride]))
+            return false;
+    return true;
+}
+
+static bool plane_finite(const globe_curve *curve)
+{
+    for (size_t i = 0; i < 2 * curve->count; i++)
+        if (!isfinite(curve->points[i]))
+            return false;
+    return true;
+}
+
+static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
+                              size_t count, size_t first, bat_error *error)
+{
+    size_t points = 0;
+    for (size_t i = 0; i < count; i++)
+        points += curves[i].count;
+    if (!shape_reserve(shape, count, style->globe ? points : 0))
+        return error_memory(error, points * sizeof *shape->shown);
+    shape->type = type;
+    shape->curve_count = count;
+    shape->cut = false;
+    clear_lines(&shape->pieces);
+    clear_lines(&shape->parts.rings);
+    shape->parts.count = 0;
+    degree_units *shown = shape->shown;
+    for (size_t i = 0; i < count; i++)
+    {
+        const bat_curve *curve = &curves[i];
+        if (curve->count < (curve->closed ? 3 : 2))
+            return error_set(error, BAT_UNSUPPORTED, first + i, 0, "GeoJSON cannot hold curve %zu, which has too few points",
+                             first + i);
+        bool altitude = style->altitude < curve->channel_count;
+        shape->curves[i] = (globe_curve){.points = curve->points,
+                                         .altitudes = altitude ? curve->channels + style->altitude : NULL,
+                                         .altitude_stride = curve->channel_count,
+                                         .shown = shown,
+                                         .count = curve->count,
+                                         .closed = curve->closed};
+        bool finite = style->globe ? globe_curve_show(&style->grid, &shape->curves[i]) : plane_finite(&shape->curves[i]);
+        if (!finite || !altitudes_finite(&shape->curves[i]))
+            return error_set(error, BAT_INVALID_POINT, first + i, 0, "a point of curve %zu is not finite", first + i);
+        shape->cut = shape->cut || shape->curves[i].cut_count > 0;
+        shown = style->globe ? shown + curve->count : shown;
+    }
+    return BAT_OK;
+}
+
+/// Add a curve that does not cross the meridian to pieces of those that do.
+static void add_uncut(const globe_curve *curve, bool repeat_first, globe_lines *lines)
+{
+    for (size_t i = 0; i < curve->count; i++)
+        globe_lines_add(lines, globe_curve_position(curve, i));
+    if (repeat_first)
+        globe_lines_add(lines, globe_curve_position(curve, 0));
+    globe_lines_end(lines);
+}
+
+bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
+                               size_t count, size_t first, bat_error *error)
+{
+    bat_status status = shape_begin(shape, style, type, curves, count, first, error);
+    shape->ring_counts = NULL;
+    if (status != BAT_OK || !shape->cut)
+        return status;
+    for (size_t i = 0; i < count; i++)
+    {
+        const globe_curve *curve = &shape->curves[i];
+        if (curve->cut_count > 0)
+            globe_curve_cut(&style->grid, curve, &shape->pieces);
+        else
+            add_uncut(curve, curve->closed, &shape->pieces);
+    }
+    if (shape->pieces.failed)
+        return error_memory(error, shape->pieces.position_count * sizeof(globe_position));
+    if (shape->pieces.count > 1)
+        shape->type = "MultiLineString";
+    return BAT_OK;
+}
+
+/// Add a polygon that does not cross the meridian to parts of those that do.
+static bool add_uncut_polygon(const globe_curve *rings, size_t ring_count, globe_polygons *parts)
+{
+    void *counts = parts->ring_counts;
+    if (!array_grow(&counts, &parts->capacity, parts->count + 1, sizeof *parts->ring_counts))
+        return false;
+    parts->ring_counts = counts;
+    parts->ring_counts[parts->count++] = ring_count;
+    for (size_t i = 0; i < ring_count; i++)
+        add_uncut(&rings[i], false, &parts->rings);
+    return !parts->rings.failed;
+}
+
+bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
+                                  const bat_curve *curves, const size_t *ring_counts, size_t polygon_count, size_t first,
+                                  bat_error *error)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < polygon_count; i++)
+        count += ring_counts[i];
+    bat_status status = shape_begin(shape, style, type, curves, count, first, error);
+    shape->ring_counts = ring_counts;
+    shape->polygon_count = polygon_count;
+    if (status != BAT_OK || !shape->cut)
+        return status;
+    const globe_curve *rings = shape->curves;
+    for (size_t i = 0; i < polygon_count; i++)
+    {
+        bool cut = false;
+        for (size_t k = 0; k < ring_counts[i]; k++)
+            cut = cut || rings[k].cut_count > 0;
+        bool added = cut ? globe_polygon_cut(&style->grid, rings, ring_counts[i], &shape->parts)
+                         : add_uncut_polygon(rings, ring_counts[i], &shape->parts);
+        if (!added)
+            return error_memory(error, count * sizeof *rings);
+        rings += ring_counts[i];
+    }
+    if (shape->parts.count > 1)
+        shape->type = "MultiPolygon";
+    return BAT_OK;
+}
+
+/// Room for a position: brackets, three numbers and commas.
+enum
+{
+    POSITION_TEXT_SIZE = 3 * (NUMBER_TEXT_SIZE + 1) + 2
+};
+
+static char *write_position(char *out, const geojson_style *style, degree_units shown, const double *altitude)
+{
+    *out++ = '[';
+    out = number_write_fixed(out, shown.longitude, style->decimals);
+    *out++ = ',';
+    out = number_write_fixed(out, shown.latitude, style->decimals);
+    if (altitude != NULL)
+    {
+        *out++ = ',';
+        out = number_write(out, *altitude);
+    }
+    *out++ = ']';
+    return out;
+}
+
+static char *write_plane_position(char *out, const double *point, const double *altitude)
+{
+    *out++ = '[';
+    out = number_write(out, point[0]);
+    *out++ = ',';
+    out = number_write(out, point[1]);
+    if (altitude != NULL)
+    {
+        *out++ = ',';
+        out = number_write(out, *altitude);
+    }
+    *out++ = ']';
+    return out;
+}
+
+static char *write_curve_position(char *out, const geojson_style *style, const globe_curve *curve, size_t index)
+{
+    const double *altitude = curve->altitudes != NULL ? curve->altitudes + index * curve->altitude_stride : NULL;
+    return style->globe ? write_position(out, style, curve->shown[index], altitude)
+                        : write_plane_position(out, curve->points + 2 * index, altitude);
+}
+
+/// Write a curve as an array of positions, the first repeated when it is closed.
+static void write_curve(const geojson_style *style, const globe_curve *curve, text_buffer *text)
+{
+    size_t positions = curve->count + curve->closed;
+    for (size_t i = 0; i < positions; i++)
+    {
+        char *out = text_reserve(text, POSITION_TEXT_SIZE + 2);
+        if (out == NULL)
+            return;
+        *out++ = i == 0 ? '[' : ',';
+        out = write_curve_position(out, style, curve, i < curve->count ? i : 0);
+        if (i + 1 == positions)
+            *out++ = ']';
+        text_advance(text, out);
+    }
+}
+
+/// Write a piece as an array of positions, the first repeated when it is a ring.
+static void write_piece(const geojson_style *style, const globe_lines *lines, size_t line, bool ring, bool altitude,
+                        text_buffer *text)
+{
+    const char *separator = "[";
+    size_t begin = globe_line_begin(lines, line), end = lines->ends[line];
+    for (size_t i = begin; i < end + ring; i++)
+    {
+        const globe_position *position = &lines->positions[i < end ? i : begin];
+        text_append_string(text, separator);
+        char *out = text_reserve(text, POSITION_TEXT_SIZE);
+        if (out == NULL)
+            return;
+        text_advance(text, write_position(out, style, position->shown, altitude ? &position->altitude : NULL));
+        separator = ",";
+    }
+    text_append_string(text, "]");
+}
+
+/// Write line or ring `index` of the shape, of its curves or of their pieces.
+static void write_part(const geojson_shape *shape, const geojson_style *style, size_t index, text_buffer *text)
+{
+    bool altitude = shape->curves[0].altitudes != NULL;
+    if (!shape->cut)
+        write_curve(style, &shape->curves[index], text);
+    else if (shape->ring_counts == NULL)
+        write_piece(style, &shape->pieces, index, false, altitude, text);
+    else
+        write_piece(style, &shape->parts.rings, index, true, altitude, text);
+}
+
+static void write_parts(const geojson_shape *shape, const geojson_style *style, size_t first, size_t count,
+                        text_buffer *text)
+{
+    text_append_string(text, "[");
+    for (size_t i = 0; i < count; i++)
+    {
+        if (i > 0)
+            text_append_string(text, ",");
+        write_part(shape, style, first + i, text);
+    }
+    text_append_string(text, "]");
+}
+
+void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text)
+{
+    bool multiple = strncmp(shape->type, "Multi", 5) == 0;
+    if (shape->ring_counts == NULL)
+    {
+        size_t count = shape->cut ? shape->pieces.count : shape->curve_count;
+        if (multiple)
+            write_parts(shape, style, 0, count, text);
+        else
+            write_part(shape, style, 0, text);
+        return;
+    }
+    const size_t *ring_counts = shape->cut ? shape->parts.ring_counts : shape->ring_counts;
+    size_t polygons = shape->cut ? shape->parts.count : shape->polygon_count;
+    size_t first = 0;
+    if (multiple)
+        text_append_string(text, "[");
+    for (size_t i = 0; i < polygons; i++)
+    {
+        if (i > 0)
+            text_append_string(text, ",");
+        write_parts(shape, style, first, ring_counts[i], text);
+        first += ring_counts[i];
+    }
+    if (multiple)
+        text_append_string(text, "]");
+}
+
+void geojson_shape_free(geojson_shape *shape)
+{
+    free(shape->curves);
+    free(shape->shown);
+    globe_lines_free(&shape->pieces);
+    globe_polygons_free(&shape->parts);
+    *shape = (geojson_shape){0};
+}

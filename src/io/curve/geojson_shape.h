@@ -1,0 +1,51 @@
+#ifndef IO_CURVE_GEOJSON_SHAPE_H
+#define IO_CURVE_GEOJSON_SHAPE_H
+
+#include "batten/curve_file.h"
+#include "io/common/text_buffer.h"
+#include "io/curve/globe_polygon.h"
+
+/// How positions are written.
+typedef struct geojson_style
+{
+    bool globe;       ///< as degrees, cut at the meridian of 180 degrees; else as they are
+    int decimals;     ///< of degrees
+    degree_grid grid; ///< of degrees
+    size_t altitude;  ///< the channel that is the third number, or BAT_NO_INDEX
+} geojson_style;
+
+/// Curves that make up one geometry, ready to be written. All zero: empty. One shape serves many geometries in turn and keeps its
+/// memory.
+typedef struct geojson_shape
+{
+    const char *type; ///< the geometry's type in the file
+
+    globe_curve *curves;
+    size_t curve_count, curve_capacity;
+    degree_units *shown; ///< of all the curves
+    size_t shown_capacity;
+    const size_t *ring_counts; ///< of each polygon; null for lines
+    size_t polygon_count;
+
+    bool cut;             ///< the pieces or parts are to be written instead of the curves
+    globe_lines pieces;   ///< of lines
+    globe_polygons parts; ///< of polygons
+} geojson_shape;
+
+/// Make lines ready: `type` is "LineString" or "MultiLineString", what it was before the meridian cuts it. `first` is the index
+/// of the first curve, for messages.
+/// @return BAT_OK, BAT_INVALID_POINT, BAT_UNSUPPORTED (too few points) or BAT_NO_MEMORY
+bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
+                               size_t count, size_t first, bat_error *error);
+
+/// Make polygons ready: `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other.
+bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
+                                  const bat_curve *curves, const size_t *ring_counts, size_t polygon_count, size_t first,
+                                  bat_error *error);
+
+/// Write the value of "coordinates".
+void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text);
+
+void geojson_shape_free(geojson_shape *shape);
+
+#endif

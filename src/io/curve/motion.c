@@ -1,0 +1,465 @@
+#include "batten/motion.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "io/curve/csv_columns.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Times are evenly spaced when every step is within this share of the first.
+static const double EVEN_TOLERANCE = 1e-6;
+
+bat_motion_options bat_motion_defaults(void)
+{
+    return (bat_motion_options){.scheme = bat_hermite_defaults(), .tangent_order = 2};
+}
+
+/// How the points of a set are written, and so its velocities.
+static const point_form *form_of(const bat_curve_set *set)
+{
+    const point_form *form = set->attributes != NULL ? set->attributes->csv.form : NULL;
+    return form != NULL ? form : point_form_first(set->space->name, set->space->point_dim);
+}
+
+/// Whether a set has no names for columns of times and velocities: GeoJSON has no columns at all.
+static bool is_nameless(const bat_curve_set *set)
+{
+    const bat_curve_attributes *attributes = set->attributes;
+    if (attributes != NULL && (attributes->format == BAT_CURVE_FORMAT_GEOJSON || attributes->csv.degrees))
+        return attributes->format == BAT_CURVE_FORMAT_GEOJSON;
+    return form_of(set) == NULL;
+}
+
+static motion_channels channels_of(const bat_curve_set *set)
+{
+    motion_channels channels = {.time = BAT_NO_INDEX};
+    const bat_curve_attributes *attributes = set->attributes;
+    if (attributes == NULL || attributes->csv.names == NULL)
+        return channels;
+    const csv_columns *columns = &attributes->csv;
+    const point_form *form = form_of(set);
+    size_t coordinates = columns->degrees ? 2 : columns->form != NULL ? columns->form->count : set->space->point_dim;
+    if (coordinates + set->curves[0].channel_count == columns->count)
+        csv_columns_channels(columns, coordinates, columns->degrees ? NULL : form, &channels);
+    return channels;
+}
+
+bool bat_motion_has_times(const bat_curve_set *set)
+{
+    return channels_of(set).time != BAT_NO_INDEX;
+}
+
+bool bat_motion_has_velocities(const bat_curve_set *set)
+{
+    return channels_of(set).velocity_count > 0;
+}
+
+static bat_status data_allocate(const bat_curve *curve, bool timed, bat_hermite_curve *keys, bat_error *error)
+{
+    const bat_space *space = curve->space;
+    *keys = (bat_hermite_curve){.space = space, .count = curve->count, .closed = curve->closed};
+    keys->points = memory_array(curve->count, space->point_dim * sizeof(double));
+    keys->tangents = memory_array(curve->count, space->tangent_dim * sizeof(double));
+    keys->times = timed ? memory_array(curve->count, sizeof(double)) : NULL;
+    if (keys->points != NULL && keys->tangents != NULL && (!timed || keys->times != NULL))
+    {
+        memcpy(keys->points, curve->points, curve->count * space->point_dim * sizeof(double));
+        return BAT_OK;
+    }
+    bat_hermite_free(keys);
+    return error_memory(error, curve->count * space->point_dim * sizeof(double));
+}
+
+/// The times of a curve; a closed one takes the mean step from its last point to its first.
+static bat_status take_times(const bat_curve *curve, size_t channel, bat_hermite_curve *keys, bat_error *error)
+{
+    for (size_t i = 0; i < keys->count; i++)
+    {
+        keys->times[i] = channel != BAT_NO_INDEX ? curve->channels[i * curve->channel_count + channel] : (double)i;
+        if (i > 0 && !(keys->times[i] > keys->times[i - 1]))
+            return error_set(error, BAT_INVALID_POINT, i, 0, "the time %.15g does not come after %.15g", keys->times[i],
+                             keys->times[i - 1]);
+    }
+    if (keys->closed && keys->count > 1)
+        keys->closing_time = (keys->times[keys->count - 1] - keys->times[0]) / (double)(keys->count - 1);
+    return BAT_OK;
+}
+
+static bat_status take_velocities(const bat_curve *curve, const point_form *form, const motion_channels *channels,
+                                  bat_hermite_curve *keys, bat_error *error)
+{
+    const bat_space *space = keys->space;
+    for (size_t i = 0; i < keys->count; i++)
+    {
+        double velocity[MOST_VELOCITIES];
+        for (size_t j = 0; j < channels->velocity_count; j++)
+            velocity[j] = curve->channels[i * curve->channel_count + channels->velocity[j]];
+        if (!point_form_tangent(form, space, keys->points + i * space->point_dim, velocity,
+                                keys->tangents + i * space->tangent_dim))
+            return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has no velocities", i);
+    }
+    return BAT_OK;
+}
+
+/// Neighbours must have one shortest geodesic, and be distinct where there is nothing but their distance to tell how they follow
+/// each other. The message names both lines.
+static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const bat_hermite_curve *keys, bool distinct,
+                                   bat_error *error)
+{
+    const bat_space *space = keys->space;
+    double log[BAT_SPACE_MAX_DIM];
+    for (size_t i = keys->closed ? 0 : 1; i < keys->count; i++)
+    {
+        size_t before = i > 0 ? i - 1 : keys->count - 1;
+        const double *p = keys->points + before * space->point_dim, *q = keys->points + i * space->point_dim;
+        bool repeats = distinct && !(space->distance(space, p, q) > 0);
+        bool unique = repeats || space->log(space, p, q, log) == BAT_OK;
+        if (!repeats && unique)
+            continue;
+        size_t lines[] = {bat_curve_set_line(set, curve, before), bat_curve_set_line(set, curve, i)};
+        char where[64] = "";
+        if (lines[0] > 0 && lines[1] > 0)
+            (void)snprintf(where, sizeof where, " (lines %zu and %zu)", lines[0], lines[1]);
+        if (repeats)
+            return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu repeats point %zu%s", i, before, where);
+        return error_set(error, BAT_CUT_LOCUS, i, 0, "points %zu and %zu%s %s", before, i, where,
+                         quaternion_place(space) != BAT_NO_INDEX ? "are half a turn apart: the way to turn is not unique"
+                                                                 : "have no unique shortest geodesic");
+    }
+    return BAT_OK;
+}
+
+static bat_status check_even(const bat_hermite_curve *keys, bat_error *error)
+{
+    for (size_t i = 2; i < keys->count; i++)
+    {
+        double step = keys->times[i] - keys->times[i - 1], first = keys->times[1] - keys->times[0];
+        if (!(fabs(step - first) <= EVEN_TOLERANCE * first))
+            return error_set(error, BAT_UNSUPPORTED, i, 0,
+                             "schemes by parallel transport need evenly spaced times; here %g follows %g", step, first);
+    }
+    return BAT_OK;
+}
+
+static void scale_tangents(bat_hermite_curve *curve, double scale)
+{
+    for (size_t i = 0; i < curve->count * curve->space->tangent_dim; i++)
+        curve->tangents[i] *= scale;
+}
+
+/// From velocities to what the scheme refines, or estimates where there are none. Data for BAT_HERMITE_TRANSPORT have times here.
+static bat_status make_tangents(bat_hermite_curve *keys, bool given, const bat_motion_options *options, bat_error *error)
+{
+    double *times = keys->times;
+    bool directions = options->rate == 0 && options->scheme.kind == BAT_HERMITE_LANE_RIESENFELD;
+    bat_status status = BAT_OK;
+    if (!given)
+    {
+        keys->times = directions ? NULL : times;
+        status = bat_hermite_estimate_tangents(keys, options->tangent_order, error);
+        keys->times = times;
+    }
+    else if (directions)
+        status = bat_hermite_normalize(keys, error);
+    if (status != BAT_OK || options->rate > 0 || directions || keys->times == NULL)
+        return status;
+    status = check_even(keys, error);
+    if (status == BAT_OK)
+        scale_tangents(keys, keys->times[1] - keys->times[0]);
+    return status;
+}
+
+static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+                            const motion_channels *channels, bat_hermite_curve *keys, bat_error *error)
+{
+    const bat_curve *from = &set->curves[curve];
+    bool given = channels->velocity_count > 0;
+    bool directions = options->rate == 0 && options->scheme.kind == BAT_HERMITE_LANE_RIESENFELD;
+    bat_status status = keys->times != NULL ? take_times(from, channels->time, keys, error) : BAT_OK;
+    if (status == BAT_OK && keys->count < (keys->closed ? 3U : 2U))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s curve needs at least %d points, not %zu",
+                           keys->closed ? "a closed" : "an open", keys->closed ? 3 : 2, keys->count);
+    if (status == BAT_OK)
+        status = check_neighbours(set, curve, keys, directions, error);
+    if (status == BAT_OK && given)
+        status = take_velocities(from, form_of(set), channels, keys, error);
+    return status == BAT_OK ? make_tangents(keys, given, options, error) : status;
+}
+
+static bat_status check_options(const bat_curve_set *set, const bat_motion_options *options, const motion_channels *channels,
+                                bat_error *error)
+{
+    size_t known = channels->velocity_count + (channels->time != BAT_NO_INDEX);
+    if (!(options->rate >= 0 && isfinite(options->rate)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the rate must be positive, not %g", options->rate);
+    for (size_t i = 0; i < set->count; i++)
+        if (set->curves[i].channel_count != known)
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                             "Hermite schemes take points, times and velocities; other columns, here %zu, have no place",
+                             set->curves[i].channel_count - known);
+    bool degrees = set->attributes != NULL && set->attributes->csv.degrees;
+    if (options->velocities && (is_nameless(set) || degrees))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "files have no columns for velocities in the space %s%s",
+                         set->space->name, degrees ? " in degrees" : "");
+    return BAT_OK;
+}
+
+bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+                           bat_hermite_curve *keys, bat_error *error)
+{
+    bat_motion_options defaults = bat_motion_defaults();
+    bat_hermite_curve made;
+    bat_error fault = {.index = BAT_NO_INDEX};
+    if (options == NULL)
+        options = &defaults;
+    motion_channels channels = channels_of(set);
+    bat_status status = check_options(set, options, &channels, &fault);
+    bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_TRANSPORT;
+    if (status == BAT_OK)
+        status = data_allocate(&set->curves[curve], timed, &made, &fault);
+    if (status == BAT_OK)
+    {
+        status = fill_data(set, curve, options, &channels, &made, &fault);
+        if (status == BAT_OK)
+            *keys = made;
+        else
+            bat_hermite_free(&made);
+    }
+    if (status != BAT_OK && error != NULL)
+    {
+        *error = fault;
+        error->line = fault.index != BAT_NO_INDEX ? bat_curve_set_line(set, curve, fault.index) : 0;
+    }
+    return status;
+}
+
+/// What the columns of the result are.
+typedef struct result_columns
+{
+    bat_curve_attributes *attributes;
+    const point_form *form; ///< of points and velocities; null without
+    motion_channels channels;
+    size_t channel_count;
+} result_columns;
+
+/// Names for points, and for times and velocities where they are wanted.
+static bool name_columns(const bat_curve_set *set, const point_form *form, const motion_channels *wanted,
+                         csv_columns *columns)
+{
+    static const char *const degrees[] = {"lon", "lat", NULL}, *const none[] = {NULL};
+    bool globe = set->attributes != NULL && set->attributes->csv.degrees;
+    const char *const *points = globe ? degrees : form->names, *const *velocities = globe ? none : form->velocities;
+    csv_field fields[1 + MOST_FORM_COLUMNS + MOST_VELOCITIES];
+    const char *names[1 + MOST_FORM_COLUMNS + MOST_VELOCITIES];
+    size_t count = 0;
+    if (wanted->time != BAT_NO_INDEX)
+        names[count++] = "time";
+    while (*points != NULL)
+        names[count++] = *points++;
+    for (size_t i = 0; i < wanted->velocity_count; i++)
+        names[count++] = velocities[i];
+    for (size_t i = 0; i < count; i++)
+        fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
+    if (!csv_columns_name(columns, fields, count))
+        return false;
+    size_t first = wanted->time != BAT_NO_INDEX;
+    return globe ? csv_columns_use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form);
+}
+
+/// The columns of the keyframes, where they have all that is wanted; else columns in our order: times, points, velocities.
+static bat_status choose_columns(const bat_curve_set *set, const bat_motion_options *options, result_columns *result,
+                                 bat_error *error)
+{
+    motion_channels given = channels_of(set);
+    const point_form *form = form_of(set);
+    bool time_missing = given.time == BAT_NO_INDEX && options->rate > 0;
+    bool velocities_missing = given.velocity_count == 0 && options->velocities;
+    *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count};
+    if (time_missing && is_nameless(set))
+        time_missing = false; // rows then follow each other by the rate
+    if (!time_missing && !velocities_missing)
+    {
+        attributes_share(set->attributes);
+        return BAT_OK;
+    }
+    motion_channels wanted = {.time = time_missing || given.time != BAT_NO_INDEX ? 0 : BAT_NO_INDEX};
+    wanted.velocity_count = velocities_missing || given.velocity_count > 0 ? form->velocity_count : 0;
+    for (size_t i = 0; i < wanted.velocity_count; i++)
+        wanted.velocity[i] = (wanted.time == 0) + i;
+    bat_curve_format format = set->attributes != NULL && set->attributes->format == BAT_CURVE_FORMAT_TUM
+                                  ? BAT_CURVE_FORMAT_TUM
+                                  : BAT_CURVE_FORMAT_CSV;
+    *result = (result_columns){attributes_new(format), form, wanted, wanted.velocity_count + (wanted.time == 0)};
+    if (result->attributes != NULL && name_columns(set, form, &wanted, &result->attributes->csv))
+        return BAT_OK;
+    attributes_release(result->attributes);
+    return error_memory(error, sizeof *result->attributes);
+}
+
+static bat_status fill_channels(const bat_hermite_curve *smooth, const result_columns *columns, bat_curve *curve,
+                                bat_error *error)
+{
+    const bat_space *space = smooth->space;
+    const motion_channels *places = &columns->channels;
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        double *row = curve->channels + i * curve->channel_count, velocity[MOST_VELOCITIES];
+        if (places->time != BAT_NO_INDEX)
+            row[places->time] = smooth->times[i];
+        if (places->velocity_count > 0 && !point_form_velocity(columns->form, space, smooth->points + i * space->point_dim,
+                                                               smooth->tangents + i * space->tangent_dim, velocity))
+            return error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "new point %zu has no velocity", i);
+        for (size_t j = 0; j < places->velocity_count; j++)
+            row[places->velocity[j]] = velocity[j];
+    }
+    return BAT_OK;
+}
+
+static void continue_signs(const bat_hermite_curve *smooth)
+{
+    size_t dim = smooth->space->point_dim, place = quaternion_place(smooth->space);
+    for (size_t i = 1; place != BAT_NO_INDEX && i < smooth->count; i++)
+        quaternion_continue(smooth->points + (i - 1) * dim + place, smooth->points + i * dim + place);
+}
+
+/// From Hermite data to a curve with channels. The points move over.
+static bat_status make_curve(bat_hermite_curve *smooth, const result_columns *columns, bat_curve *curve, bat_error *error)
+{
+    continue_signs(smooth);
+    *curve = (bat_curve){
+        .space = smooth->space, .count = smooth->count, .closed = smooth->closed, .channel_count = columns->channel_count};
+    if (curve->channel_count > 0)
+    {
+        curve->channels = memory_array(curve->count, curve->channel_count * sizeof(double));
+        if (curve->channels == NULL)
+            return error_memory(error, curve->count * curve->channel_count * sizeof(double));
+        bat_status status = fill_channels(smooth, columns, curve, error);
+        if (status != BAT_OK)
+            return status;
+    }
+    curve->points = smooth->points;
+    smooth->points = NULL;
+    return BAT_OK;
+}
+
+/// The way from a point to the one before it, or 0 at the beginning of an open curve; likewise the time.
+static double step_before(const bat_hermite_curve *curve, size_t index, double *time)
+{
+    const bat_space *space = curve->space;
+    bool first = index == 0;
+    *time = 0;
+    if (first && !curve->closed)
+        return 0;
+    size_t before = first ? curve->count - 1 : index - 1;
+    *time = first ? curve->closing_time : curve->times[index] - curve->times[before];
+    return space->distance(space, curve->points + before * space->point_dim, curve->points + index * space->point_dim);
+}
+
+/// From directions to velocities: the speed is that of the way to both neighbours in the time between them.
+static void speed_up(bat_hermite_curve *smooth)
+{
+    size_t dim = smooth->space->tangent_dim;
+    for (size_t i = 0; i < smooth->count; i++)
+    {
+        double time_before, time_after = 0, after = 0, before = step_before(smooth, i, &time_before);
+        if (i + 1 < smooth->count || smooth->closed)
+            after = step_before(smooth, i + 1 < smooth->count ? i + 1 : 0, &time_after);
+        for (size_t j = 0; j < dim; j++)
+            smooth->tangents[i * dim + j] *= (before + after) / (time_before + time_after);
+    }
+}
+
+/// Evenly spaced times for what a mask has made of evenly spaced ones: at the vertices of the finest level, or in the middle of its
+/// edges and at the ends of an open curve.
+static void space_times(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
+{
+    double step = ldexp(keys->times[1] - keys->times[0], -(int)scheme->levels);
+    bool vertices = scheme->mask.count % 2 == 1 || scheme->levels == 0;
+    double shift = vertices ? 0 : smooth->closed ? 0.5 : -0.5;
+    for (size_t i = 0; i < smooth->count; i++)
+        smooth->times[i] = keys->times[0] + ((double)i + shift) * step;
+    if (!smooth->closed)
+    {
+        smooth->times[0] = keys->times[0];
+        smooth->times[smooth->count - 1] = keys->times[keys->count - 1];
+    }
+}
+
+/// From what the scheme gives to velocities and times. Derivatives by the index of new points become velocities, or derivatives by
+/// the index of the given ones; directions become velocities where there are times.
+static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
+{
+    if (scheme->kind == BAT_HERMITE_TRANSPORT)
+    {
+        scale_tangents(smooth, ldexp(1, (int)scheme->levels) / (keys->times[1] - keys->times[0]));
+        space_times(keys, scheme, smooth);
+    }
+    else if (smooth->times != NULL)
+        speed_up(smooth);
+}
+
+static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_motion_options *options,
+                             const result_columns *columns, bat_curve *curve, bat_error *error)
+{
+    bat_hermite_curve keys, smooth = {.space = set->space};
+    bat_status status = bat_motion_data(set, index, options, &keys, error);
+    if (status != BAT_OK)
+        return status;
+    if (options->rate > 0)
+        status = bat_hermite_sample_rate(&keys, options->rate, &smooth, error);
+    else
+        status = bat_hermite_refine(&keys, &options->scheme, &smooth, error);
+    if (status == BAT_OK && options->rate == 0)
+        restore_velocities(&keys, &options->scheme, &smooth);
+    else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && options->rate == 0)
+        error->line = bat_curve_set_line(set, index, error->index);
+    if (status == BAT_OK)
+        status = make_curve(&smooth, columns, curve, error);
+    if (status != BAT_OK)
+        bat_curve_free(curve);
+    bat_hermite_free(&keys);
+    bat_hermite_free(&smooth);
+    return status;
+}
+
+bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_options *options, bat_curve_set *fine,
+                             size_t *failed, bat_error *error)
+{
+    bat_motion_options defaults = bat_motion_defaults();
+    result_columns columns;
+    bat_curve_set made;
+    if (options == NULL)
+        options = &defaults;
+    if (failed != NULL)
+        *failed = 0;
+    motion_channels channels = channels_of(keyframes);
+    bat_status status = check_options(keyframes, options, &channels, error);
+    if (status == BAT_OK)
+        status = choose_columns(keyframes, options, &columns, error);
+    if (status != BAT_OK)
+        return status;
+    bat_curve *curves = calloc(keyframes->count, sizeof *curves);
+    status = curves != NULL ? BAT_OK : error_memory(error, keyframes->count * sizeof *curves);
+    size_t count = 0;
+    for (; count < keyframes->count && status == BAT_OK; count++)
+    {
+        if (failed != NULL)
+            *failed = count;
+        status = smooth_one(keyframes, count, options, &columns, &curves[count], error);
+    }
+    if (status == BAT_OK)
+        status = bat_curve_set_take(curves, keyframes->count, &made, error);
+    if (status == BAT_OK)
+    {
+        made.attributes = columns.attributes;
+        *fine = made;
+        return BAT_OK;
+    }
+    for (size_t i = 0; curves != NULL && i < keyframes->count; i++)
+        bat_curve_free(&curves[i]);
+    free(curves);
+    attributes_release(columns.attributes);
+    return status;
+}

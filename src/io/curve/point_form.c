@@ -1,0 +1,335 @@
+#include "io/curve/point_form.h"
+
+#include "batten/space.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+/// How far quaternions may be from unit length, and matrices from the nearest rotation in any entry: files are rounded.
+static const double LENGTH_TOLERANCE = 1e-3;
+static const double MATRIX_TOLERANCE = 1e-6;
+/// A squared length this near to 1 is left as it is.
+static const double LENGTH_ROUNDING = 1e-15;
+/// How far a velocity may be from its tangent plane, relative to its length.
+static const double TANGENT_TOLERANCE = 1e-6;
+
+#define QUATERNION "qw", "qx", "qy", "qz"
+#define MATRIX "m11", "m12", "m13", "m21", "m22", "m23", "m31", "m32", "m33"
+#define VECTOR "rx", "ry", "rz"
+#define MOVED "tx", "ty", "tz"
+#define PLACED "x", "y", "z"
+#define NAMES(...) ((const char *const[]){__VA_ARGS__, NULL})
+
+static const char *const TURNS[] = {"wx", "wy", "wz", NULL};
+static const char *const MOTIONS[] = {"vx", "vy", "vz", "wx", "wy", "wz", NULL};
+static const char *const SPEEDS[] = {"vx", "vy", "vz", NULL};
+static const char *const PLANE_SPEEDS[] = {"vx", "vy", NULL};
+static const char *const TENSOR_SPEEDS[] = {"vxx", "vxy", "vxz", "vyy", "vyz", "vzz", NULL};
+static const char *const PLANE_TENSOR_SPEEDS[] = {"vxx", "vxy", "vyy", NULL};
+
+/// Of the forms of a space, those with more columns come before others whose names they hold.
+static const point_form FORMS[] = {
+    {"rotation", NAMES(QUATERNION), TURNS, 4, 3, ROTATION_QUATERNION, 0, true},
+    {"rotation", NAMES(MATRIX), TURNS, 9, 3, ROTATION_MATRIX, 0, true},
+    {"rotation", NAMES(VECTOR), TURNS, 3, 3, ROTATION_VECTOR, 0, true},
+    {"rigid", NAMES(MOVED, QUATERNION), MOTIONS, 7, 6, ROTATION_QUATERNION, 3, true},
+    {"rigid", NAMES(MOVED, MATRIX), MOTIONS, 12, 6, ROTATION_MATRIX, 3, true},
+    {"rigid", NAMES(MOVED, VECTOR), MOTIONS, 6, 6, ROTATION_VECTOR, 3, true},
+    {"rigid", NAMES(PLACED, QUATERNION), MOTIONS, 7, 6, ROTATION_QUATERNION, 3, true},
+    {"rigid", NAMES(PLACED, MATRIX), MOTIONS, 12, 6, ROTATION_MATRIX, 3, true},
+    {"rigid", NAMES(PLACED, VECTOR), MOTIONS, 6, 6, ROTATION_VECTOR, 3, true},
+    {"spd", NAMES("xx", "xy", "xz", "yy", "yz", "zz"), TENSOR_SPEEDS, 6, 6, ROTATION_NONE, 0, true},
+    {"spd", NAMES("xx", "xy", "yy"), PLANE_TENSOR_SPEEDS, 3, 3, ROTATION_NONE, 0, true},
+    {"plane", NAMES("x", "y"), PLANE_SPEEDS, 2, 2, ROTATION_NONE, 0, false},
+    {"disk", NAMES("x", "y"), PLANE_SPEEDS, 2, 2, ROTATION_NONE, 0, false},
+    {"sphere", NAMES("x", "y", "z"), SPEEDS, 3, 3, ROTATION_NONE, 0, false},
+    {"euclidean", NAMES("x", "y", "z"), SPEEDS, 3, 3, ROTATION_NONE, 0, false},
+};
+enum
+{
+    FORM_COUNT = sizeof FORMS / sizeof FORMS[0]
+};
+
+static const char *const TIMES[] = {"time", "t", "timestamp"};
+
+static bool name_is(const char *column, const char *name)
+{
+    size_t length = strlen(name);
+    bool quoted = column[0] == '"';
+    return strncasecmp(column + quoted, name, length) == 0 && strcmp(column + quoted + length, quoted ? "\"" : "") == 0;
+}
+
+size_t column_find(const column_names *columns, const char *name)
+{
+    for (size_t i = 0; columns->names != NULL && i < columns->count; i++)
+        if (name_is(columns->names[i], name))
+            return i;
+    return BAT_NO_INDEX;
+}
+
+size_t column_find_time(const column_names *columns)
+{
+    for (size_t i = 0; i < sizeof TIMES / sizeof *TIMES; i++)
+    {
+        size_t column = column_find(columns, TIMES[i]);
+        if (column != BAT_NO_INDEX)
+            return column;
+    }
+    return BAT_NO_INDEX;
+}
+
+/// How many of the names are there; *missing is the first that is not, or null.
+static size_t count_found(const column_names *columns, const char *const *names, const char **missing)
+{
+    size_t found = 0;
+    *missing = NULL;
+    for (; *names != NULL; names++)
+        if (column_find(columns, *names) != BAT_NO_INDEX)
+            found++;
+        else if (*missing == NULL)
+            *missing = *names;
+    return found;
+}
+
+const point_form *point_form_first(const char *space, size_t count)
+{
+    for (size_t i = 0; i < FORM_COUNT; i++)
+    {
+        size_t coordinates = FORMS[i].rotation == ROTATION_NONE ? FORMS[i].count : FORMS[i].rotation_at + 4;
+        if (strcmp(FORMS[i].space, space) == 0 && coordinates == count)
+            return &FORMS[i];
+    }
+    return NULL;
+}
+
+/// Whether any of the names of a space's strict forms is there.
+static bool any_known(const char *space, const column_names *columns)
+{
+    const char *missing;
+    for (size_t i = 0; i < FORM_COUNT; i++)
+        if (strcmp(FORMS[i].space, space) == 0 &&
+            (count_found(columns, FORMS[i].names, &missing) > 0 || count_found(columns, FORMS[i].velocities, &missing) > 0))
+            return true;
+    return column_find_time(columns) != BAT_NO_INDEX;
+}
+
+const point_form *point_form_find(const char *space, const column_names *columns)
+{
+    const char *missing;
+    for (size_t i = 0; columns->names != NULL && i < FORM_COUNT; i++)
+        if (strcmp(FORMS[i].space, space) == 0 && count_found(columns, FORMS[i].names, &missing) == FORMS[i].count)
+            return &FORMS[i];
+    bool positional = columns->names == NULL || !any_known(space, columns);
+    const point_form *first = positional ? point_form_first(space, columns->count) : NULL;
+    return first != NULL && first->strict ? first : NULL;
+}
+
+/// The form of the space of which the most columns are there, and the first that is not.
+static const point_form *nearest_form(const char *space, const column_names *columns, const char **missing)
+{
+    const point_form *nearest = NULL;
+    size_t most = 0;
+    for (size_t i = 0; i < FORM_COUNT; i++)
+    {
+        const char *absent;
+        if (strcmp(FORMS[i].space, space) != 0)
+            continue;
+        size_t found = count_found(columns, FORMS[i].names, &absent);
+        if (nearest != NULL && found <= most)
+            continue;
+        nearest = &FORMS[i];
+        most = found;
+        *missing = absent;
+    }
+    return nearest;
+}
+
+static bool is_one_of(const char *column, const char *const *names)
+{
+    for (; *names != NULL; names++)
+        if (name_is(column, *names))
+            return true;
+    return false;
+}
+
+/// The first column that means nothing to a form, or null.
+static const char *unknown_column(const point_form *form, const column_names *columns)
+{
+    size_t time = column_find_time(columns);
+    for (size_t i = 0; i < columns->count; i++)
+        if (i != time && !is_one_of(columns->names[i], form->names) && !is_one_of(columns->names[i], form->velocities))
+            return columns->names[i];
+    return NULL;
+}
+
+/// The first column that is there twice, or null.
+static const char *repeated_column(const column_names *columns)
+{
+    for (size_t i = 1; i < columns->count; i++)
+        for (size_t j = 0; j < i; j++)
+            if (strcasecmp(columns->names[i], columns->names[j]) == 0)
+                return columns->names[i];
+    return NULL;
+}
+
+bool point_form_fault(const char *space, const point_form *form, const column_names *columns, char *text, size_t size)
+{
+    const char *missing = NULL;
+    const point_form *nearest = nearest_form(space, columns, &missing);
+    if (columns->names == NULL || nearest == NULL || !nearest->strict || !any_known(space, columns))
+        return false;
+    if (form == NULL)
+    {
+        (void)snprintf(text, size, "a point of the space %s needs a column '%s'", space, missing);
+        return true;
+    }
+    const char *unknown = unknown_column(form, columns), *repeated = repeated_column(columns);
+    size_t velocities = count_found(columns, form->velocities, &missing);
+    if (unknown != NULL)
+        (void)snprintf(text, size, "the column '%.60s' has no meaning beside '%s' in the space %s", unknown, form->names[0],
+                       space);
+    else if (repeated != NULL)
+        (void)snprintf(text, size, "the column '%.60s' is there twice", repeated);
+    else if (velocities > 0 && missing != NULL)
+        (void)snprintf(text, size, "a velocity in the space %s needs a column '%s'", space, missing);
+    else
+        return false;
+    return true;
+}
+
+static const char *read_quaternion(const double *numbers, bool project, double *quaternion)
+{
+    double square = 0, largest = 0;
+    for (int i = 0; i < 4; i++)
+    {
+        square += numbers[i] * numbers[i];
+        largest = fmax(largest, fabs(numbers[i]));
+    }
+    if (!(largest > 0))
+        return "the quaternion is zero";
+    if (fabs(square - 1) <= LENGTH_ROUNDING)
+    {
+        memcpy(quaternion, numbers, 4 * sizeof *numbers);
+        return NULL;
+    }
+    if (!project && !(fabs(sqrt(square) - 1) <= LENGTH_TOLERANCE))
+        return "the quaternion is not of unit length";
+    double scaled = 0;
+    for (int i = 0; i < 4; i++)
+        scaled += numbers[i] / largest * (numbers[i] / largest);
+    for (int i = 0; i < 4; i++)
+        quaternion[i] = numbers[i] / largest / sqrt(scaled);
+    return NULL;
+}
+
+static const char *read_matrix(const double *numbers, bool project, double *quaternion)
+{
+    static const char fault[] = "the matrix is not a rotation";
+    double rotation[9];
+    if (bat_rotation_from_matrix(numbers, quaternion, NULL) == BAT_OK)
+        return NULL;
+    if (bat_rotation_nearest(numbers, quaternion, NULL) != BAT_OK)
+        return fault;
+    bat_rotation_to_matrix(quaternion, rotation);
+    for (int i = 0; i < 9 && !project; i++)
+        if (!(fabs(rotation[i] - numbers[i]) <= MATRIX_TOLERANCE))
+            return fault;
+    return NULL;
+}
+
+const char *point_form_read(const point_form *form, const double *numbers, bool project, double *point)
+{
+    size_t before = form->rotation == ROTATION_NONE ? form->count : form->rotation_at;
+    const double *from = numbers + before;
+    double *to = point + before;
+    memcpy(point, numbers, before * sizeof *point);
+    switch (form->rotation)
+    {
+    case ROTATION_QUATERNION:
+        return read_quaternion(from, project, to);
+    case ROTATION_MATRIX:
+        return read_matrix(from, project, to);
+    case ROTATION_VECTOR:
+        return bat_rotation_from_vector(from, to, NULL) == BAT_OK ? NULL : "the rotation vector is too long";
+    case ROTATION_NONE:
+        break;
+    }
+    return NULL;
+}
+
+void point_form_write(const point_form *form, const double *point, double *numbers)
+{
+    size_t before = form->rotation == ROTATION_NONE ? form->count : form->rotation_at;
+    const double *from = point + before;
+    double *to = numbers + before;
+    memcpy(numbers, point, before * sizeof *point);
+    switch (form->rotation)
+    {
+    case ROTATION_QUATERNION:
+        memcpy(to, from, 4 * sizeof *to);
+        break;
+    case ROTATION_MATRIX:
+        bat_rotation_to_matrix(from, to);
+        break;
+    case ROTATION_VECTOR:
+        bat_rotation_to_vector(from, to);
+        break;
+    case ROTATION_NONE:
+        break;
+    }
+}
+
+/// Tangent vectors of the disk are measured where the point is moved to the centre: there lengths count twice.
+static double disk_scale(const double *point)
+{
+    return 2 / ((1 - hypot(point[0], point[1])) * (1 + hypot(point[0], point[1])));
+}
+
+/// Take off what points out of the sphere, when that is little.
+static void make_tangent(const double *point, double *tangent)
+{
+    double length = hypot(hypot(tangent[0], tangent[1]), tangent[2]);
+    double out = point[0] * tangent[0] + point[1] * tangent[1] + point[2] * tangent[2];
+    for (int i = 0; i < 3 && fabs(out) <= TANGENT_TOLERANCE * length; i++)
+        tangent[i] -= out * point[i];
+}
+
+bool point_form_tangent(const point_form *form, const bat_space *space, const double *point, const double *velocity,
+                        double *tangent)
+{
+    if (strcmp(form->space, "spd") == 0)
+        return bat_tensor_tangent(space, point, velocity, tangent) == BAT_OK;
+    double scale = strcmp(form->space, "disk") == 0 ? disk_scale(point) : 1;
+    for (size_t i = 0; i < form->velocity_count; i++)
+        tangent[i] = scale * velocity[i];
+    if (strcmp(form->space, "sphere") == 0)
+        make_tangent(point, tangent);
+    return true;
+}
+
+bool point_form_velocity(const point_form *form, const bat_space *space, const double *point, const double *tangent,
+                         double *velocity)
+{
+    if (strcmp(form->space, "spd") == 0)
+        return bat_tensor_velocity(space, point, tangent, velocity) == BAT_OK;
+    double scale = strcmp(form->space, "disk") == 0 ? 1 / disk_scale(point) : 1;
+    for (size_t i = 0; i < form->velocity_count; i++)
+        velocity[i] = scale * tangent[i];
+    return true;
+}
+
+size_t quaternion_place(const bat_space *space)
+{
+    return strcmp(space->name, "rotation") == 0 ? 0 : strcmp(space->name, "rigid") == 0 ? 3 : BAT_NO_INDEX;
+}
+
+void quaternion_continue(const double *before, double *quaternion)
+{
+    double product = 0;
+    for (int i = 0; i < 4; i++)
+        product += before[i] * quaternion[i];
+    for (int i = 0; i < 4 && product < 0; i++)
+        quaternion[i] = 0 - quaternion[i]; // no negative zeros
+}

@@ -1,0 +1,348 @@
+#include "batten/mesh.h"
+#include "io/mesh/mesh_formats.h"
+#include "io/mesh/mesh_scan.h"
+#include "io/surface/cloud_formats.h"
+#include "mesh/point_table.h"
+
+#include <strings.h>
+
+bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *format, bat_error *error)
+{
+    static const char *const names[] = {
+        [BAT_CLOUD_XYZ] = "xyz", [BAT_CLOUD_CSV] = "csv", [BAT_CLOUD_PLY] = "ply", [BAT_CLOUD_OBJ] = "obj"};
+    for (size_t i = BAT_CLOUD_XYZ; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0)
+        {
+            *format = (bat_cloud_format)i;
+            return BAT_OK;
+        }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "there is no cloud format '%s'; the formats are xyz, csv, ply, obj", name);
+}
+
+bat_cloud_format cloud_format_of_path(const char *path)
+{
+    static const struct
+    {
+        const char *ending;
+        bat_cloud_format format;
+    } endings[] = {{".xyz", BAT_CLOUD_XYZ}, {".txt", BAT_CLOUD_XYZ}, {".asc", BAT_CLOUD_XYZ},
+                   {".csv", BAT_CLOUD_CSV}, {".ply", BAT_CLOUD_PLY}, {".obj", BAT_CLOUD_OBJ}};
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(dot, endings[i].ending) == 0)
+            return endings[i].format;
+    return BAT_CLOUD_FROM_NAME;
+}
+
+/// OBJ begins its lines with a word; CSV has names or something between its numbers.
+bat_cloud_format cloud_format_of_text(const file_text *text)
+{
+    static const char *const obj_words[] = {"v", "vn", "vt", "o", "g", "f", "s", "mtllib", "usemtl"};
+    if (mesh_ply_resembles(text))
+        return BAT_CLOUD_PLY;
+    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    if (!scan_next_content(&scan))
+        return BAT_CLOUD_XYZ;
+    for (size_t i = 0; i < sizeof obj_words / sizeof *obj_words; i++)
+    {
+        mesh_scan word = scan;
+        if (scan_word(&word, obj_words[i]))
+            return BAT_CLOUD_OBJ;
+    }
+    double number;
+    for (int k = 0; k < 3; k++)
+        if (!scan_number(&scan, &number))
+            return BAT_CLOUD_CSV;
+    return BAT_CLOUD_XYZ;
+}
+
+/// The line of the statement "v" with a number, counted from 0.
+static size_t obj_line_of_point(const file_text *text, size_t point)
+{
+    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    do
+    {
+        if (scan_word(&scan, "v") && point-- == 0)
+            break;
+    } while (scan_next_line(&scan));
+    return scan.line;
+}
+
+/// A file, and what it holds: points, or a mesh that has faces.
+typedef struct cloud_source
+{
+    const file_text *text;
+    bat_cloud_format format;
+    point_listing listing;
+    bat_mesh mesh;
+} cloud_source;
+
+static void source_free(cloud_source *source)
+{
+    free(source->listing.points);
+    bat_mesh_free(&source->mesh);
+}
+
+/// The line of a point; 0 where there are no lines.
+static size_t line_of_point(const cloud_source *source, size_t point)
+{
+    switch (source->format)
+    {
+    case BAT_CLOUD_XYZ:
+        return cloud_xyz_line_of_point(source->text, point);
+    case BAT_CLOUD_CSV:
+        return cloud_csv_line_of_point(source->text, point);
+    case BAT_CLOUD_OBJ:
+        return obj_line_of_point(source->text, point);
+    default:
+        return 0;
+    }
+}
+
+static bat_status source_read(cloud_source *source, bat_error *error)
+{
+    point_listing *listing = &source->listing;
+    bat_mesh *mesh = &source->mesh;
+    if (source->format == BAT_CLOUD_XYZ)
+        return cloud_xyz_read(source->text, listing, error);
+    if (source->format == BAT_CLOUD_CSV)
+        return cloud_csv_read(source->text, listing, error);
+    bat_mesh_read_options options = bat_mesh_read_defaults();
+    options.triangulate = true;
+    bat_status status = source->format == BAT_CLOUD_PLY ? mesh_ply_read_points(source->text, &options, mesh, error)
+                                                        : mesh_obj_read_points(source->text, &options, mesh, error);
+    if (status != BAT_OK || mesh->face_count > 0)
+        return status;
+    *listing = (point_listing){mesh->positions, mesh->vertex_count, 3 * mesh->vertex_count};
+    mesh->positions = NULL;
+    bat_mesh_free(mesh);
+    return BAT_OK;
+}
+
+/// Say that a failure is in the boundary's file: the line in the error is one of the other file.
+static bat_status blame_boundary(bat_status status, const bat_error *found, bat_error *error)
+{
+    if (found->line > 0)
+        return error_set(error, status, found->index, 0, "line %zu of the boundary's file: %s", found->line, found->text);
+    return error_set(error, status, found->index, 0, "the boundary's file: %s", found->text);
+}
+
+static bat_status repeats(const cloud_source *source, size_t first, size_t second, bat_error *error)
+{
+    size_t line = line_of_point(source, second);
+    if (line == 0)
+        return error_set(error, BAT_INVALID_POINT, second, 0, "point %zu repeats point %zu", second, first);
+    return error_set(error, BAT_INVALID_POINT, second, line, "the point repeats that of line %zu",
+                     line_of_point(source, first));
+}
+
+/// Append a file's points to a cloud with enough room, leaving out or refusing those that repeat another; points of an earlier file
+/// are always left out.
+static bat_status append_distinct(const cloud_source *source, size_t first_place, bool drop, point_table *table,
+                                  bat_cloud *cloud, bat_error *error)
+{
+    size_t before = cloud->count;
+    for (size_t i = 0; i < source->listing.count; i++)
+    {
+        double *place = cloud->points + 3 * cloud->count;
+        memcpy(place, source->listing.points + 3 * i, 3 * sizeof *place);
+        uint32_t other = point_table_find(table, place);
+        if (other != BAT_MESH_NONE && other >= before && !drop)
+            return repeats(source, cloud->order[other] - first_place, i, error);
+        if (other != BAT_MESH_NONE)
+            continue;
+        if (!point_table_add(table, (uint32_t)cloud->count))
+            return error_memory(error, table->slot_count * sizeof *table->slots);
+        cloud->order[cloud->count++] = first_place + i;
+    }
+    return BAT_OK;
+}
+
+/// Put the points of the boundary's file, if there is one, and of the main one in a cloud.
+static bat_status join(const cloud_source *boundary, const cloud_source *source, bool drop, bat_cloud *cloud,
+                       bat_error *error)
+{
+    size_t total = boundary->listing.count + source->listing.count;
+    if (total == 0)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no points");
+    if (total >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu points, more than %u", total,
+                         BAT_MESH_NONE - 1);
+    cloud->points = memory_array(total, 3 * sizeof *cloud->points);
+    cloud->order = memory_array(total, sizeof *cloud->order);
+    point_table table = {.points = cloud->points};
+    bat_status status = BAT_OK;
+    if (cloud->points == NULL || cloud->order == NULL || !point_table_reserve(&table, total))
+        status = error_memory(error, total * 3 * sizeof *cloud->points);
+    bat_error found;
+    if (status == BAT_OK && boundary->text != NULL)
+    {
+        status = append_distinct(boundary, 0, drop, &table, cloud, &found);
+        cloud->boundary_count = cloud->count;
+        if (status != BAT_OK)
+            status = blame_boundary(status, &found, error);
+    }
+    if (status == BAT_OK)
+        status = append_distinct(source, boundary->listing.count, drop, &table, cloud, error);
+    point_table_free(&table);
+    return status;
+}
+
+/// How many of the first `count` points of the input are in the cloud.
+static size_t count_kept(const bat_cloud *cloud, size_t count)
+{
+    size_t kept = 0;
+    while (kept < cloud->count && cloud->order[kept] < count)
+        kept++;
+    return kept;
+}
+
+static bat_status check_said(size_t said, size_t count, bat_status status, size_t line, bat_error *error)
+{
+    enum
+    {
+        LEAST_BOUNDARY = 4
+    };
+    if (said > count)
+        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points, but there are only %zu", said, count);
+    if (said > 0 && said < LEAST_BOUNDARY)
+        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points has no four corners", said);
+    return BAT_OK;
+}
+
+/// Take the boundary and corners that the options or the file's remarks tell.
+static bat_status apply_remarks(const cloud_source *source, const bat_cloud_read_options *options, bat_cloud *cloud,
+                                bat_error *error)
+{
+    cloud_remarks remarks = cloud_remarks_read(source->text);
+    bool by_option = options->boundary > 0;
+    size_t said = by_option ? options->boundary : remarks.boundary;
+    bat_status status = check_said(said, source->listing.count, by_option ? BAT_INVALID_ARGUMENT : BAT_BAD_FILE,
+                                   by_option ? 0 : remarks.boundary_line, error);
+    if (status != BAT_OK)
+        return status;
+    cloud->boundary_count = count_kept(cloud, said);
+    bool rising = remarks.has_corners && remarks.corners[3] < said;
+    for (int k = 1; k < 4; k++)
+        rising = rising && remarks.corners[k - 1] < remarks.corners[k];
+    cloud->has_corners = rising && cloud->boundary_count == remarks.boundary;
+    if (cloud->has_corners)
+        memcpy(cloud->corners, remarks.corners, sizeof cloud->corners);
+    return BAT_OK;
+}
+
+static bat_status cloud_of_points(const cloud_source *boundary, const cloud_source *source,
+                                  const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
+{
+    bat_cloud made = {0};
+    bat_status status = join(boundary, source, options->drop_duplicates, &made, error);
+    if (status == BAT_OK && boundary->text == NULL)
+        status = apply_remarks(source, options, &made, error);
+    if (status == BAT_OK)
+        status = bat_cloud_check(&made, error);
+    if (status != BAT_OK)
+    {
+        bat_cloud_free(&made);
+        return status;
+    }
+    if (made.count == boundary->listing.count + source->listing.count)
+    {
+        free(made.order);
+        made.order = NULL;
+    }
+    *cloud = made;
+    return BAT_OK;
+}
+
+/// Whether the cloud of a mesh begins with the loop as the file has it.
+static bool keeps_boundary(const bat_cloud *cloud)
+{
+    for (size_t i = 0; i < cloud->boundary_count; i++)
+        if (cloud->order[i] != i)
+            return false;
+    return true;
+}
+
+static bat_status cloud_of_mesh(const cloud_source *source, const bat_cloud_read_options *options, bat_cloud *cloud,
+                                bat_error *error)
+{
+    bat_mesh welded = {0};
+    cloud_remarks remarks = cloud_remarks_read(source->text);
+    if (options->boundary > 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the file is a mesh, which has its own boundary");
+    bat_status status = options->drop_duplicates ? bat_mesh_weld(&source->mesh, 0, NULL, &welded, error) : BAT_OK;
+    if (status == BAT_OK)
+        status = bat_cloud_from_mesh(options->drop_duplicates ? &welded : &source->mesh, cloud, error);
+    bat_mesh_free(&welded);
+    if (status != BAT_OK || !remarks.has_corners || remarks.boundary != cloud->boundary_count || !keeps_boundary(cloud))
+        return status;
+    bat_cloud marked = *cloud;
+    marked.has_corners = true;
+    memcpy(marked.corners, remarks.corners, sizeof marked.corners);
+    if (bat_cloud_check(&marked, NULL) == BAT_OK)
+        *cloud = marked;
+    return BAT_OK;
+}
+
+bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const file_text *boundary_text,
+                           bat_cloud_format boundary_format, const bat_cloud_read_options *options, bat_cloud *cloud,
+                           bat_error *error)
+{
+    cloud_source source = {.text = text, .format = format}, boundary = {.text = boundary_text, .format = boundary_format};
+    bat_error found = {.index = BAT_NO_INDEX};
+    bat_status status = source_read(&source, error);
+    if (status == BAT_OK && boundary_text != NULL)
+    {
+        status = source_read(&boundary, &found);
+        if (status == BAT_OK && boundary.mesh.face_count + source.mesh.face_count > 0)
+            status = error_set(&found, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a mesh has its own boundary");
+        if (status == BAT_OK && boundary.listing.count < 4)
+            status = error_set(&found, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu points are no boundary", boundary.listing.count);
+        if (status != BAT_OK)
+            status = blame_boundary(status, &found, error);
+    }
+    if (status == BAT_OK)
+        status = source.mesh.face_count > 0 ? cloud_of_mesh(&source, options, cloud, error)
+                                            : cloud_of_points(&boundary, &source, options, cloud, error);
+    source_free(&source);
+    source_free(&boundary);
+    return status;
+}
+
+static bat_status read_file(const char *path, bat_cloud_format *format, file_text *text, bat_error *error)
+{
+    bat_status status = file_text_read(path, text, error);
+    if (status == BAT_OK && *format == BAT_CLOUD_FROM_NAME)
+        *format = cloud_format_of_path(path);
+    if (status == BAT_OK && *format == BAT_CLOUD_FROM_NAME)
+        *format = cloud_format_of_text(text);
+    return status;
+}
+
+bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
+{
+    static const bat_cloud_read_options defaults = {0};
+    options = options != NULL ? options : &defaults;
+    if ((unsigned)options->format > BAT_CLOUD_OBJ)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no cloud format %d", (int)options->format);
+    if (options->boundary > 0 && options->boundary_path != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the boundary is either the first points or in a file of its own");
+    file_text text = {0}, boundary_text = {0};
+    bat_cloud_format format = options->format, boundary_format = BAT_CLOUD_FROM_NAME;
+    bat_error found = {.index = BAT_NO_INDEX};
+    bat_status status = read_file(path, &format, &text, error);
+    if (status == BAT_OK && options->boundary_path != NULL)
+    {
+        status = read_file(options->boundary_path, &boundary_format, &boundary_text, &found);
+        if (status != BAT_OK)
+            status = blame_boundary(status, &found, error);
+    }
+    if (status == BAT_OK)
+        status = cloud_text_read(&text, format, options->boundary_path != NULL ? &boundary_text : NULL, boundary_format,
+                                 options, cloud, error);
+    file_text_free(&text);
+    file_text_free(&boundary_text);
+    return status;
+}

@@ -1,0 +1,165 @@
+#include "base/atomic_file.h"
+#include "io/common/block_writer.h"
+#include "io/common/number_text.h"
+#include "io/surface/cloud_formats.h"
+
+#include "base/error.h"
+
+// All four formats are written as lines of text: remarks or a header, a line for each point, and a line for each triangle where the
+// format has them.
+
+enum
+{
+    ROWS_PER_BLOCK = 1 << 14,
+    /// "3 " and three indices, or "f " and the same.
+    ROW_SIZE = 4 * (NUMBER_TEXT_SIZE + 1)
+};
+
+/// How a format writes its rows.
+typedef struct row_style
+{
+    const char *remark;   ///< what begins a remark
+    const char *point;    ///< what begins a point
+    char separator;       ///< of numbers
+    const char *triangle; ///< what begins a triangle; null where the format has none
+    uint32_t first_index; ///< of points, in triangles
+} row_style;
+
+static const row_style STYLES[] = {[BAT_CLOUD_XYZ] = {"# ", "", ' ', NULL, 0},
+                                   [BAT_CLOUD_CSV] = {"# ", "", ',', NULL, 0},
+                                   [BAT_CLOUD_PLY] = {"comment ", "", ' ', "3 ", 0},
+                                   [BAT_CLOUD_OBJ] = {"# ", "v ", ' ', "f ", 1}};
+
+typedef struct cloud_writer
+{
+    const bat_cloud *cloud;
+    const row_style *style;
+    bool triangles; ///< that these are written now, not points
+} cloud_writer;
+
+static char *put_text(char *out, const char *text)
+{
+    size_t size = strlen(text);
+    memcpy(out, text, size);
+    return out + size;
+}
+
+static char *put_row(const cloud_writer *writer, size_t row, char *out)
+{
+    const row_style *style = writer->style;
+    out = put_text(out, writer->triangles ? style->triangle : style->point);
+    for (size_t k = 0; k < 3; k++)
+    {
+        if (writer->triangles)
+            out = number_write_fixed(out, (int64_t)writer->cloud->triangles[3 * row + k] + style->first_index, 0);
+        else
+            out = number_write(out, writer->cloud->points[3 * row + k]);
+        *out++ = k < 2 ? style->separator : '\n';
+    }
+    return out;
+}
+
+static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
+{
+    (void)error; // the sink reports a lack of memory
+    const cloud_writer *writer = context;
+    size_t count = writer->triangles ? writer->cloud->triangle_count : writer->cloud->count;
+    size_t begin = block * ROWS_PER_BLOCK, end = count - begin < ROWS_PER_BLOCK ? count : begin + ROWS_PER_BLOCK;
+    for (size_t row = begin; row < end; row++)
+    {
+        char *out = text_reserve(text, ROW_SIZE);
+        if (out == NULL)
+            return BAT_OK;
+        text_advance(text, put_row(writer, row, out));
+    }
+    return BAT_OK;
+}
+
+static bat_status write_rows(cloud_writer writer, text_sink *sink, bat_error *error)
+{
+    size_t count = writer.triangles ? writer.cloud->triangle_count : writer.cloud->count;
+    size_t blocks = count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0);
+    return blocks_write(sink, blocks, thread_count(0), format_block, &writer, error);
+}
+
+static void append_count(text_buffer *text, size_t count, const char *after)
+{
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+    if (out != NULL)
+        text_advance(text, number_write_fixed(out, (int64_t)count, 0));
+    text_append_string(text, after);
+}
+
+/// The remarks that cloud_remarks_read() understands.
+static void append_remarks(const bat_cloud *cloud, const row_style *style, text_buffer *text)
+{
+    if (cloud->boundary_count == 0)
+        return;
+    text_append_string(text, style->remark);
+    append_count(text, cloud->boundary_count, " boundary points first, in order around the loop, then ");
+    append_count(text, cloud->count - cloud->boundary_count, " interior points\n");
+    if (!cloud->has_corners)
+        return;
+    text_append_string(text, style->remark);
+    text_append_string(text, "corners");
+    for (int k = 0; k < 4; k++)
+    {
+        text_append_string(text, " ");
+        append_count(text, cloud->corners[k], "");
+    }
+    text_append_string(text, "\n");
+}
+
+static bat_status write_head(const bat_cloud *cloud, bat_cloud_format format, text_sink *sink, bat_error *error)
+{
+    text_buffer text = {0};
+    if (format == BAT_CLOUD_PLY)
+        text_append_string(&text, "ply\nformat ascii 1.0\n");
+    append_remarks(cloud, &STYLES[format], &text);
+    if (format == BAT_CLOUD_CSV)
+        text_append_string(&text, "x,y,z\n");
+    if (format == BAT_CLOUD_PLY)
+    {
+        text_append_string(&text, "element vertex ");
+        append_count(&text, cloud->count, "\nproperty double x\nproperty double y\nproperty double z\n");
+        if (cloud->triangle_count > 0)
+        {
+            text_append_string(&text, "element face ");
+            append_count(&text, cloud->triangle_count, "\nproperty list uchar uint vertex_indices\n");
+        }
+        text_append_string(&text, "end_header\n");
+    }
+    bat_status status = sink_write(sink, &text, error);
+    text_free(&text);
+    return status;
+}
+
+bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sink *sink, bat_error *error)
+{
+    const row_style *style = &STYLES[format];
+    bat_status status = write_head(cloud, format, sink, error);
+    if (status == BAT_OK)
+        status = write_rows((cloud_writer){cloud, style, false}, sink, error);
+    if (status == BAT_OK && style->triangle != NULL)
+        status = write_rows((cloud_writer){cloud, style, true}, sink, error);
+    return status;
+}
+
+bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error)
+{
+    bat_cloud_format format = cloud_format_of_path(path);
+    if (format == BAT_CLOUD_FROM_NAME && strcmp(path, "-") == 0)
+        format = BAT_CLOUD_XYZ;
+    if (format == BAT_CLOUD_FROM_NAME)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "cannot tell what format to write; the endings are .xyz, .csv, .ply, .obj");
+    atomic_file file;
+    bat_status status = bat_cloud_check(cloud, error);
+    if (status == BAT_OK)
+        status = atomic_file_begin(path, &file, error);
+    if (status != BAT_OK)
+        return status;
+    text_sink sink = {.stream = file.stream};
+    status = cloud_write(cloud, format, &sink, error);
+    return atomic_file_end(&file, status, error);
+}

@@ -1,0 +1,279 @@
+#include "mesh/decimate/collapse.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void collapse_mesh_free(collapse_mesh *mesh)
+{
+    free(mesh->corner);
+    free(mesh->twin);
+    free(mesh->edge);
+    free(mesh->first);
+    free(mesh->half_edge);
+    free(mesh->freedom);
+    free(mesh->sharpness);
+    free(mesh->stamp);
+    *mesh = (collapse_mesh){0};
+}
+
+static uint32_t next_around(const collapse_mesh *mesh, uint32_t half_edge)
+{
+    return mesh->twin[bat_mesh_previous(half_edge)];
+}
+
+static bool is_boundary(const collapse_mesh *mesh, uint32_t vertex)
+{
+    return mesh->twin[mesh->first[vertex]] == BAT_MESH_NONE;
+}
+
+/// The edge between two vertices, BAT_MESH_NONE where there is none.
+static uint32_t find_edge(const collapse_mesh *mesh, uint32_t a, uint32_t b)
+{
+    uint32_t first = mesh->first[a], h = first;
+    while (h != BAT_MESH_NONE)
+    {
+        if (mesh->corner[bat_mesh_next(h)] == b)
+            return mesh->edge[h];
+        uint32_t previous = bat_mesh_previous(h);
+        if (mesh->corner[previous] == b)
+            return mesh->edge[previous];
+        h = mesh->twin[previous];
+        if (h == first)
+            break;
+    }
+    return BAT_MESH_NONE;
+}
+
+static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, bat_error *error)
+{
+    if (mesh->crease_count == 0)
+        return BAT_OK;
+    made->sharpness = calloc(made->edge_count + 1, sizeof *made->sharpness);
+    uint8_t *meeting = calloc(made->vertex_count + 1, sizeof *meeting);
+    bat_status status = made->sharpness != NULL && meeting != NULL
+                            ? BAT_OK
+                            : error_memory(error, made->edge_count * sizeof *made->sharpness);
+    for (size_t i = 0; i < mesh->crease_count && status == BAT_OK; i++)
+    {
+        const bat_mesh_crease *crease = &mesh->creases[i];
+        uint32_t edge = find_edge(made, crease->a, crease->b);
+        if (edge == BAT_MESH_NONE)
+            status = error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are no edge",
+                               i, crease->a, crease->b);
+        else if (crease->sharpness > 0 && made->sharpness[edge] == 0 && made->twin[made->half_edge[edge]] != BAT_MESH_NONE)
+        {
+            meeting[crease->a] = meeting[crease->a] < 3 ? meeting[crease->a] + 1 : 3;
+            meeting[crease->b] = meeting[crease->b] < 3 ? meeting[crease->b] + 1 : 3;
+            made->sharpness[edge] = crease->sharpness;
+        }
+    }
+    for (size_t v = 0; v < made->vertex_count && status == BAT_OK; v++)
+        if (meeting[v] > 0)
+            made->freedom[v] = meeting[v] == 2 && made->freedom[v] == COLLAPSE_FREE ? COLLAPSE_ON_CURVE : COLLAPSE_FIXED;
+    free(meeting);
+    return status;
+}
+
+static void set_freedom(const bat_mesh *mesh, collapse_mesh *made)
+{
+    for (size_t v = 0; v < made->vertex_count; v++)
+    {
+        bool used = made->first[v] != BAT_MESH_NONE;
+        made->vertices_left += used;
+        made->freedom[v] = used && is_boundary(made, (uint32_t)v) ? COLLAPSE_ON_CURVE : COLLAPSE_FREE;
+        made->stamp[v] = 0;
+    }
+    for (size_t i = 0; i < mesh->corner_count; i++)
+        if (mesh->corners[i].sharpness > 0)
+            made->freedom[mesh->corners[i].vertex] = COLLAPSE_FIXED;
+    for (size_t h = 3 * made->face_count; h-- > 0;)
+        made->half_edge[made->edge[h]] = (uint32_t)h;
+}
+
+bat_status collapse_mesh_make(const bat_mesh *mesh, collapse_mesh *made, bat_error *error)
+{
+    bat_mesh_connectivity connectivity;
+    bat_status status = bat_mesh_connect(mesh, &connectivity, error);
+    if (status != BAT_OK)
+        return status;
+    collapse_mesh new = {.corner = memory_array(3 * mesh->face_count, sizeof *new.corner),
+                         .twin = connectivity.twin,
+                         .edge = connectivity.edge,
+                         .first = connectivity.first,
+                         .half_edge = memory_array(connectivity.edge_count, sizeof *new.half_edge),
+                         .freedom = memory_array(mesh->vertex_count, sizeof *new.freedom),
+                         .stamp = memory_array(mesh->vertex_count, sizeof *new.stamp),
+                         .vertex_count = mesh->vertex_count,
+                         .face_count = mesh->face_count,
+                         .edge_count = connectivity.edge_count,
+                         .faces_left = mesh->face_count};
+    if (new.corner == NULL || new.half_edge == NULL || new.freedom == NULL || new.stamp == NULL)
+        status = error_memory(error, 3 * mesh->face_count * sizeof *new.corner);
+    if (status == BAT_OK)
+    {
+        memcpy(new.corner, mesh->faces, 3 * mesh->face_count * sizeof *new.corner);
+        set_freedom(mesh, &new);
+        status = set_creases(mesh, &new, error);
+    }
+    if (status != BAT_OK)
+    {
+        collapse_mesh_free(&new);
+        return status;
+    }
+    *made = new;
+    return BAT_OK;
+}
+
+bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge)
+{
+    return mesh->twin[mesh->half_edge[edge]] == BAT_MESH_NONE || (mesh->sharpness != NULL && mesh->sharpness[edge] > 0);
+}
+
+bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept)
+{
+    uint32_t h = mesh->half_edge[edge], a = mesh->corner[h], b = mesh->corner[bat_mesh_next(h)];
+    uint8_t of_a = mesh->freedom[a], of_b = mesh->freedom[b];
+    *kept = BAT_MESH_NONE;
+    if (of_a == COLLAPSE_FREE && of_b == COLLAPSE_FREE)
+        return true;
+    if (of_a != of_b)
+        *kept = of_a > of_b ? a : b;
+    if (collapse_edge_is_curve(mesh, edge))
+        return of_a != COLLAPSE_FIXED || of_b != COLLAPSE_FIXED;
+    return of_a == COLLAPSE_FREE || of_b == COLLAPSE_FREE;
+}
+
+/// Append the faces from that of `from` on, counter-clockwise around the vertex where it begins, up to that of `until` (not
+/// included) or the boundary. False when there are too many.
+static bool append_fan(const collapse_mesh *mesh, collapse_ring *ring, uint32_t from, uint32_t until)
+{
+    for (uint32_t h = from; h != until && h != BAT_MESH_NONE; h = next_around(mesh, h))
+    {
+        if (ring->count == COLLAPSE_MOST_FACES)
+            return false;
+        ring->half_edge[ring->count] = h;
+        ring->vertex[ring->count++] = mesh->corner[bat_mesh_next(h)];
+    }
+    return true;
+}
+
+/// The fan of an edge on the boundary: j's faces, then i's.
+static bool find_boundary_ring(const collapse_mesh *mesh, uint32_t h, collapse_ring *ring)
+{
+    if (!append_fan(mesh, ring, mesh->first[ring->j], bat_mesh_next(h)))
+        return false;
+    ring->j_end = ring->count;
+    return append_fan(mesh, ring, next_around(mesh, h), BAT_MESH_NONE);
+}
+
+/// The fan of an edge between two faces: i's faces (from the boundary, if i is there, else from after the left face) up to
+/// the right face, j's faces, and if i is on the boundary, i's remaining ones.
+static bool find_inner_ring(const collapse_mesh *mesh, uint32_t h, collapse_ring *ring)
+{
+    uint32_t back = mesh->twin[h];
+    uint32_t after_left = next_around(mesh, h);
+    uint32_t from = ring->closed ? after_left : mesh->first[ring->i];
+    if (!append_fan(mesh, ring, from, bat_mesh_next(back)))
+        return false;
+    ring->j_begin = ring->count;
+    if (!append_fan(mesh, ring, next_around(mesh, back), bat_mesh_next(h)))
+        return false;
+    ring->j_end = ring->count;
+    return ring->closed || append_fan(mesh, ring, after_left, BAT_MESH_NONE);
+}
+
+/// Whether the vertices of a ring are all different. Those of a fan are; the neighbours that i and j have in common stand in
+/// it once. So this says that i and j have no other neighbours in common, the boundary's virtual vertex included.
+static bool vertices_differ(collapse_mesh *mesh, const collapse_ring *ring)
+{
+    uint32_t stamp = ++mesh->last_stamp;
+    if (stamp == 0)
+    {
+        memset(mesh->stamp, 0, mesh->vertex_count * sizeof *mesh->stamp);
+        stamp = mesh->last_stamp = 1;
+    }
+    for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
+    {
+        if (mesh->stamp[ring->vertex[k]] == stamp)
+            return false;
+        mesh->stamp[ring->vertex[k]] = stamp;
+    }
+    return true;
+}
+
+/// Whether two edges of a vanishing face would become one and both be curves.
+static bool pinches_curves(const collapse_mesh *mesh, uint32_t half_edge)
+{
+    return collapse_edge_is_curve(mesh, mesh->edge[bat_mesh_next(half_edge)]) &&
+           collapse_edge_is_curve(mesh, mesh->edge[bat_mesh_previous(half_edge)]);
+}
+
+bool collapse_ring_find(collapse_mesh *mesh, uint32_t edge, collapse_ring *ring)
+{
+    uint32_t h = mesh->half_edge[edge], back = mesh->twin[h];
+    bool i_open = is_boundary(mesh, mesh->corner[h]), j_open = is_boundary(mesh, mesh->corner[bat_mesh_next(h)]);
+    if (back != BAT_MESH_NONE && i_open && j_open)
+        return false;
+    if (back != BAT_MESH_NONE && j_open)
+    {
+        h = back;
+        back = mesh->twin[h];
+    }
+    ring->i = mesh->corner[h];
+    ring->j = mesh->corner[bat_mesh_next(h)];
+    ring->closed = !i_open && !j_open;
+    ring->count = ring->j_begin = 0;
+    bool fits = back == BAT_MESH_NONE ? find_boundary_ring(mesh, h, ring) : find_inner_ring(mesh, h, ring);
+    if (!fits || ring->count < (ring->closed ? 3U : 1U))
+        return false;
+    ring->vertex[ring->count] = mesh->corner[bat_mesh_previous(ring->half_edge[ring->count - 1])];
+    ring->vanishing = back == BAT_MESH_NONE ? 1 : 2;
+    ring->half_edge[ring->count] = h;
+    ring->half_edge[ring->count + 1] = back;
+    return vertices_differ(mesh, ring) && !pinches_curves(mesh, h) && (back == BAT_MESH_NONE || !pinches_curves(mesh, back));
+}
+
+/// Take away the face of a half-edge and join the faces at its other two edges. Returns the edge that vanishes.
+static uint32_t close_face(collapse_mesh *mesh, uint32_t half_edge)
+{
+    uint32_t next = bat_mesh_next(half_edge), previous = bat_mesh_previous(half_edge);
+    uint32_t a = mesh->twin[next], b = mesh->twin[previous], opposite = mesh->corner[previous];
+    uint32_t stays = mesh->edge[previous], goes = mesh->edge[next];
+    if (a != BAT_MESH_NONE)
+    {
+        mesh->twin[a] = b;
+        mesh->edge[a] = stays;
+    }
+    if (b != BAT_MESH_NONE)
+        mesh->twin[b] = a;
+    mesh->half_edge[stays] = a != BAT_MESH_NONE ? a : b;
+    mesh->half_edge[goes] = BAT_MESH_NONE;
+    if (mesh->sharpness != NULL && mesh->sharpness[goes] > 0)
+        mesh->sharpness[stays] = mesh->sharpness[goes];
+    if (mesh->first[opposite] == previous)
+        mesh->first[opposite] = a;
+    uint32_t *corner = mesh->corner + half_edge / 3 * 3;
+    corner[0] = corner[1] = corner[2] = BAT_MESH_NONE;
+    mesh->faces_left--;
+    return goes;
+}
+
+void collapse_apply(collapse_mesh *mesh, const collapse_ring *ring, uint32_t *gone, uint32_t *gone_count)
+{
+    uint32_t h = ring->half_edge[ring->count], count = 0;
+    gone[count++] = mesh->edge[h];
+    mesh->half_edge[mesh->edge[h]] = BAT_MESH_NONE;
+    for (uint32_t k = ring->j_begin; k < ring->j_end; k++)
+        mesh->corner[ring->half_edge[k]] = ring->i;
+    for (uint32_t k = 0; k < ring->vanishing; k++)
+        gone[count++] = close_face(mesh, ring->half_edge[ring->count + k]);
+    mesh->first[ring->i] = ring->half_edge[0];
+    mesh->first[ring->j] = BAT_MESH_NONE;
+    if (mesh->freedom[ring->j] > mesh->freedom[ring->i])
+        mesh->freedom[ring->i] = mesh->freedom[ring->j];
+    mesh->vertices_left--;
+    *gone_count = count;
+}

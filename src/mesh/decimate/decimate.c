@@ -1,0 +1,324 @@
+#include "batten/mesh_decimate.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "mesh/decimate/collapse.h"
+#include "mesh/decimate/collapse_error.h"
+#include "mesh/decimate/edge_queue.h"
+#include "mesh/decimate/flatten.h"
+#include "mesh/decimate/map.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    /// Attempts between two reports of progress.
+    REPORT_INTERVAL = 1024
+};
+
+bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
+{
+    return (bat_mesh_decimate_options){.seed = 1, .least_normal = 0.2, .least_quality = 0.2, .boundary_weight = 1000};
+}
+
+/// All that a decimation works with.
+typedef struct decimation
+{
+    const bat_mesh_decimate_options *options;
+    collapse_mesh mesh;
+    error_vertex *vertices;
+    edge_queue queue;
+    double *errors;     ///< of an edge; infinite where it must not collapse
+    uint8_t *waiting;   ///< of a vertex: whether one of its edges was refused and waits for changes nearby
+    double *corners;    ///< of a vertex: its sharpness as a corner; null for a mesh without corners
+    bat_mesh_map *map;  ///< null when none is wanted
+    flat_room *room;    ///< null when no map is wanted
+    collapse_ring ring; ///< of the edge at hand
+    double points[FLAT_MOST][3], flat[FLAT_MOST][2];
+} decimation;
+
+static bat_status check_options(const bat_mesh_decimate_options *options, bat_error *error)
+{
+    const char *wrong = NULL;
+    if (!(options->least_normal >= -1 && options->least_normal <= 1))
+        wrong = "the least scalar product of normals must be from -1 to 1";
+    else if (!(options->least_quality >= 0 && options->least_quality <= 1))
+        wrong = "the least triangle quality must be from 0 to 1";
+    else if (!(options->boundary_weight >= 0 && isfinite(options->boundary_weight)))
+        wrong = "the boundary's weight must be finite and not negative";
+    return wrong == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+}
+
+static void free_all(decimation *all)
+{
+    collapse_mesh_free(&all->mesh);
+    edge_queue_free(&all->queue);
+    free(all->vertices);
+    free(all->errors);
+    free(all->waiting);
+    free(all->corners);
+    free(all->room);
+    bat_mesh_map_free(all->map);
+    free(all);
+}
+
+static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, bat_error *error)
+{
+    all->vertices = memory_array(fine->vertex_count, sizeof *all->vertices);
+    all->errors = memory_array(all->mesh.edge_count, sizeof *all->errors);
+    all->waiting = calloc(fine->vertex_count + 1, sizeof *all->waiting);
+    all->corners = fine->corner_count > 0 ? calloc(fine->vertex_count, sizeof *all->corners) : NULL;
+    all->room = mapped ? malloc(sizeof *all->room) : NULL;
+    if (all->vertices == NULL || all->errors == NULL || all->waiting == NULL || (mapped && all->room == NULL) ||
+        (fine->corner_count > 0 && all->corners == NULL))
+        return error_memory(error, fine->vertex_count * sizeof *all->vertices);
+    bat_status status =
+        edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->queue, error);
+    return status == BAT_OK && mapped ? map_make(fine->face_count, &all->map, error) : status;
+}
+
+/// The new vertex of an edge; false where it must not collapse.
+static bool place(const decimation *all, uint32_t edge, error_placement *placed)
+{
+    uint32_t kept, h = all->mesh.half_edge[edge];
+    if (!collapse_edge_is_allowed(&all->mesh, edge, &kept))
+        return false;
+    *placed = error_place(all->vertices, all->mesh.corner[h], all->mesh.corner[bat_mesh_next(h)], kept);
+    return isfinite(placed->error);
+}
+
+/// Compute an edge's error anew and let it wait for its turn.
+static void renew(decimation *all, uint32_t edge)
+{
+    error_placement placed;
+    bool allowed = place(all, edge, &placed);
+    all->errors[edge] = allowed ? placed.error : INFINITY;
+    if (allowed)
+        edge_queue_put(&all->queue, edge, placed.error);
+    else
+        edge_queue_remove(&all->queue, edge);
+}
+
+static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_error *error)
+{
+    bat_status status = collapse_mesh_make(fine, &all->mesh, error);
+    if (status == BAT_OK)
+        status = allocate(fine, mapped, all, error);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < fine->corner_count; i++)
+        all->corners[fine->corners[i].vertex] = fine->corners[i].sharpness;
+    error_vertices_set(fine, &all->mesh, all->options->boundary_weight, all->vertices);
+    for (size_t e = 0; e < all->mesh.edge_count; e++)
+        renew(all, (uint32_t)e);
+    return BAT_OK;
+}
+
+/// Flatten the ring before and after; false where that gives no valid map.
+static bool flatten(decimation *all, const double *position)
+{
+    const collapse_ring *ring = &all->ring;
+    memcpy(all->points[FLAT_I], all->vertices[ring->i].position, sizeof all->points[0]);
+    memcpy(all->points[FLAT_J], all->vertices[ring->j].position, sizeof all->points[0]);
+    memcpy(all->points[FLAT_NEW], position, sizeof all->points[0]);
+    for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
+        memcpy(all->points[FLAT_RING + k], all->vertices[ring->vertex[k]].position, sizeof all->points[0]);
+    return flatten_ring(ring, (const double(*)[3])all->points, all->room, all->flat) &&
+           flat_is_valid(ring, (const double(*)[2])all->flat, all->options->least_quality);
+}
+
+/// Let the refused edges around a vertex have another turn.
+static void retry_around(decimation *all, uint32_t vertex)
+{
+    const collapse_mesh *mesh = &all->mesh;
+    uint32_t first = mesh->first[vertex], h = first;
+    all->waiting[vertex] = 0;
+    do
+    {
+        const uint32_t edges[2] = {mesh->edge[h], mesh->edge[bat_mesh_previous(h)]};
+        for (int k = 0; k < 2; k++)
+            if (isfinite(all->errors[edges[k]]) && !edge_queue_has(&all->queue, edges[k]))
+                edge_queue_put(&all->queue, edges[k], all->errors[edges[k]]);
+        h = mesh->twin[bat_mesh_previous(h)];
+    } while (h != BAT_MESH_NONE && h != first);
+}
+
+static void collapse(decimation *all, const error_placement *placed)
+{
+    const collapse_ring *ring = &all->ring;
+    uint32_t gone[3], gone_count;
+    error_merge(all->vertices, ring->i, ring->j, placed->position);
+    collapse_apply(&all->mesh, ring, gone, &gone_count);
+    if (all->corners != NULL)
+        all->corners[ring->i] = fmax(all->corners[ring->i], all->corners[ring->j]);
+    for (uint32_t k = 0; k < gone_count; k++)
+        edge_queue_remove(&all->queue, gone[k]);
+    all->waiting[ring->i] = 0;
+    for (uint32_t k = 0; k < ring->count; k++)
+        renew(all, all->mesh.edge[ring->half_edge[k]]);
+    if (!ring->closed)
+        renew(all, all->mesh.edge[bat_mesh_previous(ring->half_edge[ring->count - 1])]);
+    for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
+        if (all->waiting[ring->vertex[k]])
+            retry_around(all, ring->vertex[k]);
+}
+
+/// Collapse an edge if every check allows it; else it waits until something nearby changes.
+static bat_status attempt(decimation *all, uint32_t edge, bat_error *error)
+{
+    error_placement placed;
+    uint32_t h = all->mesh.half_edge[edge];
+    bool sound = collapse_ring_find(&all->mesh, edge, &all->ring) && place(all, edge, &placed) &&
+                 error_faces_stay_sound(all->vertices, &all->ring, placed.position, all->options->least_normal,
+                                        all->options->least_quality) &&
+                 (all->map == NULL || flatten(all, placed.position));
+    if (!sound)
+    {
+        all->waiting[all->mesh.corner[h]] = all->waiting[all->mesh.corner[bat_mesh_next(h)]] = 1;
+        return BAT_OK;
+    }
+    bat_status status = all->map == NULL ? BAT_OK : map_append(all->map, &all->ring, (const double(*)[2])all->flat, error);
+    if (status == BAT_OK)
+        collapse(all, &placed);
+    return status;
+}
+
+static bat_status report(const decimation *all, size_t begun_with, bat_error *error)
+{
+    const bat_progress *progress = &all->options->progress;
+    size_t wanted = all->options->vertices;
+    if (progress->report == NULL)
+        return BAT_OK;
+    double done = (double)(begun_with - all->mesh.vertices_left) / (double)(begun_with - wanted);
+    return progress->report(progress->context, done)
+               ? BAT_OK
+               : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "decimation was stopped at %zu vertices",
+                           all->mesh.vertices_left);
+}
+
+static bat_status run(decimation *all, bat_error *error)
+{
+    size_t begun_with = all->mesh.vertices_left;
+    bat_status status = BAT_OK;
+    for (size_t i = 1; all->mesh.vertices_left > all->options->vertices && status == BAT_OK; i++)
+    {
+        uint32_t edge = edge_queue_take(&all->queue);
+        if (edge == EDGE_QUEUE_ABSENT)
+            break;
+        status = attempt(all, edge, error);
+        if (status == BAT_OK && i % REPORT_INTERVAL == 0)
+            status = report(all, begun_with, error);
+    }
+    return status;
+}
+
+// The result
+
+static bat_status allocate_coarse(const decimation *all, bat_mesh *coarse, bat_error *error)
+{
+    const collapse_mesh *mesh = &all->mesh;
+    size_t creases = 0, corners = 0;
+    for (size_t e = 0; e < mesh->edge_count && mesh->sharpness != NULL; e++)
+        creases += mesh->half_edge[e] != BAT_MESH_NONE && mesh->sharpness[e] > 0;
+    for (size_t v = 0; v < mesh->vertex_count && all->corners != NULL; v++)
+        corners += mesh->first[v] != BAT_MESH_NONE && all->corners[v] > 0;
+    *coarse = (bat_mesh){.vertex_count = mesh->vertices_left,
+                         .face_count = mesh->faces_left,
+                         .crease_count = creases,
+                         .corner_count = corners};
+    coarse->positions = memory_array(mesh->vertices_left, 3 * sizeof(double));
+    coarse->faces = memory_array(mesh->faces_left, 3 * sizeof(uint32_t));
+    coarse->creases = creases > 0 ? memory_array(creases, sizeof *coarse->creases) : NULL;
+    coarse->corners = corners > 0 ? memory_array(corners, sizeof *coarse->corners) : NULL;
+    if (all->map != NULL)
+        all->map->kept = memory_array(mesh->faces_left, sizeof *all->map->kept);
+    if (coarse->positions != NULL && coarse->faces != NULL && (creases == 0 || coarse->creases != NULL) &&
+        (corners == 0 || coarse->corners != NULL) && (all->map == NULL || all->map->kept != NULL))
+        return BAT_OK;
+    bat_mesh_free(coarse);
+    return error_memory(error, mesh->vertices_left * 3 * sizeof(double));
+}
+
+/// Copy what is left. A vertex's stamp becomes its new number.
+static void copy_vertices(decimation *all, bat_mesh *coarse)
+{
+    collapse_mesh *mesh = &all->mesh;
+    uint32_t count = 0, corner = 0;
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+    {
+        if (mesh->first[v] == BAT_MESH_NONE)
+            continue;
+        memcpy(coarse->positions + 3 * (size_t)count, all->vertices[v].position, 3 * sizeof(double));
+        if (coarse->corners != NULL && all->corners[v] > 0)
+            coarse->corners[corner++] = (bat_mesh_corner){count, all->corners[v]};
+        mesh->stamp[v] = count++;
+    }
+}
+
+static void copy_faces(const decimation *all, bat_mesh *coarse)
+{
+    const collapse_mesh *mesh = &all->mesh;
+    size_t count = 0, crease = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        if (mesh->corner[3 * f] == BAT_MESH_NONE)
+            continue;
+        for (size_t c = 0; c < 3; c++)
+            coarse->faces[3 * count + c] = mesh->stamp[mesh->corner[3 * f + c]];
+        if (all->map != NULL)
+            all->map->kept[count] = (uint32_t)f;
+        count++;
+    }
+    for (size_t e = 0; e < mesh->edge_count && coarse->creases != NULL; e++)
+    {
+        uint32_t h = mesh->half_edge[e];
+        if (h != BAT_MESH_NONE && mesh->sharpness[e] > 0)
+            coarse->creases[crease++] = (bat_mesh_crease){mesh->stamp[mesh->corner[h]],
+                                                          mesh->stamp[mesh->corner[bat_mesh_next(h)]], mesh->sharpness[e]};
+    }
+}
+
+static bat_status finish(const bat_mesh *fine, decimation *all, bat_mesh *coarse, bat_error *error)
+{
+    bat_status status = allocate_coarse(all, coarse, error);
+    if (status != BAT_OK)
+        return status;
+    copy_vertices(all, coarse);
+    copy_faces(all, coarse);
+    if (all->map != NULL)
+        status = map_finish(all->map, fine, coarse, error);
+    if (status != BAT_OK)
+        bat_mesh_free(coarse);
+    return status;
+}
+
+bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_options *options, bat_mesh *coarse,
+                             bat_mesh_map **map, bat_error *error)
+{
+    bat_status status = check_options(options, error);
+    if (status == BAT_OK)
+        status = bat_mesh_check(fine, error);
+    if (status != BAT_OK)
+        return status;
+    decimation *all = calloc(1, sizeof *all);
+    if (all == NULL)
+        return error_memory(error, sizeof *all);
+    all->options = options;
+    bat_mesh made = {0};
+    status = begin(fine, map != NULL, all, error);
+    if (status == BAT_OK)
+        status = run(all, error);
+    if (status == BAT_OK)
+        status = finish(fine, all, &made, error);
+    if (status == BAT_OK)
+    {
+        *coarse = made;
+        if (map != NULL)
+            *map = all->map;
+        all->map = NULL;
+    }
+    free_all(all);
+    return status;
+}

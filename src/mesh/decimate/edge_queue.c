@@ -1,0 +1,128 @@
+#include "mesh/decimate/edge_queue.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    CHILDREN = 4
+};
+
+bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, edge_queue *queue, bat_error *error)
+{
+    edge_queue made = {.items = memory_array(edges, sizeof *made.items),
+                       .place = memory_array(edges, sizeof *made.place),
+                       .candidates = candidates,
+                       .random = bat_random_seed(seed)};
+    if (made.items == NULL || made.place == NULL)
+    {
+        edge_queue_free(&made);
+        return error_memory(error, edges * sizeof *made.items);
+    }
+    memset(made.place, 0xff, edges * sizeof *made.place);
+    *queue = made;
+    return BAT_OK;
+}
+
+void edge_queue_free(edge_queue *queue)
+{
+    free(queue->items);
+    free(queue->place);
+    *queue = (edge_queue){0};
+}
+
+static bool comes_before(const edge_queue_item *a, const edge_queue_item *b)
+{
+    return a->error < b->error || (a->error == b->error && a->edge < b->edge);
+}
+
+static void set_item(edge_queue *queue, size_t place, edge_queue_item item)
+{
+    queue->items[place] = item;
+    queue->place[item.edge] = (uint32_t)place;
+}
+
+static void move_up(edge_queue *queue, size_t place, edge_queue_item item)
+{
+    while (place > 0)
+    {
+        size_t parent = (place - 1) / CHILDREN;
+        if (!comes_before(&item, &queue->items[parent]))
+            break;
+        set_item(queue, place, queue->items[parent]);
+        place = parent;
+    }
+    set_item(queue, place, item);
+}
+
+static void move_down(edge_queue *queue, size_t place, edge_queue_item item)
+{
+    for (size_t child = CHILDREN * place + 1; child < queue->count; child = CHILDREN * place + 1)
+    {
+        size_t end = child + CHILDREN < queue->count ? child + CHILDREN : queue->count;
+        size_t least = child;
+        for (size_t other = child + 1; other < end; other++)
+            if (comes_before(&queue->items[other], &queue->items[least]))
+                least = other;
+        if (!comes_before(&queue->items[least], &item))
+            break;
+        set_item(queue, place, queue->items[least]);
+        place = least;
+    }
+    set_item(queue, place, item);
+}
+
+/// Put an item where another one was, and restore the heap.
+static void replace_item(edge_queue *queue, size_t place, edge_queue_item item)
+{
+    if (queue->candidates > 0)
+        set_item(queue, place, item);
+    else if (place > 0 && comes_before(&item, &queue->items[(place - 1) / CHILDREN]))
+        move_up(queue, place, item);
+    else
+        move_down(queue, place, item);
+}
+
+void edge_queue_put(edge_queue *queue, uint32_t edge, double error)
+{
+    size_t place = queue->place[edge];
+    if (place == EDGE_QUEUE_ABSENT)
+        place = queue->count++;
+    replace_item(queue, place, (edge_queue_item){error, edge});
+}
+
+void edge_queue_remove(edge_queue *queue, uint32_t edge)
+{
+    size_t place = queue->place[edge];
+    if (place == EDGE_QUEUE_ABSENT)
+        return;
+    queue->place[edge] = EDGE_QUEUE_ABSENT;
+    edge_queue_item last = queue->items[--queue->count];
+    if (place < queue->count)
+        replace_item(queue, place, last);
+}
+
+/// A whole number below `bound`, which is below 2^32 (the bias is below bound / 2^32).
+static size_t random_below(bat_random *random, size_t bound)
+{
+    return (size_t)(((bat_random_bits(random) >> 32) * bound) >> 32);
+}
+
+uint32_t edge_queue_take(edge_queue *queue)
+{
+    if (queue->count == 0)
+        return EDGE_QUEUE_ABSENT;
+    size_t least = queue->candidates > 0 ? random_below(&queue->random, queue->count) : 0;
+    for (size_t i = 1; i < queue->candidates; i++)
+    {
+        size_t other = random_below(&queue->random, queue->count);
+        if (comes_before(&queue->items[other], &queue->items[least]))
+            least = other;
+    }
+    uint32_t edge = queue->items[least].edge;
+    edge_queue_remove(queue, edge);
+    return edge;
+}

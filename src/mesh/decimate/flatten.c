@@ -1,0 +1,405 @@
+#include "mesh/decimate/flatten.h"
+#include "linalg/vector3.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Twice the area of a triangle that has a conformal map to speak of is at least this, in parts of its longest edge squared.
+static const double LEAST_HEIGHT = 1e-3;
+/// Where a ring has a face flatter than that, its edges are made longer until in every face two edges together are longer
+/// than the third by so much, in parts of the longest. Where it has no extent at all, all are as long.
+static const double MOLLIFICATION = 1e-2;
+/// Twice the least area of a flat face, in parts of its longest edge squared.
+static const double LEAST_AREA = 1e-7;
+/// Added to the diagonal in parts of its mean: a ring that is flat already makes the matrix singular.
+static const double SHIFT = 1e-8;
+
+enum
+{
+    /// Of the inverse iteration. Eigenvalues of nearly developable rings lie far apart: two steps leave less than a percent.
+    ITERATIONS = 3
+};
+
+static const double TWO_PI = 6.283185307179586476925286766559;
+/// 4 sqrt(3): times the area, over the sum of squared edges, is the quality of a triangle.
+static const double QUALITY_FACTOR = 6.92820323027550917411;
+
+/// A triangle in its own plane: the edges opposite to its corners, as complex numbers, and twice its area.
+typedef struct flat_triangle
+{
+    double edge[3][2];
+    double area;
+} flat_triangle;
+
+/// Lay a triangle into the plane by the lengths of its edges, ab along the real axis; its area by Kahan's formula. False for
+/// one that is too flat.
+static bool unfold(double ab, double bc, double ca, flat_triangle *made)
+{
+    double longest = fmax(ab, fmax(bc, ca)), shortest = fmin(ab, fmin(bc, ca));
+    double middle = fmax(fmin(ab, bc), fmin(fmax(ab, bc), ca));
+    double product = (longest + (middle + shortest)) * (shortest - (longest - middle)) * (shortest + (longest - middle)) *
+                     (longest + (middle - shortest));
+    if (!(product > 0))
+        return false;
+    double area = 0.5 * sqrt(product), height = area / ab;
+    if (!(area > LEAST_HEIGHT * longest * longest))
+        return false;
+    double x = 0.5 * (ab + (ca - bc) * (ca + bc) / ab);
+    *made = (flat_triangle){{{x - ab, height}, {-x, -height}, {ab, 0}}, area};
+    return true;
+}
+
+/// Unfold face k of a ring, all lengths greater by `added`.
+static bool unfold_face(const collapse_ring *ring, const double (*points)[3], uint32_t k, bool after, double added,
+                        uint32_t *corners, flat_triangle *made)
+{
+    flat_corners(ring, k, after, corners);
+    const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
+    return unfold(vector3_distance(a, b) + added, vector3_distance(b, c) + added, vector3_distance(c, a) + added, made);
+}
+
+/// A length that, added to all edges of a ring, makes every face a triangle of some height (Sharp and Crane, "A Laplacian
+/// for Nonmanifold Triangle Meshes", 2020).
+static double mollifier(const collapse_ring *ring, const double (*points)[3], bool after)
+{
+    double longest = 0, least_gap = INFINITY;
+    for (uint32_t k = 0; k < ring->count + (after ? 0 : ring->vanishing); k++)
+    {
+        uint32_t corners[3];
+        flat_corners(ring, k, after, corners);
+        const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
+        double ab = vector3_distance(a, b), bc = vector3_distance(b, c), ca = vector3_distance(c, a),
+               most = fmax(ab, fmax(bc, ca));
+        longest = fmax(longest, most);
+        least_gap = fmin(least_gap, ab + bc + ca - 2 * most);
+    }
+    return longest > 0 ? fmax(MOLLIFICATION * longest - least_gap, 0) : 1;
+}
+
+/// The rows of the matrix: a point's row, or FLAT_UNKNOWNS for one that is held.
+typedef struct flat_rows
+{
+    uint32_t row[FLAT_MOST];
+    uint32_t count;
+} flat_rows;
+
+static void choose_rows(const collapse_ring *ring, bool on_line, flat_room *room, flat_rows *rows)
+{
+    uint32_t last = FLAT_RING + collapse_ring_vertices(ring) - 1;
+    rows->count = 0;
+    rows->row[FLAT_NEW] = FLAT_UNKNOWNS;
+    for (uint32_t p = 0; p <= last; p++)
+    {
+        bool held = p == FLAT_NEW || (on_line && (p <= FLAT_RING || p == last));
+        rows->row[p] = held ? FLAT_UNKNOWNS : rows->count;
+        if (!held)
+            room->unknown[rows->count++] = p;
+    }
+}
+
+/// Add |sum_k W_k z_k|^2 / (2 area), twice the part of the energy that a face contributes: to the matrix for its unknown
+/// points, to the right side for its held ones.
+static void add_face(const flat_triangle *face, const uint32_t *corners, const flat_rows *rows, const double (*flat)[2],
+                     flat_room *room)
+{
+    double scale = 1 / face->area;
+    for (int p = 0; p < 3; p++)
+    {
+        uint32_t row = rows->row[corners[p]];
+        if (row == FLAT_UNKNOWNS)
+            continue;
+        for (int q = 0; q < 3; q++)
+        {
+            const double *w = face->edge[p], *v = face->edge[q];
+            double real = scale * (w[0] * v[0] + w[1] * v[1]), imaginary = scale * (w[0] * v[1] - w[1] * v[0]);
+            uint32_t column = rows->row[corners[q]];
+            if (column == FLAT_UNKNOWNS)
+            {
+                const double *z = flat[corners[q]];
+                room->right[row][0] -= real * z[0] - imaginary * z[1];
+                room->right[row][1] -= real * z[1] + imaginary * z[0];
+            }
+            else if (column <= row)
+            {
+                room->real[row][column] += real;
+                room->imaginary[row][column] += imaginary;
+            }
+        }
+    }
+}
+
+/// The matrix, and for held points the right side, all edges being longer by `added`. False for a ring with a face that is
+/// too flat.
+static bool assemble_longer(const collapse_ring *ring, const double (*points)[3], double added, const flat_rows *rows,
+                            const double (*flat)[2], flat_room *room)
+{
+    for (uint32_t r = 0; r < rows->count; r++)
+    {
+        memset(room->real[r], 0, (r + 1) * sizeof room->real[r][0]);
+        memset(room->imaginary[r], 0, (r + 1) * sizeof room->imaginary[r][0]);
+        room->right[r][0] = room->right[r][1] = 0;
+    }
+    for (uint32_t k = 0; k < ring->count + ring->vanishing; k++)
+    {
+        uint32_t corners[3];
+        flat_triangle face;
+        if (!unfold_face(ring, points, k, false, added, corners, &face))
+            return false;
+        add_face(&face, corners, rows, flat, room);
+    }
+    return true;
+}
+
+static bool assemble(const collapse_ring *ring, const double (*points)[3], const flat_rows *rows, const double (*flat)[2],
+                     flat_room *room)
+{
+    return assemble_longer(ring, points, 0, rows, flat, room) ||
+           assemble_longer(ring, points, mollifier(ring, points, false), rows, flat, room);
+}
+
+/// Cholesky's factor L of the matrix in place, L L^H. False where it is not positive definite.
+static bool factorize(flat_room *room, uint32_t count, double shift)
+{
+    for (uint32_t r = 0; r < count; r++)
+    {
+        double *real = room->real[r], *imaginary = room->imaginary[r];
+        double pivot = real[r] + shift;
+        for (uint32_t c = 0; c < r; c++)
+        {
+            const double *other_real = room->real[c], *other_imaginary = room->imaginary[c];
+            double x = real[c], y = imaginary[c];
+            for (uint32_t k = 0; k < c; k++)
+            {
+                x -= real[k] * other_real[k] + imaginary[k] * other_imaginary[k];
+                y -= imaginary[k] * other_real[k] - real[k] * other_imaginary[k];
+            }
+            real[c] = x *= room->inverse_pivot[c];
+            imaginary[c] = y *= room->inverse_pivot[c];
+            pivot -= x * x + y * y;
+        }
+        if (!(pivot > 0))
+            return false;
+        room->inverse_pivot[r] = 1 / sqrt(pivot);
+    }
+    return true;
+}
+
+/// Solve L L^H z = right in place.
+static void solve(flat_room *room, uint32_t count)
+{
+    double(*z)[2] = room->right;
+    for (uint32_t r = 0; r < count; r++)
+    {
+        double x = z[r][0], y = z[r][1];
+        for (uint32_t c = 0; c < r; c++)
+        {
+            x -= room->real[r][c] * z[c][0] - room->imaginary[r][c] * z[c][1];
+            y -= room->real[r][c] * z[c][1] + room->imaginary[r][c] * z[c][0];
+        }
+        z[r][0] = x * room->inverse_pivot[r];
+        z[r][1] = y * room->inverse_pivot[r];
+    }
+    for (uint32_t r = count; r-- > 0;)
+    {
+        double x = z[r][0] *= room->inverse_pivot[r], y = z[r][1] *= room->inverse_pivot[r];
+        for (uint32_t c = 0; c < r; c++)
+        {
+            z[c][0] -= room->real[r][c] * x + room->imaginary[r][c] * y;
+            z[c][1] -= room->real[r][c] * y - room->imaginary[r][c] * x;
+        }
+    }
+}
+
+/// The outside on a circle, i and j in its centre: where the iteration begins.
+static void lay_on_circle(const collapse_ring *ring, double (*flat)[2])
+{
+    uint32_t count = collapse_ring_vertices(ring);
+    double angle = TWO_PI / count, cosine = cos(angle), sine = sin(angle), at[2] = {1, 0};
+    for (uint32_t k = 0; k < count; k++)
+    {
+        memcpy(flat[FLAT_RING + k], at, sizeof at);
+        double x = cosine * at[0] - sine * at[1];
+        at[1] = sine * at[0] + cosine * at[1];
+        at[0] = x;
+    }
+    memset(flat[FLAT_I], 0, sizeof flat[0]);
+    memset(flat[FLAT_J], 0, sizeof flat[0]);
+}
+
+/// Move the mean of the boundary points to the origin and make their mean square 1, and copy them to the right side,
+/// interior points being zero there. False when they all coincide.
+static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*flat)[2], flat_room *room)
+{
+    uint32_t boundary = 0;
+    double mean[2] = {0}, square = 0;
+    for (uint32_t r = 0; r < unknowns; r++)
+    {
+        const double *z = flat[room->unknown[r]];
+        bool inside = room->unknown[r] == FLAT_J || (room->unknown[r] == FLAT_I && ring->closed);
+        boundary += !inside;
+        for (int c = 0; c < 2 && !inside; c++)
+            mean[c] += z[c];
+    }
+    mean[0] /= boundary;
+    mean[1] /= boundary;
+    for (uint32_t r = 0; r < unknowns; r++)
+    {
+        double *z = flat[room->unknown[r]];
+        bool inside = room->unknown[r] == FLAT_J || (room->unknown[r] == FLAT_I && ring->closed);
+        for (int c = 0; c < 2; c++)
+            room->right[r][c] = inside ? 0 : z[c] - mean[c];
+        square += room->right[r][0] * room->right[r][0] + room->right[r][1] * room->right[r][1];
+    }
+    double scale = sqrt(boundary / square);
+    if (!isfinite(scale))
+        return false;
+    for (uint32_t r = 0; r < unknowns; r++)
+        for (int c = 0; c < 2; c++)
+        {
+            room->right[r][c] *= scale;
+            flat[room->unknown[r]][c] = (flat[room->unknown[r]][c] - mean[c]) * scale;
+        }
+    return true;
+}
+
+/// The eigenvector of least conformal energy over the moment of the boundary, by inverse iteration.
+static bool flatten_free(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+{
+    flat_rows rows;
+    choose_rows(ring, false, room, &rows);
+    if (!assemble(ring, points, &rows, (const double(*)[2])flat, room))
+        return false;
+    double trace = 0;
+    for (uint32_t r = 0; r < rows.count; r++)
+        trace += room->real[r][r];
+    if (!factorize(room, rows.count, SHIFT * trace / rows.count))
+        return false;
+    lay_on_circle(ring, flat);
+    for (int i = 0; i < ITERATIONS; i++)
+    {
+        if (!normalize(ring, rows.count, flat, room))
+            return false;
+        solve(room, rows.count);
+        for (uint32_t r = 0; r < rows.count; r++)
+            memcpy(flat[room->unknown[r]], room->right[r], sizeof flat[0]);
+    }
+    return normalize(ring, rows.count, flat, room);
+}
+
+/// The least-squares conformal map with the boundary on the real axis.
+static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+{
+    const uint32_t line[4] = {FLAT_RING + ring->count, FLAT_I, FLAT_J, FLAT_RING};
+    flat_rows rows;
+    choose_rows(ring, true, room, &rows);
+    double length = 0;
+    for (int k = 0; k < 4; k++)
+    {
+        double step[3] = {0};
+        if (k > 0)
+            vector3_subtract(points[line[k]], points[line[k - 1]], step);
+        length += sqrt(vector3_dot(step, step));
+        flat[line[k]][0] = length;
+        flat[line[k]][1] = 0;
+    }
+    if (!assemble(ring, points, &rows, (const double(*)[2])flat, room) || !factorize(room, rows.count, 0))
+        return false;
+    solve(room, rows.count);
+    for (uint32_t r = 0; r < rows.count; r++)
+        memcpy(flat[room->unknown[r]], room->right[r], sizeof flat[0]);
+    return true;
+}
+
+/// Place the new vertex by least squares, everything else held and all edges longer by `added`; on the real axis if
+/// `on_line`. False for a ring with a face that is too flat.
+static bool place_new_longer(const collapse_ring *ring, const double (*points)[3], double added, bool on_line,
+                             double (*flat)[2])
+{
+    double weight = 0, sum[2] = {0};
+    for (uint32_t k = 0; k < ring->count; k++)
+    {
+        uint32_t corners[3];
+        flat_triangle face;
+        if (!unfold_face(ring, points, k, true, added, corners, &face))
+            return false;
+        const double *w = face.edge[0];
+        weight += (w[0] * w[0] + w[1] * w[1]) / face.area;
+        for (int q = 1; q < 3; q++)
+        {
+            const double *v = face.edge[q], *z = flat[corners[q]];
+            double real = (w[0] * v[0] + w[1] * v[1]) / face.area, imaginary = (w[0] * v[1] - w[1] * v[0]) / face.area;
+            sum[0] -= real * z[0] - imaginary * z[1];
+            sum[1] -= real * z[1] + imaginary * z[0];
+        }
+    }
+    flat[FLAT_NEW][0] = sum[0] / weight;
+    flat[FLAT_NEW][1] = on_line ? 0 : sum[1] / weight;
+    return true;
+}
+
+static bool place_new(const collapse_ring *ring, const double (*points)[3], bool on_line, double (*flat)[2])
+{
+    return place_new_longer(ring, points, 0, on_line, flat) ||
+           place_new_longer(ring, points, mollifier(ring, points, true), on_line, flat);
+}
+
+bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+{
+    bool on_line = ring->vanishing == 1;
+    if (on_line ? !flatten_on_line(ring, points, room, flat) : !flatten_free(ring, points, room, flat))
+        return false;
+    if (ring->closed || on_line)
+        return place_new(ring, points, on_line, flat);
+    memcpy(flat[FLAT_NEW], flat[FLAT_I], sizeof flat[0]);
+    return true;
+}
+
+/// Twice the area of a flat triangle, with its sign, and the sum of its squared edges.
+static double flat_area(const double *a, const double *b, const double *c, double *squares)
+{
+    double ab[2] = {b[0] - a[0], b[1] - a[1]}, ac[2] = {c[0] - a[0], c[1] - a[1]}, bc[2] = {c[0] - b[0], c[1] - b[1]};
+    *squares = ab[0] * ab[0] + ab[1] * ab[1] + ac[0] * ac[0] + ac[1] * ac[1] + bc[0] * bc[0] + bc[1] * bc[1];
+    return ab[0] * ac[1] - ab[1] * ac[0];
+}
+
+/// The least quality of the faces; negative where one is turned over or has no area.
+static double worst_quality(const collapse_ring *ring, const double (*flat)[2], bool after)
+{
+    double worst = 1;
+    for (uint32_t k = 0; k < ring->count + (after ? 0 : ring->vanishing); k++)
+    {
+        uint32_t corners[3];
+        flat_corners(ring, k, after, corners);
+        double squares, area = flat_area(flat[corners[0]], flat[corners[1]], flat[corners[2]], &squares);
+        if (!(area > LEAST_AREA * squares))
+            return -1;
+        worst = fmin(worst, QUALITY_FACTOR / 2 * area / squares);
+    }
+    return worst;
+}
+
+/// Whether the faces around the new vertex, all of positive area, go around it just once; on the boundary, less than once.
+/// Every turn passes the direction of vertex[0] once, from its right to its left.
+static bool winds_once(const collapse_ring *ring, const double (*flat)[2])
+{
+    const double *centre = flat[FLAT_NEW];
+    double axis[2] = {flat[FLAT_RING][0] - centre[0], flat[FLAT_RING][1] - centre[1]};
+    uint32_t turns = 0;
+    bool was_right = false;
+    for (uint32_t k = 1; k <= ring->count; k++)
+    {
+        uint32_t vertex = ring->closed && k == ring->count ? 0 : k;
+        const double *z = flat[FLAT_RING + vertex];
+        double side = axis[0] * (z[1] - centre[1]) - axis[1] * (z[0] - centre[0]);
+        bool right = vertex != 0 && side < 0;
+        turns += was_right && !right;
+        was_right = right;
+    }
+    return turns == (ring->closed ? 1 : 0);
+}
+
+bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double least_quality)
+{
+    double before = worst_quality(ring, flat, false), after = worst_quality(ring, flat, true);
+    return before > 0 && after > 0 && after >= fmin(least_quality, before) && winds_once(ring, flat);
+}

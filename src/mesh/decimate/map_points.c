@@ -1,0 +1,188 @@
+#include "batten/mesh_decimate.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "mesh/decimate/map.h"
+#include "mesh/decimate/map_texture.h"
+#include "mesh/decimate/midpoints.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// The coarse mesh subdivided, and the images of its vertices on the fine mesh, to be released with free().
+static bat_status find_images(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
+                              midpoint_mesh *split, bat_mesh_point **images, bat_error *error)
+{
+    bat_status status = map_check(map, fine, coarse, error);
+    if (status == BAT_OK)
+        status = midpoint_mesh_make(coarse, levels, split, error);
+    if (status != BAT_OK)
+        return status;
+    bat_mesh_point *made = memory_array(split->vertex_count, sizeof *made);
+    if (made == NULL)
+        status = error_memory(error, split->vertex_count * sizeof *made);
+    if (status == BAT_OK)
+    {
+        memcpy(made, split->points, split->vertex_count * sizeof *made);
+        status = bat_mesh_map_to_fine(map, made, split->vertex_count, error);
+    }
+    if (status != BAT_OK)
+    {
+        midpoint_mesh_free(split);
+        free(made);
+        return status;
+    }
+    *images = made;
+    return BAT_OK;
+}
+
+/// The values of a point: those at its face's corners by their barycentric coordinates. `corner` are three rows of `values`.
+static void interpolate(const double *values, size_t width, const uint32_t *corner, const double *barycentric,
+                        double *result)
+{
+    for (size_t k = 0; k < width; k++)
+    {
+        result[k] = 0;
+        for (size_t c = 0; c < 3; c++)
+            result[k] += barycentric[c] * values[width * corner[c] + k];
+    }
+}
+
+/// Twice a face's area, along its normal.
+static void face_vector(const bat_mesh *mesh, size_t face, double *vector)
+{
+    const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * face],
+                 *b = mesh->positions + 3 * (size_t)mesh->faces[3 * face + 1],
+                 *c = mesh->positions + 3 * (size_t)mesh->faces[3 * face + 2];
+    for (size_t k = 0; k < 3; k++)
+    {
+        size_t l = (k + 1) % 3, m = (k + 2) % 3;
+        vector[k] = (b[l] - a[l]) * (c[m] - a[m]) - (b[m] - a[m]) * (c[l] - a[l]);
+    }
+}
+
+static bool make_unit(double *vector)
+{
+    double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    for (int k = 0; k < 3 && length > 0; k++)
+        vector[k] /= length;
+    return length > 0;
+}
+
+/// Unit normals at the points, from the vertices' area-weighted ones; where those cancel out, the face's.
+static bat_status set_normals(const bat_mesh *fine, const bat_mesh_point *points, size_t count, double *normals,
+                              bat_error *error)
+{
+    double *at_vertices = calloc(fine->vertex_count, 3 * sizeof *at_vertices);
+    if (at_vertices == NULL)
+        return error_memory(error, fine->vertex_count * 3 * sizeof *at_vertices);
+    for (size_t f = 0; f < fine->face_count; f++)
+    {
+        double vector[3];
+        face_vector(fine, f, vector);
+        for (size_t i = 0; i < 9; i++)
+            at_vertices[3 * (size_t)fine->faces[3 * f + i / 3] + i % 3] += vector[i % 3];
+    }
+    for (size_t v = 0; v < fine->vertex_count; v++)
+        (void)make_unit(at_vertices + 3 * v);
+    for (size_t i = 0; i < count; i++)
+    {
+        double *normal = normals + 3 * i;
+        interpolate(at_vertices, 3, fine->faces + 3 * (size_t)points[i].face, points[i].barycentric, normal);
+        if (make_unit(normal))
+            continue;
+        face_vector(fine, points[i].face, normal);
+        (void)make_unit(normal);
+    }
+    free(at_vertices);
+    return BAT_OK;
+}
+
+bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
+                                double *positions, double *normals, bat_error *error)
+{
+    bat_mesh_point *points;
+    midpoint_mesh split;
+    bat_status status = find_images(map, fine, coarse, levels, &split, &points, error);
+    if (status != BAT_OK)
+        return status;
+    size_t count = split.vertex_count;
+    midpoint_mesh_free(&split);
+    for (size_t i = 0; i < count; i++)
+        interpolate(fine->positions, 3, fine->faces + 3 * (size_t)points[i].face, points[i].barycentric, positions + 3 * i);
+    if (normals != NULL)
+        status = set_normals(fine, points, count, normals, error);
+    free(points);
+    return status;
+}
+
+/// Channels of the images in a mesh that holds nothing else.
+static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *images, size_t count, bat_mesh *signals,
+                               bat_error *error)
+{
+    size_t width = fine->channel_count;
+    if (width == 0)
+        return BAT_OK;
+    signals->channels = memory_array(count, width * sizeof *signals->channels);
+    signals->channel_names = calloc(width, sizeof *signals->channel_names);
+    signals->channel_count = signals->channel_names != NULL ? width : 0;
+    bool room = signals->channels != NULL && signals->channel_names != NULL;
+    for (size_t i = 0; i < width && room; i++)
+    {
+        size_t size = strlen(fine->channel_names[i]) + 1;
+        signals->channel_names[i] = malloc(size);
+        room = signals->channel_names[i] != NULL;
+        if (room)
+            memcpy(signals->channel_names[i], fine->channel_names[i], size);
+    }
+    if (!room)
+        return error_memory(error, count * width * sizeof *signals->channels);
+    for (size_t i = 0; i < count; i++)
+        interpolate(fine->channels, width, fine->faces + 3 * (size_t)images[i].face, images[i].barycentric,
+                    signals->channels + width * i);
+    return BAT_OK;
+}
+
+/// Move the signals into `refined`, and what it has into `signals`.
+static void exchange_signals(bat_mesh *signals, bat_mesh *refined)
+{
+    bat_mesh old = {.texture = refined->texture,
+                    .texture_faces = refined->texture_faces,
+                    .texture_count = refined->texture_count,
+                    .channels = refined->channels,
+                    .channel_names = refined->channel_names,
+                    .channel_count = refined->channel_count};
+    refined->texture = signals->texture;
+    refined->texture_faces = signals->texture_faces;
+    refined->texture_count = signals->texture_count;
+    refined->channels = signals->channels;
+    refined->channel_names = signals->channel_names;
+    refined->channel_count = signals->channel_count;
+    *signals = old;
+}
+
+bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
+                                 bat_mesh *refined, bat_error *error)
+{
+    bat_mesh_point *images;
+    midpoint_mesh split;
+    bat_mesh signals = {0};
+    bat_status status = find_images(map, fine, coarse, levels, &split, &images, error);
+    if (status != BAT_OK)
+        return status;
+    if (refined->vertex_count != split.vertex_count || refined->face_count != split.face_count)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "the mesh is not the coarse one subdivided %zu times: it has %zu vertices, not %zu", levels,
+                           refined->vertex_count, split.vertex_count);
+    if (status == BAT_OK)
+        status = set_channels(fine, images, split.vertex_count, &signals, error);
+    if (status == BAT_OK && fine->texture != NULL)
+        status = map_texture_transfer(map, fine, &split, images, levels, &signals, error);
+    if (status == BAT_OK)
+        exchange_signals(&signals, refined);
+    bat_mesh_free(&signals);
+    midpoint_mesh_free(&split);
+    free(images);
+    return status;
+}

@@ -1,0 +1,99 @@
+#include "batten/mesh_measure.h"
+
+#include "base/error.h"
+#include "base/threads.h"
+#include "mesh/measure/closest.h"
+
+#include <float.h>
+#include <math.h>
+
+enum
+{
+    /// Points that a thread takes at a time; each block begins its search anew, so that nothing depends on the threads.
+    BLOCK = 1024
+};
+
+static bat_status check_points(const double *points, size_t count, const char *what, bat_error *error)
+{
+    for (size_t i = 0; i < 3 * count; i++)
+        if (!(fabs(points[i]) <= DBL_MAX / 4))
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "%s %zu is not finite or too far out", what, i / 3);
+    return BAT_OK;
+}
+
+/// A tree for queries with these points.
+static bat_status tree_for(const bat_mesh *mesh, const double *points, size_t count, const char *what, closest_tree *tree,
+                           bat_error *error)
+{
+    bat_status status = bat_mesh_check(mesh, error);
+    if (status == BAT_OK)
+        status = check_points(mesh->positions, mesh->vertex_count, "vertex", error);
+    if (status == BAT_OK)
+        status = check_points(points, count, what, error);
+    if (status != BAT_OK)
+        return status;
+    double largest = closest_largest(mesh->positions, 3 * mesh->vertex_count, 0);
+    return closest_build(mesh, closest_largest(points, 3 * count, largest), tree, error);
+}
+
+static void find_block(const closest_tree *tree, const double *points, size_t count, bat_mesh_closest_point *closest)
+{
+    uint32_t place = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        (void)closest_find(tree, points + 3 * i, &place);
+        closest_hit hit = closest_point_at(tree, points + 3 * i, place);
+        closest[i] = (bat_mesh_closest_point){.at = {.face = hit.face}, .distance = hit.distance};
+        for (int k = 0; k < 3; k++)
+        {
+            closest[i].at.barycentric[k] = hit.barycentric[k];
+            closest[i].position[k] = hit.point[k];
+        }
+    }
+}
+
+bat_status bat_mesh_closest(const bat_mesh *mesh, const double *points, size_t count, int threads,
+                            bat_mesh_closest_point *closest, bat_error *error)
+{
+    closest_tree tree;
+    bat_status status = tree_for(mesh, points, count, "point", &tree, error);
+    if (status != BAT_OK)
+        return status;
+    size_t blocks = count / BLOCK + (count % BLOCK > 0);
+    threads = threads_for(threads, blocks);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t block = 0; block < blocks; block++)
+    {
+        size_t begin = block * BLOCK;
+        find_block(&tree, points + 3 * begin, count - begin < BLOCK ? count - begin : BLOCK, closest + begin);
+    }
+    closest_free(&tree);
+    return BAT_OK;
+}
+
+static void measure_block(const closest_tree *tree, const double *points, size_t count, double *distances)
+{
+    uint32_t place = 0;
+    for (size_t i = 0; i < count; i++)
+        distances[i] = closest_find(tree, points + 3 * i, &place);
+}
+
+bat_status bat_mesh_vertex_distances(const bat_mesh *from, const bat_mesh *onto, int threads, double *distances,
+                                     bat_error *error)
+{
+    closest_tree tree;
+    size_t count = from->vertex_count;
+    bat_status status = tree_for(onto, from->positions, count, "vertex", &tree, error);
+    if (status != BAT_OK)
+        return status;
+    size_t blocks = count / BLOCK + (count % BLOCK > 0);
+    threads = threads_for(threads, blocks);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t block = 0; block < blocks; block++)
+    {
+        size_t begin = block * BLOCK;
+        measure_block(&tree, from->positions + 3 * begin, count - begin < BLOCK ? count - begin : BLOCK, distances + begin);
+    }
+    closest_free(&tree);
+    return BAT_OK;
+}

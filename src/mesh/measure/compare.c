@@ -1,0 +1,257 @@
+#include "mesh/measure/compare.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Numbers up to this, squared or summed over the faces, stay exact in a double and within size_t.
+static const size_t MOST_SAMPLES = (size_t)1 << 40;
+
+bat_mesh_compare_options bat_mesh_compare_defaults(void)
+{
+    return (bat_mesh_compare_options){.samples = BAT_MESH_SAMPLES, .tolerance = 1e-4};
+}
+
+void compare_sum_up(const compare_tally *tallies, size_t blocks, compare_way *way)
+{
+    compare_tally all = {.greatest = -1};
+    for (size_t b = 0; b < blocks; b++)
+    {
+        all.weight += tallies[b].weight;
+        all.sum += tallies[b].sum;
+        all.squares += tallies[b].squares;
+        if (tallies[b].greatest > all.greatest)
+        {
+            all.greatest = tallies[b].greatest;
+            memcpy(all.farthest, tallies[b].farthest, sizeof all.farthest);
+        }
+    }
+    way->mean = all.sum / all.weight;
+    way->mean_square = all.squares / all.weight;
+    if (all.greatest > way->greatest)
+    {
+        way->greatest = all.greatest;
+        memcpy(way->farthest, all.farthest, sizeof all.farthest);
+    }
+}
+
+static size_t blocks_of(size_t count)
+{
+    return (count + COMPARE_BLOCK - 1) / COMPARE_BLOCK;
+}
+
+static size_t least_of(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+static void measure_block(compare_side *from, const compare_side *onto, size_t block, compare_tally *tally)
+{
+    uint32_t place = 0;
+    size_t end = least_of(from->vertex_count, (block + 1) * COMPARE_BLOCK);
+    *tally = (compare_tally){.greatest = -1};
+    for (size_t i = block * COMPARE_BLOCK; i < end; i++)
+    {
+        uint32_t vertex = from->vertices[i];
+        const double *point = from->mesh.positions + 3 * (size_t)vertex;
+        double distance = closest_find(&onto->tree, point, &place);
+        from->distances[vertex] = distance;
+        from->places[vertex] = place;
+        compare_count(tally, distance, 1, point);
+    }
+}
+
+/// The distances of the vertices. The blocks are the pieces of `work` from `first_piece` on.
+static bat_status measure_vertices(compare_side *from, const compare_side *onto, int threads, size_t first_piece,
+                                   shared_work *work, compare_way *way, bat_error *error)
+{
+    size_t blocks = blocks_of(from->vertex_count);
+    compare_tally *tallies = memory_array(blocks, sizeof *tallies);
+    if (tallies == NULL)
+        return error_memory(error, blocks * sizeof *tallies);
+    threads = threads_for(threads, blocks);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t block = 0; block < blocks; block++)
+        if (shared_work_wants(work, first_piece + block))
+        {
+            measure_block(from, onto, block, &tallies[block]);
+            shared_work_finish(work, first_piece + block, BAT_OK, NULL);
+        }
+    *way = (compare_way){.from = from, .onto = onto, .greatest = -1, .most = INFINITY};
+    if (!work->cancelled)
+        compare_sum_up(tallies, blocks, way);
+    free(tallies);
+    return BAT_OK;
+}
+
+static void side_free(compare_side *side)
+{
+    free(side->mesh.positions);
+    free(side->vertices);
+    free(side->distances);
+    free(side->places);
+    free(side->samples);
+    closest_free(&side->tree);
+}
+
+/// List the vertices that have a face.
+static void list_vertices(compare_side *side)
+{
+    const size_t face_count = side->mesh.face_count;
+    // No distance is negative: this marks the vertices that are not listed yet.
+    for (size_t v = 0; v < side->mesh.vertex_count; v++)
+        side->distances[v] = -1;
+    for (size_t i = 0; i < 3 * face_count; i++)
+    {
+        uint32_t vertex = side->mesh.faces[3 * (size_t)side->tree.faces[i / 3] + i % 3];
+        if (side->distances[vertex] == 0)
+            continue;
+        side->distances[vertex] = 0;
+        side->vertices[side->vertex_count++] = vertex;
+    }
+}
+
+/// `side` is all zero on entry, and to be freed also on failure.
+static bat_status side_make(const bat_mesh *mesh, const char *which, double scale, const bat_mesh_compare_options *options,
+                            compare_side *side, bat_error *error)
+{
+    size_t count = mesh->vertex_count;
+    side->mesh = (bat_mesh){.faces = mesh->faces, .face_count = mesh->face_count, .vertex_count = count};
+    side->mesh.positions = memory_array(count, 3 * sizeof *side->mesh.positions);
+    side->vertices = memory_array(count, sizeof *side->vertices);
+    side->distances = memory_array(count, sizeof *side->distances);
+    side->places = memory_array(count, sizeof *side->places);
+    if (side->mesh.positions == NULL || side->vertices == NULL || side->distances == NULL || side->places == NULL)
+        return error_memory(error, count * 3 * sizeof(double));
+    for (size_t i = 0; i < 3 * count; i++)
+        side->mesh.positions[i] = mesh->positions[i] * scale;
+    closest_tree tree;
+    bat_status status = closest_build(&side->mesh, 1, &tree, error);
+    if (status != BAT_OK)
+        return status;
+    side->tree = tree;
+    list_vertices(side);
+    return options->vertices ? BAT_OK : compare_plan_samples(side, which, options->samples, error);
+}
+
+/// Of the box around the faces.
+static double diagonal_of(const compare_side *side)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < side->vertex_count; i++)
+        for (int k = 0; k < 3; k++)
+        {
+            double x = side->mesh.positions[3 * (size_t)side->vertices[i] + (size_t)k];
+            low[k] = fmin(low[k], x);
+            high[k] = fmax(high[k], x);
+        }
+    return hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+}
+
+/// Both ways.
+static bat_status measure_ways(compare_side sides[2], const bat_mesh_compare_options *options, compare_way ways[2],
+                               bat_error *error)
+{
+    size_t pieces = 0, piece = 0;
+    for (int s = 0; s < 2; s++)
+        pieces += blocks_of(sides[s].vertex_count) + compare_sample_blocks(&sides[s]);
+    shared_work work = shared_work_make(pieces, options->progress);
+    bat_status status = BAT_OK;
+    double diagonal = diagonal_of(&sides[1]);
+    for (int w = 0; w < 2 && status == BAT_OK; w++)
+    {
+        status = measure_vertices(&sides[w], &sides[1 - w], options->threads, piece, &work, &ways[w], error);
+        piece += blocks_of(sides[w].vertex_count);
+        if (options->vertices)
+            continue;
+        if (status == BAT_OK)
+            status = compare_samples(&ways[w], options->threads, piece, &work, error);
+        piece += compare_sample_blocks(&sides[w]);
+        if (status == BAT_OK)
+            status = compare_refine(&ways[w], diagonal, options, &work, error);
+    }
+    return status == BAT_OK ? shared_work_end(&work, error) : status;
+}
+
+/// The results in the unit of the meshes.
+static bat_mesh_distance put_together(const compare_way ways[2], double diagonal, double unscale)
+{
+    const compare_way *there = &ways[0], *back = &ways[1];
+    bat_mesh_distance distance = {
+        .hausdorff_there = there->greatest * unscale,
+        .hausdorff_back = back->greatest * unscale,
+        .hausdorff = fmax(there->greatest, back->greatest) * unscale,
+        .hausdorff_most = fmax(there->most, back->most) * unscale,
+        .mean_there = there->mean * unscale,
+        .mean_back = back->mean * unscale,
+        .mean = (there->mean + back->mean) / 2 * unscale,
+        .mean_greater = fmax(there->mean, back->mean) * unscale,
+        .rms_there = sqrt(there->mean_square) * unscale,
+        .rms_back = sqrt(back->mean_square) * unscale,
+        .diagonal = diagonal * unscale,
+    };
+    for (int k = 0; k < 3; k++)
+    {
+        distance.farthest_there[k] = there->farthest[k] * unscale;
+        distance.farthest_back[k] = back->farthest[k] * unscale;
+    }
+    return distance;
+}
+
+/// Check a mesh, and that differences of its coordinates can be taken.
+static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error *error)
+{
+    bat_error own;
+    bat_status status = bat_mesh_check(mesh, &own);
+    if (status != BAT_OK)
+        return error_set(error, status, own.index, 0, "the %s mesh: %.200s", which, own.text);
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
+        if (fabs(mesh->positions[i]) > DBL_MAX / 4)
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "the %s mesh: vertex %zu is too far out", which, i / 3);
+    return BAT_OK;
+}
+
+static bat_status check_options(const bat_mesh_compare_options *options, bat_error *error)
+{
+    if (!options->vertices && options->samples == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "at least one sample is needed");
+    if (!options->vertices && options->samples > MOST_SAMPLES)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu samples are too many", options->samples);
+    if (!(options->tolerance >= 0) || isinf(options->tolerance))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the tolerance is %g, but must be finite and at least 0", options->tolerance);
+    return BAT_OK;
+}
+
+bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const bat_mesh_compare_options *options,
+                            bat_mesh_distance *distance, bat_error *error)
+{
+    bat_mesh_compare_options defaults = bat_mesh_compare_defaults();
+    options = options == NULL ? &defaults : options;
+    bat_status status = check_options(options, error);
+    if (status == BAT_OK)
+        status = check_side(first, "first", error);
+    if (status == BAT_OK)
+        status = check_side(second, "second", error);
+    if (status != BAT_OK)
+        return status;
+    double largest = closest_largest(first->positions, 3 * first->vertex_count, 0);
+    double scale = closest_scale(closest_largest(second->positions, 3 * second->vertex_count, largest));
+    compare_side sides[2] = {0};
+    compare_way ways[2];
+    status = side_make(first, "first", scale, options, &sides[0], error);
+    if (status == BAT_OK)
+        status = side_make(second, "second", scale, options, &sides[1], error);
+    if (status == BAT_OK)
+        status = measure_ways(sides, options, ways, error);
+    if (status == BAT_OK)
+        *distance = put_together(ways, diagonal_of(&sides[1]), 1 / scale);
+    side_free(&sides[0]);
+    side_free(&sides[1]);
+    return status;
+}

@@ -1,0 +1,251 @@
+#include "mesh/measure/compare.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// A triangle of one side in which distances may be greater than the greatest known.
+typedef struct piece
+{
+    double corners[3][3];
+    double distances[3]; ///< of the corners from the other side
+    uint32_t places[3];  ///< where they were found
+    double bound;        ///< no point of the triangle is farther from the other side
+} piece;
+
+/// Pieces, and room for more.
+typedef struct pieces
+{
+    piece *list;
+    size_t count, room;
+} pieces;
+
+static double length_of(const double a[3], const double b[3])
+{
+    double x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/// Distances change by no more than the way gone: from any corner to anywhere, or from the nearest corner, which is at most
+/// 1 / sqrt(3) of the longest edge away (Jung's theorem).
+static double bound_by_way(const piece *part)
+{
+    static const double PER_ROOT_OF_THREE = 0.57735026918962576451;
+    double edges[3], bound = INFINITY, longest = 0, greatest = 0;
+    for (int c = 0; c < 3; c++)
+        edges[c] = length_of(part->corners[c], part->corners[(c + 1) % 3]);
+    for (int c = 0; c < 3; c++)
+    {
+        bound = fmin(bound, part->distances[c] + fmax(edges[c], edges[(c + 2) % 3]));
+        longest = fmax(longest, edges[c]);
+        greatest = fmax(greatest, part->distances[c]);
+    }
+    return fmin(bound, greatest + longest * PER_ROOT_OF_THREE);
+}
+
+/// bound_by_triangles() for the triangle closest to the piece's centre.
+static double bound_by_centre(const piece *part, const closest_tree *onto)
+{
+    double centre[3], greatest = 0;
+    uint32_t place = part->places[0];
+    for (int k = 0; k < 3; k++)
+        centre[k] = (part->corners[0][k] + part->corners[1][k] + part->corners[2][k]) / 3;
+    (void)closest_find(onto, centre, &place);
+    for (int c = 0; c < 3; c++)
+        greatest = fmax(greatest, closest_to_place(onto, part->corners[c], place));
+    return greatest;
+}
+
+/// The distance from one triangle of the other side is a convex function, greatest at a corner; and the distance from the
+/// whole side is no greater. Tried are the triangles closest to the corners.
+static double bound_by_triangles(const piece *part, const closest_tree *onto)
+{
+    double bound = INFINITY;
+    for (int t = 0; t < 3; t++)
+    {
+        double greatest = part->distances[t];
+        for (int c = 0; c < 3; c++)
+            if (part->places[c] != part->places[t])
+                greatest = fmax(greatest, closest_to_place(onto, part->corners[c], part->places[t]));
+            else
+                greatest = fmax(greatest, part->distances[c]);
+        bound = fmin(bound, greatest);
+    }
+    return bound;
+}
+
+/// Find the bound, as sharp as it must be to tell whether it is above the limit.
+static void find_bound(piece *part, const closest_tree *onto, double limit)
+{
+    part->bound = bound_by_way(part);
+    if (part->bound > limit)
+        part->bound = fmin(part->bound, bound_by_triangles(part, onto));
+    if (part->bound > limit)
+        part->bound = fmin(part->bound, bound_by_centre(part, onto));
+}
+
+static piece whole_face(const compare_side *side, uint32_t face)
+{
+    piece part;
+    for (int c = 0; c < 3; c++)
+    {
+        uint32_t vertex = side->mesh.faces[3 * (size_t)face + (size_t)c];
+        memcpy(part.corners[c], side->mesh.positions + 3 * (size_t)vertex, sizeof part.corners[c]);
+        part.distances[c] = side->distances[vertex];
+        part.places[c] = side->places[vertex];
+    }
+    return part;
+}
+
+static int longest_edge(const piece *part)
+{
+    int longest = 0;
+    double greatest = -1;
+    for (int c = 0; c < 3; c++)
+    {
+        double length = length_of(part->corners[c], part->corners[(c + 1) % 3]);
+        if (length > greatest)
+        {
+            greatest = length;
+            longest = c;
+        }
+    }
+    return longest;
+}
+
+/// Halve a piece across its longest edge.
+static void halve(const piece *part, const closest_tree *onto, double limit, piece halves[2])
+{
+    int a = longest_edge(part), b = (a + 1) % 3;
+    double middle[3];
+    for (int k = 0; k < 3; k++)
+        middle[k] = part->corners[a][k] / 2 + part->corners[b][k] / 2;
+    uint32_t place = part->places[a];
+    double distance = closest_find(onto, middle, &place);
+    for (int h = 0; h < 2; h++)
+    {
+        int corner = h == 0 ? b : a;
+        halves[h] = *part;
+        memcpy(halves[h].corners[corner], middle, sizeof middle);
+        halves[h].distances[corner] = distance;
+        halves[h].places[corner] = place;
+        find_bound(&halves[h], onto, limit);
+    }
+}
+
+static bool make_room(pieces *parts, size_t count)
+{
+    if (parts->list != NULL && count <= parts->room)
+        return true;
+    size_t room = count + count / 2;
+    free(parts->list);
+    parts->list = memory_array(room, sizeof *parts->list);
+    parts->room = parts->list == NULL ? 0 : room;
+    return parts->list != NULL;
+}
+
+/// Above what a bound asks for a closer look.
+static double limit_of(const compare_way *way, double diagonal, double tolerance)
+{
+    static const double LEAST_SHARE = 1e-6;
+    return way->greatest + tolerance * fmax(way->greatest, LEAST_SHARE * diagonal);
+}
+
+/// Keep the pieces whose bounds are above the limit; the others' bounds count for what is proven.
+static void drop_settled(pieces *parts, double limit, compare_way *way)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < parts->count; i++)
+        if (parts->list[i].bound > limit)
+            parts->list[kept++] = parts->list[i];
+        else
+            way->most = fmax(way->most, parts->list[i].bound);
+    parts->count = kept;
+}
+
+/// The faces whose bounds are above the limit.
+static bool first_pieces(compare_way *way, double limit, int threads, pieces *parts)
+{
+    const compare_side *side = way->from;
+    size_t count = side->mesh.face_count, blocks = (count + COMPARE_BLOCK - 1) / COMPARE_BLOCK, open = 0;
+    double *bounds = memory_array(count, sizeof *bounds);
+    if (bounds == NULL)
+        return false;
+    threads = threads_for(threads, blocks);
+#pragma omp parallel for schedule(dynamic, COMPARE_BLOCK) num_threads(threads) reduction(+ : open) if (threads > 1)
+    for (size_t f = 0; f < count; f++)
+    {
+        piece part = whole_face(side, side->tree.faces[f]);
+        find_bound(&part, &way->onto->tree, limit);
+        bounds[f] = part.bound;
+        open += part.bound > limit;
+    }
+    bool made = make_room(parts, open);
+    for (size_t f = 0; made && f < count; f++)
+    {
+        if (bounds[f] > limit)
+        {
+            parts->list[parts->count] = whole_face(side, side->tree.faces[f]);
+            parts->list[parts->count++].bound = bounds[f];
+        }
+        else
+            way->most = fmax(way->most, bounds[f]);
+    }
+    free(bounds);
+    return made;
+}
+
+/// Halve all pieces, and learn from the distances in their middles.
+static bool halve_all(compare_way *way, double limit, int threads, const pieces *parts, pieces *halves)
+{
+    if (!make_room(halves, 2 * parts->count))
+        return false;
+    enum
+    {
+        SHARE = 64
+    };
+    size_t count = parts->count;
+    threads = threads_for(threads, count / SHARE);
+#pragma omp parallel for schedule(dynamic, SHARE) num_threads(threads) if (threads > 1)
+    for (size_t i = 0; i < count; i++)
+        halve(&parts->list[i], &way->onto->tree, limit, &halves->list[2 * i]);
+    halves->count = 2 * count;
+    for (size_t i = 0; i < halves->count; i++)
+        for (int c = 0; c < 3; c++)
+            if (halves->list[i].distances[c] > way->greatest)
+            {
+                way->greatest = halves->list[i].distances[c];
+                memcpy(way->farthest, halves->list[i].corners[c], sizeof way->farthest);
+            }
+    return true;
+}
+
+bat_status compare_refine(compare_way *way, double diagonal, const bat_mesh_compare_options *options, shared_work *work,
+                          bat_error *error)
+{
+    pieces parts = {0}, halves = {0};
+    size_t left = options->tolerance > 0 ? options->samples : 0;
+    double limit = limit_of(way, diagonal, options->tolerance);
+    way->most = way->greatest;
+    bool in_memory = work->cancelled || first_pieces(way, limit, options->threads, &parts);
+    while (in_memory && parts.count > 0 && parts.count <= left && shared_work_wants(work, work->total))
+    {
+        left -= parts.count;
+        in_memory = halve_all(way, limit, options->threads, &parts, &halves);
+        pieces kept = parts;
+        parts = halves;
+        halves = kept;
+        limit = limit_of(way, diagonal, options->tolerance);
+        drop_settled(&parts, limit, way);
+    }
+    for (size_t i = 0; in_memory && i < parts.count; i++)
+        way->most = fmax(way->most, parts.list[i].bound);
+    way->most = fmax(way->most, way->greatest);
+    free(parts.list);
+    free(halves.list);
+    return in_memory ? BAT_OK : error_memory(error, halves.count * sizeof *halves.list);
+}

@@ -1,0 +1,258 @@
+#include "batten/mesh_measure.h"
+
+#include "base/error.h"
+#include "base/exact_sum.h"
+#include "base/memory.h"
+#include "linalg/vector3.h"
+#include "mesh/measure/closest.h"
+#include "mesh/measure/edge_groups.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// What is found out of the way faces hang together.
+typedef struct topology
+{
+    const bat_mesh *mesh;
+    edge_groups edges;
+    uint32_t *vertex_sets; ///< vertices joined by edges
+    uint32_t *fans;        ///< corners (numbered as half-edges) joined around their vertex
+    uint32_t *loops;       ///< corners joined also along the boundary
+    uint32_t *valence;
+} topology;
+
+static bat_status topology_make(const bat_mesh *mesh, topology *made, bat_error *error)
+{
+    size_t corners = 3 * mesh->face_count, vertices = mesh->vertex_count;
+    *made = (topology){.mesh = mesh,
+                       .vertex_sets = memory_array(vertices, sizeof *made->vertex_sets),
+                       .fans = memory_array(corners, sizeof *made->fans),
+                       .loops = memory_array(corners, sizeof *made->loops),
+                       .valence = calloc(vertices, sizeof *made->valence)};
+    if (made->vertex_sets == NULL || made->fans == NULL || made->loops == NULL || made->valence == NULL)
+        return error_memory(error, corners * sizeof *made->fans);
+    sets_begin(made->vertex_sets, vertices);
+    sets_begin(made->fans, corners);
+    return edge_groups_make(mesh, &made->edges, error);
+}
+
+static void topology_free(topology *made)
+{
+    free(made->vertex_sets);
+    free(made->fans);
+    free(made->loops);
+    free(made->valence);
+    edge_groups_free(&made->edges);
+}
+
+/// Join the corners of two faces at both ends of the edge that they share.
+static void join_corners(const topology *made, uint32_t h, uint32_t other)
+{
+    const uint32_t *faces = made->mesh->faces;
+    uint32_t begin = other, end = bat_mesh_next(other);
+    bool against = faces[h] != faces[other];
+    sets_join(made->fans, h, against ? end : begin);
+    sets_join(made->fans, bat_mesh_next(h), against ? begin : end);
+}
+
+/// One edge: join what it joins and count what it is.
+static void count_edge(const topology *made, size_t edge, bat_mesh_summary *summary)
+{
+    const uint32_t *faces = made->mesh->faces, *half_edges = made->edges.order + made->edges.begin[edge];
+    uint32_t count = made->edges.begin[edge + 1] - made->edges.begin[edge];
+    uint32_t a = faces[half_edges[0]], b = faces[bat_mesh_next(half_edges[0])];
+    sets_join(made->vertex_sets, a, b);
+    made->valence[a]++;
+    made->valence[b]++;
+    for (uint32_t i = 1; i < count; i++)
+        join_corners(made, half_edges[0], half_edges[i]);
+    summary->boundary_edges += count == 1;
+    summary->crowded_edges += count > 2;
+    summary->reversed_edges += count == 2 && faces[half_edges[1]] == a;
+}
+
+/// The number of closed walks along boundary edges. Where fans meet in one vertex, each has its own.
+static size_t count_loops(const topology *made)
+{
+    size_t corners = 3 * made->mesh->face_count, count = 0;
+    memcpy(made->loops, made->fans, corners * sizeof *made->loops);
+    for (size_t e = 0; e < made->edges.count; e++)
+        if (made->edges.begin[e + 1] - made->edges.begin[e] == 1)
+        {
+            uint32_t h = made->edges.order[made->edges.begin[e]];
+            // Two fans become one loop, unless they are so already: then the loop is closed.
+            uint32_t a = sets_find(made->loops, h), b = sets_find(made->loops, bat_mesh_next(h));
+            count += a == b;
+            sets_join(made->loops, a, b);
+        }
+    return count;
+}
+
+/// Components, isolated vertices, vertices of several fans, valences. Uses up the valences.
+static void count_vertices(const topology *made, bat_mesh_summary *summary)
+{
+    const bat_mesh *mesh = made->mesh;
+    summary->least_valence = SIZE_MAX;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+    {
+        size_t valence = made->valence[v];
+        summary->isolated_vertices += valence == 0;
+        summary->components += valence > 0 && sets_find(made->vertex_sets, v) == v;
+        summary->greatest_valence = valence > summary->greatest_valence ? valence : summary->greatest_valence;
+        if (valence > 0 && valence < summary->least_valence)
+            summary->least_valence = valence;
+    }
+    uint32_t *fan_count = made->valence;
+    memset(fan_count, 0, mesh->vertex_count * sizeof *fan_count);
+    for (uint32_t corner = 0; corner < 3 * mesh->face_count; corner++)
+        if (sets_find(made->fans, corner) == corner)
+            summary->pinched_vertices += ++fan_count[mesh->faces[corner]] == 2;
+}
+
+static void sum_up_topology(const topology *made, bat_mesh_summary *summary)
+{
+    for (size_t e = 0; e < made->edges.count; e++)
+        count_edge(made, e, summary);
+    count_vertices(made, summary);
+    summary->edges = made->edges.count;
+    summary->boundary_loops = count_loops(made);
+    summary->euler = (int64_t)(summary->vertices - summary->isolated_vertices + summary->faces) - (int64_t)summary->edges;
+    summary->manifold = summary->crowded_edges == 0 && summary->pinched_vertices == 0;
+    summary->oriented = summary->crowded_edges == 0 && summary->reversed_edges == 0;
+    summary->closed = summary->boundary_edges == 0;
+    bool has_genus = summary->manifold && summary->oriented && summary->closed;
+    summary->genus = has_genus ? (int64_t)summary->components - summary->euler / 2 : -1;
+}
+
+/// The mesh's coordinates times a power of two, from the middle of its box, so that squares and products stay in range.
+typedef struct view
+{
+    const bat_mesh *mesh;
+    double scale, middle[3];
+} view;
+
+static void corner_of(const view *seen, size_t corner, double point[3])
+{
+    const double *position = seen->mesh->positions + 3 * (size_t)seen->mesh->faces[corner];
+    for (int k = 0; k < 3; k++)
+        point[k] = position[k] * seen->scale - seen->middle[k];
+}
+
+static double length_of(const double a[3])
+{
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
+/// What is added up over the faces.
+typedef struct face_sums
+{
+    exact_sum area, volume, quality;
+} face_sums;
+
+static double least_angle_of(double edges[3][3], double twice_area)
+{
+    double least = INFINITY;
+    for (int c = 0; c < 3; c++)
+        least = fmin(least, atan2(twice_area, -vector3_dot(edges[c], edges[(c + 2) % 3])));
+    return least;
+}
+
+static void measure_face(const view *seen, size_t face, face_sums *sums, bat_mesh_summary *summary)
+{
+    static const double LEAST_HEIGHT = 1e-14;
+    double corners[3][3], edges[3][3], normal[3], squares = 0, longest = 0;
+    for (size_t c = 0; c < 3; c++)
+        corner_of(seen, 3 * face + c, corners[c]);
+    for (int c = 0; c < 3; c++)
+    {
+        vector3_subtract(corners[(c + 1) % 3], corners[c], edges[c]);
+        squares += vector3_dot(edges[c], edges[c]);
+        longest = fmax(longest, vector3_dot(edges[c], edges[c]));
+    }
+    vector3_cross(edges[0], edges[1], normal);
+    double twice_area = length_of(normal);
+    double quality = squares > 0 ? 2 * sqrt(3) * twice_area / squares : 0;
+    summary->degenerate_faces += twice_area <= LEAST_HEIGHT * longest;
+    if (quality < summary->least_quality)
+    {
+        summary->least_quality = quality;
+        summary->least_quality_face = face;
+    }
+    summary->least_angle = fmin(summary->least_angle, least_angle_of(edges, twice_area));
+    sum_add(&sums->area, twice_area / 2);
+    sum_add(&sums->volume, vector3_dot(corners[0], normal) / 6);
+    sum_add(&sums->quality, quality);
+}
+
+static void measure_edges(const view *seen, const edge_groups *edges, bat_mesh_summary *summary)
+{
+    exact_sum lengths = {0};
+    summary->least_edge = INFINITY;
+    for (size_t e = 0; e < edges->count; e++)
+    {
+        uint32_t h = edges->order[edges->begin[e]];
+        double a[3], b[3], edge[3];
+        corner_of(seen, h, a);
+        corner_of(seen, bat_mesh_next(h), b);
+        vector3_subtract(b, a, edge);
+        double length = length_of(edge) / seen->scale;
+        summary->least_edge = fmin(summary->least_edge, length);
+        summary->greatest_edge = fmax(summary->greatest_edge, length);
+        sum_add(&lengths, length * seen->scale);
+    }
+    summary->mean_edge = sum_total(&lengths) / (double)edges->count / seen->scale;
+}
+
+static void find_box(const bat_mesh *mesh, bat_mesh_summary *summary)
+{
+    for (int k = 0; k < 3; k++)
+    {
+        summary->low[k] = INFINITY;
+        summary->high[k] = -INFINITY;
+    }
+    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+        for (int k = 0; k < 3; k++)
+        {
+            double x = mesh->positions[3 * (size_t)mesh->faces[i] + (size_t)k];
+            summary->low[k] = fmin(summary->low[k], x);
+            summary->high[k] = fmax(summary->high[k], x);
+        }
+    summary->diagonal = hypot(hypot(summary->high[0] - summary->low[0], summary->high[1] - summary->low[1]),
+                              summary->high[2] - summary->low[2]);
+}
+
+static void sum_up_geometry(const bat_mesh *mesh, const edge_groups *edges, bat_mesh_summary *summary)
+{
+    find_box(mesh, summary);
+    view seen = {.mesh = mesh, .scale = closest_scale(closest_largest(mesh->positions, 3 * mesh->vertex_count, 0))};
+    for (int k = 0; k < 3; k++)
+        seen.middle[k] = summary->low[k] * seen.scale / 2 + summary->high[k] * seen.scale / 2;
+    face_sums sums = {0};
+    summary->least_quality = summary->least_angle = INFINITY;
+    for (size_t f = 0; f < mesh->face_count; f++)
+        measure_face(&seen, f, &sums, summary);
+    summary->area = sum_total(&sums.area) / seen.scale / seen.scale;
+    summary->mean_quality = sum_total(&sums.quality) / (double)mesh->face_count;
+    bool has_volume = summary->closed && summary->oriented;
+    summary->volume = has_volume ? sum_total(&sums.volume) / seen.scale / seen.scale / seen.scale : NAN;
+    measure_edges(&seen, edges, summary);
+}
+
+bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, bat_error *error)
+{
+    bat_status status = bat_mesh_check(mesh, error);
+    if (status != BAT_OK)
+        return status;
+    topology made;
+    bat_mesh_summary sum = {.vertices = mesh->vertex_count, .faces = mesh->face_count};
+    status = topology_make(mesh, &made, error);
+    if (status == BAT_OK)
+    {
+        sum_up_topology(&made, &sum);
+        sum_up_geometry(mesh, &made.edges, &sum);
+        *summary = sum;
+    }
+    topology_free(&made);
+    return status;
+}

@@ -1,0 +1,170 @@
+#include "mesh/network/mesh_flap.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "mesh/refine/split.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Half-flaps of one mesh
+
+static uint32_t apex(const uint32_t *faces, uint32_t half_edge)
+{
+    return faces[bat_mesh_previous(half_edge)];
+}
+
+static mesh_flap flap_along(const uint32_t *faces, const bat_mesh_connectivity *connectivity, uint32_t half_edge)
+{
+    uint32_t twin = connectivity->twin[half_edge], k = apex(faces, half_edge);
+    bool whole = twin != BAT_MESH_NONE;
+    return (mesh_flap){{faces[half_edge], faces[bat_mesh_next(half_edge)], k, whole ? apex(faces, twin) : k},
+                       connectivity->edge[half_edge],
+                       whole ? MESH_FLAP_WHOLE : MESH_FLAP_NO_RIGHT};
+}
+
+/// The half-flap that runs against a boundary's half-edge, where there is no face to the left.
+static mesh_flap flap_against(const uint32_t *faces, const bat_mesh_connectivity *connectivity, uint32_t half_edge)
+{
+    uint32_t opposite = apex(faces, half_edge);
+    return (mesh_flap){{faces[bat_mesh_next(half_edge)], faces[half_edge], opposite, opposite},
+                       connectivity->edge[half_edge],
+                       MESH_FLAP_NO_LEFT};
+}
+
+/// Write the half-flaps that begin at a vertex; returns their number.
+static uint32_t flaps_around(const uint32_t *faces, const bat_mesh_connectivity *connectivity, size_t vertex,
+                             mesh_flap *flap)
+{
+    uint32_t first = connectivity->first[vertex], h = first, count = 0;
+    if (first == BAT_MESH_NONE)
+        return 0;
+    for (;;)
+    {
+        flap[count++] = flap_along(faces, connectivity, h);
+        uint32_t next = bat_mesh_next_around(connectivity, h);
+        if (next == BAT_MESH_NONE)
+            flap[count++] = flap_against(faces, connectivity, bat_mesh_previous(h));
+        if (next == BAT_MESH_NONE || next == first)
+            return count;
+        h = next;
+    }
+}
+
+static void find_pairs(mesh_flaps *flaps)
+{
+    memset(flaps->of_edge, 0xff, flaps->edge_count * sizeof *flaps->of_edge);
+    for (uint32_t f = 0; f < flaps->count; f++)
+    {
+        uint32_t *pair = flaps->of_edge[flaps->flap[f].edge];
+        pair[pair[0] == BAT_MESH_NONE ? 0 : 1] = f;
+    }
+}
+
+bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, mesh_flaps *flaps,
+                           bat_error *error)
+{
+    size_t vertices = connectivity->vertex_count, edges = connectivity->edge_count, count = 2 * edges;
+    mesh_flaps made = {.vertex_count = vertices,
+                       .edge_count = edges,
+                       .count = count,
+                       .flap = memory_array(count, sizeof *made.flap),
+                       .first = memory_array(vertices + 1, sizeof *made.first),
+                       .of_edge = memory_array(edges, sizeof *made.of_edge)};
+    if (made.flap == NULL || made.first == NULL || made.of_edge == NULL)
+    {
+        mesh_flaps_free(&made);
+        return error_memory(error, count * sizeof *made.flap);
+    }
+    made.first[0] = 0;
+    for (size_t v = 0; v < vertices; v++)
+        made.first[v + 1] = made.first[v] + flaps_around(faces, connectivity, v, made.flap + made.first[v]);
+    assert(made.first[vertices] == count);
+    find_pairs(&made);
+    *flaps = made;
+    return BAT_OK;
+}
+
+void mesh_flaps_free(mesh_flaps *flaps)
+{
+    free(flaps->flap);
+    free(flaps->first);
+    free(flaps->of_edge);
+    *flaps = (mesh_flaps){0};
+}
+
+// Levels
+
+/// Faces with their neighbours.
+typedef struct surface
+{
+    uint32_t *faces;
+    bat_mesh_connectivity links;
+} surface;
+
+static void surface_free(surface *s)
+{
+    free(s->faces);
+    bat_mesh_connectivity_free(&s->links);
+    s->faces = NULL;
+}
+
+/// Split every face in four.
+static bat_status split(const surface *coarse, int threads, surface *fine, bat_error *error)
+{
+    const bat_mesh_connectivity *links = &coarse->links;
+    if (links->face_count > BAT_MESH_MOST_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
+                         BAT_MESH_MOST_FACES);
+    size_t bytes = 12 * sizeof(uint32_t);
+    surface made = {.faces = memory_array(links->face_count, bytes)};
+    if (made.faces == NULL)
+        return error_memory(error, links->face_count * bytes);
+    bat_status status = split_links(links, threads, &made.links, error);
+    if (status != BAT_OK)
+    {
+        free(made.faces);
+        return status;
+    }
+    split_faces(coarse->faces, links, threads, made.faces);
+    *fine = made;
+    return BAT_OK;
+}
+
+bat_status mesh_levels_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, size_t count, int threads,
+                            mesh_levels *levels, bat_error *error)
+{
+    mesh_levels made = {.count = count, .level = calloc(count, sizeof *made.level)};
+    if (made.level == NULL)
+        return error_memory(error, count * sizeof *made.level);
+    surface now = {0};
+    bat_status status = mesh_flaps_make(faces, connectivity, &made.level[0], error);
+    for (size_t i = 1; i < count && status == BAT_OK; i++)
+    {
+        surface given = {(uint32_t *)(uintptr_t)faces, *connectivity}, next;
+        status = split(i == 1 ? &given : &now, threads, &next, error);
+        if (status != BAT_OK)
+            break;
+        surface_free(&now);
+        now = next;
+        status = mesh_flaps_make(now.faces, &now.links, &made.level[i], error);
+    }
+    surface_free(&now);
+    if (status != BAT_OK)
+    {
+        mesh_levels_free(&made);
+        return status;
+    }
+    made.vertex_count = made.level[count - 1].vertex_count + made.level[count - 1].edge_count;
+    *levels = made;
+    return BAT_OK;
+}
+
+void mesh_levels_free(mesh_levels *levels)
+{
+    for (size_t i = 0; i < levels->count && levels->level != NULL; i++)
+        mesh_flaps_free(&levels->level[i]);
+    free(levels->level);
+    *levels = (mesh_levels){0};
+}

@@ -1,0 +1,239 @@
+#include "mesh/refine/loop.h"
+
+#include "mesh/refine/sharpness.h"
+
+#include <math.h>
+
+// The rules of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners as Hoppe et
+// al., "Piecewise smooth surface reconstruction" (1994), except that an edge along a crease is always halved in its middle, so
+// that every crease is a cubic B-spline; semi-sharp ones blend the rules before and after as OpenSubdiv does.
+
+/// A vertex's rule: weights of the vertex, of each neighbour, and of two certain neighbours besides.
+typedef struct vertex_mask
+{
+    double own, ring, pair;
+    uint32_t ends[2];
+} vertex_mask;
+
+double loop_ring_weight(unsigned valence)
+{
+    enum
+    {
+        REGULAR = 6
+    };
+    if (valence == REGULAR)
+        return 1.0 / 16;
+    double root = 3.0 / 8 + cos(2 * 3.14159265358979323846 / valence) / 4;
+    return (5.0 / 8 - root * root) / valence;
+}
+
+static vertex_mask smooth_mask(unsigned valence)
+{
+    double ring = loop_ring_weight(valence);
+    return (vertex_mask){.own = 1 - valence * ring, .ring = ring};
+}
+
+static vertex_mask mask_of(const sharp_vertex *vertex, unsigned valence)
+{
+    if (vertex->kind == SHARP_CORNER)
+        return (vertex_mask){.own = 1};
+    if (vertex->kind == SHARP_CREASE)
+        return (vertex_mask){.own = 3.0 / 4, .pair = 1.0 / 8, .ends = {vertex->ends[0], vertex->ends[1]}};
+    return smooth_mask(valence);
+}
+
+static vertex_mask sharp_mask(const mesh_level *level, uint32_t vertex, unsigned valence)
+{
+    sharp_vertex now, after;
+    double fading;
+    sharpness_around(level, vertex, &now, &after, &fading);
+    vertex_mask mask = mask_of(&now, valence);
+    if (now.kind == after.kind || now.kind < SHARP_CREASE)
+        return mask;
+    // Sharpness only goes: at most one of the two is a crease, and what it has beside a corner's mask is its own pair.
+    vertex_mask other = mask_of(&after, valence);
+    mask.own = fading * mask.own + (1 - fading) * other.own;
+    mask.ring = fading * mask.ring + (1 - fading) * other.ring;
+    if (after.kind == SHARP_CREASE)
+    {
+        mask.ends[0] = other.ends[0];
+        mask.ends[1] = other.ends[1];
+    }
+    mask.pair = fading * mask.pair + (1 - fading) * other.pair;
+    return mask;
+}
+
+/// The vertex that a half-edge leads to: on the parent's level, to its edge's new vertex.
+static inline uint32_t neighbour_at(const mesh_level *level, uint32_t half_edge, bool in_parent)
+{
+    if (in_parent)
+        return (uint32_t)level->parent->links->vertex_count + level->parent->links->edge[half_edge];
+    return mesh_end(level->faces, half_edge);
+}
+
+/// The last neighbour of a boundary vertex, which no half-edge of its fan leads to.
+static inline uint32_t last_neighbour(const mesh_level *level, uint32_t last, bool in_parent)
+{
+    if (in_parent)
+        return neighbour_at(level, bat_mesh_previous(last), true);
+    return mesh_opposite(level->faces, last);
+}
+
+static inline void write_row(const mesh_rows *rows, uint32_t vertex, const vertex_mask *mask, size_t dim)
+{
+    const double *own = rows->from + vertex * dim, *p = rows->from + mask->ends[0] * dim,
+                 *q = rows->from + mask->ends[1] * dim;
+    double *restrict to = rows->to + vertex * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = mask->own * own[i] + mask->ring * to[i] + mask->pair * (p[i] + q[i]);
+}
+
+/// A vertex's row, whose neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's. Without faces
+/// it stays where it is.
+static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_parent, size_t dim)
+{
+    const mesh_level *level = rows->level;
+    const bat_mesh_connectivity *links = in_parent ? level->parent->links : level->links;
+    const double *own = rows->from + vertex * dim;
+    double *restrict to = rows->to + vertex * dim;
+    uint32_t first = links->first[vertex], h = first, last = first;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = first == BAT_MESH_NONE ? own[i] : 0;
+    if (first == BAT_MESH_NONE)
+        return;
+    unsigned valence = 0;
+    do
+    {
+        const double *neighbour = rows->from + neighbour_at(level, h, in_parent) * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] += neighbour[i];
+        valence++;
+        last = h;
+        h = bat_mesh_next_around(links, h);
+    } while (h != BAT_MESH_NONE && h != first);
+    vertex_mask mask;
+    if (level->edge_sharpness != NULL || level->vertex_sharpness != NULL)
+        mask = sharp_mask(level, vertex, valence);
+    else if (h == BAT_MESH_NONE)
+        mask = (vertex_mask){.own = 3.0 / 4,
+                             .pair = 1.0 / 8,
+                             .ends = {neighbour_at(level, first, in_parent), last_neighbour(level, last, in_parent)}};
+    else
+        mask = smooth_mask(valence);
+    write_row(rows, vertex, &mask, dim);
+}
+
+/// The row of a vertex that the parent's edge of a half-edge got, which is regular: its neighbours are the edge's ends and the new
+/// vertices of the other edges of both faces.
+static inline void middle_row(const mesh_rows *rows, uint32_t half_edge, size_t dim)
+{
+    const mesh_level *parent = rows->level->parent;
+    const uint32_t *edge = parent->links->edge;
+    uint32_t twin = parent->links->twin[half_edge], new_vertex = (uint32_t)parent->links->vertex_count;
+    uint32_t begin = parent->faces[half_edge], end = mesh_end(parent->faces, half_edge);
+    uint32_t vertex = new_vertex + edge[half_edge];
+    double *restrict to = rows->to + vertex * dim;
+    const double *a = rows->from + begin * dim, *b = rows->from + end * dim;
+    if (twin == BAT_MESH_NONE)
+    {
+        const double *own = rows->from + vertex * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
+        return;
+    }
+    const double *own = rows->from + vertex * dim, *c = rows->from + (new_vertex + edge[bat_mesh_next(half_edge)]) * dim,
+                 *d = rows->from + (new_vertex + edge[bat_mesh_previous(half_edge)]) * dim,
+                 *e = rows->from + (new_vertex + edge[bat_mesh_next(twin)]) * dim,
+                 *f = rows->from + (new_vertex + edge[bat_mesh_previous(twin)]) * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 5.0 / 8 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + (e[i] + f[i]));
+}
+
+static void vertex_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    for (size_t v = begin; v < end; v++)
+        if (rows->dim == 3)
+            vertex_row(rows, (uint32_t)v, false, 3);
+        else
+            vertex_row(rows, (uint32_t)v, false, rows->dim);
+}
+
+/// Vertices that the parent has, too.
+static void parent_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    for (size_t v = begin; v < end; v++)
+        if (rows->dim == 3)
+            vertex_row(rows, (uint32_t)v, true, 3);
+        else
+            vertex_row(rows, (uint32_t)v, true, rows->dim);
+}
+
+/// The vertices that some of the parent's faces got in their edges.
+static void middle_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    const uint32_t *twin = rows->level->parent->links->twin;
+    for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
+    {
+        if (!mesh_owns(twin, h))
+            continue;
+        if (rows->dim == 3)
+            middle_row(rows, h, 3);
+        else
+            middle_row(rows, h, rows->dim);
+    }
+}
+
+/// The new vertex of an edge: 3/8 of its ends and 1/8 of the opposite vertices, or its middle where it is sharp.
+static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, size_t dim)
+{
+    const mesh_level *level = rows->level;
+    const bat_mesh_connectivity *links = level->links;
+    uint32_t twin = links->twin[half_edge], edge = links->edge[half_edge];
+    const double *a = rows->from + level->faces[half_edge] * dim, *b = rows->from + mesh_end(level->faces, half_edge) * dim;
+    double *restrict to = rows->to + (links->vertex_count + edge) * dim;
+    double sharpness = level->edge_sharpness != NULL ? level->edge_sharpness[edge] : 0;
+    if (twin == BAT_MESH_NONE || sharpness >= 1)
+    {
+        for (size_t i = 0; i < dim; i++)
+            to[i] = 0.5 * (a[i] + b[i]);
+        return;
+    }
+    double opposite = (1 - sharpness) / 8, end = 0.5 - opposite;
+    const double *c = rows->from + mesh_opposite(level->faces, half_edge) * dim,
+                 *d = rows->from + mesh_opposite(level->faces, twin) * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = end * (a[i] + b[i]) + opposite * (c[i] + d[i]);
+}
+
+/// The new vertices of some faces' edges.
+static void edge_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    const uint32_t *twin = rows->level->links->twin;
+    for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
+    {
+        if (!mesh_owns(twin, h))
+            continue;
+        if (rows->dim == 3)
+            edge_row(rows, h, 3);
+        else
+            edge_row(rows, h, rows->dim);
+    }
+}
+
+void loop_rule(const mesh_rows *rows, int threads)
+{
+    const mesh_level *level = rows->level, *parent = level->parent;
+    bool smooth = level->edge_sharpness == NULL && level->vertex_sharpness == NULL;
+    if (parent != NULL && smooth)
+    {
+        mesh_share(parent_range, rows, parent->links->vertex_count, threads);
+        mesh_share(middle_range, rows, parent->links->face_count, threads);
+    }
+    else
+        mesh_share(vertex_range, rows, level->links->vertex_count, threads);
+    mesh_share(edge_range, rows, level->links->face_count, threads);
+}

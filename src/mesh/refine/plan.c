@@ -1,0 +1,127 @@
+#include "mesh/refine/plan.h"
+
+#include "base/error.h"
+
+#include <math.h>
+
+bat_mesh_refine_options bat_mesh_refine_defaults(void)
+{
+    return (bat_mesh_refine_options){.scheme = BAT_MESH_LOOP, .then = BAT_MESH_LOOP, .levels = 2};
+}
+
+/// The scheme that goes on for ever after the levels asked for.
+static bat_mesh_scheme last_scheme(const bat_mesh_refine_options *options)
+{
+    return options->scheme == BAT_MESH_LEARNED ? options->then : options->scheme;
+}
+
+static bat_status check_options(const bat_mesh_refine_options *options, bat_error *error)
+{
+    if (options->scheme < BAT_MESH_MIDPOINT || options->scheme > BAT_MESH_LEARNED)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no mesh scheme %d", (int)options->scheme);
+    if (!(options->crease_angle >= 0) || !isfinite(options->crease_angle))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the crease angle %g is not an angle of 0 or more",
+                         options->crease_angle);
+    if (options->scheme != BAT_MESH_LEARNED)
+        return BAT_OK;
+    if (options->rule == NULL || options->rule->levels == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the learned scheme needs a rule");
+    if (options->then != BAT_MESH_MIDPOINT && options->then != BAT_MESH_LOOP && options->then != BAT_MESH_BUTTERFLY)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "after learned levels only midpoint, Loop or butterfly can go on");
+    return BAT_OK;
+}
+
+static bat_status check_support(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_error *error)
+{
+    bat_mesh_scheme last = last_scheme(options);
+    if (options->crease_angle > 0 && last != BAT_MESH_LOOP)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only Loop's scheme makes creases");
+    if (last != BAT_MESH_SQRT3)
+        return BAT_OK;
+    if (options->limit)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "square-root-three subdivision has no limit positions here");
+    if (coarse->texture_faces != NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "square-root-three subdivision turns edges, which texture seams cannot survive");
+    if (coarse->crease_count > 0 || coarse->corner_count > 0)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "square-root-three subdivision turns edges, which creases cannot survive");
+    return BAT_OK;
+}
+
+bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error)
+{
+    bat_status status = check_options(options, error);
+    if (status == BAT_OK)
+        status = check_support(coarse, options, error);
+    if (status != BAT_OK)
+        return status;
+    *plan = (mesh_plan){.options = *options};
+    if (options->scheme == BAT_MESH_LEARNED)
+        plan->learned_levels = options->levels < options->rule->levels ? options->levels : options->rule->levels;
+    // The other schemes' vertices lie on their limit surfaces from the start.
+    plan->limit = options->limit && last_scheme(options) == BAT_MESH_LOOP;
+    return BAT_OK;
+}
+
+bat_mesh_scheme mesh_plan_scheme(const mesh_plan *plan, size_t level)
+{
+    return level < plan->learned_levels ? BAT_MESH_LEARNED : last_scheme(&plan->options);
+}
+
+/// How many of everything a mesh has.
+typedef struct mesh_size
+{
+    uint64_t vertices, edges, faces, boundary_edges;
+} mesh_size;
+
+static mesh_size size_of(const bat_mesh_connectivity *links)
+{
+    return (mesh_size){links->vertex_count, links->edge_count, links->face_count, links->boundary_edge_count};
+}
+
+static mesh_size size_of_split(mesh_size size)
+{
+    return (mesh_size){size.vertices + size.edges, 2 * size.edges + 3 * size.faces, 4 * size.faces, 2 * size.boundary_edges};
+}
+
+/// Of square-root-three subdivision, with or without boundary edges cut in three.
+static mesh_size size_of_turned(mesh_size size, bool cut)
+{
+    mesh_size made = {.vertices = size.vertices + size.faces + (cut ? size.boundary_edges : 0),
+                      .faces = 3 * size.faces,
+                      .boundary_edges = (cut ? 3 : 1) * size.boundary_edges};
+    made.edges = (3 * made.faces + made.boundary_edges) / 2;
+    return made;
+}
+
+static bool is_numbered(mesh_size size)
+{
+    return size.faces <= BAT_MESH_MOST_FACES && size.vertices < BAT_MESH_NONE;
+}
+
+bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const bat_mesh_connectivity *links,
+                                const bat_mesh_connectivity *texture_links, bat_error *error)
+{
+    mesh_size mesh = size_of(links), texture = size_of(texture_links);
+    for (size_t level = 0; level < plan->options.levels; level++)
+    {
+        bool turned = mesh_plan_scheme(plan, level) == BAT_MESH_SQRT3;
+        mesh = turned ? size_of_turned(mesh, level % 2 == 1) : size_of_split(mesh);
+        texture = size_of_split(texture);
+        if (!is_numbered(mesh) || !is_numbered(texture))
+            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                             "level %zu of %zu has more faces or vertices than 32-bit indices can number: the mesh has %zu "
+                             "faces already",
+                             level + 1, plan->options.levels, coarse->face_count);
+    }
+    return BAT_OK;
+}
+
+double mesh_plan_share(const mesh_plan *plan, size_t level)
+{
+    double growth = plan->options.scheme == BAT_MESH_SQRT3 ? 3 : 4;
+    return (pow(growth, (double)level) - 1) / (pow(growth, (double)plan->options.levels) - 1);
+}

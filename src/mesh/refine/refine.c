@@ -1,0 +1,394 @@
+#include "batten/mesh_refine.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "mesh/refine/loop.h"
+#include "mesh/refine/plan.h"
+#include "mesh/refine/seams.h"
+#include "mesh/refine/sharpness.h"
+#include "mesh/refine/split.h"
+#include "mesh/refine/sqrt3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// A mesh with what is known of it on the way.
+typedef struct stage
+{
+    bat_mesh mesh; ///< without channel names, creases and corners
+    bat_mesh_connectivity links;
+    bool borrowed; ///< the arrays of both live elsewhere
+    bat_mesh_connectivity texture_links;
+    double *edge_sharpness; ///< null: no edge is sharp
+} stage;
+
+/// A refinement at work.
+typedef struct refinement
+{
+    const bat_mesh *coarse;
+    const mesh_plan *plan;
+    const bat_mesh_connectivity *links; ///< of the coarse mesh
+    stage now;
+    stage before;             ///< of the level before, where it was split: faces and links only
+    mesh_level parent;        ///< the same as rules see it
+    double *vertex_sharpness; ///< one a coarse vertex; null: none is sharp
+    uint32_t *irregular;      ///< one a coarse vertex
+    size_t *fallback;
+} refinement;
+
+static void stage_free(stage *held)
+{
+    if (!held->borrowed)
+    {
+        bat_mesh_free(&held->mesh);
+        bat_mesh_connectivity_free(&held->links);
+    }
+    bat_mesh_connectivity_free(&held->texture_links);
+    free(held->edge_sharpness);
+}
+
+static mesh_level level_of(const refinement *work)
+{
+    return (mesh_level){.faces = work->now.mesh.faces,
+                        .links = &work->now.links,
+                        .edge_sharpness = work->now.edge_sharpness,
+                        .vertex_sharpness = work->vertex_sharpness,
+                        .irregular = work->irregular,
+                        .coarse_count = work->coarse->vertex_count,
+                        .parent = work->parent.faces != NULL ? &work->parent : NULL};
+}
+
+/// Find for every vertex of the coarse mesh its number of faces, or 0 where that is 6, or 3 at a boundary.
+static bat_status find_irregular(refinement *work, bat_error *error)
+{
+    enum
+    {
+        REGULAR = 6,
+        REGULAR_AT_BOUNDARY = 3
+    };
+    const bat_mesh *coarse = work->coarse;
+    uint32_t *irregular = memory_array(coarse->vertex_count, sizeof *irregular);
+    work->irregular = irregular;
+    if (irregular == NULL)
+        return error_memory(error, coarse->vertex_count * sizeof *irregular);
+    memset(irregular, 0, coarse->vertex_count * sizeof *irregular);
+    for (size_t i = 0; i < 3 * coarse->face_count; i++)
+        irregular[coarse->faces[i]]++;
+    for (size_t v = 0; v < coarse->vertex_count; v++)
+    {
+        uint32_t first = work->links->first[v];
+        bool boundary = first != BAT_MESH_NONE && mesh_at_boundary(work->links, first);
+        if (irregular[v] == (boundary ? REGULAR_AT_BOUNDARY : REGULAR))
+            irregular[v] = 0;
+    }
+    return BAT_OK;
+}
+
+static mesh_rule *rule_of(bat_mesh_scheme scheme)
+{
+    if (scheme == BAT_MESH_LOOP)
+        return loop_rule;
+    return scheme == BAT_MESH_BUTTERFLY ? butterfly_rule : midpoint_rule;
+}
+
+/// Carry rows of numbers at the vertices to the next level.
+static bat_status refine_rows(const refinement *work, mesh_rule *rule, const double *from, size_t dim, size_t fine_count,
+                              double **to, bat_error *error)
+{
+    *to = memory_array(fine_count, dim * sizeof **to);
+    if (*to == NULL)
+        return error_memory(error, fine_count * dim * sizeof **to);
+    mesh_level level = level_of(work);
+    mesh_rows rows = {&level, from, *to, dim};
+    rule(&rows, work->plan->options.threads);
+    return BAT_OK;
+}
+
+/// Split the texture: its own mesh over the same faces, with seams for boundaries and new coordinates in the middle of edges.
+static bat_status split_texture(const refinement *work, bool last, stage *next, bat_error *error)
+{
+    const stage *now = &work->now;
+    int threads = work->plan->options.threads;
+    const bat_mesh_connectivity *links = &now->texture_links;
+    size_t count = links->vertex_count + links->edge_count;
+    next->mesh.texture_count = count;
+    next->mesh.texture = memory_array(count, 2 * sizeof *next->mesh.texture);
+    next->mesh.texture_faces = memory_array(next->mesh.face_count, 3 * sizeof *next->mesh.texture_faces);
+    if (next->mesh.texture == NULL || next->mesh.texture_faces == NULL)
+        return error_memory(error, next->mesh.face_count * 3 * sizeof *next->mesh.texture_faces);
+    mesh_level level = {.faces = now->mesh.texture_faces, .links = links};
+    mesh_rows rows = {&level, now->mesh.texture, next->mesh.texture, 2};
+    midpoint_rule(&rows, threads);
+    split_faces(now->mesh.texture_faces, links, threads, next->mesh.texture_faces);
+    return last ? BAT_OK : split_links(links, threads, &next->texture_links, error);
+}
+
+/// Split faces, texture and sharpness; `last` spares what only a further level would need.
+static bat_status split_stage(const refinement *work, bool last, stage *next, bat_error *error)
+{
+    const stage *now = &work->now;
+    int threads = work->plan->options.threads;
+    next->mesh.face_count = 4 * now->mesh.face_count;
+    next->mesh.faces = memory_array(next->mesh.face_count, 3 * sizeof *next->mesh.faces);
+    if (next->mesh.faces == NULL)
+        return error_memory(error, next->mesh.face_count * 3 * sizeof *next->mesh.faces);
+    split_faces(now->mesh.faces, &now->links, threads, next->mesh.faces);
+    bat_status status = BAT_OK;
+    if (now->mesh.texture_faces != NULL)
+        status = split_texture(work, last, next, error);
+    if (status == BAT_OK && (!last || work->plan->limit))
+        status = split_links(&now->links, threads, &next->links, error);
+    if (status == BAT_OK && now->edge_sharpness != NULL && next->links.edge != NULL)
+        status = sharpness_split(now->edge_sharpness, &now->links, &next->links, &next->edge_sharpness, error);
+    if (status == BAT_OK && last)
+    {
+        mesh_level level = level_of(work);
+        status = sharpness_write(&level, &next->mesh, error);
+    }
+    return status;
+}
+
+/// One level of a scheme that splits faces in four. A learned level leaves positions to learn_positions(), and channels are
+/// halved along edges there.
+static bat_status four_step(const refinement *work, bat_mesh_scheme scheme, bool last, stage *next, bat_error *error)
+{
+    const bat_mesh *mesh = &work->now.mesh;
+    mesh_rule *rule = rule_of(scheme);
+    size_t count = work->now.links.vertex_count + work->now.links.edge_count;
+    next->mesh.vertex_count = count;
+    bat_status status = BAT_OK;
+    if (scheme != BAT_MESH_LEARNED)
+        status = refine_rows(work, rule, mesh->positions, 3, count, &next->mesh.positions, error);
+    if (status == BAT_OK && mesh->channel_count > 0)
+        status = refine_rows(work, rule, mesh->channels, mesh->channel_count, count, &next->mesh.channels, error);
+    return status == BAT_OK ? split_stage(work, last, next, error) : status;
+}
+
+/// One level of square-root-three subdivision, number `level`.
+static bat_status sqrt3_step(const refinement *work, size_t level, bool last, stage *next, bat_error *error)
+{
+    const bat_mesh *mesh = &work->now.mesh;
+    int threads = work->plan->options.threads;
+    size_t channels = mesh->channel_count;
+    sqrt3_plan plan;
+    bat_status status = sqrt3_plan_make(mesh->faces, &work->now.links, level % 2 == 1, &plan, error);
+    if (status != BAT_OK)
+        return status;
+    next->mesh.vertex_count = plan.vertex_count;
+    next->mesh.face_count = 3 * mesh->face_count;
+    next->mesh.positions = memory_array(plan.vertex_count, 3 * sizeof *next->mesh.positions);
+    next->mesh.faces = memory_array(next->mesh.face_count, 3 * sizeof *next->mesh.faces);
+    if (channels > 0)
+        next->mesh.channels = memory_array(plan.vertex_count, channels * sizeof *next->mesh.channels);
+    if (next->mesh.positions == NULL || next->mesh.faces == NULL || (channels > 0 && next->mesh.channels == NULL))
+        status = error_memory(error, next->mesh.face_count * 3 * sizeof *next->mesh.faces);
+    else
+    {
+        sqrt3_rule(&plan, mesh->positions, next->mesh.positions, 3, threads);
+        if (channels > 0)
+            sqrt3_rule(&plan, mesh->channels, next->mesh.channels, channels, threads);
+        sqrt3_faces(&plan, threads, next->mesh.faces);
+    }
+    sqrt3_plan_free(&plan);
+    if (status == BAT_OK && !last)
+        status = bat_mesh_connect(&next->mesh, &next->links, error);
+    return status;
+}
+
+/// Have the learned rule place all vertices of `next`, the last of the levels that are its own.
+static bat_status learn_positions(const refinement *work, stage *next, bat_error *error)
+{
+    const bat_mesh_refine_options *options = &work->plan->options;
+    bat_mesh *mesh = &next->mesh;
+    mesh->positions = memory_array(mesh->vertex_count, 3 * sizeof *mesh->positions);
+    if (mesh->positions == NULL)
+        return error_memory(error, mesh->vertex_count * 3 * sizeof *mesh->positions);
+    bat_mesh view = {.positions = mesh->positions,
+                     .faces = mesh->faces,
+                     .vertex_count = mesh->vertex_count,
+                     .face_count = mesh->face_count};
+    return options->rule->refine(options->rule, work->coarse, work->links, work->plan->learned_levels, options->threads,
+                                 &view, work->fallback, error);
+}
+
+/// A level takes 1 from the sharpness of corners.
+static void wear_corners(refinement *work)
+{
+    for (size_t v = 0; work->vertex_sharpness != NULL && v < work->coarse->vertex_count; v++)
+        work->vertex_sharpness[v] = sharpness_after_level(work->vertex_sharpness[v]);
+}
+
+/// Let `next` be the level at work, and keep of the one before what the next step looks at, if wanted.
+static void go_on(refinement *work, stage *next, bool keep)
+{
+    stage *before = &work->before;
+    stage_free(before);
+    *before = work->now;
+    work->now = *next;
+    work->parent = (mesh_level){0};
+    if (!keep)
+    {
+        stage_free(before);
+        *before = (stage){0};
+        return;
+    }
+    free(before->edge_sharpness);
+    bat_mesh_connectivity_free(&before->texture_links);
+    before->edge_sharpness = NULL;
+    if (!before->borrowed)
+    {
+        bat_mesh kept = {.faces = before->mesh.faces, .face_count = before->mesh.face_count};
+        before->mesh.faces = NULL;
+        bat_mesh_free(&before->mesh);
+        before->mesh = kept;
+    }
+    work->parent.faces = before->mesh.faces;
+    work->parent.links = &before->links;
+}
+
+static bat_status step(refinement *work, size_t level, bat_error *error)
+{
+    const mesh_plan *plan = work->plan;
+    bat_mesh_scheme scheme = mesh_plan_scheme(plan, level);
+    bool last = level + 1 == plan->options.levels;
+    stage next = {.mesh.channel_count = work->coarse->channel_count};
+    bat_status status =
+        scheme == BAT_MESH_SQRT3 ? sqrt3_step(work, level, last, &next, error) : four_step(work, scheme, last, &next, error);
+    if (status == BAT_OK && level + 1 == plan->learned_levels)
+        status = learn_positions(work, &next, error);
+    if (status != BAT_OK)
+    {
+        stage_free(&next);
+        return status;
+    }
+    wear_corners(work);
+    go_on(work, &next, scheme != BAT_MESH_SQRT3 && !last);
+    return BAT_OK;
+}
+
+/// Move the vertices of the last level onto the limit surface.
+static bat_status move_to_limit(refinement *work, bat_error *error)
+{
+    bat_mesh *mesh = &work->now.mesh;
+    double *moved = memory_array(mesh->vertex_count, 3 * sizeof *moved);
+    if (moved == NULL)
+        return error_memory(error, mesh->vertex_count * 3 * sizeof *moved);
+    mesh_level level = level_of(work);
+    mesh_rows rows = {&level, mesh->positions, moved, 3};
+    loop_limit(&rows, work->plan->options.threads);
+    free(mesh->positions);
+    mesh->positions = moved;
+    return BAT_OK;
+}
+
+static bat_status prepare(refinement *work, bat_error *error)
+{
+    const bat_mesh *coarse = work->coarse;
+    bat_status status =
+        sharpness_of_edges(coarse, &work->now.links, work->plan->options.crease_angle, &work->now.edge_sharpness, error);
+    if (status == BAT_OK)
+        status = sharpness_of_vertices(coarse, &work->vertex_sharpness, error);
+    if (status == BAT_OK && coarse->texture_faces != NULL)
+        status = seams_connect(coarse, work->links, &work->now.texture_links, error);
+    if (status == BAT_OK)
+        status = mesh_plan_check_size(work->plan, coarse, work->links, &work->now.texture_links, error);
+    return status == BAT_OK ? find_irregular(work, error) : status;
+}
+
+static bat_status run_levels(refinement *work, bat_error *error)
+{
+    const bat_progress *progress = &work->plan->options.progress;
+    bat_status status = BAT_OK;
+    for (size_t level = 0; level < work->plan->options.levels && status == BAT_OK; level++)
+    {
+        if (progress->report != NULL && !progress->report(progress->context, mesh_plan_share(work->plan, level)))
+            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "refinement was stopped");
+        status = step(work, level, error);
+    }
+    if (status == BAT_OK && work->plan->limit)
+        status = move_to_limit(work, error);
+    if (status == BAT_OK && progress->report != NULL)
+        (void)progress->report(progress->context, 1);
+    return status;
+}
+
+static bat_status copy_names(const bat_mesh *coarse, bat_mesh *fine, bat_error *error)
+{
+    bat_mesh names = {.channel_names = coarse->channel_names, .channel_count = coarse->channel_count}, copy;
+    bat_status status = bat_mesh_copy(&names, &copy, error);
+    if (status == BAT_OK)
+        fine->channel_names = copy.channel_names;
+    return status;
+}
+
+/// Refine a mesh whose neighbours are known.
+static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
+                                   bat_mesh *fine, size_t *fallback, bat_error *error)
+{
+    refinement work = {.coarse = coarse,
+                       .plan = plan,
+                       .links = links,
+                       .now = {.mesh = *coarse, .links = *links, .borrowed = true},
+                       .fallback = fallback};
+    bat_status status = prepare(&work, error);
+    if (status == BAT_OK)
+        status = run_levels(&work, error);
+    if (status == BAT_OK)
+        status = copy_names(coarse, &work.now.mesh, error);
+    if (status == BAT_OK)
+    {
+        *fine = work.now.mesh;
+        work.now.mesh = (bat_mesh){0};
+    }
+    stage_free(&work.now);
+    stage_free(&work.before);
+    free(work.vertex_sharpness);
+    free(work.irregular);
+    return status;
+}
+
+/// No levels: a copy, on the limit surface where that is asked for.
+static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
+                              bat_mesh *fine, bat_error *error)
+{
+    refinement work = {.coarse = coarse, .plan = plan, .links = links, .now = {.links = *links, .borrowed = true}};
+    bat_status status = prepare(&work, error);
+    if (status == BAT_OK)
+        status = bat_mesh_copy(coarse, &work.now.mesh, error);
+    if (status == BAT_OK && plan->limit)
+        status = move_to_limit(&work, error);
+    if (status == BAT_OK)
+        *fine = work.now.mesh;
+    else
+        bat_mesh_free(&work.now.mesh);
+    bat_mesh_connectivity_free(&work.now.texture_links);
+    free(work.now.edge_sharpness);
+    free(work.vertex_sharpness);
+    free(work.irregular);
+    return status;
+}
+
+bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
+                           bat_error *error)
+{
+    mesh_plan plan;
+    size_t fallbacks = 0;
+    bat_mesh made = {0};
+    bat_mesh_connectivity links = {0};
+    bat_status status = bat_mesh_check(coarse, error);
+    if (status == BAT_OK)
+        status = mesh_plan_make(coarse, options, &plan, error);
+    if (status == BAT_OK)
+        status = bat_mesh_connect(coarse, &links, error);
+    if (status == BAT_OK && options->levels > 0)
+        status = refine_connected(coarse, &links, &plan, &made, &fallbacks, error);
+    else if (status == BAT_OK)
+        status = refine_copy(coarse, &links, &plan, &made, error);
+    bat_mesh_connectivity_free(&links);
+    if (status != BAT_OK)
+        return status;
+    *fine = made;
+    if (fallback != NULL)
+        *fallback = fallbacks;
+    return BAT_OK;
+}

@@ -1,0 +1,196 @@
+#include "mesh/refine/sqrt3.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double PI = 3.14159265358979323846;
+
+/// The boundary half-edge of a face that is to be cut in three; BAT_MESH_NONE for a face that gets a vertex inside.
+static uint32_t cut_edge(const sqrt3_plan *plan, uint32_t face)
+{
+    for (uint32_t h = 3 * face; plan->cut && h < 3 * face + 3; h++)
+        if (mesh_at_boundary(plan->links, h))
+            return h;
+    return BAT_MESH_NONE;
+}
+
+bat_status sqrt3_plan_make(const uint32_t *faces, const bat_mesh_connectivity *links, bool cut, sqrt3_plan *plan,
+                           bat_error *error)
+{
+    *plan = (sqrt3_plan){.faces = faces, .links = links, .cut = cut};
+    plan->new_vertex = memory_array(links->face_count, sizeof *plan->new_vertex);
+    if (plan->new_vertex == NULL)
+        return error_memory(error, links->face_count * sizeof *plan->new_vertex);
+    size_t next = links->vertex_count;
+    for (uint32_t f = 0; f < links->face_count; f++)
+    {
+        plan->new_vertex[f] = (uint32_t)next;
+        next += cut_edge(plan, f) == BAT_MESH_NONE ? 1 : 2;
+    }
+    plan->vertex_count = next;
+    return BAT_OK;
+}
+
+void sqrt3_plan_free(sqrt3_plan *plan)
+{
+    free(plan->new_vertex);
+    *plan = (sqrt3_plan){0};
+}
+
+/// The new vertex that a half-edge's face gives to its turned edge.
+static uint32_t new_vertex_beside(const sqrt3_plan *plan, uint32_t half_edge)
+{
+    uint32_t made = plan->new_vertex[half_edge / 3], cut = cut_edge(plan, half_edge / 3);
+    return cut != BAT_MESH_NONE && half_edge == bat_mesh_next(cut) ? made + 1 : made;
+}
+
+typedef struct faces_job
+{
+    const sqrt3_plan *plan;
+    uint32_t *fine;
+} faces_job;
+
+static void faces_range(const void *context, size_t begin, size_t end)
+{
+    const faces_job *job = context;
+    const sqrt3_plan *plan = job->plan;
+    for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
+    {
+        uint32_t *corner = job->fine + 3 * (size_t)h, twin = plan->links->twin[h], beside = new_vertex_beside(plan, h);
+        corner[0] = plan->faces[h];
+        corner[2] = beside;
+        if (twin != BAT_MESH_NONE)
+            corner[1] = new_vertex_beside(plan, twin);
+        else if (!plan->cut)
+            corner[1] = mesh_end(plan->faces, h);
+        else
+        {
+            corner[0] = beside;
+            corner[1] = beside + 1;
+            corner[2] = mesh_opposite(plan->faces, h);
+        }
+    }
+}
+
+void sqrt3_faces(const sqrt3_plan *plan, int threads, uint32_t *fine)
+{
+    faces_job job = {plan, fine};
+    mesh_share(faces_range, &job, plan->links->face_count, threads);
+}
+
+typedef struct rows_job
+{
+    const sqrt3_plan *plan;
+    const double *from;
+    double *to;
+    size_t dim;
+} rows_job;
+
+/// The vertices before and after a boundary half-edge on the boundary.
+static void boundary_around(const sqrt3_plan *plan, uint32_t half_edge, uint32_t *before, uint32_t *after)
+{
+    uint32_t last = half_edge;
+    for (uint32_t h = half_edge; h != BAT_MESH_NONE; h = bat_mesh_next_around(plan->links, h))
+        last = h;
+    *before = mesh_opposite(plan->faces, last);
+    *after = mesh_end(plan->faces, plan->links->first[mesh_end(plan->faces, half_edge)]);
+}
+
+/// A vertex on the boundary, which a cut moves as it moves a cubic spline's.
+static void boundary_row(const rows_job *job, uint32_t vertex)
+{
+    const sqrt3_plan *plan = job->plan;
+    uint32_t first = plan->links->first[vertex], before, after;
+    boundary_around(plan, first, &before, &after);
+    const double *own = job->from + vertex * job->dim, *p = job->from + before * job->dim,
+                 *q = job->from + mesh_end(plan->faces, first) * job->dim;
+    for (size_t i = 0; i < job->dim; i++)
+        job->to[vertex * job->dim + i] = plan->cut ? (4 * (p[i] + q[i]) + 19 * own[i]) / 27 : own[i];
+}
+
+/// A vertex inside.
+static void inner_row(const rows_job *job, uint32_t vertex)
+{
+    const sqrt3_plan *plan = job->plan;
+    size_t dim = job->dim;
+    const double *own = job->from + vertex * dim;
+    double *restrict to = job->to + vertex * dim;
+    uint32_t first = plan->links->first[vertex], h = first;
+    unsigned valence = 0;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 0;
+    do
+    {
+        const double *neighbour = job->from + mesh_end(plan->faces, h) * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] += neighbour[i];
+        valence++;
+        h = bat_mesh_next_around(plan->links, h);
+    } while (h != first);
+    double share = (4 - 2 * cos(2 * PI / valence)) / 9;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = (1 - share) * own[i] + share / valence * to[i];
+}
+
+static void vertex_range(const void *context, size_t begin, size_t end)
+{
+    const rows_job *job = context;
+    const bat_mesh_connectivity *links = job->plan->links;
+    for (uint32_t v = (uint32_t)begin; v < end; v++)
+    {
+        if (links->first[v] == BAT_MESH_NONE)
+            for (size_t i = 0; i < job->dim; i++)
+                job->to[v * job->dim + i] = job->from[v * job->dim + i];
+        else if (mesh_at_boundary(links, links->first[v]))
+            boundary_row(job, v);
+        else
+            inner_row(job, v);
+    }
+}
+
+/// The two vertices that cut a boundary edge.
+static void cut_rows(const rows_job *job, uint32_t half_edge)
+{
+    const sqrt3_plan *plan = job->plan;
+    size_t dim = job->dim;
+    uint32_t before, after, made = plan->new_vertex[half_edge / 3];
+    boundary_around(plan, half_edge, &before, &after);
+    const double *p = job->from + before * dim, *a = job->from + plan->faces[half_edge] * dim,
+                 *b = job->from + mesh_end(plan->faces, half_edge) * dim, *q = job->from + after * dim;
+    double *to = job->to + made * dim;
+    for (size_t i = 0; i < dim; i++)
+    {
+        to[i] = (p[i] + 16 * a[i] + 10 * b[i]) / 27;
+        to[dim + i] = (10 * a[i] + 16 * b[i] + q[i]) / 27;
+    }
+}
+
+static void face_range(const void *context, size_t begin, size_t end)
+{
+    const rows_job *job = context;
+    const sqrt3_plan *plan = job->plan;
+    size_t dim = job->dim;
+    for (uint32_t f = (uint32_t)begin; f < end; f++)
+    {
+        uint32_t cut = cut_edge(plan, f);
+        if (cut != BAT_MESH_NONE)
+        {
+            cut_rows(job, cut);
+            continue;
+        }
+        const uint32_t *corner = plan->faces + 3 * (size_t)f;
+        const double *a = job->from + corner[0] * dim, *b = job->from + corner[1] * dim, *c = job->from + corner[2] * dim;
+        for (size_t i = 0; i < dim; i++)
+            job->to[plan->new_vertex[f] * dim + i] = (a[i] + b[i] + c[i]) / 3;
+    }
+}
+
+void sqrt3_rule(const sqrt3_plan *plan, const double *from, double *to, size_t dim, int threads)
+{
+    rows_job job = {plan, from, to, dim};
+    mesh_share(vertex_range, &job, plan->links->vertex_count, threads);
+    mesh_share(face_range, &job, plan->links->face_count, threads);
+}

@@ -1,0 +1,204 @@
+#include "motion/hermite_average.h"
+
+#include "space/known.h"
+
+#include <math.h>
+#include <string.h>
+
+static void scale_into(size_t n, double factor, const double *vector, double *scaled)
+{
+    for (size_t i = 0; i < n; i++)
+        scaled[i] = factor * vector[i];
+}
+
+/// Cut one block into vectors of n numbers. Arrays of their own, each as long as the longest vector, would all lie in the same
+/// lines of the cache.
+static void lay_out(double *block, size_t n, size_t count, double **vectors)
+{
+    for (size_t i = 0; i < count; i++)
+        vectors[i] = block + i * n;
+}
+
+static size_t widest(const bat_space *space)
+{
+    return space->point_dim > space->tangent_dim ? space->point_dim : space->tangent_dim;
+}
+
+/// The length of a tangent vector at p, which leads to q. Where its square may have lost digits the distance says it better.
+static double length_of_log(const bat_space *space, const double *p, const double *q, const double *log)
+{
+    const double least = 1e-280, most = 1e280;
+    double squared = space->inner(space, p, log, log);
+    return squared > least && squared < most ? sqrt(squared) : space->distance(space, p, q);
+}
+
+/// |u + sign v| for tangent vectors at p.
+static double length_of_sum(const bat_space *space, const double *p, const double *u, const double *v, double sign)
+{
+    double sum[BAT_SPACE_MAX_DIM];
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        sum[i] = u[i] + sign * v[i];
+    return sqrt(fmax(space->inner(space, p, sum, sum), 0));
+}
+
+/// Sine and cosine of half the angle between two unit vectors at a point, by the lengths of difference and sum, which is
+/// accurate for small angles, too.
+static void half_angle(const bat_space *space, const double *point, const double *u, const double *v, double *sine,
+                       double *cosine)
+{
+    *sine = 0.5 * length_of_sum(space, point, u, v, -1);
+    *cosine = 0.5 * length_of_sum(space, point, u, v, 1);
+}
+
+bat_status hermite_edge_measure(const bat_space *space, const double *p0, const double *v0, const double *p1,
+                                const double *v1, hermite_edge *edge)
+{
+    const double least_cosine = cos(0.5 * BAT_HERMITE_ANGLE_LIMIT);
+    double block[2 * BAT_SPACE_MAX_DIM], *along[2], sine[2], cosine[2];
+    size_t n = space->tangent_dim;
+    lay_out(block, n, 2, along);
+    *edge = (hermite_edge){0};
+    bat_status status = space->log(space, p0, p1, along[0]);
+    if (status == BAT_OK)
+        status = space->log(space, p1, p0, along[1]);
+    if (status != BAT_OK)
+        return status;
+    edge->length = length_of_log(space, p0, p1, along[0]);
+    if (!(edge->length > 0))
+        return BAT_INVALID_POINT;
+    scale_into(n, 1 / edge->length, along[0], along[0]);
+    scale_into(n, -1 / edge->length, along[1], along[1]);
+    half_angle(space, p0, v0, along[0], &sine[0], &cosine[0]);
+    half_angle(space, p1, v1, along[1], &sine[1], &cosine[1]);
+    edge->half_turn_cosine = cosine[0] * cosine[1] - sine[0] * sine[1];
+    // 3 cos^2(x / 4) = 3 (1 + cos(x / 2)) / 2
+    edge->reach = 2 * edge->length / (3 * (1 + edge->half_turn_cosine));
+    return edge->half_turn_cosine >= least_cosine ? BAT_OK : BAT_INVALID_POINT;
+}
+
+/// The first round's outer points lie on the geodesics that make the inner control points, so that only its middle point asks
+/// for a logarithm.
+bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
+                              double weight, double *before, double *after)
+{
+    size_t n = space->tangent_dim;
+    double block[6 * BAT_SPACE_MAX_DIM], *vectors[6];
+    lay_out(block, widest(space), 6, vectors);
+    double *tangent = vectors[0], **control = vectors + 1, **first = vectors + 3;
+    bat_status status = space->exp(space, p0, u0, control[0]);
+    scale_into(n, -1, u1, tangent);
+    if (status == BAT_OK)
+        status = space->exp(space, p1, tangent, control[1]);
+    scale_into(n, weight, u0, tangent);
+    if (status == BAT_OK)
+        status = space->exp(space, p0, tangent, first[0]);
+    scale_into(n, weight - 1, u1, tangent);
+    if (status == BAT_OK)
+        status = space->exp(space, p1, tangent, first[2]);
+    if (status == BAT_OK)
+        status = bat_space_geodesic(space, control[0], control[1], weight, first[1]);
+    if (status == BAT_OK)
+        status = bat_space_geodesic(space, first[0], first[1], weight, before);
+    if (status == BAT_OK)
+        status = bat_space_geodesic(space, first[1], first[2], weight, after);
+    return status;
+}
+
+/// The point at share `weight` of the geodesic from a to b, and the unit velocity there: the way on to b, or back to a where that
+/// is farther. Step 7 of algorithm 3 always looks to b, however near, and loses digits.
+static bat_status last_geodesic(const bat_space *space, const double *a, const double *b, double weight, double *point,
+                                double *direction)
+{
+    bool onward = weight <= 0.5;
+    const double *end = onward ? b : a;
+    bat_status status = bat_space_geodesic(space, a, b, weight, point);
+    if (status == BAT_OK)
+        status = space->log(space, point, end, direction);
+    if (status != BAT_OK)
+        return status;
+    double length = length_of_log(space, point, end, direction);
+    scale_into(space->tangent_dim, (onward ? 1 : -1) / length, direction, direction);
+    // Where squares lose digits the length was the distance; make the vector's own length 1.
+    double unit = sqrt(space->inner(space, point, direction, direction));
+    scale_into(space->tangent_dim, 1 / unit, direction, direction);
+    return isfinite(unit) && unit > 0 ? BAT_OK : BAT_INVALID_POINT;
+}
+
+static bool are_equal(size_t n, const double *u, const double *v)
+{
+    for (size_t i = 0; i < n; i++)
+        if (u[i] != v[i])
+            return false;
+    return true;
+}
+
+static void copy_pair(const bat_space *space, const double *p, const double *v, double *point, double *direction)
+{
+    memcpy(point, p, space->point_dim * sizeof *point);
+    memcpy(direction, v, space->tangent_dim * sizeof *direction);
+}
+
+/// bat_hermite_average() of points that do not coincide.
+static bat_status average_distinct(const bat_space *space, const double *p0, const double *v0, const double *p1,
+                                   const double *v1, double weight, double *point, double *direction)
+{
+    double block[4 * BAT_SPACE_MAX_DIM], *vectors[4];
+    hermite_edge edge;
+    bat_status status = hermite_edge_measure(space, p0, v0, p1, v1, &edge);
+    if (status != BAT_OK)
+        return status;
+    lay_out(block, widest(space), 4, vectors);
+    double **u = vectors, **ends = vectors + 2;
+    scale_into(space->tangent_dim, edge.reach, v0, u[0]);
+    scale_into(space->tangent_dim, edge.reach, v1, u[1]);
+    status = hermite_cubic_ends(space, p0, u[0], p1, u[1], weight, ends[0], ends[1]);
+    return status == BAT_OK ? last_geodesic(space, ends[0], ends[1], weight, point, direction) : status;
+}
+
+bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
+                               const double *v1, double weight, double *point, double *direction)
+{
+    hermite_edge edge;
+    bool coincide = space->distance(space, p0, p1) == 0 && are_equal(space->tangent_dim, v0, v1);
+    if (weight != 0 && weight != 1 && !coincide)
+        return average_distinct(space, p0, v0, p1, v1, weight, point, direction);
+    bat_status status = coincide ? BAT_OK : hermite_edge_measure(space, p0, v0, p1, v1, &edge);
+    if (status == BAT_OK)
+        copy_pair(space, weight == 1 ? p1 : p0, weight == 1 ? v1 : v0, point, direction);
+    return status;
+}
+
+bat_status hermite_average_row(const refine_kernel *kernel, const double *a, const double *b, double *average)
+{
+    const bat_space *space = kernel->space;
+    size_t n = space->point_dim, width = n + space->tangent_dim;
+    double made[2 * BAT_SPACE_MAX_DIM];
+    bat_status status = average_distinct(space, a, a + n, b, b + n, 0.5, made, made + n);
+    if (width < kernel->dim)
+        average[width] = 0.5 * (a[width] + b[width]);
+    memcpy(average, made, width * sizeof *average);
+    return status;
+}
+
+static bat_status average_any(const refine_kernel *kernel, const double *rows, size_t count, double *averages, size_t stride,
+                              size_t *fault)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *row = rows + i * kernel->dim;
+        bat_status status = hermite_average_row(kernel, row, row + kernel->dim, averages + i * stride);
+        if (status != BAT_OK)
+        {
+            *fault = i;
+            return status;
+        }
+    }
+    return BAT_OK;
+}
+
+row_average *hermite_row_average(const bat_space *space)
+{
+    if (space_is_sphere(space))
+        return hermite_average_sphere;
+    return space_is_rotation(space) ? hermite_average_rotation : average_any;
+}

@@ -1,0 +1,38 @@
+#ifndef MOTION_HERMITE_AVERAGE_H
+#define MOTION_HERMITE_AVERAGE_H
+
+#include "batten/motion_hermite.h"
+#include "curve/kernel.h"
+
+/// The edge of a pair of Hermite data as the average sees it.
+typedef struct hermite_edge
+{
+    double length;           ///< geodesic distance
+    double half_turn_cosine; ///< cos((theta_0 + theta_1) / 2) with the angles of eq. (3.7)
+    double reach;            ///< alpha of eq. (3.6): how far along the tangents the inner control points lie
+} hermite_edge;
+
+/// Measure an edge between distinct points.
+/// @return BAT_OK, BAT_CUT_LOCUS (nothing is measured), or BAT_INVALID_POINT when the points coincide (then the length is 0) or
+///         the pair is not admissible (then all is measured)
+bat_status hermite_edge_measure(const bat_space *space, const double *p0, const double *v0, const double *p1,
+                                const double *v1, hermite_edge *edge);
+
+/// Algorithm 3, steps 2 to 4: the points between which the last geodesic runs, of the De Casteljau cubic with inner control
+/// points exp(p0, u0) and exp(p1, -u1).
+/// @return BAT_OK, BAT_CUT_LOCUS or BAT_INVALID_POINT
+bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
+                              double weight, double *before, double *after);
+
+/// Rows of a point, a direction and, where the kernel is timed, a time: averages by bat_hermite_average() at 1/2.
+row_average *hermite_row_average(const bat_space *space);
+
+/// hermite_row_average() for points on the unit sphere of R^3, by vector code.
+row_average hermite_average_sphere;
+/// Likewise for rotations, whose unit quaternions are a sphere with antipodes made one.
+row_average hermite_average_rotation;
+
+/// bat_hermite_average() of two rows at 1/2, with the mean of their times.
+bat_status hermite_average_row(const refine_kernel *kernel, const double *a, const double *b, double *average);
+
+#endif

@@ -1,0 +1,17 @@
+#ifndef MOTION_HERMITE_CHECK_H
+#define MOTION_HERMITE_CHECK_H
+
+#include "batten/motion_hermite.h"
+
+/// What to look at, besides points, tangents and times by themselves.
+typedef struct hermite_check_parts
+{
+    bool unit;       ///< tangents are of unit length
+    bool edges;      ///< neighbours are within reach of each other
+    bool admissible; ///< and distinct, and their pairs admissible
+} hermite_check_parts;
+
+/// bat_hermite_check() of parts. The fault found is the first, whatever the number of threads.
+bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts parts, int threads, bat_error *error);
+
+#endif

@@ -1,0 +1,321 @@
+#include "batten/motion_hermite.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/progress.h"
+#include "curve/plan.h"
+#include "motion/hermite_average.h"
+#include "motion/hermite_check.h"
+#include "motion/hermite_transport.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    /// Numbers of the result made at a time, before its rows are taken apart: work for many threads, little beside the result.
+    SLAB_NUMBERS = 1 << 21
+};
+
+bat_hermite_options bat_hermite_defaults(void)
+{
+    return (bat_hermite_options){
+        .kind = BAT_HERMITE_LANE_RIESENFELD,
+        .order = 1,
+        .mask = bat_hermite_mask_merrien(-0.125, -0.5),
+        .base = BAT_BASE_VERTEX,
+        .levels = 5,
+        .max_points = SIZE_MAX >> 24,
+    };
+}
+
+/// A refinement laid out. While it is computed, a row is a point, its tangent and, where there are times, its time.
+typedef struct hermite_plan
+{
+    const bat_hermite_curve *coarse;
+    const bat_hermite_options *options;
+    size_t point_dim, tangent_dim, dim;
+    cascade task;
+    bool ends_added;       ///< the coarse ends are put around the rows of the last level
+    size_t count;          ///< rows of the result
+    size_t before, after;  ///< rows needed beyond the coarse ones
+    double *buffer, *rows; ///< coarse rows; row 0 is `rows`
+} hermite_plan;
+
+static bat_status check_options(const bat_hermite_options *options, bat_error *error)
+{
+    if (options->kind == BAT_HERMITE_LANE_RIESENFELD)
+        return options->order >= 1 && options->order <= BAT_HERMITE_MAX_ORDER
+                   ? BAT_OK
+                   : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the order is 1 to %d, not %zu",
+                               BAT_HERMITE_MAX_ORDER, options->order);
+    if (options->kind != BAT_HERMITE_TRANSPORT)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no Hermite scheme of kind %d",
+                         (int)options->kind);
+    if (options->base != BAT_BASE_VERTEX && options->base != BAT_BASE_MIDPOINT)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no base %d", (int)options->base);
+    return hermite_mask_check(&options->mask, error);
+}
+
+static refine_kernel make_kernel(const hermite_plan *plan)
+{
+    const bat_hermite_options *options = plan->options;
+    const bat_space *space = plan->coarse->space;
+    return options->kind == BAT_HERMITE_TRANSPORT
+               ? kernel_hermite_transport(space, plan->dim, &options->mask, options->base)
+               : kernel_lane_riesenfeld(space, plan->dim, options->order, hermite_row_average(space));
+}
+
+static bat_status lay_out(hermite_plan *plan, bat_error *error)
+{
+    const bat_hermite_curve *coarse = plan->coarse;
+    const bat_hermite_options *options = plan->options;
+    size_t count = coarse->count, levels = options->levels;
+    plan->point_dim = coarse->space->point_dim;
+    plan->tangent_dim = coarse->space->tangent_dim;
+    plan->dim = plan->point_dim + plan->tangent_dim + (coarse->times != NULL ? 1 : 0);
+    plan->task = (cascade){.kernel = make_kernel(plan), .levels = levels, .count = count, .closed = coarse->closed};
+    if (!plan_has_room(&plan->task.kernel, count, levels, options->max_points))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                         "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
+    const refine_kernel *kernel = &plan->task.kernel;
+    bool dual = ((kernel->first + kernel->last) & 1) != 0;
+    plan->ends_added = !coarse->closed && levels > 0 && dual;
+    plan->task.result =
+        coarse->closed ? (index_range){0, (ptrdiff_t)(count << levels)} : plan_between_ends(kernel, levels, count);
+    plan->count = (size_t)(plan->task.result.end - plan->task.result.begin) + (plan->ends_added ? 2 : 0);
+    if (plan->count > options->max_points)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, more than %zu",
+                         plan->count, options->max_points);
+    plan->task.threads = options->threads;
+    index_range support = cascade_support(&plan->task);
+    plan->before = support.begin < 0 ? (size_t)-support.begin : 0;
+    plan->after = support.end > (ptrdiff_t)count ? (size_t)support.end - count : 0;
+    return BAT_OK;
+}
+
+/// Rows of the coarse data, as the plan says.
+static bat_status load_rows(hermite_plan *plan, bat_error *error)
+{
+    const bat_hermite_curve *coarse = plan->coarse;
+    size_t rows = plan->before + coarse->count + plan->after, row_size = plan->dim * sizeof(double);
+    plan->buffer = memory_array(rows, row_size);
+    if (plan->buffer == NULL)
+        return error_memory(error, rows * row_size);
+    plan->rows = plan->buffer + plan->before * plan->dim;
+    for (size_t i = 0; i < coarse->count; i++)
+    {
+        double *row = plan->rows + i * plan->dim;
+        memcpy(row, coarse->points + i * plan->point_dim, plan->point_dim * sizeof *row);
+        memcpy(row + plan->point_dim, coarse->tangents + i * plan->tangent_dim, plan->tangent_dim * sizeof *row);
+        if (coarse->times != NULL)
+            row[plan->dim - 1] = coarse->times[i];
+    }
+    return BAT_OK;
+}
+
+/// The rows of a closed curve again, `laps` times around.
+static void wrap_row(const hermite_plan *plan, ptrdiff_t index)
+{
+    const bat_hermite_curve *coarse = plan->coarse;
+    ptrdiff_t count = (ptrdiff_t)coarse->count, dim = (ptrdiff_t)plan->dim;
+    ptrdiff_t from = (index % count + count) % count, laps = (index - from) / count;
+    memcpy(plan->rows + index * dim, plan->rows + from * dim, plan->dim * sizeof(double));
+    if (coarse->times != NULL)
+    {
+        double period = coarse->times[count - 1] - coarse->times[0] + coarse->closing_time;
+        plan->rows[index * dim + dim - 1] += (double)laps * period;
+    }
+}
+
+/// The point reflection of a row in the point of another, travelled in the same direction: the derivative of the reflection
+/// is minus the transport along the geodesic through both.
+static bat_status reflect_row(const hermite_plan *plan, const double *centre, const double *row, double *image)
+{
+    const bat_space *space = plan->coarse->space;
+    size_t n = plan->point_dim;
+    double tangent[BAT_SPACE_MAX_DIM];
+    bat_status status = space->log(space, centre, row, tangent);
+    for (size_t i = 0; i < plan->tangent_dim; i++)
+        tangent[i] = -tangent[i];
+    if (status == BAT_OK)
+        status = space->exp(space, centre, tangent, image);
+    if (status == BAT_OK)
+        status = space->transport(space, row, centre, row + n, tangent);
+    if (status == BAT_OK)
+        status = space->transport(space, centre, image, tangent, image + n);
+    if (plan->coarse->times != NULL)
+        image[plan->dim - 1] = 2 * centre[plan->dim - 1] - row[plan->dim - 1];
+    return status;
+}
+
+static bat_status reflect_rows(const hermite_plan *plan, bat_error *error)
+{
+    size_t last_index = plan->coarse->count - 1;
+    ptrdiff_t dim = (ptrdiff_t)plan->dim;
+    double *first = plan->rows, *last = plan->rows + last_index * plan->dim;
+    // Both sides in step: a short curve's far rows on one side are made from new rows on the other.
+    for (ptrdiff_t distance = 1; distance <= (ptrdiff_t)plan->before || distance <= (ptrdiff_t)plan->after; distance++)
+    {
+        bat_status status = BAT_OK;
+        size_t at = 0;
+        if (distance <= (ptrdiff_t)plan->before)
+            status = reflect_row(plan, first, first + distance * dim, first - distance * dim);
+        if (status == BAT_OK && distance <= (ptrdiff_t)plan->after)
+        {
+            at = last_index;
+            status = reflect_row(plan, last, last - distance * dim, last + distance * dim);
+        }
+        if (status != BAT_OK)
+            return error_set(error, status, at, 0, "the open curve cannot be continued beyond its end point %zu (%s)", at,
+                             bat_status_name(status));
+    }
+    return BAT_OK;
+}
+
+static bat_status extend_rows(const hermite_plan *plan, bat_error *error)
+{
+    if (!plan->coarse->closed)
+        return reflect_rows(plan, error);
+    for (size_t i = 0; i < plan->after; i++)
+        wrap_row(plan, (ptrdiff_t)(plan->coarse->count + i));
+    for (size_t i = 1; i <= plan->before; i++)
+        wrap_row(plan, -(ptrdiff_t)i);
+    return BAT_OK;
+}
+
+/// Take rows apart into the curve's arrays, from its point `index` on.
+static void store_rows(const hermite_plan *plan, const double *rows, size_t count, size_t index, bat_hermite_curve *fine)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *row = rows + i * plan->dim;
+        memcpy(fine->points + (index + i) * plan->point_dim, row, plan->point_dim * sizeof *row);
+        memcpy(fine->tangents + (index + i) * plan->tangent_dim, row + plan->point_dim, plan->tangent_dim * sizeof *row);
+        if (fine->times != NULL)
+            fine->times[index + i] = row[plan->dim - 1];
+    }
+}
+
+static void store_ends(const hermite_plan *plan, bat_hermite_curve *fine)
+{
+    size_t ends[2] = {0, plan->coarse->count - 1}, places[2] = {0, plan->count - 1};
+    bool derivatives = plan->options->kind == BAT_HERMITE_TRANSPORT;
+    double factor = derivatives ? ldexp(1, -(int)plan->options->levels) : 1;
+    for (int e = 0; e < 2; e++)
+    {
+        store_rows(plan, plan->rows + ends[e] * plan->dim, 1, places[e], fine);
+        for (size_t c = 0; c < plan->tangent_dim; c++)
+            fine->tangents[places[e] * plan->tangent_dim + c] *= factor;
+    }
+}
+
+/// Slab by slab through the cascade.
+static bat_status run_slabs(const hermite_plan *plan, double *slab, size_t slab_rows, bat_hermite_curve *fine,
+                            bat_error *error)
+{
+    index_range whole = plan->task.result;
+    size_t total = (size_t)(whole.end - whole.begin), offset = plan->ends_added ? 1 : 0;
+    for (size_t done = 0; done < total; done += slab_rows)
+    {
+        size_t count = total - done < slab_rows ? total - done : slab_rows;
+        progress_part part = {plan->options->progress, (double)done / (double)total, (double)count / (double)total};
+        cascade task = plan->task;
+        task.result = (index_range){whole.begin + (ptrdiff_t)done, whole.begin + (ptrdiff_t)(done + count)};
+        task.progress = progress_of_part(&part);
+        bat_status status = cascade_run(&task, plan->rows, slab, error);
+        if (status != BAT_OK)
+            return status;
+        store_rows(plan, slab, count, offset + done, fine);
+    }
+    return BAT_OK;
+}
+
+/// What is left of the period after the last point.
+static void close_times(const hermite_plan *plan, bat_hermite_curve *fine)
+{
+    const bat_hermite_curve *coarse = plan->coarse;
+    double period = coarse->times[coarse->count - 1] - coarse->times[0] + coarse->closing_time;
+    fine->closing_time = period - (fine->times[fine->count - 1] - fine->times[0]);
+}
+
+static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
+{
+    size_t slab_rows = SLAB_NUMBERS / plan->dim > 0 ? SLAB_NUMBERS / plan->dim : 1;
+    slab_rows = slab_rows > plan->count ? plan->count : slab_rows + (slab_rows & 1);
+    double *slab = memory_array(slab_rows, plan->dim * sizeof *slab);
+    if (slab == NULL)
+        return error_memory(error, slab_rows * plan->dim * sizeof *slab);
+    bat_status status = run_slabs(plan, slab, slab_rows, fine, error);
+    if (status == BAT_OK && plan->ends_added)
+        store_ends(plan, fine);
+    if (status == BAT_OK && fine->closed && fine->times != NULL)
+        close_times(plan, fine);
+    free(slab);
+    return status;
+}
+
+static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
+{
+    const bat_hermite_curve *coarse = plan->coarse;
+    *fine = (bat_hermite_curve){.space = coarse->space, .count = plan->count, .closed = coarse->closed};
+    fine->points = memory_array(plan->count, plan->point_dim * sizeof *fine->points);
+    fine->tangents = memory_array(plan->count, plan->tangent_dim * sizeof *fine->tangents);
+    if (coarse->times != NULL)
+        fine->times = memory_array(plan->count, sizeof *fine->times);
+    if (fine->points == NULL || fine->tangents == NULL || (coarse->times != NULL && fine->times == NULL))
+        return error_memory(error, plan->count * plan->dim * sizeof(double));
+    return BAT_OK;
+}
+
+/// The checks that cost as much as a step are left to the step itself; when one fails, they say what it was.
+static bat_status explain(const hermite_plan *plan, bat_status status, bat_error *error)
+{
+    bool directions = plan->options->kind == BAT_HERMITE_LANE_RIESENFELD;
+    hermite_check_parts parts = {.unit = directions, .edges = true, .admissible = directions};
+    if (status != BAT_INVALID_POINT && status != BAT_CUT_LOCUS)
+        return status;
+    bat_status cause = hermite_check(plan->coarse, parts, plan->options->threads, error);
+    return cause == BAT_OK ? status : cause;
+}
+
+static bat_status refine(hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
+{
+    bat_status status = make_result(plan, fine, error);
+    if (status == BAT_OK)
+        status = load_rows(plan, error);
+    if (status == BAT_OK)
+        status = extend_rows(plan, error);
+    if (status == BAT_OK)
+        status = carry_out(plan, fine, error);
+    free(plan->buffer);
+    return status;
+}
+
+bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_options *options, bat_hermite_curve *fine,
+                              bat_error *error)
+{
+    bat_hermite_options defaults = bat_hermite_defaults();
+    hermite_plan plan = {.coarse = coarse, .options = options != NULL ? options : &defaults};
+    bool directions = plan.options->kind == BAT_HERMITE_LANE_RIESENFELD;
+    // Without a step, or with one that does not mind, every edge is looked at here.
+    hermite_check_parts parts = {.unit = directions, .edges = !directions || plan.options->levels == 0};
+    parts.admissible = directions && parts.edges;
+    bat_status status = check_options(plan.options, error);
+    if (status == BAT_OK)
+        status = hermite_check(coarse, parts, plan.options->threads, error);
+    if (status == BAT_OK)
+        status = lay_out(&plan, error);
+    if (status != BAT_OK)
+        return status;
+    bat_hermite_curve result = {0};
+    status = refine(&plan, &result, error);
+    if (status != BAT_OK)
+    {
+        bat_hermite_free(&result);
+        return explain(&plan, status, error);
+    }
+    *fine = result;
+    return BAT_OK;
+}

@@ -1,0 +1,198 @@
+#include "batten/motion_hermite.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "motion/hermite_average.h"
+#include "motion/hermite_check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// The step of the differences that give velocities, as a share of the interval: the error of the formula, some units of its
+/// fourth power over 30, and rounding over the step, 1e-16 / step, are then about the same.
+static const double DIFFERENCE_STEP = 1.0 / 256;
+/// The last sample of a rate may be this share of a step late.
+static const double RATE_TOLERANCE = 1e-9;
+
+/// One interval between two points, with what the cubic needs: a third of the way that the velocities go in its time.
+typedef struct interval
+{
+    const bat_space *space;
+    const double *p0, *v0, *p1, *v1;
+    double u0[BAT_SPACE_MAX_DIM], u1[BAT_SPACE_MAX_DIM];
+    double begin, length;
+} interval;
+
+/// Where a curve is in time.
+static double time_of(const bat_hermite_curve *curve, size_t index)
+{
+    if (index < curve->count)
+        return curve->times != NULL ? curve->times[index] : (double)index;
+    return curve->times != NULL ? curve->times[curve->count - 1] + curve->closing_time : (double)curve->count;
+}
+
+static size_t interval_count(const bat_hermite_curve *curve)
+{
+    return curve->closed ? curve->count : curve->count - 1;
+}
+
+/// The time within the first period of a closed curve.
+static double wrapped(const bat_hermite_curve *curve, double time)
+{
+    double begin = time_of(curve, 0), period = time_of(curve, curve->count) - begin;
+    double since = fmod(time - begin, period);
+    return begin + (since < 0 ? since + period : since);
+}
+
+/// The interval that a time lies in, the later of two; the last one has its end, too.
+static size_t find_interval(const bat_hermite_curve *curve, double time)
+{
+    size_t low = 0, high = interval_count(curve);
+    while (high - low > 1)
+    {
+        size_t middle = low + (high - low) / 2;
+        if (time_of(curve, middle) <= time)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static void open_interval(const bat_hermite_curve *curve, size_t index, interval *span)
+{
+    const bat_space *space = curve->space;
+    size_t next = index + 1 == curve->count ? 0 : index + 1;
+    *span = (interval){
+        .space = space,
+        .p0 = curve->points + index * space->point_dim,
+        .v0 = curve->tangents + index * space->tangent_dim,
+        .p1 = curve->points + next * space->point_dim,
+        .v1 = curve->tangents + next * space->tangent_dim,
+        .begin = time_of(curve, index),
+    };
+    span->length = time_of(curve, index + 1) - span->begin;
+    for (size_t i = 0; i < space->tangent_dim; i++)
+    {
+        span->u0[i] = span->length / 3 * span->v0[i];
+        span->u1[i] = span->length / 3 * span->v1[i];
+    }
+}
+
+/// The cubic at a share of its interval.
+static bat_status point_at(const interval *span, double share, double *point)
+{
+    double before[BAT_SPACE_MAX_DIM], after[BAT_SPACE_MAX_DIM];
+    bat_status status = hermite_cubic_ends(span->space, span->p0, span->u0, span->p1, span->u1, share, before, after);
+    return status == BAT_OK ? bat_space_geodesic(span->space, before, after, share, point) : status;
+}
+
+/// (8 (f(d) - f(-d)) - (f(2 d) - f(-2 d))) / 12 d of the logarithms f at the point.
+static bat_status velocity_at(const interval *span, double share, const double *point, double *velocity)
+{
+    static const double steps[4] = {-2, -1, 1, 2}, weights[4] = {1, -8, 8, -1};
+    const bat_space *space = span->space;
+    double near[BAT_SPACE_MAX_DIM], log[BAT_SPACE_MAX_DIM], scale = 1 / (12 * DIFFERENCE_STEP * span->length);
+    memset(velocity, 0, space->tangent_dim * sizeof *velocity);
+    for (int k = 0; k < 4; k++)
+    {
+        bat_status status = point_at(span, share + steps[k] * DIFFERENCE_STEP, near);
+        if (status == BAT_OK)
+            status = space->log(space, point, near, log);
+        if (status != BAT_OK)
+            return status;
+        for (size_t i = 0; i < space->tangent_dim; i++)
+            velocity[i] += scale * weights[k] * log[i];
+    }
+    return BAT_OK;
+}
+
+/// Given points and velocities come back bit for bit.
+static bat_status sample_interval(const interval *span, double time, double *point, double *velocity)
+{
+    size_t point_size = span->space->point_dim * sizeof *point, tangent_size = span->space->tangent_dim * sizeof *point;
+    double share = (time - span->begin) / span->length;
+    if (share == 0 || share == 1)
+    {
+        memcpy(point, share == 0 ? span->p0 : span->p1, point_size);
+        if (velocity != NULL)
+            memcpy(velocity, share == 0 ? span->v0 : span->v1, tangent_size);
+        return BAT_OK;
+    }
+    bat_status status = point_at(span, share, point);
+    return status == BAT_OK && velocity != NULL ? velocity_at(span, share, point, velocity) : status;
+}
+
+static bat_status check_sample_time(const bat_hermite_curve *curve, double time, size_t index, bat_error *error)
+{
+    double begin = time_of(curve, 0), end = time_of(curve, curve->count - 1);
+    if (!isfinite(time) || (!curve->closed && !(time >= begin && time <= end)))
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0,
+                         "time %zu, %.17g, is not within those of the curve, %g to %g", index, time, begin, end);
+    return BAT_OK;
+}
+
+bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *times, size_t count, double *points,
+                              double *velocities, bat_error *error)
+{
+    const bat_space *space = curve->space;
+    bat_status status = hermite_check(curve, (hermite_check_parts){0}, 1, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        status = check_sample_time(curve, times[i], i, error);
+        if (status != BAT_OK)
+            break;
+        double time = curve->closed ? wrapped(curve, times[i]) : times[i];
+        interval span;
+        open_interval(curve, find_interval(curve, time), &span);
+        status = sample_interval(&span, time, points + i * space->point_dim,
+                                 velocities != NULL ? velocities + i * space->tangent_dim : NULL);
+        if (status != BAT_OK)
+            (void)error_set(error, status, i, 0, "there is no point at time %zu, %g (%s)", i, times[i],
+                            bat_status_name(status));
+    }
+    return status;
+}
+
+/// How many samples a rate makes.
+static bat_status count_samples(const bat_hermite_curve *curve, double rate, size_t *count, bat_error *error)
+{
+    double duration = time_of(curve, interval_count(curve)) - time_of(curve, 0), steps = duration * rate;
+    if (!(rate > 0 && isfinite(rate)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the rate must be positive, not %g", rate);
+    if (!(steps < (double)(SIZE_MAX >> 24)))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%g samples are too many", steps);
+    *count = curve->closed ? (size_t)ceil(steps - RATE_TOLERANCE) : (size_t)floor(steps + RATE_TOLERANCE) + 1;
+    *count = *count == 0 ? 1 : *count;
+    return BAT_OK;
+}
+
+bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, bat_hermite_curve *sampled, bat_error *error)
+{
+    const bat_space *space = curve->space;
+    bat_hermite_curve result = {.space = space, .closed = curve->closed};
+    bat_status status = hermite_check(curve, (hermite_check_parts){0}, 1, error);
+    if (status == BAT_OK)
+        status = count_samples(curve, rate, &result.count, error);
+    if (status != BAT_OK)
+        return status;
+    result.points = memory_array(result.count, space->point_dim * sizeof *result.points);
+    result.tangents = memory_array(result.count, space->tangent_dim * sizeof *result.tangents);
+    result.times = memory_array(result.count, sizeof *result.times);
+    if (result.points == NULL || result.tangents == NULL || result.times == NULL)
+        status = error_memory(error, result.count * space->point_dim * sizeof *result.points);
+    double begin = time_of(curve, 0), end = time_of(curve, interval_count(curve));
+    for (size_t i = 0; i < result.count && status == BAT_OK; i++)
+        result.times[i] = fmin(begin + (double)i / rate, end);
+    if (status == BAT_OK)
+        status = bat_hermite_sample(curve, result.times, result.count, result.points, result.tangents, error);
+    if (status != BAT_OK)
+    {
+        bat_hermite_free(&result);
+        return status;
+    }
+    result.closing_time = curve->closed ? end - result.times[result.count - 1] : 0;
+    *sampled = result;
+    return BAT_OK;
+}

@@ -1,0 +1,268 @@
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/cloud.h"
+#include "linalg/vector3.h"
+#include "surface/cloud/alpha_boundary.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    LEAST_BOUNDARY = 4
+};
+/// A line goes around more than a chance gap between points where it gets further from its middle than so many of its own steps, or where
+/// it has at least this share of all points.
+static const double LEAST_EXTENT = 2.5;
+static const double LARGE_SHARE = 1.0 / 3;
+/// A second line of this share of the first one's length is another boundary; a shorter one is a gap.
+static const double OTHER_BOUNDARY = 0.25;
+/// Two lines of which at least this share of points coincides, or nearly so, are the same one.
+static const double SAME_LINE = 0.5;
+
+static bool is_wide(const alpha_boundary_cycle *line, size_t count)
+{
+    return line->extent * (double)line->count >= LEAST_EXTENT * line->length ||
+           (double)line->count >= LARGE_SHARE * (double)count;
+}
+
+/// Whether a line runs mostly along another one: within two of its own steps on average.
+static bool follows(const double *points, const alpha_boundary_cycle *line, const alpha_boundary_cycle *other)
+{
+    size_t near = 0;
+    double step = 2 * line->length / (double)line->count;
+    for (size_t i = 0; i < line->count; i++)
+        for (size_t k = 0; k < other->count; k++)
+        {
+            double arm[3];
+            vector3_subtract(points + 3 * (size_t)line->points[i], points + 3 * (size_t)other->points[k], arm);
+            if (vector3_dot(arm, arm) > step * step)
+                continue;
+            near++;
+            break;
+        }
+    return (double)near >= SAME_LINE * (double)line->count;
+}
+
+static bat_status no_loop(bat_error *error, const char *text)
+{
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no boundary loop was found: %s", text);
+}
+
+/// The longest line, where no other one could be a boundary too.
+static bat_status choose(const double *points, size_t count, const alpha_boundary_cycles *cycles,
+                         alpha_boundary_cycle **chosen, bat_error *error)
+{
+    alpha_boundary_cycle *longest = NULL;
+    for (size_t i = 0; i < cycles->count; i++)
+        if (is_wide(&cycles->cycles[i], count) && (longest == NULL || cycles->cycles[i].length > longest->length))
+            longest = &cycles->cycles[i];
+    if (longest == NULL)
+        return no_loop(error, cycles->count == 0 ? "there are neighbours on all sides of every point"
+                                                 : "there are only small gaps between points; the surface looks closed");
+    if (longest->count < LEAST_BOUNDARY)
+        return no_loop(error, "it has only three points");
+    for (size_t i = 0; i < cycles->count; i++)
+    {
+        const alpha_boundary_cycle *other = &cycles->cycles[i];
+        if (other == longest || !is_wide(other, count) || other->length < OTHER_BOUNDARY * longest->length ||
+            follows(points, other, longest))
+            continue;
+        return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                         "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one",
+                         longest->count, other->count);
+    }
+    *chosen = longest;
+    return BAT_OK;
+}
+
+/// Find the loop among points; `loop` is to be freed in any case.
+static bat_status find_loop(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
+{
+    neighbour_tree tree = {0};
+    alpha_boundary_cycles cycles = {0};
+    alpha_boundary_cycle *chosen = NULL;
+    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    if (status == BAT_OK)
+        status = alpha_boundary_cycles_find(points, &tree, &cycles, error);
+    if (status == BAT_OK)
+        status = choose(points, count, &cycles, &chosen, error);
+    if (status == BAT_OK)
+    {
+        *loop = *chosen;
+        chosen->points = NULL;
+    }
+    alpha_boundary_cycles_free(&cycles);
+    neighbour_tree_free(&tree);
+    return status;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+/// How thick the cloud is, across its tangent planes, in spacings of its points: a high quantile over some of them.
+static bat_status measure_thickness(const double *points, size_t count, double *thickness, bat_error *error)
+{
+    enum
+    {
+        MOST_SAMPLES = 256
+    };
+    static const double quantile = 0.75;
+    double samples[MOST_SAMPLES];
+    size_t stride = count / MOST_SAMPLES + 1, taken = 0;
+    neighbour_tree tree = {0};
+    alpha_boundary_search search = {.points = points, .tree = &tree};
+    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i += stride)
+    {
+        alpha_boundary_point found = {0};
+        status = alpha_boundary_point_find(&search, (uint32_t)i, NULL, 1, &found, error);
+        samples[taken++] = sqrt(found.plane.variance[2]) / found.spacing;
+    }
+    qsort(samples, taken, sizeof *samples, compare_numbers);
+    *thickness = samples[(size_t)(quantile * (double)(taken - 1))];
+    alpha_boundary_search_free(&search);
+    neighbour_tree_free(&tree);
+    return status;
+}
+
+/// Choose `wanted` of `count` points at random, the same ones each time; in rising order.
+static void choose_some(size_t count, size_t wanted, size_t *chosen)
+{
+    bat_random random = bat_random_seed(count);
+    size_t made = 0;
+    for (size_t i = 0; i < count && made < wanted; i++)
+        if (bat_random_uniform(&random) * (double)(count - i) < (double)(wanted - made))
+            chosen[made++] = i;
+}
+
+/// Find the loop among so many of the points only.
+static bat_status find_loop_of_some(const double *points, size_t count, size_t wanted, alpha_boundary_cycle *loop,
+                                    bat_error *error)
+{
+    if (wanted == count)
+        return find_loop(points, count, loop, error);
+    size_t *chosen = memory_array(wanted, sizeof *chosen);
+    double *some = memory_array(wanted, 3 * sizeof *some);
+    bat_status status = BAT_OK;
+    if (chosen == NULL || some == NULL)
+        status = error_memory(error, wanted * 3 * sizeof *some);
+    else
+    {
+        choose_some(count, wanted, chosen);
+        for (size_t i = 0; i < wanted; i++)
+            memcpy(some + 3 * i, points + 3 * chosen[i], 3 * sizeof *some);
+        status = find_loop(some, wanted, loop, error);
+        for (size_t i = 0; i < loop->count; i++)
+            loop->points[i] = (uint32_t)chosen[loop->points[i]];
+    }
+    free(chosen);
+    free(some);
+    return status;
+}
+
+/// Find the loop. Where points lie above each other because of noise, the order around the loop is lost: fewer of them tell more. The
+/// first try takes so many that the noise is no more than their spacing; further ones take half as many each.
+static bat_status find_loop_in_noise(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
+{
+    enum
+    {
+        FEW_POINTS = 200
+    };
+    static const double most_thickness = 0.9, noise_thickness = 0.4;
+    double thickness;
+    bat_status status = measure_thickness(points, count, &thickness, error);
+    if (status != BAT_OK)
+        return status;
+    double share = fmin(most_thickness / thickness, 1);
+    size_t least = count < FEW_POINTS ? count : FEW_POINTS, wanted = (size_t)(share * share * (double)count);
+    wanted = wanted < least ? least : wanted;
+    status = find_loop_of_some(points, count, wanted, loop, error);
+    while (status == BAT_NO_CONVERGENCE && thickness > noise_thickness && wanted / 2 >= least)
+    {
+        wanted /= 2;
+        // What the first try said is what the caller hears.
+        status = find_loop_of_some(points, count, wanted, loop, NULL);
+    }
+    return status;
+}
+
+/// The loop from its lowest point towards the lower of that one's neighbours, then all other points: `order` receives, for each new
+/// place, the point that goes there.
+static void order_points(const alpha_boundary_cycle *loop, size_t count, bool *in_loop, size_t *order)
+{
+    size_t first = 0, size = loop->count, made = 0;
+    for (size_t i = 1; i < size; i++)
+        if (loop->points[i] < loop->points[first])
+            first = i;
+    bool forward = loop->points[(first + 1) % size] < loop->points[(first + size - 1) % size];
+    memset(in_loop, 0, count * sizeof *in_loop);
+    for (size_t i = 0; i < size; i++)
+    {
+        uint32_t point = loop->points[(first + (forward ? i : size - i)) % size];
+        order[made++] = point;
+        in_loop[point] = true;
+    }
+    for (size_t point = 0; point < count; point++)
+        if (!in_loop[point])
+            order[made++] = point;
+}
+
+/// Bring the loop to the front.
+static bat_status reorder(bat_cloud *cloud, const alpha_boundary_cycle *loop, bat_error *error)
+{
+    size_t count = cloud->count;
+    bool *in_loop = memory_array(count, sizeof *in_loop);
+    size_t *order = memory_array(count, sizeof *order), *place = memory_array(count, sizeof *place);
+    double *points = memory_array(count, 3 * sizeof *points);
+    if (in_loop == NULL || order == NULL || place == NULL || points == NULL)
+    {
+        free(in_loop);
+        free(order);
+        free(place);
+        free(points);
+        return error_memory(error, count * 3 * sizeof *points);
+    }
+    order_points(loop, count, in_loop, order);
+    for (size_t i = 0; i < count; i++)
+    {
+        memcpy(points + 3 * i, cloud->points + 3 * order[i], 3 * sizeof *points);
+        place[order[i]] = i;
+    }
+    for (size_t i = 0; i < 3 * cloud->triangle_count; i++)
+        cloud->triangles[i] = (uint32_t)place[cloud->triangles[i]];
+    for (size_t i = 0; i < count && cloud->order != NULL; i++)
+        order[i] = cloud->order[order[i]];
+    free(in_loop);
+    free(place);
+    free(cloud->points);
+    free(cloud->order);
+    cloud->points = points;
+    cloud->order = order;
+    cloud->boundary_count = loop->count;
+    cloud->has_corners = false;
+    return BAT_OK;
+}
+
+bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error)
+{
+    bat_status status = bat_cloud_check(cloud, error);
+    if (status != BAT_OK)
+        return status;
+    if (cloud->count < LEAST_BOUNDARY)
+        return no_loop(error, "there are fewer than four points");
+    double *points = points_to_unit_size(cloud->points, cloud->count);
+    if (points == NULL)
+        return error_memory(error, cloud->count * 3 * sizeof *points);
+    alpha_boundary_cycle loop = {0};
+    status = find_loop_in_noise(points, cloud->count, &loop, error);
+    if (status == BAT_OK)
+        status = reorder(cloud, &loop, error);
+    free(loop.points);
+    free(points);
+    return status;
+}

@@ -1,0 +1,71 @@
+#include "surface/cloud/local_plane.h"
+
+#include "base/memory.h"
+#include "linalg/symmetric.h"
+#include "linalg/vector3.h"
+
+#include <string.h>
+
+local_plane local_plane_fit(const double *points, const neighbour_list *list)
+{
+    local_plane plane = {0};
+    double count = (double)list->count, moment[9] = {0}, vectors[9];
+    for (size_t i = 0; i < list->count; i++)
+        for (int k = 0; k < 3; k++)
+            plane.centre[k] += points[3 * (size_t)list->entries[i].item + (size_t)k] / count;
+    for (size_t i = 0; i < list->count; i++)
+    {
+        double arm[3];
+        vector3_subtract(points + 3 * (size_t)list->entries[i].item, plane.centre, arm);
+        for (int k = 0; k < 9; k++)
+            moment[k] += arm[k / 3] * arm[k % 3] / count;
+    }
+    symmetric_eigen(3, moment, vectors, SYMMETRIC_BY_NORM);
+    int order[3] = {0, 1, 2};
+    for (int i = 0; i < 3; i++)
+        for (int j = i + 1; j < 3; j++)
+            if (moment[4 * order[j]] > moment[4 * order[i]])
+            {
+                int kept = order[i];
+                order[i] = order[j];
+                order[j] = kept;
+            }
+    for (int i = 0; i < 3; i++)
+    {
+        memcpy(plane.axes[i], vectors + 3 * (ptrdiff_t)order[i], sizeof plane.axes[i]);
+        plane.variance[i] = fmax(moment[4 * order[i]], 0);
+    }
+    vector3_cross(plane.axes[0], plane.axes[1], plane.axes[2]);
+    return plane;
+}
+
+void local_plane_project(const local_plane *plane, const double origin[3], const double point[3], double foot[2])
+{
+    double arm[3];
+    vector3_subtract(point, origin, arm);
+    foot[0] = vector3_dot(arm, plane->axes[0]);
+    foot[1] = vector3_dot(arm, plane->axes[1]);
+}
+
+double *points_to_unit_size(const double *points, size_t count)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0, middle[3];
+    double *made = memory_array(count, 3 * sizeof *made);
+    if (made == NULL)
+        return NULL;
+    for (size_t i = 0; i < 3 * count; i++)
+    {
+        low[i % 3] = fmin(low[i % 3], points[i]);
+        high[i % 3] = fmax(high[i % 3], points[i]);
+    }
+    for (int k = 0; k < 3; k++)
+    {
+        middle[k] = low[k] * 0.5 + high[k] * 0.5;
+        half = fmax(half, high[k] * 0.5 - low[k] * 0.5);
+    }
+    int exponent = 0;
+    (void)frexp(half, &exponent);
+    for (size_t i = 0; i < 3 * count; i++)
+        made[i] = ldexp(points[i] * 0.5 - middle[i % 3] * 0.5, 1 - exponent);
+    return made;
+}

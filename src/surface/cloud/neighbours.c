@@ -1,0 +1,512 @@
+#include "surface/cloud/neighbours.h"
+
+#include "base/array_grow.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "search/select.h"
+
+#include <math.h>
+#include <string.h>
+
+// A node's points are consecutive in leaf order; its first child holds the lower half of them.
+
+enum
+{
+    ROOT = 1,
+    LEAF_ITEMS = 16,
+    MOST_DEPTH = 40,
+    /// Up to so many entries are sorted by insertion.
+    FEW_ENTRIES = 48
+};
+
+/// A node with the range of its points.
+typedef struct node_range
+{
+    size_t node, begin, end;
+} node_range;
+
+static node_range lower_child(node_range range)
+{
+    return (node_range){2 * range.node, range.begin, range.begin + (range.end - range.begin) / 2};
+}
+
+static node_range upper_child(node_range range)
+{
+    return (node_range){2 * range.node + 1, range.begin + (range.end - range.begin) / 2, range.end};
+}
+
+static bool is_leaf(node_range range)
+{
+    return range.end - range.begin <= LEAF_ITEMS;
+}
+
+void neighbour_list_free(neighbour_list *list)
+{
+    free(list->entries);
+    *list = (neighbour_list){0};
+}
+
+void neighbour_tree_free(neighbour_tree *tree)
+{
+    free(tree->axes[0]);
+    free(tree->items);
+    free(tree->boxes);
+    *tree = (neighbour_tree){0};
+}
+
+void neighbour_graph_free(neighbour_graph *graph)
+{
+    free(graph->starts);
+    free(graph->items);
+    *graph = (neighbour_graph){0};
+}
+
+/// What building needs: the caller's points, and the order reached so far.
+typedef struct tree_builder
+{
+    neighbour_tree *tree;
+    const double *points;
+    keyed *entries;
+} tree_builder;
+
+static neighbour_box box_around(const tree_builder *build, size_t begin, size_t end)
+{
+    neighbour_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (size_t i = begin; i < end; i++)
+    {
+        const double *point = build->points + 3 * build->entries[i].item;
+        for (int axis = 0; axis < 3; axis++)
+        {
+            box.low[axis] = point[axis] < box.low[axis] ? point[axis] : box.low[axis];
+            box.high[axis] = point[axis] > box.high[axis] ? point[axis] : box.high[axis];
+        }
+    }
+    return box;
+}
+
+/// Halve the points below a node across the longest side of their box, and so on, until leaves hold few.
+static void arrange(const tree_builder *build, node_range range)
+{
+    neighbour_box box = box_around(build, range.begin, range.end);
+    build->tree->boxes[range.node] = box;
+    if (is_leaf(range))
+        return;
+    size_t widest = 0;
+    for (size_t axis = 1; axis < 3; axis++)
+        if (box.high[axis] - box.low[axis] > box.high[widest] - box.low[widest])
+            widest = axis;
+    for (size_t i = range.begin; i < range.end; i++)
+        build->entries[i].key = build->points[3 * build->entries[i].item + widest];
+    select_nth(build->entries + range.begin, range.end - range.begin, (range.end - range.begin) / 2);
+    arrange(build, lower_child(range));
+    arrange(build, upper_child(range));
+}
+
+/// Heap numbers up to the deepest level that `count` points need.
+static size_t node_capacity(size_t count)
+{
+    size_t leaves = 1;
+    for (size_t largest = count; largest > LEAF_ITEMS; largest = largest / 2 + largest % 2)
+        leaves *= 2;
+    return 2 * leaves;
+}
+
+static bool allocate_tree(neighbour_tree *tree)
+{
+    size_t numbers;
+    if (size_multiply_overflows(tree->count, 3, &numbers))
+        return false;
+    tree->axes[0] = memory_array(numbers, sizeof(double));
+    tree->items = memory_array(tree->count, sizeof *tree->items);
+    tree->boxes = memory_array(node_capacity(tree->count), sizeof *tree->boxes);
+    return tree->axes[0] != NULL && tree->items != NULL && tree->boxes != NULL;
+}
+
+bat_status neighbour_tree_build(const double *points, size_t count, neighbour_tree *tree, bat_error *error)
+{
+    if (count > UINT32_MAX)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu points, more than %u", count, UINT32_MAX);
+    neighbour_tree made = {.count = count};
+    tree_builder build = {&made, points, memory_array(count, sizeof(keyed))};
+    if (!allocate_tree(&made) || build.entries == NULL)
+    {
+        neighbour_tree_free(&made);
+        free(build.entries);
+        return error_memory(error, count * (sizeof(keyed) + 3 * sizeof(double)));
+    }
+    for (size_t i = 0; i < count; i++)
+        build.entries[i] = (keyed){0, i};
+    arrange(&build, (node_range){ROOT, 0, count});
+    for (int axis = 1; axis < 3; axis++)
+        made.axes[axis] = made.axes[axis - 1] + count;
+    for (size_t i = 0; i < count; i++)
+    {
+        size_t item = build.entries[i].item;
+        made.items[i] = (uint32_t)item;
+        for (int axis = 0; axis < 3; axis++)
+            made.axes[axis][i] = points[3 * item + (size_t)axis];
+    }
+    free(build.entries);
+    *tree = made;
+    return BAT_OK;
+}
+
+/// No point in the box is nearer than this: every rounding is no greater than its like in leaf_distances().
+static inline double box_squared(const neighbour_box *box, const double place[3])
+{
+    double gaps[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double below = box->low[axis] - place[axis], above = place[axis] - box->high[axis];
+        double gap = below > above ? below : above;
+        gaps[axis] = gap > 0 ? gap : 0;
+    }
+    return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2];
+}
+
+/// No points in two boxes are nearer than this.
+static inline double boxes_squared(const neighbour_box *a, const neighbour_box *b)
+{
+    double gaps[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double below = a->low[axis] - b->high[axis], above = b->low[axis] - a->high[axis];
+        double gap = below > above ? below : above;
+        gaps[axis] = gap > 0 ? gap : 0;
+    }
+    return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2];
+}
+
+/// The squared distances of a leaf's points from a place.
+static inline void leaf_distances(const neighbour_tree *tree, size_t begin, size_t count, const double place[3],
+                                  double squared[LEAF_ITEMS])
+{
+    const double *x = tree->axes[0] + begin, *y = tree->axes[1] + begin, *z = tree->axes[2] + begin;
+    for (size_t i = 0; i < count; i++)
+    {
+        double dx = x[i] - place[0], dy = y[i] - place[1], dz = z[i] - place[2];
+        squared[i] = dx * dx + dy * dy + dz * dz;
+    }
+}
+
+static inline bool precedes(neighbour a, neighbour b)
+{
+    return a.squared < b.squared || (a.squared == b.squared && a.item < b.item);
+}
+
+/// Let an entry sink to its place in the heap of `count` entries whose greatest comes first.
+static void sink(neighbour *heap, size_t count, size_t at)
+{
+    neighbour sinking = heap[at];
+    for (size_t child = 2 * at + 1; child < count; child = 2 * at + 1)
+    {
+        child += child + 1 < count && precedes(heap[child], heap[child + 1]);
+        if (!precedes(sinking, heap[child]))
+            break;
+        heap[at] = heap[child];
+        at = child;
+    }
+    heap[at] = sinking;
+}
+
+static void heap_make(neighbour *entries, size_t count)
+{
+    for (size_t at = count / 2; at-- > 0;)
+        sink(entries, count, at);
+}
+
+static void heap_sort(neighbour *heap, size_t count)
+{
+    while (count > 1)
+    {
+        neighbour greatest = heap[0];
+        heap[0] = heap[--count];
+        heap[count] = greatest;
+        sink(heap, count, 0);
+    }
+}
+
+static void insertion_sort(neighbour *entries, size_t count)
+{
+    for (size_t i = 1; i < count; i++)
+    {
+        neighbour entry = entries[i];
+        size_t at = i;
+        for (; at > 0 && precedes(entry, entries[at - 1]); at--)
+            entries[at] = entries[at - 1];
+        entries[at] = entry;
+    }
+}
+
+static bool list_reserve(neighbour_list *list, size_t needed)
+{
+    void *entries = list->entries;
+    bool grown = array_grow(&entries, &list->capacity, needed, sizeof *list->entries);
+    list->entries = entries;
+    return grown;
+}
+
+/// Add what lies within the radius in a leaf. False when out of memory.
+static bool take_leaf(const neighbour_tree *tree, node_range leaf, const double place[3], double most_squared,
+                      neighbour_list *list)
+{
+    double squared[LEAF_ITEMS];
+    size_t count = leaf.end - leaf.begin;
+    if (!list_reserve(list, list->count + count))
+        return false;
+    leaf_distances(tree, leaf.begin, count, place, squared);
+    neighbour *out = list->entries + list->count;
+    for (size_t i = 0; i < count; i++)
+    {
+        *out = (neighbour){squared[i], tree->items[leaf.begin + i]};
+        out += squared[i] <= most_squared;
+    }
+    list->count = (size_t)(out - list->entries);
+    return true;
+}
+
+bat_status neighbours_within(const neighbour_tree *tree, const double place[3], double radius, neighbour_list *list,
+                             bat_error *error)
+{
+    double most_squared = radius * radius;
+    node_range waiting[MOST_DEPTH];
+    size_t top = 0;
+    list->count = 0;
+    waiting[top++] = (node_range){ROOT, 0, tree->count};
+    while (top > 0)
+    {
+        node_range here = waiting[--top];
+        if (box_squared(&tree->boxes[here.node], place) > most_squared)
+            continue;
+        if (!is_leaf(here))
+        {
+            waiting[top++] = upper_child(here);
+            waiting[top++] = lower_child(here);
+        }
+        else if (!take_leaf(tree, here, place, most_squared, list))
+            return error_memory(error, list->capacity * sizeof *list->entries);
+    }
+    if (list->count > FEW_ENTRIES)
+    {
+        heap_make(list->entries, list->count);
+        heap_sort(list->entries, list->count);
+    }
+    else
+        insertion_sort(list->entries, list->count);
+    return BAT_OK;
+}
+
+/// A node that waits to be searched.
+typedef struct visit
+{
+    node_range range;
+    double bound; ///< no point below it is nearer, squared
+} visit;
+
+static visit visit_to(const neighbour_tree *tree, node_range range, const double place[3])
+{
+    return (visit){range, box_squared(&tree->boxes[range.node], place)};
+}
+
+/// Put the points of a leaf in the heap of the `wanted` nearest; it is a heap once it is full.
+static void improve(const neighbour_tree *tree, node_range leaf, const double place[3], size_t wanted, neighbour_list *list)
+{
+    double squared[LEAF_ITEMS];
+    size_t count = leaf.end - leaf.begin;
+    leaf_distances(tree, leaf.begin, count, place, squared);
+    for (size_t i = 0; i < count; i++)
+    {
+        neighbour entry = {squared[i], tree->items[leaf.begin + i]};
+        if (list->count < wanted)
+        {
+            list->entries[list->count++] = entry;
+            if (list->count == wanted)
+                heap_make(list->entries, wanted);
+        }
+        else if (precedes(entry, list->entries[0]))
+        {
+            list->entries[0] = entry;
+            sink(list->entries, wanted, 0);
+        }
+    }
+}
+
+bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
+                              bat_error *error)
+{
+    visit waiting[MOST_DEPTH];
+    size_t top = 0;
+    list->count = 0;
+    wanted = wanted < tree->count ? wanted : tree->count;
+    if (wanted == 0)
+        return BAT_OK;
+    if (!list_reserve(list, wanted))
+        return error_memory(error, wanted * sizeof *list->entries);
+    waiting[top++] = visit_to(tree, (node_range){ROOT, 0, tree->count}, place);
+    while (top > 0)
+    {
+        visit here = waiting[--top];
+        // A point at the same distance may still come first by its number.
+        if (list->count == wanted && here.bound > list->entries[0].squared)
+            continue;
+        if (is_leaf(here.range))
+        {
+            improve(tree, here.range, place, wanted, list);
+            continue;
+        }
+        visit lower = visit_to(tree, lower_child(here.range), place), upper = visit_to(tree, upper_child(here.range), place);
+        bool lower_first = lower.bound <= upper.bound;
+        waiting[top++] = lower_first ? upper : lower;
+        waiting[top++] = lower_first ? lower : upper;
+    }
+    if (list->count < wanted)
+        heap_make(list->entries, list->count);
+    heap_sort(list->entries, list->count);
+    return BAT_OK;
+}
+
+/// A graph that is being made: rows in leaf order, of numbers of points.
+typedef struct graph_builder
+{
+    const neighbour_tree *tree;
+    double most_squared;
+    node_range *near; ///< leaves within the radius of the present one
+    size_t *ends;     ///< count: where each row ends
+    uint32_t *items;  ///< the rows
+    size_t item_count, item_capacity;
+} graph_builder;
+
+/// Find the leaves within the radius of a leaf; returns how many.
+static size_t near_leaves(const graph_builder *build, size_t leaf)
+{
+    const neighbour_box *boxes = build->tree->boxes;
+    node_range waiting[MOST_DEPTH];
+    size_t top = 0, count = 0;
+    waiting[top++] = (node_range){ROOT, 0, build->tree->count};
+    while (top > 0)
+    {
+        node_range here = waiting[--top];
+        if (boxes_squared(&boxes[here.node], &boxes[leaf]) > build->most_squared)
+            continue;
+        if (is_leaf(here))
+        {
+            build->near[count++] = here;
+            continue;
+        }
+        waiting[top++] = upper_child(here);
+        waiting[top++] = lower_child(here);
+    }
+    return count;
+}
+
+/// Write the rows of a leaf's points. False when out of memory.
+static bool write_rows(graph_builder *build, node_range leaf)
+{
+    const neighbour_tree *tree = build->tree;
+    size_t near_count = near_leaves(build, leaf.node);
+    for (size_t i = leaf.begin; i < leaf.end; i++)
+    {
+        const double place[3] = {tree->axes[0][i], tree->axes[1][i], tree->axes[2][i]};
+        void *items = build->items;
+        bool grown =
+            array_grow(&items, &build->item_capacity, build->item_count + near_count * LEAF_ITEMS, sizeof(uint32_t));
+        build->items = items;
+        if (!grown)
+            return false;
+        uint32_t *out = build->items + build->item_count;
+        for (size_t k = 0; k < near_count; k++)
+        {
+            node_range near = build->near[k];
+            double squared[LEAF_ITEMS];
+            leaf_distances(tree, near.begin, near.end - near.begin, place, squared);
+            for (size_t j = 0; j < near.end - near.begin; j++)
+            {
+                *out = tree->items[near.begin + j];
+                out += squared[j] <= build->most_squared;
+            }
+        }
+        build->item_count = (size_t)(out - build->items);
+        build->ends[i] = build->item_count;
+    }
+    return true;
+}
+
+static bool write_all_rows(graph_builder *build)
+{
+    node_range waiting[MOST_DEPTH];
+    size_t top = 0;
+    waiting[top++] = (node_range){ROOT, 0, build->tree->count};
+    while (top > 0)
+    {
+        node_range here = waiting[--top];
+        if (is_leaf(here))
+        {
+            if (!write_rows(build, here))
+                return false;
+            continue;
+        }
+        waiting[top++] = upper_child(here);
+        waiting[top++] = lower_child(here);
+    }
+    return true;
+}
+
+/// Being neighbours is mutual: going through the points in order and adding each to the rows of its neighbours leaves every row
+/// sorted. `starts` holds where the rows of the points begin.
+static void transpose_rows(const graph_builder *build, const size_t *row_of, neighbour_graph *graph)
+{
+    for (size_t point = 0; point < graph->count; point++)
+    {
+        size_t row = row_of[point];
+        for (size_t at = row == 0 ? 0 : build->ends[row - 1]; at < build->ends[row]; at++)
+            graph->items[graph->starts[build->items[at]]++] = (uint32_t)point;
+    }
+    // Every start has moved to the next one's place.
+    memmove(graph->starts + 1, graph->starts, graph->count * sizeof *graph->starts);
+    graph->starts[0] = 0;
+}
+
+/// Bring the rows in the order of the points, and each one in rising order.
+static bat_status sort_rows(const graph_builder *build, neighbour_graph *graph, bat_error *error)
+{
+    size_t count = build->tree->count;
+    neighbour_graph made = {.starts = memory_array(count + 1, sizeof *made.starts),
+                            .items = memory_array(build->item_count, sizeof *made.items),
+                            .count = count};
+    size_t *row_of = memory_array(count, sizeof *row_of);
+    if (made.starts == NULL || made.items == NULL || row_of == NULL)
+    {
+        neighbour_graph_free(&made);
+        free(row_of);
+        return error_memory(error, build->item_count * sizeof *made.items);
+    }
+    for (size_t row = 0; row < count; row++)
+        row_of[build->tree->items[row]] = row;
+    made.starts[0] = 0;
+    for (size_t point = 0; point < count; point++)
+    {
+        size_t row = row_of[point];
+        made.starts[point + 1] = made.starts[point] + build->ends[row] - (row == 0 ? 0 : build->ends[row - 1]);
+    }
+    transpose_rows(build, row_of, &made);
+    free(row_of);
+    *graph = made;
+    return BAT_OK;
+}
+
+bat_status neighbour_graph_build(const neighbour_tree *tree, double radius, neighbour_graph *graph, bat_error *error)
+{
+    graph_builder build = {.tree = tree,
+                           .most_squared = radius * radius,
+                           .near = memory_array(node_capacity(tree->count) / 2, sizeof *build.near),
+                           .ends = memory_array(tree->count, sizeof *build.ends)};
+    bat_status status = BAT_OK;
+    if (build.near == NULL || build.ends == NULL || !write_all_rows(&build))
+        status = error_memory(error, tree->count * sizeof *build.ends + build.item_capacity * sizeof *build.items);
+    if (status == BAT_OK)
+        status = sort_rows(&build, graph, error);
+    free(build.near);
+    free(build.ends);
+    free(build.items);
+    return status;
+}

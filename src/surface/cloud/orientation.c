@@ -1,0 +1,194 @@
+#include "surface/cloud/orientation.h"
+
+#include "linalg/vector3.h"
+#include "surface/cloud/neighbourhood.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    LINKS = 10,    ///< neighbours of a point in the graph that carries the turning
+    BUCKETS = 1024 ///< of angles between planes
+};
+
+/// Numbers that stand for no neighbour.
+static const uint32_t NONE = UINT32_MAX;
+
+void oriented_planes_free(oriented_planes *oriented)
+{
+    free(oriented->planes);
+    free(oriented->reach);
+    *oriented = (oriented_planes){0};
+}
+
+/// The nearest LINKS of each point, without itself, and its plane.
+static bat_status fit_planes(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented, uint32_t *links,
+                             bat_error *error)
+{
+    bat_status status = BAT_OK;
+#pragma omp parallel num_threads(threads_for(0, cloud->count / 256 + 1))
+    {
+        neighbour_list near = {0};
+#pragma omp for schedule(dynamic, 256)
+        for (size_t i = 0; i < cloud->count; i++)
+        {
+            bat_status own = neighbourhood_find(tree, cloud->points, cloud->points + 3 * i, NEIGHBOURHOOD_FEWEST, &near,
+                                                &oriented->planes[i], NULL);
+            size_t found = 0;
+            for (size_t k = 0; own == BAT_OK && k < near.count && found < LINKS; k++)
+                if (near.entries[k].item != i)
+                    links[LINKS * i + found++] = near.entries[k].item;
+            for (; found < LINKS; found++)
+                links[LINKS * i + found] = NONE;
+            oriented->reach[i] = near.count;
+            if (own != BAT_OK)
+#pragma omp atomic write
+                status = own;
+        }
+        neighbour_list_free(&near);
+    }
+    return status == BAT_OK ? BAT_OK : error_set(error, status, BAT_NO_INDEX, 0, "out of memory for neighbourhoods");
+}
+
+/// Points that hang together, as trees whose paths shorten on the way, and whether each point's normal has to turn to agree with that
+/// of the point above it.
+typedef struct turning
+{
+    uint32_t *above;
+    bool *turns;
+} turning;
+
+/// The root above a point, and whether the point's normal has to turn to agree with the root's.
+static uint32_t find_root(const turning *forest, uint32_t i, bool *turns)
+{
+    bool sum = false;
+    while (forest->above[i] != i)
+    {
+        uint32_t above = forest->above[i];
+        // Halve the path: the point above this one becomes the one above that. Roots do not turn.
+        forest->turns[i] = forest->turns[i] != forest->turns[above];
+        forest->above[i] = forest->above[above];
+        sum = sum != forest->turns[i];
+        i = forest->above[i];
+    }
+    *turns = sum;
+    return i;
+}
+
+static double normal_product(const oriented_planes *oriented, size_t i, size_t k)
+{
+    return vector3_dot(oriented->planes[i].axes[2], oriented->planes[k].axes[2]);
+}
+
+static size_t bucket_of(const oriented_planes *oriented, size_t i, size_t k)
+{
+    double sine = sqrt(fmax(1 - fabs(normal_product(oriented, i, k)), 0));
+    return sine >= 1 ? BUCKETS - 1 : (size_t)(sine * BUCKETS);
+}
+
+/// Joins neighbours, those first whose planes differ least.
+static bat_status join(const oriented_planes *oriented, size_t count, const uint32_t *links, turning *forest,
+                       bat_error *error)
+{
+    size_t starts[BUCKETS + 1] = {0};
+    size_t *edges = memory_array(count, LINKS * sizeof *edges);
+    if (edges == NULL)
+        return error_memory(error, count * LINKS * sizeof *edges);
+    for (size_t e = 0; e < LINKS * count; e++)
+        if (links[e] != NONE)
+            starts[bucket_of(oriented, e / LINKS, links[e]) + 1]++;
+    for (size_t b = 0; b < BUCKETS; b++)
+        starts[b + 1] += starts[b];
+    size_t total = starts[BUCKETS];
+    for (size_t e = 0; e < LINKS * count; e++)
+        if (links[e] != NONE)
+            edges[starts[bucket_of(oriented, e / LINKS, links[e])]++] = e;
+    for (size_t n = 0; n < total; n++)
+    {
+        size_t i = edges[n] / LINKS, k = links[edges[n]];
+        bool turns_i, turns_k;
+        uint32_t root_i = find_root(forest, (uint32_t)i, &turns_i), root_k = find_root(forest, (uint32_t)k, &turns_k);
+        if (root_i == root_k)
+            continue;
+        forest->above[root_k] = root_i;
+        forest->turns[root_k] = (turns_i != turns_k) != (normal_product(oriented, i, k) < 0);
+    }
+    free(edges);
+    return BAT_OK;
+}
+
+/// What a boundary point says about its normal: above 0 where it is right already.
+static double vote_of(const bat_cloud *cloud, const oriented_planes *oriented, const uint32_t *links, size_t i)
+{
+    size_t count = cloud->boundary_count;
+    const double *points = cloud->points, *at = points + 3 * i;
+    double along[3], inward[3] = {0}, up[3];
+    vector3_subtract(points + 3 * ((i + 1) % count), points + 3 * ((i + count - 1) % count), along);
+    for (size_t k = 0; k < LINKS && links[LINKS * i + k] != NONE; k++)
+        for (size_t c = 0; c < 3; c++)
+            inward[c] += points[3 * (size_t)links[LINKS * i + k] + c] - at[c];
+    vector3_cross(along, inward, up);
+    double length = sqrt(vector3_dot(up, up));
+    return length > 0 ? vector3_dot(up, oriented->planes[i].axes[2]) / length : 0;
+}
+
+static void turn_planes(const bat_cloud *cloud, const uint32_t *links, const turning *forest, double *votes,
+                        oriented_planes *oriented)
+{
+    bool turns;
+    memset(votes, 0, cloud->count * sizeof *votes);
+    for (size_t i = 0; i < cloud->boundary_count; i++)
+    {
+        uint32_t root = find_root(forest, (uint32_t)i, &turns);
+        double vote = vote_of(cloud, oriented, links, i);
+        votes[root] += turns ? -vote : vote;
+    }
+    for (size_t i = 0; i < cloud->count; i++)
+    {
+        uint32_t root = find_root(forest, (uint32_t)i, &turns);
+        local_plane *plane = &oriented->planes[i];
+        for (size_t c = 0; c < 3 && turns != (votes[root] < 0); c++)
+            plane->axes[2][c] = -plane->axes[2][c];
+        vector3_cross(plane->axes[2], plane->axes[0], plane->axes[1]);
+    }
+}
+
+bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented,
+                                bat_error *error)
+{
+    size_t count = cloud->count;
+    *oriented = (oriented_planes){.planes = memory_array(count, sizeof *oriented->planes),
+                                  .reach = memory_array(count, sizeof *oriented->reach)};
+    uint32_t *links = memory_array(count, LINKS * sizeof *links);
+    double *votes = memory_array(count, sizeof *votes);
+    turning forest = {.above = memory_array(count, sizeof *forest.above),
+                      .turns = memory_array(count, sizeof *forest.turns)};
+    bat_status status = BAT_OK;
+    if (oriented->planes == NULL || oriented->reach == NULL || links == NULL || votes == NULL || forest.above == NULL ||
+        forest.turns == NULL)
+        status = error_memory(error, count * sizeof *oriented->planes);
+    if (status == BAT_OK)
+        status = fit_planes(cloud, tree, oriented, links, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        forest.above[i] = (uint32_t)i;
+        forest.turns[i] = false;
+    }
+    if (status == BAT_OK)
+        status = join(oriented, count, links, &forest, error);
+    if (status == BAT_OK)
+        turn_planes(cloud, links, &forest, votes, oriented);
+    else
+        oriented_planes_free(oriented);
+    free(links);
+    free(votes);
+    free(forest.above);
+    free(forest.turns);
+    return status;
+}

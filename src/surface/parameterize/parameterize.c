@@ -1,0 +1,120 @@
+#include "batten/cloud_parameterize.h"
+
+#include "surface/cloud/spatial_order.h"
+#include "surface/parameterize/averages.h"
+#include "surface/parameterize/stretch.h"
+#include "surface/parameterize/weights.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Eq. (7) of Giannelli et al. (2023): over the root of the number of points.
+static const double RADIUS = 3;
+
+const char *bat_cloud_parameterization_name(bat_cloud_parameterization method)
+{
+    static const char *const names[BAT_PARAMETERIZATIONS] = {"uniform", "inverse-distance", "shape-preserving", "mean-value",
+                                                             "stretch-minimizing"};
+    return (size_t)method < BAT_PARAMETERIZATIONS ? names[method] : "unknown";
+}
+
+bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
+{
+    return (bat_cloud_parameterize_options){.method = BAT_PARAMETERIZE_SHAPE_PRESERVING};
+}
+
+static bat_status check_options(const bat_cloud *cloud, const double *boundary,
+                                const bat_cloud_parameterize_options *options, bat_error *error)
+{
+    if ((size_t)options->method >= BAT_PARAMETERIZATIONS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no parameterization of number %d",
+                         (int)options->method);
+    if (!(options->radius >= 0 && isfinite(options->radius)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the radius %g is not a positive number",
+                         options->radius);
+    bat_status status = bat_cloud_check(cloud, error);
+    if (status != BAT_OK)
+        return status;
+    if (cloud->boundary_count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
+    if (options->method == BAT_PARAMETERIZE_MEAN_VALUE && cloud->triangle_count == 0)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
+    for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
+        if (!isfinite(boundary[i]))
+            return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
+                             i / 2);
+    return BAT_OK;
+}
+
+/// A ball for every point, which may fail, and a direct solution.
+static bat_status parameterize_published(const bat_cloud *cloud, const double *boundary,
+                                         const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
+{
+    double radius = options->radius > 0 ? options->radius : RADIUS / sqrt((double)cloud->count);
+    neighbour_tree tree;
+    bat_status status = neighbour_tree_build(cloud->points, cloud->count, &tree, error);
+    if (status != BAT_OK)
+        return status;
+    weight_source source = {
+        .cloud = cloud, .tree = &tree, .method = options->method, .radius = radius * weights_longest_side(cloud)};
+    sparse_rows rows = {0};
+    bool star = options->method == BAT_PARAMETERIZE_SHAPE_PRESERVING;
+    status = weights_build(&source, star ? weights_of_triangulated_ball : weights_of_ball, options->threads, &rows, error);
+    size_t unjoined = BAT_NO_INDEX;
+    if (status == BAT_OK)
+        status = weights_find_unjoined(cloud, &rows, &unjoined, error);
+    if (status == BAT_OK && unjoined != BAT_NO_INDEX)
+    {
+        size_t place = weights_input_place(cloud, unjoined);
+        status =
+            error_set(error, BAT_NO_CONVERGENCE, place, 0, "no chain of neighbours joins point %zu to the boundary", place);
+    }
+    if (status == BAT_OK)
+    {
+        memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
+        status = averages_solve(cloud, &rows, NULL, (average_way){.direct = true}, parameters, error);
+    }
+    sparse_rows_free(&rows);
+    neighbour_tree_free(&tree);
+    return status;
+}
+
+static bat_status parameterize_always(const bat_cloud *cloud, const double *boundary,
+                                      const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
+{
+    spatial_order order = {0};
+    sparse_rows rows = {0};
+    double *ordered = memory_array(cloud->count, 2 * sizeof *ordered);
+    bat_status status =
+        ordered != NULL ? spatial_order_make(cloud, &order, error) : error_memory(error, cloud->count * 2 * sizeof *ordered);
+    if (status == BAT_OK)
+        status = weights_make(&order.cloud, &order.tree, options, &rows, error);
+    if (status == BAT_OK)
+    {
+        memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
+        status = averages_solve(&order.cloud, &rows, NULL, (average_way){.threads = options->threads}, ordered, error);
+    }
+    if (status == BAT_OK && options->method == BAT_PARAMETERIZE_STRETCH_MINIMIZING)
+        status = stretch_minimize(&order.cloud, &rows, (average_way){.threads = options->threads}, ordered, error);
+    for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
+        memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
+    sparse_rows_free(&rows);
+    spatial_order_free(&order);
+    free(ordered);
+    return status;
+}
+
+bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary,
+                                  const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
+{
+    bat_status status = check_options(cloud, boundary, options, error);
+    if (status != BAT_OK)
+        return status;
+    if (options->published && options->method < BAT_PARAMETERIZE_MEAN_VALUE)
+        return parameterize_published(cloud, boundary, options, parameters, error);
+    return parameterize_always(cloud, boundary, options, parameters, error);
+}

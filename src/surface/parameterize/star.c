@@ -1,0 +1,163 @@
+#include "surface/parameterize/star.h"
+
+#include "linalg/vector3.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/// Corners of the hull that lie this close to a straight line, in proportion, are left out.
+static const double STRAIGHT = 1e-12;
+/// Points this much closer than the farthest one lie at the origin.
+static const double TOUCHING = 1e-24;
+
+static double cross(const double a[2], const double b[2])
+{
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+/// Inverts at the unit circle; returns the place of the longest inverse, SIZE_MAX for none.
+static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[2])
+{
+    double farthest = 0, best = 0;
+    size_t first = SIZE_MAX;
+    for (size_t k = 0; k < count; k++)
+        farthest = fmax(farthest, planar[k][0] * planar[k][0] + planar[k][1] * planar[k][1]);
+    for (size_t k = 0; k < count; k++)
+    {
+        double square = planar[k][0] * planar[k][0] + planar[k][1] * planar[k][1];
+        bool apart = square > TOUCHING * farthest;
+        // An inverse of 0 is never a corner.
+        inverse[k][0] = apart ? planar[k][0] / square * farthest : 0;
+        inverse[k][1] = apart ? planar[k][1] / square * farthest : 0;
+        if (apart && farthest / square > best)
+        {
+            best = farthest / square;
+            first = k;
+        }
+    }
+    return first;
+}
+
+/// Which of two ways from a corner of the hull leaves the other to its left; of two in line the longer.
+static bool is_better_way(const double way[2], const double other[2])
+{
+    double turn = cross(way, other), length = way[0] * way[0] + way[1] * way[1];
+    double other_length = other[0] * other[0] + other[1] * other[1];
+    if (turn * turn > STRAIGHT * STRAIGHT * length * other_length)
+        return turn < 0;
+    return other_length > length;
+}
+
+/// The corner after `from` of the hull of the origin and the points, SIZE_MAX for the origin, as which `from` may be given too.
+static size_t next_corner(const double (*points)[2], size_t count, size_t from)
+{
+    static const double ORIGIN[2] = {0, 0};
+    const double *at = from == SIZE_MAX ? ORIGIN : points[from];
+    size_t next = SIZE_MAX;
+    double way[2] = {-at[0], -at[1]};
+    for (size_t k = 0; k < count; k++)
+    {
+        double other[2] = {points[k][0] - at[0], points[k][1] - at[1]};
+        if ((other[0] == 0 && other[1] == 0) || !is_better_way(way, other))
+            continue;
+        next = k;
+        way[0] = other[0];
+        way[1] = other[1];
+    }
+    return next;
+}
+
+/// Begins the ring after its gap.
+static void turn_ring(size_t *ring, size_t count, size_t gap)
+{
+    size_t kept[STAR_RING];
+    memcpy(kept, ring, count * sizeof *ring);
+    for (size_t k = 0; k < count; k++)
+        ring[k] = kept[(k + gap) % count];
+}
+
+size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_RING], bool *closed)
+{
+    const double(*corners)[2] = (const double(*)[2])inverse;
+    size_t first = invert(planar, count, inverse), found = 0, gap = 0, at = first;
+    *closed = first != SIZE_MAX;
+    if (first == SIZE_MAX)
+        return 0;
+    do
+    {
+        if (at != SIZE_MAX && found == STAR_RING)
+            return 0;
+        if (at != SIZE_MAX)
+            ring[found++] = at;
+        else if (!*closed)
+            return 0; // The origin cannot come twice.
+        else
+        {
+            *closed = false;
+            gap = found;
+        }
+        at = next_corner(corners, count, at);
+    } while (at != first);
+    turn_ring(ring, found, gap % found);
+    return found;
+}
+
+/// Adds the origin's barycentric coordinates in the triangle of corner l and the side after corner r.
+static void add_triangle(const double (*ring)[2], size_t l, size_t r, size_t next, double share, double *weights)
+{
+    double at_l = cross(ring[r], ring[next]), at_r = cross(ring[next], ring[l]), at_next = cross(ring[l], ring[r]);
+    at_r = fmax(at_r, 0);
+    at_next = fmax(at_next, 0);
+    double scale = share / (at_l + at_r + at_next);
+    weights[l] += scale * at_l;
+    weights[r] += scale * at_r;
+    weights[next] += scale * at_next;
+}
+
+void star_shape_preserving(const double (*ring)[2], size_t count, double *weights)
+{
+    for (size_t l = 0; l < count; l++)
+        weights[l] = 0;
+    for (size_t l = 0; l < count; l++)
+        for (size_t step = 1; step + 1 < count; step++)
+        {
+            size_t r = (l + step) % count, next = (r + 1) % count;
+            // The first corner across: the way back from l through the origin passes between r and the next.
+            if (cross(ring[l], ring[next]) <= 0 || step + 2 == count)
+            {
+                add_triangle(ring, l, r, next, 1 / (double)count, weights);
+                break;
+            }
+        }
+}
+
+static double angle_between(const double a[3], const double b[3])
+{
+    double product[3];
+    vector3_cross(a, b, product);
+    return atan2(sqrt(vector3_dot(product, product)), vector3_dot(a, b));
+}
+
+bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2])
+{
+    double sum = 0, largest = 0, angle = 0;
+    for (size_t k = 0; k < count; k++)
+    {
+        double between = angle_between(spokes[k], spokes[(k + 1) % count]);
+        sum += between;
+        largest = fmax(largest, between);
+    }
+    const double turn = 2 * 3.14159265358979323846;
+    if (!(largest / sum < 0.5 * (1 - 16 * DBL_EPSILON)))
+        return false;
+    for (size_t k = 0; k < count; k++)
+    {
+        double length = sqrt(vector3_dot(spokes[k], spokes[k]));
+        ring[k][0] = length * cos(angle);
+        ring[k][1] = length * sin(angle);
+        angle += angle_between(spokes[k], spokes[(k + 1) % count]) * (turn / sum);
+    }
+    return true;
+}

@@ -1,0 +1,144 @@
+#include "surface/parameterize/stretch.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Of a determinant against its trace squared: flatter neighbourhoods in the parameter plane are taken for this round.
+static const double FLATTEST = 1e-6;
+/// Rounds go on while each takes this share off.
+static const double WORTHWHILE = 0.01;
+/// Of the whole's: points that stretch less count as if they stretched so much.
+static const double LEAST_STRETCH = 1e-6;
+
+enum
+{
+    MOST_ROUNDS = 10
+};
+
+/// The least-squares derivative from differences to the row's neighbours, as the root of half its squared Frobenius norm.
+static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t row, const double *parameters)
+{
+    size_t point = cloud->boundary_count + row;
+    double uu = 0, uv = 0, vv = 0, xu[3] = {0}, xv[3] = {0};
+    for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+    {
+        size_t other = rows->columns[e];
+        double u = parameters[2 * other] - parameters[2 * point], v = parameters[2 * other + 1] - parameters[2 * point + 1];
+        uu += u * u;
+        uv += u * v;
+        vv += v * v;
+        for (size_t d = 0; d < 3; d++)
+        {
+            double x = cloud->points[3 * other + d] - cloud->points[3 * point + d];
+            xu[d] += x * u;
+            xv[d] += x * v;
+        }
+    }
+    double least = FLATTEST * (uu + vv);
+    uu += least;
+    vv += least;
+    double determinant = uu * vv - uv * uv, squares = 0;
+    for (size_t d = 0; d < 3; d++)
+    {
+        double a = (vv * xu[d] - uv * xv[d]) / determinant, b = (uu * xv[d] - uv * xu[d]) / determinant;
+        squares += a * a + b * b;
+    }
+    return sqrt(squares / 2);
+}
+
+/// At interior points. Where parameters of a neighbourhood coincide, as far down in deep shapes, there is none to tell: it counts as the
+/// greatest of the others.
+/// @return that of the whole
+static double measure_interior(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch)
+{
+    size_t interior = cloud->count - cloud->boundary_count;
+    double greatest = 0, sum = 0, *at = stretch + cloud->boundary_count;
+    for (size_t row = 0; row < interior; row++)
+    {
+        at[row] = stretch_at(cloud, rows, row, parameters);
+        if (isfinite(at[row]))
+            greatest = fmax(greatest, at[row]);
+    }
+    for (size_t row = 0; row < interior; row++)
+    {
+        at[row] = isfinite(at[row]) ? at[row] : greatest;
+        sum += at[row] * at[row];
+    }
+    return interior > 0 ? sqrt(sum / (double)interior) : 0;
+}
+
+/// At every point; boundary points take the mean over the rows that they are in.
+/// @param energy receives that of the whole
+static bat_status measure(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch,
+                          double *energy, bat_error *error)
+{
+    size_t bound = cloud->boundary_count;
+    size_t *uses = calloc(bound, sizeof *uses);
+    if (uses == NULL)
+        return error_memory(error, bound * sizeof *uses);
+    *energy = measure_interior(cloud, rows, parameters, stretch);
+    memset(stretch, 0, bound * sizeof *stretch);
+    for (size_t row = 0; row < rows->row_count; row++)
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+            if (rows->columns[e] < bound)
+            {
+                stretch[rows->columns[e]] += stretch[bound + row];
+                uses[rows->columns[e]]++;
+            }
+    for (size_t k = 0; k < bound; k++)
+        stretch[k] = uses[k] > 0 ? stretch[k] / (double)uses[k] : 1;
+    free(uses);
+    return BAT_OK;
+}
+
+/// Divide weights by the stretch at the neighbour.
+static void reweight(const double *stretch, double least, sparse_rows *rows)
+{
+    for (size_t row = 0; row < rows->row_count; row++)
+    {
+        double sum = 0;
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+            sum += rows->values[e] /= fmax(stretch[rows->columns[e]], least);
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+            rows->values[e] /= sum;
+    }
+}
+
+/// Even out once.
+/// @param stretch at all points before, and after
+/// @param energy  receives the stretch of the whole; infinite where the system is not solved
+static bat_status even_out(const bat_cloud *cloud, sparse_rows *rows, average_way way, double least, double *stretch,
+                           double *parameters, double *energy, bat_error *error)
+{
+    reweight(stretch, least, rows);
+    bat_status status = averages_solve(cloud, rows, NULL, way, parameters, error);
+    *energy = INFINITY;
+    if (status == BAT_NO_CONVERGENCE)
+        return BAT_OK;
+    return status == BAT_OK ? measure(cloud, rows, parameters, stretch, energy, error) : status;
+}
+
+bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_way way, double *parameters, bat_error *error)
+{
+    double *stretch = memory_array(cloud->count, sizeof *stretch), *next = memory_array(cloud->count, 2 * sizeof *next);
+    double energy = 0, fallen;
+    bat_status status = stretch != NULL && next != NULL ? measure(cloud, rows, parameters, stretch, &energy, error)
+                                                        : error_memory(error, cloud->count * 2 * sizeof *next);
+    if (status == BAT_OK)
+        memcpy(next, parameters, 2 * cloud->count * sizeof *next);
+    for (int round = 0; round < MOST_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
+    {
+        status = even_out(cloud, rows, way, LEAST_STRETCH * energy, stretch, next, &fallen, error);
+        if (status != BAT_OK || !(fallen < (1 - WORTHWHILE) * energy))
+            break;
+        energy = fallen;
+        memcpy(parameters, next, 2 * cloud->count * sizeof *parameters);
+    }
+    free(stretch);
+    free(next);
+    return status;
+}

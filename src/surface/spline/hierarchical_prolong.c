@@ -1,0 +1,197 @@
+#include "surface/spline/hierarchical_space.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// The functions of a space in those of one refined from it. In the truncated basis the coefficient of a function of level l is what
+/// the B-spline has in the representation by level l on any active cell of level l in its support: the coarser functions have had it
+/// taken out (Giannelli, Jüttler and Speleers, "Strongly stable bases for adaptively refined multilevel spline spaces", 2014). So it
+/// is read off there. In the plain basis a function that is no longer selected is the sum of its children by the two-scale relation,
+/// which go on to the next level.
+
+/// Whether a space could have been refined from another, as far as options and places tell.
+static bool contains(const bat_hierarchical_space *space, const bat_hierarchical_space *refined)
+{
+    const bat_hierarchical_options *a = &space->options, *b = &refined->options;
+    if (a->degree[0] != b->degree[0] || a->degree[1] != b->degree[1] || a->spans[0] != b->spans[0] ||
+        a->spans[1] != b->spans[1] || a->truncated != b->truncated)
+        return false;
+    for (size_t i = 0; i < space->cell_count; i++)
+    {
+        const hierarchical_cell *cell = &space->cells[i];
+        int shift = BAT_HIERARCHICAL_MOST_LEVELS - 1 - (int)cell->level;
+        box_tree_area area = {{(uint64_t)cell->column << shift, (uint64_t)cell->row << shift},
+                              {((uint64_t)cell->column + 1) << shift, ((uint64_t)cell->row + 1) << shift}};
+        if (!box_tree_reaches(&refined->tree, &area, (uint8_t)cell->level))
+            return false;
+    }
+    return true;
+}
+
+/// The active cell of a space that holds a cell of the same or a finer level.
+static const hierarchical_cell *cell_around(const bat_hierarchical_space *space, const hierarchical_cell *fine)
+{
+    int shift = BAT_HIERARCHICAL_MOST_LEVELS - 1 - (int)fine->level;
+    uint32_t level = box_tree_level(&space->tree, (uint64_t)fine->column << shift, (uint64_t)fine->row << shift);
+    uint32_t up = fine->level - level;
+    return &space->cells[run_set_find(&space->level[level].cells, fine->row >> up, fine->column >> up)];
+}
+
+/// Room for the truncated basis' way.
+typedef struct prolong_room
+{
+    double *local; ///< locals x dimension
+    double *rows;  ///< dimension x locals
+    bool *known;   ///< of the refined space's functions
+} prolong_room;
+
+/// The coefficients of the surface in a cell of the refined space.
+static void local_on(const bat_hierarchical_space *space, const hierarchical_cell *fine, const double *coarse,
+                     size_t dimension, const prolong_room *room)
+{
+    size_t locals = hierarchical_locals(space);
+    const hierarchical_cell *around = cell_around(space, fine);
+    hierarchical_local_control(space, around, coarse, dimension, room->local);
+    for (size_t a = 0; a < locals; a++)
+        for (size_t d = 0; d < dimension; d++)
+            room->rows[d * locals + a] = room->local[a * dimension + d];
+    for (uint32_t level = around->level; level < fine->level; level++)
+    {
+        uint32_t up = fine->level - level - 1;
+        hierarchical_refine_rows(space, level, fine->column >> up, fine->row >> up, dimension, room->rows);
+    }
+}
+
+static bool all_known(const bat_hierarchical_space *space, const hierarchical_cell *cell, const bool *known)
+{
+    for (size_t k = cell->coarse; k < cell->active; k++)
+        if (!known[space->active[cell->first + k]])
+            return false;
+    return true;
+}
+
+static void prolong_truncated(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
+                              const double *coarse, size_t dimension, double *fine, const prolong_room *room)
+{
+    size_t locals = hierarchical_locals(space);
+    for (size_t i = 0; i < refined->cell_count; i++)
+    {
+        const hierarchical_cell *cell = &refined->cells[i];
+        if (all_known(refined, cell, room->known))
+            continue;
+        local_on(space, cell, coarse, dimension, room);
+        for (size_t k = cell->coarse; k < cell->active; k++)
+        {
+            uint32_t function = refined->active[cell->first + k];
+            size_t a = hierarchical_local(refined, cell, k);
+            for (size_t d = 0; d < dimension; d++)
+                fine[function * dimension + d] = room->rows[d * locals + a];
+            room->known[function] = true;
+        }
+    }
+}
+
+static bat_status make_truncated(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
+                                 const double *coarse, size_t dimension, double *fine, bat_error *error)
+{
+    size_t size = hierarchical_locals(space) * dimension;
+    prolong_room room = {.local = memory_array(size, sizeof *room.local),
+                         .rows = memory_array(size, sizeof *room.rows),
+                         .known = calloc(refined->function_count, sizeof *room.known)};
+    bool made = room.local != NULL && room.rows != NULL && room.known != NULL;
+    if (made)
+        prolong_truncated(space, refined, coarse, dimension, fine, &room);
+    free(room.local);
+    free(room.rows);
+    free(room.known);
+    return made ? BAT_OK : error_memory(error, 2 * size * sizeof *room.rows + refined->function_count);
+}
+
+/// The children of function i of a level in one direction: from 2 i - degree on, degree + 2 of them, as far as they are of the grid.
+static uint32_t first_child(uint32_t i, uint32_t degree)
+{
+    return 2 * i < degree ? 0 : 2 * i - degree;
+}
+
+/// Add a function's children to the coefficients of the next level.
+static void pass_on(const bat_hierarchical_space *refined, bat_spline_function function, const double *coefficients,
+                    size_t dimension, double *next)
+{
+    const run_set *supported = &refined->level[function.level + 1].supported;
+    size_t spans[2] = {hierarchical_spans(refined, function.level, 0), hierarchical_spans(refined, function.level, 1)};
+    uint32_t p = (uint32_t)refined->options.degree[0], q = (uint32_t)refined->options.degree[1];
+    for (uint32_t j = first_child(function.j, q); j <= 2 * function.j + 1 && j < 2 * spans[1] + q; j++)
+        for (uint32_t i = first_child(function.i, p); i <= 2 * function.i + 1 && i < 2 * spans[0] + p; i++)
+        {
+            double share = uniform_basis_two_scale(&refined->bases[0], spans[0], function.i, i) *
+                           uniform_basis_two_scale(&refined->bases[1], spans[1], function.j, j);
+            if (share == 0)
+                continue;
+            double *to = next + (size_t)run_set_find(supported, j, i) * dimension;
+            for (size_t d = 0; d < dimension; d++)
+                to[d] += share * coefficients[d];
+        }
+}
+
+/// Coefficients for all functions of a level with support in its region, to begin with those of the coarse space.
+static double *begin_level(const bat_hierarchical_space *space, const bat_hierarchical_space *refined, size_t level,
+                           const double *coarse, size_t dimension)
+{
+    const run_set *supported = &refined->level[level].supported, *selected = &space->level[level].selected;
+    double *begun = calloc((size_t)run_set_size(supported) * dimension + 1, sizeof *begun);
+    for (size_t r = 0; r < selected->count && begun != NULL; r++)
+    {
+        const grid_run *run = &selected->runs[r];
+        size_t first = run_set_find(supported, run->row, run->begin);
+        memcpy(begun + first * dimension, coarse + run->number * dimension,
+               (run->end - run->begin) * dimension * sizeof *begun);
+    }
+    return begun;
+}
+
+/// Keep what the refined space selects of a level, and pass on the rest.
+static void settle_level(const bat_hierarchical_space *refined, uint32_t level, const double *coefficients, size_t dimension,
+                         double *fine, double *next)
+{
+    const run_set *supported = &refined->level[level].supported;
+    for (const grid_run *run = supported->runs; run < run_set_end(supported); run++)
+        for (uint32_t i = run->begin; i < run->end; i++)
+        {
+            const double *from = coefficients + (run->number + (size_t)(i - run->begin)) * dimension;
+            uint32_t number = run_set_find(&refined->level[level].selected, run->row, i);
+            if (number != UINT32_MAX)
+                memcpy(fine + number * dimension, from, dimension * sizeof *fine);
+            else
+                pass_on(refined, (bat_spline_function){level, i, run->row}, from, dimension, next);
+        }
+}
+
+static bat_status make_plain(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
+                             const double *coarse, size_t dimension, double *fine, bat_error *error)
+{
+    double *level = begin_level(space, refined, 0, coarse, dimension);
+    for (uint32_t l = 0; l < refined->levels && level != NULL; l++)
+    {
+        double *next = begin_level(space, refined, l + 1 < refined->levels ? l + 1 : l, coarse, dimension);
+        if (next != NULL)
+            settle_level(refined, l, level, dimension, fine, next);
+        free(level);
+        level = next;
+    }
+    bool made = level != NULL;
+    free(level);
+    return made ? BAT_OK : error_memory(error, refined->function_count * dimension * sizeof *fine);
+}
+
+bat_status bat_hierarchical_space_prolong(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
+                                          const double *coarse, size_t dimension, double *fine, bat_error *error)
+{
+    if (!contains(space, refined))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the space was not refined from the coarse one");
+    return refined->options.truncated ? make_truncated(space, refined, coarse, dimension, fine, error)
+                                      : make_plain(space, refined, coarse, dimension, fine, error);
+}

@@ -1,0 +1,177 @@
+#include "batten/spline.h"
+
+#include "surface/spline/blossom.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error)
+{
+    if (degree < 0 || degree > BAT_SPLINE_MOST_DEGREE)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 0 to %d", degree,
+                         BAT_SPLINE_MOST_DEGREE);
+    if (spans == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a knot vector needs at least one span");
+    size_t p = (size_t)degree, count;
+    if (__builtin_add_overflow(spans, 2 * p + 1, &count) || count > SIZE_MAX / sizeof(double))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a knot vector of %zu spans is too large", spans);
+    double *made = memory_array(count, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, count * sizeof *made);
+    for (size_t i = 0; i < count; i++)
+        made[i] = i <= p ? 0 : i >= p + spans ? 1 : (double)(i - p) / (double)spans;
+    *knots = (bat_knot_vector){made, count, degree};
+    return BAT_OK;
+}
+
+bat_status bat_knot_vector_check(const bat_knot_vector *knots, bat_error *error)
+{
+    if (knots->degree < 0 || knots->degree > BAT_SPLINE_MOST_DEGREE)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 0 to %d",
+                         knots->degree, BAT_SPLINE_MOST_DEGREE);
+    size_t p = (size_t)knots->degree, multiplicity = 1;
+    if (knots->knots == NULL || knots->count < 2 * p + 2)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a knot vector of degree %zu has at least %zu knots",
+                         p, 2 * p + 2);
+    for (size_t i = 0; i < knots->count; i++)
+    {
+        if (!isfinite(knots->knots[i]))
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu is not finite", i);
+        if (i > 0 && knots->knots[i] < knots->knots[i - 1])
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu is below the one before it", i);
+        multiplicity = i > 0 && knots->knots[i] == knots->knots[i - 1] ? multiplicity + 1 : 1;
+        if (multiplicity > p + 1)
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu repeats its value more than %zu times", i, p + 1);
+    }
+    if (!(knots->knots[p] < knots->knots[knots->count - p - 1]))
+        return error_set(error, BAT_INVALID_ARGUMENT, p, 0, "the domain from knot %zu to knot %zu has no length", p,
+                         knots->count - p - 1);
+    return BAT_OK;
+}
+
+bat_status bat_knot_vector_copy(const bat_knot_vector *knots, bat_knot_vector *copy, bat_error *error)
+{
+    double *made = memory_array(knots->count, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, knots->count * sizeof *made);
+    memcpy(made, knots->knots, knots->count * sizeof *made);
+    *copy = (bat_knot_vector){made, knots->count, knots->degree};
+    return BAT_OK;
+}
+
+void bat_knot_vector_free(bat_knot_vector *knots)
+{
+    free(knots->knots);
+    *knots = (bat_knot_vector){0};
+}
+
+size_t bat_knot_vector_span(const bat_knot_vector *knots, double t)
+{
+    // Between low, at or before t, and high, after t or the domain's end.
+    size_t low = (size_t)knots->degree, high = bat_knot_vector_functions(knots);
+    if (t >= knots->knots[high])
+        while (knots->knots[high - 1] == knots->knots[high])
+            high--;
+    while (high - low > 1)
+    {
+        size_t middle = low + (high - low) / 2;
+        *(knots->knots[middle] <= t ? &low : &high) = middle;
+    }
+    return low;
+}
+
+/// A triangle of functions of all degrees and the differences of knots that belong to them.
+typedef struct basis_triangle
+{
+    double values[BAT_SPLINE_MOST_DEGREE + 1][BAT_SPLINE_MOST_DEGREE + 1]; ///< [j][r]: function span - j + r of degree j
+    double widths[BAT_SPLINE_MOST_DEGREE + 1][BAT_SPLINE_MOST_DEGREE + 1]; ///< [j][r]: its support without the last knot
+} basis_triangle;
+
+/// A2.2 of The NURBS Book.
+static void fill_triangle(const bat_knot_vector *knots, size_t span, double t, basis_triangle *triangle)
+{
+    const double *after = knots->knots + span + 1;
+    triangle->values[0][0] = 1;
+    for (int j = 1; j <= knots->degree; j++)
+    {
+        double saved = 0;
+        for (int r = 0; r < j; r++)
+        {
+            double upper = after[r], lower = after[r - j];
+            triangle->widths[j][r] = upper - lower;
+            double share = triangle->values[j - 1][r] / (upper - lower);
+            triangle->values[j][r] = saved + (upper - t) * share;
+            saved = (t - lower) * share;
+        }
+        triangle->values[j][j] = saved;
+    }
+}
+
+void bat_knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, int derivatives, double *values)
+{
+    size_t p = (size_t)knots->degree;
+    basis_triangle triangle;
+    fill_triangle(knots, span, t, &triangle);
+    for (size_t k = 0; k <= (size_t)derivatives; k++)
+    {
+        double *row = values + k * (p + 1);
+        if (k > p)
+        {
+            memset(row, 0, (p + 1) * sizeof *row);
+            continue;
+        }
+        // The k-th derivatives of degree p come by k differences from the functions of degree p - k.
+        memcpy(row, triangle.values[p - k], (p - k + 1) * sizeof *row);
+        for (size_t j = p - k + 1; j <= p; j++)
+        {
+            double before = 0;
+            for (size_t r = 0; r < j; r++)
+            {
+                double slope = (double)j * row[r] / triangle.widths[j][r];
+                row[r] = before - slope;
+                before = slope;
+            }
+            row[j] = before;
+        }
+    }
+}
+
+void bat_knot_vector_greville(const bat_knot_vector *knots, double *abscissae)
+{
+    size_t p = (size_t)knots->degree;
+    for (size_t i = 0; i < bat_knot_vector_functions(knots); i++)
+    {
+        const double *inner = knots->knots + i + 1;
+        if (p == 0)
+        {
+            abscissae[i] = (inner[-1] + inner[0]) / 2;
+            continue;
+        }
+        // Offsets from one of the knots add up without a rounding error where the knots are all the same.
+        double sum = 0;
+        for (size_t k = 1; k < p; k++)
+            sum += inner[k] - inner[0];
+        abscissae[i] = inner[0] + sum / (double)p;
+    }
+}
+
+void blossom_weights(const bat_knot_vector *knots, size_t span, const double *arguments, double *weights)
+{
+    const double *after = knots->knots + span + 1;
+    weights[0] = 1;
+    for (int j = 1; j <= knots->degree; j++)
+    {
+        double t = arguments[j - 1], saved = 0;
+        for (int r = 0; r < j; r++)
+        {
+            double upper = after[r], lower = after[r - j], share = weights[r] / (upper - lower);
+            weights[r] = saved + (upper - t) * share;
+            saved = (t - lower) * share;
+        }
+        weights[j] = saved;
+    }
+}

@@ -1,0 +1,541 @@
+// Pictures of fitted surfaces: from where they are seen, what is drawn where and in which colour, and what is refused.
+#include "picture_helpers.h"
+#include "pixel_helpers.h"
+
+#include "batten/mesh_measure.h"
+#include "batten/research/surface_shapes.h"
+#include "batten/surface_picture.h"
+#include "draw/common/colour_scale.h"
+#include "draw/surface/surface_dots.h"
+#include "draw/surface/surface_patch.h"
+#include "draw/surface/surface_scene.h"
+#include "draw/surface/surface_view.h"
+#include "linalg/vector3.h"
+
+/// A space of a bidegree (1, 1) over `spans` x `spans` cells, and the surface (u, v, 0). Release it with bat_spline_surface_free().
+static bat_spline_surface make_flat(size_t spans)
+{
+    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_spline_surface flat = {.dimension = 3};
+    for (int c = 0; c < 2; c++)
+    {
+        options.degree[c] = 1;
+        options.spans[c] = spans;
+    }
+    assert_int_equal(bat_hierarchical_space_make(&options, &flat.space, NULL), BAT_OK);
+    size_t count = bat_hierarchical_space_functions(flat.space);
+    flat.control = calloc(count, 3 * sizeof(double));
+    assert_non_null(flat.control);
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_spline_function function = bat_hierarchical_space_function(flat.space, i);
+        flat.control[3 * i] = (double)function.i / (double)spans;
+        flat.control[3 * i + 1] = (double)function.j / (double)spans;
+    }
+    return flat;
+}
+
+/// All that a row shows of a Bézier cloud on a flat surface.
+typedef struct sample_row
+{
+    bat_cloud cloud;
+    double *parameters, *distances;
+    bat_spline_surface surface;
+    bat_surface_panel panel;
+} sample_row;
+
+static sample_row make_row(size_t interior)
+{
+    sample_row row = {.surface = make_flat(4)};
+    bat_cloud_bezier_options options = bat_cloud_bezier_defaults();
+    options.interior = interior;
+    options.turned = false;
+    bat_random random = bat_random_seed(6);
+    assert_int_equal(bat_cloud_bezier(&options, &random, &row.cloud, &row.parameters, NULL), BAT_OK);
+    row.distances = malloc(row.cloud.count * sizeof(double));
+    assert_non_null(row.distances);
+    for (size_t i = 0; i < row.cloud.count; i++)
+        row.distances[i] = fabs(row.cloud.points[3 * i + 2]);
+    row.panel = (bat_surface_panel){.title = "A row <&> \xc3\xa9", .distances = row.distances, .parameters = row.parameters};
+    return row;
+}
+
+static void free_row(sample_row *row)
+{
+    bat_cloud_free(&row->cloud);
+    bat_spline_surface_free(&row->surface);
+    free(row->parameters);
+    free(row->distances);
+}
+
+/// Every format, panels left out in the second row, and the same bytes again.
+static void writes_all_formats(void **state)
+{
+    (void)state;
+    sample_row row = make_row(300);
+    bat_surface_panel rows[2] = {row.panel, {.cloud = &row.cloud}};
+    rows[0].cloud = &row.cloud;
+    rows[0].surface = &row.surface;
+    bat_surface_picture_options options = {.width = 120};
+    for (int i = 0; i < 3; i++)
+    {
+        char name[32], path[128], *bytes[2];
+        size_t sizes[2];
+        (void)snprintf(name, sizeof name, "surface.%s", endings[i]);
+        path_of(path, name);
+        for (int again = 0; again < 2; again++)
+        {
+            assert_int_equal(bat_surface_picture_write(path, rows, 2, &options, NULL), BAT_OK);
+            bytes[again] = slurp(path, &sizes[again]);
+            assert_int_equal(unlink(path), 0);
+        }
+        assert_int_equal(sizes[0], sizes[1]);
+        assert_memory_equal(bytes[0], bytes[1], sizes[0]);
+        assert_true(contains(bytes[0], 64, i == 0 ? "<?xml" : i == 1 ? "PNG" : "%PDF"));
+        free(bytes[0]);
+        free(bytes[1]);
+    }
+    free_row(&row);
+}
+
+/// The sheet is as wide as the panels that there are: margins of 14 points, gaps of 16, two pixels a point.
+static void panels_are_left_out(void **state)
+{
+    (void)state;
+    sample_row row = make_row(100);
+    for (int panels = 1; panels <= 4; panels++)
+    {
+        char path[128];
+        bat_surface_panel shown = {.cloud = &row.cloud};
+        shown.parameters = panels >= 2 ? row.parameters : NULL;
+        shown.distances = panels >= 3 ? row.distances : NULL;
+        shown.surface = panels >= 4 ? &row.surface : NULL;
+        path_of(path, "left-out.png");
+        assert_int_equal(bat_surface_picture_write(path, &shown, 1, NULL, NULL), BAT_OK);
+        pixels picture = open_png(path);
+        assert_int_equal(picture.width, 2 * (2 * 14 + 210 * panels + 16 * (panels - 1)));
+        cairo_surface_destroy(picture.surface);
+        assert_int_equal(unlink(path), 0);
+    }
+    free_row(&row);
+}
+
+static void check_rotation(const mesh_view *view)
+{
+    double product[3];
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            check_near(vector3_dot(view->rotation[a], view->rotation[b]), a == b, 1e-12);
+    vector3_cross(view->rotation[0], view->rotation[1], product);
+    check_near(vector3_dot(product, view->rotation[2]), 1, 1e-12);
+}
+
+static const double OPEN[3] = {0, 0, 0};
+
+/// The patch (x, y, bulge (1 - x^2) (1 - y^2)) over [-1, 1]^2, boundary first; `order` -1 runs clockwise.
+static void fill_patch(double bulge, int order, double points[3 * 65])
+{
+    static const int CORNERS[4][2] = {{-4, -4}, {4, -4}, {4, 4}, {-4, 4}};
+    double *point = points;
+    for (int side = 0; side < 4; side++)
+        for (int step = 0; step < 8; step++, point += 3)
+        {
+            const int *from = CORNERS[side], *to = CORNERS[(side + 1) % 4];
+            double x = (from[0] + (to[0] - from[0]) * step / 8.0) / 4, y = (from[1] + (to[1] - from[1]) * step / 8.0) / 4;
+            point[0] = order > 0 ? x : y;
+            point[1] = order > 0 ? y : x;
+            point[2] = 0;
+        }
+    for (int i = 0; i < 33; i++, point += 3)
+    {
+        double x = (i % 6 - 2.5) / 3, y = (i / 6 - 2.5) / 3;
+        point[0] = x;
+        point[1] = y;
+        point[2] = bulge * (1 - x * x) * (1 - y * y);
+    }
+}
+
+/// The eye is on the side to which the patch bulges, whichever way its boundary runs; a flat one is seen from the side where the boundary
+/// runs counter-clockwise. It is above and beside the normal.
+static void patches_are_seen_from_outside(void **state)
+{
+    (void)state;
+    double points[3 * 65];
+    for (int order = -1; order <= 1; order += 2)
+        for (int bulge = -1; bulge <= 1; bulge++)
+        {
+            fill_patch(0.3 * bulge, order, points);
+            patch_points patch = {points, 65, 32};
+            mesh_view view = surface_view_of(&patch, OPEN, OPEN);
+            check_rotation(&view);
+            double side = bulge != 0 ? bulge : order;
+            assert_true(view.rotation[2][2] * side > 0.9 && view.rotation[2][2] * side < 0.95);
+            assert_true(view.rotation[2][1] > 0.1 && view.rotation[1][1] > 0.9);
+            // Position, size and the direction of the eye do not matter to each other.
+            for (size_t i = 0; i < 3 * 65; i++)
+                points[i] = 1e3 * points[i] + (i % 3 == 0 ? 500 : -70);
+            mesh_view moved = surface_view_of(&patch, OPEN, OPEN);
+            for (int e = 0; e < 9; e++)
+                check_near(moved.rotation[e / 3][e % 3], view.rotation[e / 3][e % 3], 1e-9);
+        }
+}
+
+/// Directions that are given are kept; patches without extent or with up along the view still have a view.
+static void views_obey(void **state)
+{
+    (void)state;
+    double points[3 * 65];
+    fill_patch(0.2, 1, points);
+    patch_points patch = {points, 65, 32};
+    const double direction[3] = {3, 0, 4}, up[3] = {0, -2, 0};
+    mesh_view view = surface_view_of(&patch, direction, up);
+    check_rotation(&view);
+    for (int c = 0; c < 3; c++)
+        check_near(view.rotation[2][c], direction[c] / 5, 1e-15);
+    check_near(view.rotation[1][1], -1, 1e-15);
+    view = surface_view_of(&patch, direction, direction);
+    check_rotation(&view);
+    memset(points, 0, sizeof points);
+    view = surface_view_of(&patch, OPEN, OPEN);
+    check_rotation(&view);
+    for (int i = 0; i < 65; i++)
+        points[3 * i] = i;
+    view = surface_view_of(&patch, OPEN, OPEN);
+    check_rotation(&view);
+}
+
+/// A half-open tube is seen across its broad side, a cup deeper than wide with a nose from the nose's side.
+static void closed_and_deep_patches_are_seen_from_the_side(void **state)
+{
+    (void)state;
+    bat_cloud blade;
+    assert_int_equal(bat_cloud_shape("blade", 2000, 1, &blade, NULL, NULL), BAT_OK);
+    patch_points patch = {blade.points, blade.count, blade.boundary_count};
+    mesh_view view = surface_view_of(&patch, OPEN, OPEN);
+    mesh_frame frame = surface_frame_of(blade.points, blade.count, &view);
+    check_rotation(&view);
+    // It stands upright and shows its chord rather than its thickness.
+    assert_true(view.rotation[1][2] > 0.95);
+    assert_true(frame.high[0] - frame.low[0] > 0.3);
+    bat_cloud_free(&blade);
+    double cup[3 * 300];
+    for (int i = 0; i < 300; i++)
+    {
+        double turn = 2 * PI * (i % 20) / 20, height = fmin(i / 20 / 2.0, 3.5);
+        cup[3 * i] = 1.4 * cos(turn) + 0.8 * (height > 1);
+        cup[3 * i + 1] = 1.4 * sin(turn);
+        cup[3 * i + 2] = height;
+    }
+    patch = (patch_points){cup, 300, 20};
+    view = surface_view_of(&patch, OPEN, OPEN);
+    assert_true(view.rotation[2][0] > 0.85 && view.rotation[1][2] > 0.9);
+}
+
+/// A disk covers pi r^2 pixels, wherever its middle is between pixels; its middle has the colour, and nothing is drawn outside the image.
+static void dots_are_disks(void **state)
+{
+    (void)state;
+    static const draw_colour RED = {1, 0, 0};
+    enum
+    {
+        SIDE = 24
+    };
+    for (int step = 0; step < 5; step++)
+    {
+        unsigned char bytes[4 * SIDE * SIDE] = {0};
+        dot_image image = {bytes, 4 * SIDE, SIDE, SIDE};
+        double covered = 0, radius = 4.3;
+        dot_draw(&image, 12 + 0.2 * step, 11.7, radius, RED);
+        for (size_t i = 0; i < SIDE * SIDE; i++)
+        {
+            uint32_t pixel;
+            memcpy(&pixel, bytes + 4 * i, sizeof pixel);
+            // Premultiplied red: alpha and red agree.
+            assert_int_equal(pixel >> 24, pixel >> 16 & 255);
+            assert_int_equal(pixel & 0xffff, 0);
+            covered += (double)(pixel >> 24) / 255;
+        }
+        check_relative(covered, PI * radius * radius, 0.02);
+        dot_draw(&image, -2, 30, 5, RED);
+        dot_draw(&image, 1e9, -1e9, 5, RED);
+    }
+}
+
+/// A sheet of paper of 200 x 200 points, one pixel each.
+static cairo_t *open_paper(void)
+{
+    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, 200, 200);
+    cairo_t *cairo = cairo_create(surface);
+    cairo_surface_destroy(surface);
+    cairo_set_source_rgb(cairo, 1, 1, 1);
+    cairo_paint(cairo);
+    return cairo;
+}
+
+static const double PAPER[4] = {0, 0, 200, 200};
+
+/// The middle of pixels whose blue exceeds their red, or the other way round, by much.
+static size_t find_colour(cairo_t *cairo, bool blue, double middle[2])
+{
+    pixels picture = pixels_of(cairo_get_target(cairo));
+    size_t count = 0;
+    double sum[2] = {0};
+    for (int y = 0; y < picture.height; y++)
+        for (int x = 0; x < picture.width; x++)
+        {
+            uint32_t pixel = pixel_at(&picture, x, y);
+            int excess = (int)(pixel & 255) - (int)(pixel >> 16 & 255);
+            if ((blue ? excess : -excess) < 60)
+                continue;
+            count++;
+            sum[0] += x + 0.5;
+            sum[1] += y + 0.5;
+        }
+    for (int c = 0; c < 2 && count > 0; c++)
+        middle[c] = sum[c] / (double)count;
+    return count;
+}
+
+/// Parameters are where they belong: u to the right, v upwards, to scale.
+static void parameters_are_in_the_plane(void **state)
+{
+    (void)state;
+    double points[3] = {0}, places[3][2], parameters[3][2] = {{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}};
+    bat_cloud cloud = {.points = points, .count = 1};
+    for (int i = 0; i < 3; i++)
+    {
+        cairo_t *cairo = open_paper();
+        bat_surface_panel panel = {.cloud = &cloud, .parameters = parameters[i]};
+        surface_row row = {.panel = &panel};
+        assert_int_equal(surface_plane_draw(&row, cairo, PAPER, 1, NULL), BAT_OK);
+        assert_true(find_colour(cairo, true, places[i]) > 0);
+        cairo_destroy(cairo);
+    }
+    double right = places[1][0] - places[0][0], up = places[0][1] - places[2][1];
+    check_near(right, up, 0.5);
+    assert_true(right > 70 && right < 100);
+    check_near(places[1][1], places[0][1], 0.2);
+    check_near(places[2][0], places[0][0], 0.2);
+}
+
+/// The number of dark lines that a row of pixels crosses, at a share of the square's height from below.
+static int count_lines(cairo_t *cairo, double share)
+{
+    pixels picture = pixels_of(cairo_get_target(cairo));
+    // The frame's left side is the longest dark column.
+    int top = 0, bottom = 0, crossings = 0;
+    for (int x = 0; x < picture.width && bottom - top < 100; x++)
+        for (int y = 0, begin = 0; y < picture.height; y++)
+        {
+            if (lightness(pixel_at(&picture, x, y)) > 0.8)
+                begin = y + 1;
+            else if (y - begin > bottom - top)
+            {
+                top = begin;
+                bottom = y;
+            }
+        }
+    int row = (int)lround(bottom - share * (bottom - top));
+    bool before = false;
+    for (int x = 0; x < picture.width; x++)
+    {
+        bool line = lightness(pixel_at(&picture, x, row)) < 0.9;
+        crossings += line && !before;
+        before = line;
+    }
+    return crossings;
+}
+
+/// Every cell has its sides: as many lines cross a row as there are cells in it, and one more.
+static void cells_are_drawn(void **state)
+{
+    (void)state;
+    bat_spline_surface flat = make_flat(4);
+    bat_surface_panel panel = {.surface = &flat};
+    surface_row row = {.panel = &panel};
+    for (uint32_t level = 0; level < 3; level++)
+    {
+        cairo_t *cairo = open_paper();
+        assert_int_equal(surface_plane_draw(&row, cairo, PAPER, 1, NULL), BAT_OK);
+        // Cells of the lowest row, then of the highest, which stays as it is.
+        assert_int_equal(count_lines(cairo, 0.05), 5 + (level > 0) + 2 * (level > 1));
+        assert_int_equal(count_lines(cairo, 0.9), 5);
+        cairo_destroy(cairo);
+        bat_spline_box box = {level, {0, 0}, {1 + level, 1}};
+        assert_int_equal(bat_hierarchical_space_refine(flat.space, &box, 1, NULL), BAT_OK);
+    }
+    bat_spline_surface_free(&flat);
+}
+
+/// A row of which a flat surface in the plane is seen from straight above.
+static surface_row row_from_above(const bat_surface_panel *panel)
+{
+    size_t loop_count;
+    surface_row row = {.panel = panel, .view = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, .frame = {{0, 0}, {1, 1}}};
+    if (panel->surface != NULL)
+        assert_int_equal(surface_patch_make(panel->surface, &row.patch, &loop_count, NULL), BAT_OK);
+    return row;
+}
+
+/// A dot has the colour of its distance on the scale.
+static void errors_are_colours(void **state)
+{
+    (void)state;
+    double points[3] = {0.5, 0.5, 0};
+    bat_cloud cloud = {.points = points, .count = 1};
+    for (int step = 0; step <= 4; step++)
+    {
+        double distance = 0.25 * step;
+        bat_surface_panel panel = {.cloud = &cloud, .distances = &distance};
+        surface_row row = row_from_above(&panel);
+        cairo_t *cairo = open_paper();
+        assert_int_equal(surface_errors_draw(&row, 1, cairo, PAPER, 4, NULL), BAT_OK);
+        pixels picture = pixels_of(cairo_get_target(cairo));
+        uint32_t pixel = pixel_at(&picture, 100, 100);
+        draw_colour colour = colour_scale_at(distance);
+        check_near((double)(pixel >> 16 & 255), 255 * colour_encode(colour.red), 1.5);
+        check_near((double)(pixel >> 8 & 255), 255 * colour_encode(colour.green), 1.5);
+        check_near((double)(pixel & 255), 255 * colour_encode(colour.blue), 1.5);
+        cairo_destroy(cairo);
+    }
+}
+
+/// Points behind the surface are not drawn, points in front of it are, and so are those as far behind as their own distance says that
+/// they may be.
+static void surfaces_hide_points(void **state)
+{
+    (void)state;
+    bat_spline_surface flat = make_flat(2);
+    const double heights[3] = {0.4, -0.4, -0.4}, distances[3] = {0.01, 0.01, 0.5};
+    for (int i = 0; i < 3; i++)
+    {
+        double points[3] = {0.5, 0.5, heights[i]};
+        bat_cloud cloud = {.points = points, .count = 1};
+        bat_surface_panel panel = {.cloud = &cloud, .surface = &flat, .distances = &distances[i]};
+        surface_row row = row_from_above(&panel);
+        cairo_t *cairo = open_paper();
+        assert_int_equal(surface_errors_draw(&row, 0.01, cairo, PAPER, 1, NULL), BAT_OK);
+        pixels picture = pixels_of(cairo_get_target(cairo));
+        assert_int_equal(lightness(pixel_at(&picture, 100, 100)) < 0.4, i != 1);
+        cairo_destroy(cairo);
+        bat_mesh_free(&row.patch);
+    }
+    bat_spline_surface_free(&flat);
+}
+
+/// Triangles lie on the surface and face the eye, or outwards where the surface closes.
+static void patches_are_the_surface(void **state)
+{
+    (void)state;
+    bat_spline_surface flat = make_flat(3);
+    bat_mesh patch;
+    size_t loop_count;
+    assert_int_equal(surface_patch_make(&flat, &patch, &loop_count, NULL), BAT_OK);
+    bat_mesh_summary summary;
+    assert_int_equal(bat_mesh_check(&patch, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
+    check_near(summary.area, 1, 1e-12);
+    assert_int_equal(summary.boundary_edges, loop_count);
+    for (size_t i = 0; i < loop_count; i++)
+    {
+        const double *at = patch.positions + 3 * i, *next = patch.positions + 3 * ((i + 1) % loop_count);
+        // Counter-clockwise round the middle.
+        assert_true((at[0] - 0.5) * (next[1] - 0.5) - (at[1] - 0.5) * (next[0] - 0.5) > 0);
+    }
+    for (int side = -1; side <= 1; side += 2)
+    {
+        surface_patch_turn(&patch, (const double[3]){0.3, 0, side});
+        const uint32_t *face = patch.faces;
+        double first[3], second[3], normal[3];
+        vector3_subtract(patch.positions + 3 * (size_t)face[1], patch.positions + 3 * (size_t)face[0], first);
+        vector3_subtract(patch.positions + 3 * (size_t)face[2], patch.positions + 3 * (size_t)face[0], second);
+        vector3_cross(first, second, normal);
+        assert_true(normal[2] * side > 0);
+    }
+    // Half of it is left within a box that ends between two columns of vertices, nothing within one beside it.
+    surface_patch_cut(&patch, (const double[3]){-1, -1, -1}, (const double[3]){0.5 + 1e-9, 1, 1});
+    assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
+    check_near(summary.area, 0.5, 1e-12);
+    surface_patch_cut(&patch, (const double[3]){2, 2, 2}, (const double[3]){3, 3, 3});
+    assert_int_equal(patch.face_count, 0);
+    bat_mesh_free(&patch);
+    bat_spline_surface_free(&flat);
+}
+
+/// A surface far from all points leaves its panel empty.
+static void stray_surfaces_are_cut(void **state)
+{
+    (void)state;
+    sample_row sample = make_row(50);
+    char path[128];
+    path_of(path, "stray.png");
+    for (size_t i = 0; i < sample.cloud.count; i++)
+        sample.cloud.points[3 * i] += 100;
+    bat_surface_panel panel = {.cloud = &sample.cloud, .surface = &sample.surface, .distances = sample.distances};
+    assert_int_equal(bat_surface_picture_write(path, &panel, 1, NULL, NULL), BAT_OK);
+    assert_int_equal(unlink(path), 0);
+    free_row(&sample);
+}
+
+static void wrong_input_is_refused(void **state)
+{
+    (void)state;
+    sample_row sample = make_row(50);
+    bat_surface_picture_options options[6] = {{.width = 10}, {.width = -1}, {.largest_error = NAN}, {.largest_error = -1}};
+    options[4].view[1] = INFINITY;
+    options[5].up[2] = NAN;
+    char path[128];
+    bat_error error;
+    path_of(path, "wrong.png");
+    bat_surface_panel good = {.cloud = &sample.cloud};
+    for (int i = 0; i < 6; i++)
+        assert_int_equal(bat_surface_picture_write(path, &good, 1, &options[i], &error), BAT_INVALID_ARGUMENT);
+    bat_cloud empty = {0};
+    bat_spline_surface curve = sample.surface;
+    curve.dimension = 2;
+    bat_surface_panel wrong[] = {{0},
+                                 {.surface = &sample.surface, .distances = sample.distances},
+                                 {.surface = &sample.surface, .parameters = sample.parameters},
+                                 {.cloud = &empty},
+                                 {.surface = &curve},
+                                 {.cloud = &sample.cloud, .title = "\xff"}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        assert_int_equal(bat_surface_picture_write(path, &wrong[i], 1, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_surface_picture_write("picture.txt", &good, 1, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_surface_picture_write(path, &good, 0, NULL, &error), BAT_INVALID_ARGUMENT);
+    double *numbers[] = {&sample.distances[7], &sample.parameters[15], &sample.cloud.points[21],
+                         &sample.surface.control[22]};
+    bat_surface_panel all = sample.panel;
+    all.cloud = &sample.cloud;
+    all.surface = &sample.surface;
+    for (int i = 0; i < 4; i++)
+    {
+        double kept = *numbers[i];
+        *numbers[i] = i == 1 ? 1.5 : NAN;
+        assert_int_equal(bat_surface_picture_write(path, &all, 1, NULL, &error), BAT_INVALID_POINT);
+        assert_int_equal(error.index, 7);
+        *numbers[i] = kept;
+    }
+    assert_int_equal(folder_entries(), 0);
+    free_row(&sample);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(writes_all_formats),
+        cmocka_unit_test(panels_are_left_out),
+        cmocka_unit_test(patches_are_seen_from_outside),
+        cmocka_unit_test(views_obey),
+        cmocka_unit_test(closed_and_deep_patches_are_seen_from_the_side),
+        cmocka_unit_test(dots_are_disks),
+        cmocka_unit_test(parameters_are_in_the_plane),
+        cmocka_unit_test(cells_are_drawn),
+        cmocka_unit_test(errors_are_colours),
+        cmocka_unit_test(surfaces_hide_points),
+        cmocka_unit_test(patches_are_the_surface),
+        cmocka_unit_test(stray_surfaces_are_cut),
+        cmocka_unit_test(wrong_input_is_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

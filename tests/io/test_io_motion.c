@@ -1,0 +1,469 @@
+// Keyframes in files: named columns of rotations, poses and tensors, trajectories, and the curves that are made of them.
+
+#include "test_io_helpers.h"
+
+#include "batten/motion.h"
+#include "batten/space.h"
+
+#include <stdio.h>
+
+static const bat_curve_format CSV = BAT_CURVE_FORMAT_CSV, TUM = BAT_CURVE_FORMAT_TUM;
+
+/// The angle between two rotations.
+static double turn(const double *p, const double *q)
+{
+    bat_space rotation = bat_rotation();
+    return rotation.distance(&rotation, p, q);
+}
+
+/// Every way to write the turn by 2 pi / 3 about (1, 1, 1), which takes x to y, y to z and z to x; columns in any order.
+static void rotations_have_three_forms(void **state)
+{
+    (void)state;
+    const char *texts[] = {
+        "qz,time,qw,qx,qy\n0.5,3,0.5,0.5,0.5\n",
+        "QW,QX,QY,QZ,T\n0.5,0.5,0.5,0.5,3\n",
+        "t,m11,m12,m13,m21,m22,m23,m31,m32,m33\n3,0,0,1,1,0,0,0,1,0\n",
+        "rx,ry,rz,timestamp\n1.2091995761561452,1.2091995761561452,1.2091995761561452,3\n",
+        "\"time\",\"qw\",\"qx\",\"qy\",\"qz\"\n3,0.50002,0.49998,0.50001,0.49999\n",
+    };
+    const double expected[4] = {0.5, 0.5, 0.5, 0.5};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+    {
+        bat_curve_set set = must_read(texts[i], CSV, "rotation");
+        assert_string_equal(set.space->name, "rotation");
+        assert_true(turn(set.curves[0].points, expected) < (i == 4 ? 1e-4 : 1e-15));
+        assert_null(set.space->fault(set.space, set.curves[0].points));
+        assert_int_equal(set.curves[0].channel_count, 1);
+        assert_true(set.curves[0].channels[0] == 3);
+        assert_true(bat_motion_has_times(&set));
+        assert_false(bat_motion_has_velocities(&set));
+        bat_curve_set_free(&set);
+    }
+    bat_curve_set set = must_read("0.5,0.5,0.5,0.5\n", CSV, "rotation");
+    assert_memory_equal(set.curves[0].points, expected, sizeof expected);
+    bat_curve_set_free(&set);
+}
+
+static void names_alone_imply_rotations_and_poses(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("time,qw,qx,qy,qz\n0,1,0,0,0\n", CSV, NULL);
+    assert_string_equal(set.space->name, "rotation");
+    bat_curve_set_free(&set);
+    set = must_read("time,tx,ty,tz,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n", CSV, NULL);
+    assert_string_equal(set.space->name, "rigid");
+    bat_curve_set_free(&set);
+    set = must_read("a,b,c,d\n0,1,2,3\n", CSV, NULL);
+    assert_string_equal(set.space->name, "euclidean");
+    bat_curve_set_free(&set);
+    set = must_read("t,x,y\n7,1,2\n", CSV, NULL);
+    assert_string_equal(set.space->name, "plane");
+    assert_true(set.curves[0].points[1] == 2 && set.curves[0].channels[0] == 7);
+    bat_curve_set_free(&set);
+    set = must_read("# space: spd\nxx,xy,yy\n2,1,2\n", CSV, NULL);
+    assert_string_equal(set.space->name, "spd");
+    assert_int_equal(set.space->point_dim, 3);
+    bat_curve_set_free(&set);
+}
+
+static void written_columns_are_those_that_were_read(void **state)
+{
+    (void)state;
+    const char *texts[] = {
+        "# space: rotation\nqz,time,qw,qx,qy\n0.5,3,0.5,0.5,0.5\n",
+        "# space: rotation\nt,m11,m12,m13,m21,m22,m23,m31,m32,m33\n3,0,0,1,1,0,0,0,1,0\n",
+        "# space: rotation\nrx,ry,rz,wx,wy,wz\n0.5,0,0,1,2,3\n",
+        "# space: rigid\ntx,ty,tz,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n1,2,3,1,0,0,0,4,5,6,7,8,9\n",
+        "# space: spd\ntime,xx,xy,xz,yy,yz,zz,vxx,vxy,vxz,vyy,vyz,vzz\n0,2,1,0,2,0,2,1,2,3,4,5,6\n",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        assert_rewritten(texts[i], CSV, NULL, texts[i]);
+    assert_rewritten("# a comment\n\n0 1 2 3 0 0 0 1\n\n1.5\t1 2  3 0.5 0.5 0.5 0.5\n", TUM, NULL,
+                     "# timestamp tx ty tz qx qy qz qw\n0 1 2 3 0 0 0 1\n1.5 1 2 3 0.5 0.5 0.5 0.5\n");
+}
+
+static void trajectories_have_the_scalar_last(void **state)
+{
+    (void)state;
+    const double expected[7] = {1, 2, 3, 0.8, 0.6, 0, 0};
+    bat_curve_set set = must_read("5 1 2 3 0.6 0 0 0.8\n", TUM, NULL);
+    assert_memory_equal(set.curves[0].points, expected, sizeof expected);
+    assert_true(set.curves[0].channels[0] == 5);
+    bat_curve_set_free(&set);
+    set = must_read("5 1 2 3 0.6 0 0 0.8\n", CSV, "rigid");
+    assert_memory_equal(set.curves[0].points, expected, sizeof expected);
+    bat_curve_set_free(&set);
+    set = must_read("1 2 3 0.8 0.6 0 0\n", CSV, "rigid");
+    assert_memory_equal(set.curves[0].points, expected, sizeof expected);
+    assert_int_equal(set.curves[0].channel_count, 0);
+    bat_curve_set_free(&set);
+    assert_int_equal(bat_curve_format_of_path("a/b.TUM"), BAT_CURVE_FORMAT_TUM);
+}
+
+static void bad_columns_name_the_line(void **state)
+{
+    (void)state;
+    const struct
+    {
+        const char *text, *space;
+        size_t line;
+        const char *words;
+    } cases[] = {
+        {"# c\ntime,qw,qx,qy\n0,1,0,0\n", "rotation", 2, "needs a column 'qz'"},
+        {"qw,qx,qy,qz,note\n1,0,0,0,1\n", "rotation", 1, "'note' has no meaning"},
+        {"qw,qx,qy,qz,qw\n1,0,0,0,1\n", "rotation", 1, "'qw' is there twice"},
+        {"qw,qx,qy,qz,rx,ry,rz\n1,0,0,0,0,0,0\n", "rotation", 1, "'rx' has no meaning"},
+        {"qw,qx,qy,qz,wx\n1,0,0,0,1\n", "rotation", 1, "needs a column 'wy'"},
+        {"1,0,0\n", "rotation", 1, "3 columns"},
+        {"qw,qx,qy,qz\n1,0,0,0\n0,0,0,0\n", "rotation", 3, "zero"},
+        {"qw,qx,qy,qz\n1,0,0,0\n1,0,0,0.1\n", "rotation", 3, "unit length"},
+        {"m11,m12,m13,m21,m22,m23,m31,m32,m33\n1,0,0,0,1,0,0,0,1.0001\n", "rotation", 2, "not a rotation"},
+        {"m11,m12,m13,m21,m22,m23,m31,m32,m33\n1,0,0,0,1,0,0,0,-1\n", "rotation", 2, "not a rotation"},
+        {"rx,ry,rz\n1e300,0,0\n", "rotation", 2, "too long"},
+        {"xx,xy,yy\n1,0,1\n1,1,1\n", "spd", 3, "positive definite"},
+        {"1,2,3,4\n", "spd", 1, "4 columns"},
+        {"0 1 2 3 0 0 0 0\n", "rigid", 1, "zero"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_bad(cases[i].text, CSV, cases[i].space, cases[i].line, cases[i].words);
+    assert_bad("# c\n0 1 2 3 0 0 0 1\n0 1 2 3 0 0 1\n", TUM, NULL, 3, "7 columns where a trajectory has 8");
+    assert_bad("", TUM, NULL, 0, "no points");
+}
+
+static void rounded_rotations_are_taken_and_projection_takes_more(void **state)
+{
+    (void)state;
+    bat_curve_read_options options = bat_curve_read_defaults();
+    options.space = "rotation";
+    options.project = true;
+    bat_curve_set set = {0};
+    const char text[] = "qw,qx,qy,qz\n2,0,0,0\n";
+    assert_int_equal(bat_curve_read_memory(text, strlen(text), &options, &set, NULL), BAT_OK);
+    assert_true(set.curves[0].points[0] == 1);
+    bat_curve_set_free(&set);
+    set = must_read("m11,m12,m13,m21,m22,m23,m31,m32,m33\n0.8000004,-0.6,0,0.6,0.8,0,0,0,1\n", CSV, "rotation");
+    assert_null(set.space->fault(set.space, set.curves[0].points));
+    bat_curve_set_free(&set);
+}
+
+/// q and -q are one rotation: the reader makes a row of them continuous, and drops a closed curve's repeated beginning.
+static void signs_do_not_jump(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("# closed\nqw,qx,qy,qz\n1,0,0,0\n-0.8,-0.6,0,0\n0.6,0.8,0,0\n-1,0,0,0\n", CSV, "rotation");
+    const double expected[] = {1, 0, 0, 0, 0.8, 0.6, 0, 0, 0.6, 0.8, 0, 0};
+    assert_int_equal(set.curves[0].count, 3);
+    assert_memory_equal(set.curves[0].points, expected, sizeof expected);
+    bat_curve_set_free(&set);
+}
+
+static bat_curve_set must_smooth(const bat_curve_set *set, const bat_motion_options *options)
+{
+    bat_curve_set fine = {0};
+    bat_error error = {0};
+    if (bat_motion_curves(set, options, &fine, NULL, &error) != BAT_OK)
+        fail_msg("line %zu: %s", error.line, error.text);
+    return fine;
+}
+
+/// Keyframes of every kind, unevenly timed; all times are multiples of 1/8.
+static const struct
+{
+    const char *text, *space;
+} KEYFRAMES[] = {
+    {"time,qw,qx,qy,qz\n0,1,0,0,0\n1,0.8,0.6,0,0\n1.5,-0.48,-0.64,-0.6,0\n4,0.5,0.5,0.5,0.5\n", "rotation"},
+    {"t,rx,ry,rz,wx,wy,wz\n-1,0.1,0.2,0.3,1,0,0\n0.25,0.5,-0.4,0.3,0,1,0\n3,1,1,0.5,0,0,1\n", "rotation"},
+    {"t,m11,m12,m13,m21,m22,m23,m31,m32,m33\n0,1,0,0,0,1,0,0,0,1\n0.5,0.8,-0.6,0,0.6,0.8,0,0,0,1\n"
+     "2,0.8,-0.6,0,0,0,-1,0.6,0.8,0\n",
+     "rotation"},
+    {"time,tx,ty,tz,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n2,5,1,0,0,0,0.6,0.8\n3,9,9,9,0.5,0.5,0.5,0.5\n", "rigid"},
+    {"time,xx,xy,xz,yy,yz,zz,vxx,vxy,vxz,vyy,vyz,vzz\n0,2,1,0,2,0,2,1,0,0,0,0,0\n1,3,1,1,2,0,2,0,1,0,0,0,0\n"
+     "3,2,0,0,5,1,1,0,0,0,0,0,1\n",
+     "spd"},
+    {"time,xx,xy,yy\n0,2,1,2\n1,3,1,2\n1.125,2,0,5\n", "spd"},
+    {"time,x,y,vx,vy\n0,0,0,1,0\n1,0.5,0.5,0,1\n2,0,0.75,-1,0\n", "disk"},
+    {"time,x,y,z,vx,vy,vz\n0,1,0,0,0,1,0\n1,0,1,0,0,0,1\n2,0,0,1,1,0,0\n", "sphere"},
+    {"time,lat,lon\n0,0,0\n1,10,20\n5,30,20\n", "sphere"},
+    {"time,x,y\n0,0,0\n1,10,20\n5,30,20\n", "plane"},
+};
+
+/// From text to curve to text to curve: at the keyframes' times the curve is the keyframe, to 1e-12 in every column.
+static void keyframes_come_back(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < sizeof KEYFRAMES / sizeof *KEYFRAMES; k++)
+        for (int given = 0; given < 2; given++)
+        {
+            bat_curve_set set = must_read(KEYFRAMES[k].text, CSV, KEYFRAMES[k].space);
+            bat_motion_options options = bat_motion_defaults();
+            options.rate = 8;
+            options.velocities = given == 1 && strcmp(KEYFRAMES[k].text + 5, "lat") != 0 && k != 8;
+            bat_curve_set fine = must_smooth(&set, &options);
+            char *text = must_write(&fine, CSV);
+            bat_curve_set back = must_read(text, CSV, NULL);
+            const bat_curve *keys = &set.curves[0], *smooth = &back.curves[0];
+            assert_string_equal(back.space->name, KEYFRAMES[k].space);
+            assert_true(bat_motion_has_times(&back));
+            assert_true(bat_motion_has_velocities(&back) == (options.velocities || bat_motion_has_velocities(&set)));
+            size_t time = strncmp(KEYFRAMES[k].text, "rx", 2) == 0 ? 3 : 0, dim = set.space->point_dim;
+            size_t found = 0;
+            for (size_t i = 0; i < smooth->count; i++)
+                for (size_t j = 0; j < keys->count; j++)
+                    if (smooth->channels[i * smooth->channel_count + time] == keys->channels[j * keys->channel_count + time])
+                    {
+                        double tolerance = k == 8 ? 1e-10 : 1e-12; // degrees have ten decimals
+                        for (size_t c = 0; c < dim; c++)
+                            assert_true(fabs(smooth->points[i * dim + c] - keys->points[j * dim + c]) < tolerance);
+                        for (size_t c = 0; c < keys->channel_count && !options.velocities; c++)
+                            assert_true(fabs(smooth->channels[i * smooth->channel_count + c] -
+                                             keys->channels[j * keys->channel_count + c]) < 1e-11);
+                        found++;
+                    }
+            assert_int_equal(found, keys->count);
+            free(text);
+            bat_curve_set_free(&back);
+            bat_curve_set_free(&fine);
+            bat_curve_set_free(&set);
+        }
+}
+
+/// Neighbours of a smooth curve of quaternions are near each other, and times go from first to last.
+static void smooth_curves_are_continuous(void **state)
+{
+    (void)state;
+    const char *schemes[] = {"hermite", "hermite:order=2", "hermite:order=3", "hermite-merrien",
+                             "hermite-de-rham:base=midpoint"};
+    bat_curve_set set = must_read("time,qw,qx,qy,qz\n0,1,0,0,0\n1,-0.8,-0.6,0,0\n2,0.48,0.64,0.6,0\n3,-0.5,-0.5,-0.5,-0.5\n"
+                                  "4,0.1,0.7,-0.1,0.7\n5,-0.6,0,0,0.8\n",
+                                  CSV, "rotation");
+    for (size_t k = 0; k <= sizeof schemes / sizeof *schemes; k++)
+    {
+        bat_motion_options options = bat_motion_defaults();
+        options.scheme.levels = 6;
+        if (k > 0)
+            assert_int_equal(bat_hermite_by_name(schemes[k - 1], &options.scheme, NULL), BAT_OK);
+        else
+            options.rate = 64;
+        bat_curve_set fine = must_smooth(&set, &options);
+        const bat_curve *curve = &fine.curves[0];
+        for (size_t i = 1; i < curve->count; i++)
+        {
+            double apart = 0;
+            for (size_t c = 0; c < 4; c++)
+                apart += fabs(curve->points[4 * i + c] - curve->points[4 * i - 4 + c]);
+            assert_true(apart < 0.1);
+            assert_true(curve->channels[i] > curve->channels[i - 1]);
+        }
+        assert_true(curve->channels[0] == 0 && curve->channels[curve->count - 1] == 5);
+        bat_curve_set_free(&fine);
+    }
+    bat_curve_set_free(&set);
+}
+
+/// A steady turn stays one, in points and velocities, whatever the times and the scheme: angular velocity 1/2 about z.
+static void steady_turns_have_their_velocity(void **state)
+{
+    (void)state;
+    char text[400] = "time,rx,ry,rz\n";
+    for (int i = 0; i < 5; i++)
+        (void)snprintf(text + strlen(text), sizeof text - strlen(text), "%d,0,0,%g\n", i, 0.5 * i);
+    bat_curve_set set = must_read(text, CSV, "rotation");
+    const char *schemes[] = {"hermite", "hermite:order=3", "hermite-merrien", "hermite-de-rham"};
+    for (size_t k = 0; k < 5; k++)
+    {
+        bat_motion_options options = bat_motion_defaults();
+        options.velocities = true;
+        options.scheme.levels = 3;
+        if (k < 4)
+            assert_int_equal(bat_hermite_by_name(schemes[k], &options.scheme, NULL), BAT_OK);
+        else
+            options.rate = 7;
+        bat_curve_set fine = must_smooth(&set, &options);
+        const bat_curve *curve = &fine.curves[0];
+        for (size_t i = 0; i < curve->count; i++)
+        {
+            const double *row = curve->channels + 4 * i;
+            double vector[3];
+            bat_rotation_to_vector(curve->points + 4 * i, vector);
+            assert_true(fabs(vector[2] - 0.5 * row[0]) < 1e-9);
+            assert_true(fabs(row[1]) < 1e-9 && fabs(row[2]) < 1e-9 && fabs(row[3] - 0.5) < 1e-8);
+        }
+        bat_curve_set_free(&fine);
+    }
+    bat_curve_set_free(&set);
+}
+
+/// Steps of 100 degrees are followed round and round, at the ends and by both orders.
+static void large_steps_are_followed(void **state)
+{
+    (void)state;
+    const double speed = 100 * 0.017453292519943295;
+    char text[600] = "time,qw,qx,qy,qz\n";
+    for (int i = 0; i < 6; i++)
+        (void)snprintf(text + strlen(text), sizeof text - strlen(text), "%d,%.17g,0,0,%.17g\n", i, cos(speed * i / 2),
+                       sin(speed * i / 2));
+    bat_curve_set set = must_read(text, CSV, "rotation");
+    for (size_t order = 2; order <= 4; order += 2)
+    {
+        bat_motion_options options = bat_motion_defaults();
+        options.rate = 3;
+        options.tangent_order = order;
+        options.velocities = true;
+        bat_curve_set fine = must_smooth(&set, &options);
+        for (size_t i = 0; i < fine.curves[0].count; i++)
+            assert_true(fabs(fine.curves[0].channels[4 * i + 3] - speed) < 1e-9);
+        bat_curve_set_free(&fine);
+    }
+    bat_curve_set_free(&set);
+}
+
+static void assert_refused(const char *text, const char *space, const bat_motion_options *options, bat_status status,
+                           size_t line, const char *words)
+{
+    bat_curve_set set = must_read(text, BAT_CURVE_FORMAT_AUTO, space), fine = {0};
+    bat_error error = {0};
+    assert_int_equal(bat_motion_curves(&set, options, &fine, NULL, &error), status);
+    assert_int_equal(error.line, line);
+    if (strstr(error.text, words) == NULL)
+        fail_msg("'%s' lacks '%s'", error.text, words);
+    assert_null(fine.curves);
+    assert_int_equal(bat_motion_curves(&set, options, &fine, NULL, NULL), status);
+    bat_curve_set_free(&set);
+}
+
+static void bad_keyframes_name_their_lines(void **state)
+{
+    (void)state;
+    bat_motion_options sampled = bat_motion_defaults(), transport = bat_motion_defaults();
+    sampled.rate = 4;
+    assert_int_equal(bat_hermite_by_name("hermite-merrien", &transport.scheme, NULL), BAT_OK);
+    const char header[] = "time,qw,qx,qy,qz\n";
+    char text[200];
+#define ROWS(rows) (snprintf(text, sizeof text, "%s%s", header, rows), text)
+    assert_refused(ROWS("0,1,0,0,0\n1,0.8,0.6,0,0\n1,0.6,0.8,0,0\n"), "rotation", &sampled, BAT_INVALID_POINT, 4,
+                   "does not come after");
+    assert_refused(ROWS("0,1,0,0,0\n\n# next\n0,1,0,0,0\n-1,0.6,0.8,0,0\n"), "rotation", &sampled, BAT_INVALID_ARGUMENT, 0,
+                   "needs at least 2 points");
+    assert_refused(ROWS("0,1,0,0,0\n# half a turn\n1,0,1,0,0\n"), "rotation", &sampled, BAT_CUT_LOCUS, 4, "lines 2 and 4");
+    assert_refused(ROWS("0,1,0,0,0\n1,-1,0,0,0\n"), "rotation", NULL, BAT_INVALID_POINT, 3, "lines 2 and 3");
+    assert_refused(ROWS("0,1,0,0,0\n1,0.8,0.6,0,0\n3,0.6,0.8,0,0\n"), "rotation", &transport, BAT_UNSUPPORTED, 4,
+                   "evenly spaced");
+    assert_refused("x,y,time,height\n0,0,0,5\n1,1,1,6\n", "plane", &sampled, BAT_UNSUPPORTED, 0, "other columns");
+    assert_refused("qw,qx,qy,qz,wx,wy,wz\n1,0,0,0,1,0,0\n0.8,0.6,0,0,0,0,0\n", "rotation", NULL, BAT_INVALID_POINT, 3,
+                   "no direction");
+#undef ROWS
+}
+
+/// A motion may rest where it has times.
+static void motions_may_rest(void **state)
+{
+    (void)state;
+    bat_motion_options options = bat_motion_defaults();
+    options.rate = 4;
+    bat_curve_set set = must_read("0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n2 4 2 3 0 0 0.6 0.8\n", TUM, NULL);
+    bat_curve_set fine = must_smooth(&set, &options);
+    assert_int_equal(fine.curves[0].count, 9);
+    bat_curve_set_free(&fine);
+    bat_curve_set_free(&set);
+}
+
+/// Quaternions, matrices and rotation vectors of the same keyframes give the same motion.
+static void forms_agree(void **state)
+{
+    (void)state;
+    const char *texts[] = {
+        "time,qw,qx,qy,qz\n0,1,0,0,0\n1,0.8,0.6,0,0\n3,0.5,0.5,0.5,0.5\n",
+        "m11,m12,m13,m21,m22,m23,m31,m32,m33,time\n1,0,0,0,1,0,0,0,1,0\n1,0,0,0,0.28,-0.96,0,0.96,0.28,1\n"
+        "0,0,1,1,0,0,0,1,0,3\n",
+    };
+    bat_curve_set fine[2];
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_motion_options options = bat_motion_defaults();
+        options.rate = 5;
+        bat_curve_set set = must_read(texts[i], CSV, "rotation");
+        fine[i] = must_smooth(&set, &options);
+        bat_curve_set_free(&set);
+    }
+    assert_int_equal(fine[0].curves[0].count, 16);
+    for (size_t i = 0; i < 16; i++)
+        assert_true(turn(fine[0].curves[0].points + 4 * i, fine[1].curves[0].points + 4 * i) < 1e-14);
+    bat_curve_set_free(&fine[0]);
+    bat_curve_set_free(&fine[1]);
+}
+
+/// Velocities in files are dA/dt and dz/dt: differences of the sampled curve's own columns show them.
+static void velocities_are_derivatives_of_the_columns(void **state)
+{
+    (void)state;
+    const struct
+    {
+        const char *text, *space;
+        size_t dim;
+    } cases[] = {{"time,xx,xy,yy\n0,2,1,2\n1,3,1,2\n2,2,0,5\n", "spd", 3},
+                 {"time,x,y\n0,0.1,0.2\n1,0.5,0.5\n2,0,0.75\n", "disk", 2},
+                 {"time,x,y,z\n0,1,0,0\n1,0,1,0\n2,0,0,1\n", "sphere", 3}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+    {
+        bat_motion_options options = bat_motion_defaults();
+        options.rate = 1000;
+        options.velocities = true;
+        bat_curve_set set = must_read(cases[k].text, CSV, cases[k].space), fine = must_smooth(&set, &options);
+        const bat_curve *curve = &fine.curves[0];
+        size_t dim = cases[k].dim;
+        assert_int_equal(curve->channel_count, 1 + dim);
+        for (size_t i = 1; i + 1 < curve->count; i++)
+            for (size_t c = 0; c < dim && i % 1000 != 0; c++)
+            {
+                double slope = 500 * (curve->points[(i + 1) * dim + c] - curve->points[(i - 1) * dim + c]);
+                assert_true(fabs(slope - curve->channels[i * (1 + dim) + 1 + c]) < 1e-3);
+            }
+        bat_curve_set_free(&fine);
+        bat_curve_set_free(&set);
+    }
+}
+
+static void names_of_schemes(void **state)
+{
+    (void)state;
+    const char *bad[] = {"hermite:order=0", "hermite:order=2.5",    "hermite:order=127",         "hermite:rate=3",
+                         "hermite:order",   "hermite-merrien:mu=x", "hermite-merrien:base=edge", "hermit",
+                         "hermite-",        "hermite:order=3,"};
+    bat_hermite_options options = bat_hermite_defaults();
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(bat_hermite_by_name(bad[i], &options, NULL), BAT_INVALID_ARGUMENT);
+    const char *name, *settings, *summary;
+    size_t count = 0;
+    for (; bat_hermite_list(count, &name, &settings, &summary); count++)
+        assert_int_equal(bat_hermite_by_name(name, &options, NULL), BAT_OK);
+    assert_int_equal(count, 3);
+    assert_int_equal(bat_hermite_by_name("hermite-merrien:lambda=-0.1,mu=-0.25,base=midpoint", &options, NULL), BAT_OK);
+    assert_int_equal(options.base, BAT_BASE_MIDPOINT);
+    assert_int_equal(options.kind, BAT_HERMITE_TRANSPORT);
+    assert_int_equal(bat_hermite_by_name("hermite:order=7", &options, NULL), BAT_OK);
+    assert_int_equal(options.order, 7);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rotations_have_three_forms),
+        cmocka_unit_test(names_alone_imply_rotations_and_poses),
+        cmocka_unit_test(written_columns_are_those_that_were_read),
+        cmocka_unit_test(trajectories_have_the_scalar_last),
+        cmocka_unit_test(bad_columns_name_the_line),
+        cmocka_unit_test(rounded_rotations_are_taken_and_projection_takes_more),
+        cmocka_unit_test(signs_do_not_jump),
+        cmocka_unit_test(keyframes_come_back),
+        cmocka_unit_test(smooth_curves_are_continuous),
+        cmocka_unit_test(steady_turns_have_their_velocity),
+        cmocka_unit_test(large_steps_are_followed),
+        cmocka_unit_test(bad_keyframes_name_their_lines),
+        cmocka_unit_test(motions_may_rest),
+        cmocka_unit_test(forms_agree),
+        cmocka_unit_test(velocities_are_derivatives_of_the_columns),
+        cmocka_unit_test(names_of_schemes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

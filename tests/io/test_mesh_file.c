@@ -1,0 +1,188 @@
+// Mesh files of any format: formats by name, ending and content, options, files that appear whole, locales, and real meshes.
+#include "mesh_file_helpers.h"
+
+#include "batten/mesh.h"
+
+#include <dirent.h>
+#include <locale.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+static void test_formats_by_name_and_ending(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"auto", "obj", "ply", "off", "stl"};
+    bat_error error = {0};
+    for (int i = 0; i < 5; i++)
+    {
+        bat_mesh_format format;
+        char path[32];
+        assert_int_equal(bat_mesh_format_by_name(names[i], &format, &error), BAT_OK);
+        assert_int_equal(format, i);
+        (void)snprintf(path, sizeof path, "a.ply/b.%s", names[i]);
+        assert_int_equal(bat_mesh_format_of_path(path), i);
+    }
+    bat_mesh_format format = BAT_MESH_FORMAT_OFF;
+    assert_int_equal(bat_mesh_format_by_name("fbx", &format, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "the formats are obj, ply, off, stl"));
+    assert_int_equal(format, BAT_MESH_FORMAT_OFF);
+    assert_int_equal(bat_mesh_format_of_path("A.StL"), BAT_MESH_FORMAT_STL);
+    assert_int_equal(bat_mesh_format_of_path("obj"), BAT_MESH_FORMAT_AUTO);
+    assert_int_equal(bat_mesh_format_of_path("-"), BAT_MESH_FORMAT_AUTO);
+}
+
+static void test_options_are_checked(void **state)
+{
+    (void)state;
+    bat_mesh mesh = must_read(TRIANGLE, BAT_MESH_FORMAT_OBJ);
+    bat_mesh_read_options reading = bat_mesh_read_defaults();
+    reading.format = (bat_mesh_format)9;
+    assert_refused(TRIANGLE, strlen(TRIANGLE), &reading, BAT_INVALID_ARGUMENT, 0, "there is no mesh format 9");
+    bat_mesh back = {0};
+    assert_int_equal(bat_mesh_read("/dev/null", &reading, &back, NULL), BAT_INVALID_ARGUMENT);
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_AUTO, BAT_MESH_TEXT, BAT_INVALID_ARGUMENT, "cannot tell what format");
+    assert_unwritable(&mesh, (bat_mesh_format)-1, BAT_MESH_TEXT, BAT_INVALID_ARGUMENT, "no mesh format -1");
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, (bat_mesh_encoding)3, BAT_INVALID_ARGUMENT, "no encoding 3");
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, BAT_MESH_BIG_ENDIAN, BAT_INVALID_ARGUMENT, "only PLY");
+    bat_mesh_write_options writing = bat_mesh_write_defaults();
+    writing.threads = -1;
+    bat_error error;
+    assert_int_equal(bat_mesh_write("/nowhere/a.obj", &mesh, &writing, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "threads"));
+    assert_int_equal(bat_mesh_write("/nowhere/a.obj", &mesh, NULL, &error), BAT_FILE_ACCESS);
+    mesh.positions[4] = NAN;
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_OBJ, BAT_MESH_TEXT, BAT_INVALID_POINT, "vertex 1 is not finite");
+    mesh.face_count = 0;
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_OBJ, BAT_MESH_TEXT, BAT_INVALID_ARGUMENT, "no faces");
+    bat_mesh_free(&mesh);
+}
+
+static void test_files(void **state)
+{
+    (void)state;
+    static const char *const endings[] = {"obj", "PLY", "off", "stl", "mesh"};
+    char folder[] = "/tmp/batten-test-XXXXXX", path[64];
+    assert_non_null(mkdtemp(folder));
+    bat_mesh mesh = must_read(TRIANGLE, BAT_MESH_FORMAT_OBJ), bad = {0};
+    bat_error error;
+    for (size_t i = 0; i < 5; i++)
+    {
+        bat_mesh_write_options writing = bat_mesh_write_defaults();
+        writing.format = i == 4 ? BAT_MESH_FORMAT_PLY : BAT_MESH_FORMAT_AUTO;
+        (void)snprintf(path, sizeof path, "%s/mesh.%s", folder, endings[i]);
+        bat_mesh back = {0};
+        assert_int_equal(bat_mesh_write(path, &mesh, i == 4 ? &writing : NULL, &error), BAT_OK);
+        assert_int_equal(bat_mesh_read(path, NULL, &back, &error), BAT_OK);
+        assert_same_shape(&mesh, &back);
+        bat_mesh_free(&back);
+        // A failure leaves the file as it was.
+        assert_int_equal(bat_mesh_write(path, &bad, i == 4 ? &writing : NULL, &error), BAT_INVALID_ARGUMENT);
+        assert_int_equal(bat_mesh_read(path, NULL, &back, &error), BAT_OK);
+        bat_mesh_free(&back);
+        assert_int_equal(remove(path), 0);
+    }
+    assert_int_equal(bat_mesh_write(path, &mesh, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_mesh_read(path, NULL, &bad, &error), BAT_FILE_ACCESS);
+    assert_null(bad.positions);
+    (void)snprintf(path, sizeof path, "%s/mesh.stl", folder);
+    mesh.positions[0] = 1e300;
+    assert_int_equal(bat_mesh_write(path, &mesh, NULL, &error), BAT_UNSUPPORTED);
+    assert_int_equal(access(path, F_OK), -1);
+    assert_int_equal(remove(folder), 0);
+    bat_mesh_free(&mesh);
+}
+
+/// In locales whose decimal separator is no point.
+static void test_locales(void **state)
+{
+    (void)state;
+    static const char *const locales[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "nl_NL.UTF-8", "ru_RU.UTF-8"};
+    int found = 0;
+    for (size_t i = 0; i < sizeof locales / sizeof *locales; i++)
+    {
+        if (setlocale(LC_ALL, locales[i]) == NULL)
+            continue;
+        found++;
+        bat_mesh mesh = random_mesh(i, 20, 20, NULL);
+        for (int format = BAT_MESH_FORMAT_OBJ; format <= BAT_MESH_FORMAT_STL; format++)
+        {
+            bat_mesh back = through_file(&mesh, (bat_mesh_format)format, BAT_MESH_TEXT);
+            assert_int_equal(back.vertex_count, mesh.vertex_count);
+            if (format != BAT_MESH_FORMAT_STL)
+                assert_same_shape(&mesh, &back);
+            bat_mesh_free(&back);
+        }
+        bat_mesh_free(&mesh);
+        assert_bad("v 0 0 0,5\n", BAT_MESH_FORMAT_OBJ, 1, "'0,5' is not a number");
+    }
+    (void)setlocale(LC_ALL, "C");
+    if (found == 0)
+    {
+        print_message("skipped: the system has no locale with a decimal comma\n");
+        skip();
+    }
+}
+
+#define MESHES SHARED_DATA "/data/meshes"
+
+/// One real mesh goes through every format, and comes back the same.
+static void check_real(const char *path)
+{
+    bat_mesh_read_options options = bat_mesh_read_defaults();
+    options.triangulate = true;
+    bat_mesh mesh = {0}, repaired;
+    bat_error error = {0};
+    if (bat_mesh_read(path, &options, &mesh, &error) != BAT_OK)
+        fail_msg("%s:%zu: %s", path, error.line, error.text);
+    for (int format = BAT_MESH_FORMAT_OBJ; format <= BAT_MESH_FORMAT_STL; format++)
+        for (int encoding = BAT_MESH_BINARY; encoding <= BAT_MESH_TEXT; encoding += 2)
+        {
+            bat_mesh back = through_file(&mesh, (bat_mesh_format)format, (bat_mesh_encoding)encoding);
+            assert_int_equal(back.face_count, mesh.face_count);
+            if (format != BAT_MESH_FORMAT_STL)
+                assert_same_shape(&mesh, &back);
+            if (format == BAT_MESH_FORMAT_OBJ || format == BAT_MESH_FORMAT_PLY)
+                assert_same_texture(&mesh, &back);
+            bat_mesh_free(&back);
+        }
+    assert_int_equal(bat_mesh_repair(&mesh, NULL, &repaired, &error), BAT_OK);
+    bat_mesh_connectivity connectivity;
+    if (bat_mesh_connect(&repaired, &connectivity, &error) != BAT_OK)
+        fail_msg("%s: %s", path, error.text);
+    bat_mesh_connectivity_free(&connectivity);
+    bat_mesh_free(&repaired);
+    bat_mesh_free(&mesh);
+}
+
+static void test_real_meshes(void **state)
+{
+    (void)state;
+    DIR *folder = opendir(MESHES);
+    if (folder == NULL)
+    {
+        print_message("skipped: there is no " MESHES "\n");
+        skip();
+    }
+    int count = 0;
+    for (struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder))
+    {
+        char path[512];
+        (void)snprintf(path, sizeof path, "%s/%s", MESHES, entry->d_name);
+        if (bat_mesh_format_of_path(path) == BAT_MESH_FORMAT_AUTO)
+            continue;
+        check_real(path);
+        count++;
+    }
+    (void)closedir(folder);
+    assert_true(count > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_formats_by_name_and_ending),
+                                       cmocka_unit_test(test_options_are_checked), cmocka_unit_test(test_files),
+                                       cmocka_unit_test(test_locales), cmocka_unit_test(test_real_meshes)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,7 +1,0 @@
-#ifndef TESTS_MESH_HELPERS_H
-#define TESTS_MESH_HELPERS_H
-
-#include "check.h"
-#include "mesh_makers.h"
-
-#endif

@@ -1,0 +1,197 @@
+#include "picture_helpers.h"
+
+#include "draw/common/ticks.h"
+
+static size_t labelled(tick_list ticks)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < ticks.count; i++)
+    {
+        count += ticks.labelled[i] ? 1 : 0;
+    }
+    return count;
+}
+
+static void ticks_are_round(void **state)
+{
+    (void)state;
+    tick_list ticks = ticks_linear(-0.11, 0.52, 6.0);
+    char label[TICK_LABEL_SIZE];
+    assert_int_equal(ticks.count, 7);
+    tick_label(&ticks, 0, label);
+    assert_string_equal(label, "\xe2\x88\x92"
+                               "0.1");
+    tick_label(&ticks, 1, label);
+    assert_string_equal(label, "0.0");
+    tick_label(&ticks, 6, label);
+    assert_string_equal(label, "0.5");
+    ticks = ticks_logarithmic(0.5, 300.0, 6.0);
+    for (size_t i = 0; i < ticks.count; i++)
+    {
+        assert_true(ticks.values[i] >= 0.5 * (1.0 - 1e-9) && ticks.values[i] <= 300.0);
+        assert_true(i == 0 || ticks.values[i] > ticks.values[i - 1]);
+    }
+    for (int i = 0; i < 200; i++) // never too many, never none, whatever the range
+    {
+        double low = 1.1 * pow(10.0, -150.0 + i);
+        double high = low * (1.5 + i);
+        assert_true(ticks_linear(low, high, 8.0).count >= 2);
+        assert_true(ticks_linear(-high, low, 8.0).count <= TICKS_MAX);
+        assert_true(labelled(ticks_logarithmic(low, high, 8.0)) >= 1);
+        assert_true(labelled(ticks_logarithmic(low, low * pow(10.0, 0.7 * i + 0.4), 8.0)) >= 1);
+    }
+}
+
+static void scales_are_told(void **state)
+{
+    (void)state;
+    const struct
+    {
+        double low, high;
+        const char *text;
+    } cases[] = {{0.0, 99999.0, ""},
+                 {-2e6, 1.0,
+                  "\xc3\x97"
+                  "10\xe2\x81\xb6"},
+                 {0.0, 4e-5,
+                  "\xc3\x97"
+                  "10\xe2\x81\xbb\xe2\x81\xb6"},
+                 {405e3, 455e3,
+                  "\xc3\x97"
+                  "10\xc2\xb3"},
+                 {999.0, 1001.0, ""},
+                 {999500.0, 1000500.0, "+1000000"},
+                 {999999.0, 1000001.0, "+1000000"},
+                 {-1000001.0, -999999.0,
+                  "\xe2\x88\x92"
+                  "1000000"},
+                 {4499999.994, 4500000.006,
+                  "\xc3\x97"
+                  "10\xe2\x81\xbb\xc2\xb3 + 4500000"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        char text[TICK_SCALE_SIZE];
+        tick_scale_text(ticks_scale(cases[i].low, cases[i].high), text);
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
+/// Whatever the range, labels are short, differ, and mean their ticks.
+static void labels_are_short_and_differ(void **state)
+{
+    (void)state;
+    const double shares[] = {0.0, 0.5, -1.0, 30.0, -4e3, 1e5, 3e6, -2e8};
+    for (int power = -14; power <= 14; power++)
+    {
+        for (size_t i = 0; i < sizeof shares / sizeof *shares; i++)
+        {
+            double range = 1.7 * pow(10.0, power);
+            double low = shares[i] * range;
+            tick_list ticks = ticks_linear(low, low + range, 7.0);
+            ticks_use_scale(&ticks, ticks_scale(low, low + range));
+            char before[TICK_LABEL_SIZE] = "";
+            for (size_t k = 0; k < ticks.count; k++)
+            {
+                char label[TICK_LABEL_SIZE];
+                tick_label(&ticks, k, label);
+                assert_true(strlen(label) <= 12 && strcmp(label, before) != 0);
+                bool minus = strncmp(label, "\xe2\x88\x92", 3) == 0;
+                double shown = minus ? -strtod(label + 3, NULL) : strtod(label, NULL);
+                double meant = shown * pow(10.0, ticks.scale.exponent) + ticks.scale.offset;
+                check_near(meant, ticks.values[k], 1e-6 * range);
+                (void)strcpy(before, label);
+            }
+        }
+    }
+}
+
+static void logarithmic_labels_have_powers(void **state)
+{
+    (void)state;
+    tick_list ticks = ticks_logarithmic(1.1e6, 2e6, 5.0);
+    char label[TICK_LABEL_SIZE];
+    tick_label(&ticks, 0, label);
+    assert_string_equal(label, "1.2\xc3\x97"
+                               "10");
+}
+
+static void writes_charts(void **state)
+{
+    (void)state;
+    const double x[] = {0.1, 1.0, 10.0, 100.0};
+    const double y[] = {3.0, 1e-9, 5e6, 2.0};
+    const char *names[] = {"a", NULL, "a rather long name", ""};
+    for (int mark = 0; mark <= BAT_SERIES_BARS; mark++)
+    {
+        for (int axes = 0; axes < 4; axes++)
+        {
+            bat_chart_series series = {x, y, 4, (bat_series_mark)mark, "series", names, 0};
+            bat_chart chart = bat_chart_defaults();
+            chart.series = &series;
+            chart.series_count = 1;
+            chart.x_label = chart.y_label = chart.title = "text";
+            chart.log_x = axes % 2 == 1;
+            chart.log_y = axes >= 2 && mark != BAT_SERIES_BARS;
+            bat_curve_picture_options options = bat_curve_picture_defaults();
+            options.width = 300;
+            options.height = 200;
+            for (int i = 0; i < 3; i++)
+            {
+                char name[16];
+                char path[128];
+                (void)snprintf(name, sizeof name, "chart.%s", endings[i]);
+                path_of(path, name);
+                assert_int_equal(bat_chart_write(path, &chart, 1, &options, NULL), BAT_OK);
+                check_picture(path, 300, 200);
+                assert_int_equal(unlink(path), 0);
+            }
+        }
+    }
+}
+
+static void bad_charts_are_refused(void **state)
+{
+    (void)state;
+    char path[128];
+    path_of(path, "chart.svg");
+    double x[] = {1.0, 2.0, 3.0};
+    double y[] = {1.0, 0.0, 3.0};
+    bat_chart_series series = {x, y, 3, BAT_SERIES_LINE, NULL, NULL, 0};
+    bat_chart chart = bat_chart_defaults();
+    bat_error error;
+    assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_ARGUMENT);
+    chart.series = &series;
+    chart.series_count = 1;
+    chart.log_y = true;
+    assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.index, 1);
+    chart.log_y = false;
+    chart.x_low = chart.x_high = 2.0;
+    assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_ARGUMENT);
+    chart.x_low = chart.x_high = NAN;
+    y[2] = NAN;
+    assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.index, 2);
+    y[2] = 1.0;
+    x[1] = 0.5;
+    series.mark = BAT_SERIES_BARS;
+    assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.index, 1);
+    series.count = 0;
+    assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_chart_write(path, NULL, 1, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(folder_entries(), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ticks_are_round),
+        cmocka_unit_test(scales_are_told),
+        cmocka_unit_test(labels_are_short_and_differ),
+        cmocka_unit_test(logarithmic_labels_have_powers),
+        cmocka_unit_test(writes_charts),
+        cmocka_unit_test(bad_charts_are_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,271 @@
+// From clouds to surfaces in one call.
+
+#include "patch_clouds.h"
+
+#include "cloud_helpers.h"
+
+#include "batten/batten.h"
+#include "batten/research/research.h"
+
+static bat_surface_options options_for(bat_surface_parameters parameters, size_t functions)
+{
+    bat_surface_options options = bat_surface_defaults();
+    options.parameters = parameters;
+    options.fit.functions = functions;
+    options.fit.threads = 1;
+    return options;
+}
+
+static bat_surface_result must_reconstruct(bat_cloud *cloud, const bat_surface_options *options)
+{
+    bat_surface_result result = {0};
+    bat_error error = {0};
+    if (bat_surface_reconstruct(cloud, options, &result, &error) != BAT_OK)
+        fail_msg("%s", error.text);
+    return result;
+}
+
+static const bat_surface_fit_round *last_round(const bat_surface_result *result)
+{
+    return &result->report.rounds[result->report.count - 1];
+}
+
+static void names_and_defaults(void **state)
+{
+    (void)state;
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_AUTO), "auto");
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_SHAPE_PRESERVING), "shape-preserving");
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_GIVEN), "given");
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS), "unknown");
+    assert_int_equal(bat_surface_defaults().parameters, BAT_SURFACE_AUTO);
+    assert_int_equal(bat_surface_defaults().sides, BAT_SIDE_CHORD_LENGTH);
+}
+
+/// A Bézier surface with its true parameters lies in the coarsest space.
+static void bezier_surfaces_come_back(void **state)
+{
+    (void)state;
+    for (int degree = 2; degree <= 4; degree++)
+    {
+        bat_random random = bat_random_seed((uint64_t)degree);
+        bat_cloud_bezier_options make = bat_cloud_bezier_defaults();
+        make.degree = degree;
+        make.interior = 300;
+        bat_cloud cloud;
+        double *truth;
+        check_status(bat_cloud_bezier(&make, &random, &cloud, &truth, NULL), BAT_OK);
+        bat_surface_options options = options_for(BAT_SURFACE_GIVEN, (size_t)((degree + 1) * (degree + 1)));
+        options.given = truth;
+        options.fit.space.degree[0] = options.fit.space.degree[1] = degree;
+        options.fit.smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
+        bat_surface_result result = must_reconstruct(&cloud, &options);
+        check_near(last_round(&result)->largest, 0, 1e-10);
+        assert_int_equal(result.folds.folded, 0);
+        assert_int_equal(result.chosen, BAT_SURFACE_GIVEN);
+        bat_surface_result_free(&result);
+        bat_cloud_free(&cloud);
+        free(truth);
+    }
+}
+
+/// Given parameters are taken where nothing is known of the boundary, and may lie inside the square.
+static void given_parameters_need_no_boundary(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 10, 400, 0, 3);
+    for (size_t k = 0; k < 2 * made.cloud.count; k++)
+        made.parameters[k] = 0.1 + 0.8 * made.parameters[k];
+    bat_surface_options options = options_for(BAT_SURFACE_GIVEN, 100);
+    options.given = made.parameters;
+    for (int known = 0; known < 2; known++)
+    {
+        made.cloud.boundary_count = known == 1 ? made.cloud.boundary_count : 0;
+        made.cloud.has_corners = known == 1;
+        bat_surface_result result = must_reconstruct(&made.cloud, &options);
+        assert_false(result.boundary_found);
+        assert_true(last_round(&result)->rms < 0.01);
+        bat_surface_result_free(&result);
+        made.cloud.boundary_count = 36;
+    }
+    patch_free(&made);
+}
+
+static void auto_takes_the_best_by_measure(void **state)
+{
+    (void)state;
+    for (int mesh = 0; mesh < 2; mesh++)
+    {
+        patch made = mesh == 1 ? patch_mesh(patch_waves, 20, 0.3, 5) : patch_scatter(patch_waves, 20, 500, 0.002, 5);
+        bat_surface_options options = options_for(BAT_SURFACE_AUTO, 60);
+        bat_surface_result result = must_reconstruct(&made.cloud, &options);
+        assert_int_equal(result.candidate_count, mesh == 1 ? (size_t)4 : 3);
+        assert_int_equal(result.trial_points, made.cloud.count);
+        assert_int_not_equal(result.chosen, BAT_SURFACE_AUTO);
+        for (size_t i = 0; i < result.candidate_count; i++)
+        {
+            const bat_surface_candidate *candidate = &result.candidates[i];
+            bool fitted = isfinite(candidate->mean_squared);
+            assert_true((candidate->failure.status == BAT_OK) == fitted);
+            assert_true(candidate->strays || !(candidate->mean_squared < last_round(&result)->mean_squared));
+            if (candidate->parameters == result.chosen)
+                check_near(candidate->mean_squared, last_round(&result)->mean_squared, 0);
+        }
+        bat_surface_result_free(&result);
+        patch_free(&made);
+    }
+}
+
+/// A deep cup over a narrow rim: averages crowd its points into the middle of the square, and a surface through them strays where there
+/// are none. Whatever is taken stays near the points.
+static void patch_cup(double u, double v, double place[3])
+{
+    double x = 2 * u - 1, y = 2 * v - 1, reach = fmax(fabs(x), fabs(y)), turn = atan2(y, x);
+    double rise = 2.9 * (1 - reach), radius = sin(0.25 + rise);
+    place[0] = radius * cos(turn);
+    place[1] = radius * sin(turn);
+    place[2] = -cos(0.25 + rise);
+}
+
+static void what_strays_is_out(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_cup, 16, 3000, 0, 3);
+    bat_surface_options options = options_for(BAT_SURFACE_AUTO, 600);
+    bat_surface_result result = must_reconstruct(&made.cloud, &options);
+    double least = INFINITY, taken = INFINITY;
+    for (size_t i = 0; i < result.candidate_count; i++)
+    {
+        const bat_surface_candidate *candidate = &result.candidates[i];
+        if (candidate->failure.status == BAT_OK)
+            least = fmin(least, candidate->stray);
+        if (candidate->parameters == result.chosen)
+            taken = candidate->stray;
+    }
+    assert_true(least > 0 && taken <= 2 * least);
+    for (size_t i = 0; i < result.candidate_count; i++)
+        if (result.candidates[i].failure.status == BAT_OK)
+            assert_int_equal(result.candidates[i].strays, result.candidates[i].stray > 2 * least);
+    bat_surface_result_free(&result);
+    patch_free(&made);
+}
+
+/// The way that auto chooses gives what it gives alone.
+static void auto_is_its_choice(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 16, 400, 0.01, 8);
+    bat_surface_options options = options_for(BAT_SURFACE_AUTO, 50);
+    bat_surface_result all = must_reconstruct(&made.cloud, &options);
+    options.parameters = all.chosen;
+    bat_surface_result one = must_reconstruct(&made.cloud, &options);
+    assert_int_equal(one.candidate_count, 1);
+    assert_memory_equal(all.parameters, one.parameters, 2 * made.cloud.count * sizeof(double));
+    bat_surface_result_free(&all);
+    bat_surface_result_free(&one);
+    patch_free(&made);
+}
+
+static void unknown_boundaries_are_found(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 24, 500, 0, 4);
+    shuffle_cloud(&made.cloud, 4);
+    made.cloud.boundary_count = 0;
+    made.cloud.has_corners = false;
+    bat_surface_options options = options_for(BAT_SURFACE_SHAPE_PRESERVING, 100);
+    bat_surface_result result = must_reconstruct(&made.cloud, &options);
+    assert_true(result.boundary_found && result.corners_found);
+    assert_true(made.cloud.boundary_count >= 60);
+    assert_true(last_round(&result)->rms < 0.01);
+    for (size_t i = 0; i < 2 * made.cloud.count; i++)
+        assert_true(result.parameters[i] >= 0 && result.parameters[i] <= 1);
+    bat_surface_result_free(&result);
+    patch_free(&made);
+}
+
+/// Not a byte depends on the number of threads.
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 20, 800, 0.005, 9);
+    bat_surface_options options = options_for(BAT_SURFACE_SHAPE_PRESERVING, 150);
+    bat_surface_result one = must_reconstruct(&made.cloud, &options);
+    options.fit.threads = 3;
+    bat_surface_result three = must_reconstruct(&made.cloud, &options);
+    size_t functions = bat_hierarchical_space_functions(one.surface.space);
+    assert_int_equal(functions, bat_hierarchical_space_functions(three.surface.space));
+    assert_memory_equal(one.surface.control, three.surface.control, 3 * functions * sizeof(double));
+    assert_memory_equal(one.parameters, three.parameters, 2 * made.cloud.count * sizeof(double));
+    bat_surface_result_free(&one);
+    bat_surface_result_free(&three);
+    patch_free(&made);
+}
+
+/// A cloud too large for whole trials is tried in part, and fitted whole.
+static void large_clouds_are_tried_in_part(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 150, 22000, 0, 2);
+    bat_surface_options options = options_for(BAT_SURFACE_AUTO, 200);
+    bat_surface_result result = must_reconstruct(&made.cloud, &options);
+    assert_true(result.trial_points < made.cloud.count);
+    assert_true(last_round(&result)->functions <= 200);
+    assert_true(last_round(&result)->rms < 0.01);
+    bat_surface_result_free(&result);
+    patch_free(&made);
+}
+
+static bool stop_at_once(void *context, double fraction)
+{
+    (void)fraction;
+    ++*(int *)context;
+    return false;
+}
+
+static void what_is_wrong_is_refused(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 10, 100, 0, 6);
+    bat_surface_result result;
+    bat_error error;
+    bat_surface_options options = options_for(BAT_SURFACE_GIVEN, 0);
+    check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
+    options = options_for((bat_surface_parameters)99, 0);
+    check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
+    options = options_for(BAT_SURFACE_UNIFORM, 8);
+    check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "9 functions"));
+    options = options_for(BAT_SURFACE_MEAN_VALUE, 0);
+    check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_UNSUPPORTED);
+    options = options_for(BAT_SURFACE_UNIFORM, 0);
+    options.fit.tolerance = -1;
+    check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
+    options.fit.tolerance = 0;
+    int asked = 0;
+    options.fit.progress = (bat_progress){stop_at_once, &asked};
+    check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_CANCELLED);
+    assert_int_equal(asked, 1);
+    bat_cloud three = made.cloud;
+    three.count = 3;
+    three.boundary_count = 0;
+    three.has_corners = false;
+    check_status(bat_surface_reconstruct(&three, &options, &result, &error), BAT_INVALID_ARGUMENT);
+    patch_free(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_and_defaults),
+        cmocka_unit_test(bezier_surfaces_come_back),
+        cmocka_unit_test(given_parameters_need_no_boundary),
+        cmocka_unit_test(auto_takes_the_best_by_measure),
+        cmocka_unit_test(what_strays_is_out),
+        cmocka_unit_test(auto_is_its_choice),
+        cmocka_unit_test(unknown_boundaries_are_found),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(large_clouds_are_tried_in_part),
+        cmocka_unit_test(what_is_wrong_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
