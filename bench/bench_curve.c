@@ -1,5 +1,5 @@
-// Refinement of curves against the bounds of the machine, measured in turn in one run: filling the result's memory for linear
-// schemes, as many bare transcendental functions for the schemes of curved spaces.
+// Refinement of curves against the bounds of the machine, measured in turn in one run: filling the result's memory for
+// linear schemes, as many bare transcendental functions for the schemes of curved spaces.
 
 #include "timing.h"
 

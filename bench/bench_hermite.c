@@ -1,6 +1,6 @@
-// Refinement of Hermite data of order 1: new points for every second of one core, and the share of that time that exponentials
-// and logarithms take. Times are the processor's, so that other programs disturb them less. A function of a space is
-// measured by itself, between neighbours of the refined curve in the same run, and counted while it refines.
+// Refinement of Hermite data of order 1: new points for every second of one core, and the share of that time that
+// exponentials and logarithms take. Times are the processor's, so that other programs disturb them less. A function of a
+// space is measured by itself, between neighbours of the refined curve in the same run, and counted while it refines.
 
 #include "timing.h"
 
@@ -179,8 +179,8 @@ static void vector_functions(double *x, double *y)
         x[i] = lane_atan2(x[i], 1) + lane_cos_root(y[i]) + lane_sinc_root(y[i]);
 }
 
-/// Seconds for an arc tangent, a sine and a cosine by vector code: the angle of an edge and the exponential of the reach, which are
-/// all that an average takes on the sphere and of rotations.
+/// Seconds for an arc tangent, a sine and a cosine by vector code: the angle of an edge and the exponential of the reach,
+/// which are all that an average takes on the sphere and of rotations.
 static double vector_price(void)
 {
     enum

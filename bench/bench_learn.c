@@ -74,8 +74,8 @@ static void compare(bench *b, size_t rows, bool backward)
                  backward ? "forward and backward" : "forward", rows, products / pass, (double)rows / pass * 1e-3);
 }
 
-// Training steps of the published recipe without its geometry: a batch of 8 samples, each with 24 and 48 rows that count for the
-// curve and 4 passes of 96 rows that compare the network with itself.
+// Training steps of the published recipe without its geometry: a batch of 8 samples, each with 24 and 48 rows that count for
+// the curve and 4 passes of 96 rows that compare the network with itself.
 
 static bat_status sample(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *figures,
                          bat_error *error)

@@ -1,5 +1,5 @@
-// Meshes from and to files: a torus of about 100 MB as OBJ, and the same as PLY, OFF and STL. Rates are compared with that of
-// copying the same bytes from one place of memory to another, measured in the same run: the bound of any reader.
+// Meshes from and to files: a torus of about 100 MB as OBJ, and the same as PLY, OFF and STL. Rates are compared with that
+// of copying the same bytes from one place of memory to another, measured in the same run: the bound of any reader.
 
 #include "timing.h"
 

@@ -1,5 +1,5 @@
-// Closest points of a mesh: building the tree against sorting the faces, queries against a search that never goes astray, and a
-// whole comparison of two meshes against its queries alone. Everything runs on one thread.
+// Closest points of a mesh: building the tree against sorting the faces, queries against a search that never goes astray,
+// and a whole comparison of two meshes against its queries alone. Everything runs on one thread.
 
 #include "timing.h"
 

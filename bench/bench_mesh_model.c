@@ -1,5 +1,5 @@
-// Learned refinement of meshes and the training of its network: a small mesh many times, a large one once, and training steps,
-// against the bare products of the network's layers in the same run.
+// Learned refinement of meshes and the training of its network: a small mesh many times, a large one once, and training
+// steps, against the bare products of the network's layers in the same run.
 
 #include "timing.h"
 

@@ -1,6 +1,6 @@
-// Parameters of clouds: neighbourhoods of each point's own and an iterative solution against the published way, a ball of one radius for all,
-// Qhull's triangulation of each and a direct solution; and how time grows with the number of points. Everything runs on one thread, in
-// processor time.
+// Parameters of clouds: neighbourhoods of each point's own and an iterative solution against the published way, a ball of
+// one radius for all, Qhull's triangulation of each and a direct solution; and how time grows with the number of points.
+// Everything runs on one thread, in processor time.
 
 #include "timing.h"
 

@@ -1,5 +1,5 @@
-// Scans to surfaces: the network against shape-preserving parameters, as published and as ours, and adaptive fits of a small and a large
-// cloud. With the name of a model's file, of its network; else of the one that comes with the library.
+// Scans to surfaces: the network against shape-preserving parameters, as published and as ours, and adaptive fits of a small
+// and a large cloud. With the name of a model's file, of its network; else of the one that comes with the library.
 
 #include "timing.h"
 

@@ -1,5 +1,5 @@
-// Adaptive fits against bounds that any such fit has: one factorization of the last system for small ones, as many evaluations of the
-// surface and its derivatives at all points as there are rounds for large ones.
+// Adaptive fits against bounds that any such fit has: one factorization of the last system for small ones, as many
+// evaluations of the surface and its derivatives at all points as there are rounds for large ones.
 //
 //   bench_surface_fit [POINTS FUNCTIONS]...     the default is 9000 5000 1000000 20000
 

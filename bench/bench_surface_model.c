@@ -3,8 +3,8 @@
 #include "timing.h"
 
 #include "learn/blas.h"
-#include "research/train/surface_sample.h"
 #include "research/train/surface_network_tape.h"
+#include "research/train/surface_sample.h"
 #include "surface/network/surface_inference.h"
 
 #include <stdio.h>

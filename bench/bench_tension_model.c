@@ -1,5 +1,5 @@
-// Refining by the learned schemes: a short curve many times, and a long one once, against the bare products of the network's layers
-// in turn in one run.
+// Refining by the learned schemes: a short curve many times, and a long one once, against the bare products of the network's
+// layers in turn in one run.
 
 #include "timing.h"
 

@@ -138,7 +138,8 @@ static bool compare_shares(void)
     return ready;
 }
 
-/// Seconds of an epoch in PyTorch: sample by sample, and by groups of a batch's samples in one space (section 6.2 of the paper).
+/// Seconds of an epoch in PyTorch: sample by sample, and by groups of a batch's samples in one space (section 6.2 of the
+/// paper).
 typedef struct peer_seconds
 {
     char version[32];

@@ -1,5 +1,5 @@
-// A GeoJSON file of many short tracks: read, refine, write. The rate of output is compared with that of writing the same bytes
-// as they are, measured in the same run.
+// A GeoJSON file of many short tracks: read, refine, write. The rate of output is compared with that of writing the same
+// bytes as they are, measured in the same run.
 
 #include "timing.h"
 

@@ -1,9 +1,10 @@
-// Mesh refinement against OpenMesh and OpenSubdiv: first that the results are the same, then how long each takes, in one run.
+// Mesh refinement against OpenMesh and OpenSubdiv: first that the results are the same, then how long each takes, in one
+// run.
 //
 //   peer_mesh [MESH.obj ...]     also checks these meshes
 //
-// OpenMesh is the peer on closed meshes. OpenSubdiv's boundary option that means the same as here is EDGE_ONLY; its sharpness is in
-// single precision, so that sharpness here is made of quarters.
+// OpenMesh is the peer on closed meshes. OpenSubdiv's boundary option that means the same as here is EDGE_ONLY; its
+// sharpness is in single precision, so that sharpness here is made of quarters.
 
 #include "../tests/support/mesh_makers.h"
 #include "batten/mesh_refine.h"
@@ -304,8 +305,8 @@ void check_closed(const std::string &name, const bat_mesh &mesh)
     check_openmesh<Sqrt3>("sqrt(3), " + name, mesh, BAT_MESH_SQRT3, 4);
 }
 
-/// Give some edges and vertices sharpness. Of those around a vertex, a power of two fade at a time, as OpenSubdiv takes their mean
-/// in single precision: all semi-sharp edges have the same sharpness.
+/// Give some edges and vertices sharpness. Of those around a vertex, a power of two fade at a time, as OpenSubdiv takes
+/// their mean in single precision: all semi-sharp edges have the same sharpness.
 void sharpen(bat_mesh &mesh, double sharpness, double share, uint64_t seed)
 {
     bat_random random = bat_random_seed(seed);

@@ -272,8 +272,8 @@ static void report_stencils(FILE *out, const bat_analysis *analysis)
     print_stencil(out, "limit at the parameter of point 0 (snap)", &analysis->vertex);
 }
 
-/// Nine digits, rounded so that a lower bound stays one and an upper one too; upper bounds that exceed their nine digits by less
-/// than counts as equality keep them.
+/// Nine digits, rounded so that a lower bound stays one and an upper one too; upper bounds that exceed their nine digits by
+/// less than counts as equality keep them.
 static double round_down(double number)
 {
     return floor(number * 1e9) * 1e-9;
@@ -332,8 +332,8 @@ static void print_lipschitz(FILE *out, const bat_analysis *analysis)
         (void)fputs(", for every exponent below 1 but not 1 itself", out);
 }
 
-/// The exponents of the derivatives: orders with equal ones on one line, the highest order, of which there is more to say, on its
-/// own.
+/// The exponents of the derivatives: orders with equal ones on one line, the highest order, of which there is more to say,
+/// on its own.
 static void print_derivatives(FILE *out, const bat_analysis *analysis)
 {
     double lower, upper, next_lower, next_upper;

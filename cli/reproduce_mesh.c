@@ -66,7 +66,8 @@ static void shape_name(const char *path, char name[NAME_SIZE])
         *dot = '\0';
 }
 
-/// Whether a file of a folder is a shape to test on: not one that the built-in networks learned from, nor one that is coarse already.
+/// Whether a file of a folder is a shape to test on: not one that the built-in networks learned from, nor one that is coarse
+/// already.
 static bool is_test_shape(const char *file)
 {
     static const char *const LEARNED_FROM[] = {"bob", "spot"};

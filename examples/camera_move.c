@@ -1,4 +1,5 @@
-// A camera move from eight keyframes: poses at uneven times become 25 frames a second, whose velocities do not jump at the keyframes.
+// A camera move from eight keyframes: poses at uneven times become 25 frames a second, whose velocities do not jump at the
+// keyframes.
 //
 //     cc camera_move.c $(pkg-config --cflags --libs batten) -lm && ./a.out data/camera-keyframes.csv frames.tum
 

@@ -70,7 +70,8 @@ int main(void)
         }
     }
 
-    // The angle-based scheme keeps circles exactly; of the linear ones six-point comes nearest, and Chaikin cuts the corners.
+    // The angle-based scheme keeps circles exactly; of the linear ones six-point comes nearest, and Chaikin cuts the
+    // corners.
     bool good = distances[0] < 1e-14 * (1 << LEVELS) && distances[0] < distances[2] && distances[2] < distances[1] &&
                 distances[1] < distances[3];
     return good ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -1,5 +1,5 @@
-// A mesh of some 10,000 vertices with texture coordinates and a value at each vertex becomes one of 400. The map between the two
-// carries both to the coarse mesh, and to refinements of it; and it carries points there and back.
+// A mesh of some 10,000 vertices with texture coordinates and a value at each vertex becomes one of 400. The map between the
+// two carries both to the coarse mesh, and to refinements of it; and it carries points there and back.
 //
 //     cc decimate_map.c $(pkg-config --cflags --libs batten) -lm && ./a.out [OUT.obj]
 

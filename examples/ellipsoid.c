@@ -1,6 +1,6 @@
-// A space of one's own: an ellipsoid, whose geodesics have no closed form. The exponential integrates their equation, the logarithm
-// shoots, and every scheme for any space works on it. Here it is the Earth (WGS 84), with a distance known to the millimetre and a
-// flight through five airports.
+// A space of one's own: an ellipsoid, whose geodesics have no closed form. The exponential integrates their equation, the
+// logarithm shoots, and every scheme for any space works on it. Here it is the Earth (WGS 84), with a distance known to the
+// millimetre and a flight through five airports.
 //
 //     cc ellipsoid.c $(pkg-config --cflags --libs batten) -lm && ./a.out
 
@@ -15,8 +15,8 @@ static const double PI = 3.14159265358979323846;
 static const double EQUATORIAL_RADIUS = 6378137; // metres; lengths below are in this unit
 static const double FLATTENING = 1 / 298.257223563;
 
-// The surface h_0 x^2 + h_1 y^2 + h_2 z^2 = 1; `parameters` of the space points to h. Tangent vectors are vectors of R^3 orthogonal to the
-// gradient (h_0 x, h_1 y, h_2 z).
+// The surface h_0 x^2 + h_1 y^2 + h_2 z^2 = 1; `parameters` of the space points to h. Tangent vectors are vectors of R^3
+// orthogonal to the gradient (h_0 x, h_1 y, h_2 z).
 
 static double dot(const double *u, const double *v)
 {
@@ -34,7 +34,8 @@ static const char *fault(const bat_space *space, const double *point)
     return fabs(value - 1) <= 1e-9 ? NULL : "not on the ellipsoid";
 }
 
-// The nearest point is y_i / (1 + lambda h_i) for the root lambda of a convex, falling function; Newton's method comes from its left.
+// The nearest point is y_i / (1 + lambda h_i) for the root lambda of a convex, falling function; Newton's method comes from
+// its left.
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
 {
     const double *h = space->parameters;

@@ -1,5 +1,5 @@
-// A coarse mesh that somebody modelled becomes a smooth one, by Loop's scheme and by the butterfly, which goes through the points
-// that were given.
+// A coarse mesh that somebody modelled becomes a smooth one, by Loop's scheme and by the butterfly, which goes through the
+// points that were given.
 //
 //     cc refine_mesh.c $(pkg-config --cflags --libs batten) -lm && ./a.out [IN.obj [OUT.obj [PICTURE.png]]]
 

@@ -1,5 +1,5 @@
-// Diffusion tensors along a nerve fibre: six of a file become a smooth path of positive-definite matrices. Means of the matrix
-// entries swell in between, which says that water moves more freely there than at either end; the path does not.
+// Diffusion tensors along a nerve fibre: six of a file become a smooth path of positive-definite matrices. Means of the
+// matrix entries swell in between, which says that water moves more freely there than at either end; the path does not.
 //
 //     cc tensor_path.c $(pkg-config --cflags --libs batten) -lm && ./a.out data/tensor-path.csv path.csv
 

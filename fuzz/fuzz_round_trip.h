@@ -13,8 +13,8 @@
             abort();                                                                                                        \
     } while (0)
 
-/// Whether curves that went through a file have the same shape as before. Where the meridian of 180 degrees may have cut lines or
-/// joined holes to their outlines, it is enough that there are any.
+/// Whether curves that went through a file have the same shape as before. Where the meridian of 180 degrees may have cut
+/// lines or joined holes to their outlines, it is enough that there are any.
 static inline void compare_counts(const bat_curve_set *before, const bat_curve_set *after, bool may_cut)
 {
     PROMISE(after->count > 0);

@@ -26,11 +26,11 @@ BAT_API bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *
 typedef struct bat_cloud_read_options
 {
     bat_cloud_format format;
-    /// How many points come first as the boundary loop; 0: what a remark "# N boundary points first" before the first point says, or
-    /// unknown. A remark "# corners A B C D" beside it names corners by their places in the loop, counted from 0.
+    /// How many points come first as the boundary loop; 0: what a remark "# N boundary points first" before the first point
+    /// says, or unknown. A remark "# corners A B C D" beside it names corners by their places in the loop, counted from 0.
     size_t boundary;
-    /// A second file with the boundary loop: its points go first, also in the cloud's `order`, and points of the first file that
-    /// repeat one are left out; null for none.
+    /// A second file with the boundary loop: its points go first, also in the cloud's `order`, and points of the first file
+    /// that repeat one are left out; null for none.
     const char *boundary_path;
     /// Leave out points that repeat an earlier one instead of failing; in a mesh, join vertices in the same place.
     bool drop_duplicates;
@@ -40,26 +40,31 @@ typedef struct bat_cloud_read_options
 /// @param path    "-" for standard input
 /// @param options null for the defaults
 /// @param cloud   receives the cloud; release it with bat_cloud_free()
-/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_INVALID_POINT with line and point that is not finite (in PLY and OBJ that is
+/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_INVALID_POINT with line and point that is not finite (in PLY and OBJ that
+/// is
 ///         BAT_BAD_FILE) or repeats another; BAT_INVALID_ARGUMENT for an option that the file contradicts; what
-///         bat_cloud_from_mesh() returns; BAT_FILE_ACCESS, BAT_TOO_LARGE, BAT_UNSUPPORTED, BAT_NO_MEMORY; `cloud` is untouched on
-///         failure. Text about the boundary's file says so and names its line; bat_error::line is one of the main file
+///         bat_cloud_from_mesh() returns; BAT_FILE_ACCESS, BAT_TOO_LARGE, BAT_UNSUPPORTED, BAT_NO_MEMORY; `cloud` is
+///         untouched on failure. Text about the boundary's file says so and names its line; bat_error::line is one of the
+///         main file
 BAT_API bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud,
                                   bat_error *error);
-/// Write a cloud as XYZ, CSV, PLY or OBJ, by the ending; "-" is standard output in XYZ. All four are text that brings back the same
-/// doubles and say boundary and corners in remarks at the top; PLY and OBJ also hold the triangles. The file appears whole or not
-/// at all.
-/// @return BAT_OK; BAT_INVALID_ARGUMENT where the ending says no format; what bat_cloud_check() returns; BAT_FILE_ACCESS; BAT_NO_MEMORY
+/// Write a cloud as XYZ, CSV, PLY or OBJ, by the ending; "-" is standard output in XYZ. All four are text that brings back
+/// the same doubles and say boundary and corners in remarks at the top; PLY and OBJ also hold the triangles. The file
+/// appears whole or not at all.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where the ending says no format; what bat_cloud_check() returns; BAT_FILE_ACCESS;
+/// BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error);
 
-/// Write parameters as lines "u v", in the order that the points had in the input; "nan nan" stands for a point that was left out.
+/// Write parameters as lines "u v", in the order that the points had in the input; "nan nan" stands for a point that was
+/// left out.
 /// @param path       "-" for standard output
 /// @param parameters cloud->count x 2
 BAT_API bat_status bat_cloud_parameters_write(const char *path, const bat_cloud *cloud, const double *parameters,
                                               bat_error *error);
 /// Read what bat_cloud_parameters_write() writes, for the same input: a row for each of its points, '#' beginning a remark.
 /// @param parameters receives an array of cloud->count x 2 from malloc(), in the cloud's order
-/// @return BAT_OK; BAT_BAD_FILE with the line for what is no number from 0 to 1, or for another number of rows; BAT_FILE_ACCESS or
+/// @return BAT_OK; BAT_BAD_FILE with the line for what is no number from 0 to 1, or for another number of rows;
+/// BAT_FILE_ACCESS or
 ///         BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_parameters_read(const char *path, const bat_cloud *cloud, double **parameters,
                                              bat_error *error);

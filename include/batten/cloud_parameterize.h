@@ -27,14 +27,14 @@ BAT_API const char *bat_cloud_parameterization_name(bat_cloud_parameterization m
 typedef struct bat_cloud_parameterize_options
 {
     bat_cloud_parameterization method; ///< default shape-preserving
-    /// The published neighbourhoods: all points within `radius` in the cloud scaled to the unit box, for shape-preserving weights an exact
-    /// Delaunay triangulation of each by Qhull, and a direct solution. A point with too few neighbours, or that no chain of neighbours
-    /// joins to the boundary, is a failure. Mean values have no neighbourhoods to choose. False: neighbourhoods of each point's own, which
-    /// never fail, and a solution by iteration; default false.
+    /// The published neighbourhoods: all points within `radius` in the cloud scaled to the unit box, for shape-preserving
+    /// weights an exact Delaunay triangulation of each by Qhull, and a direct solution. A point with too few neighbours, or
+    /// that no chain of neighbours joins to the boundary, is a failure. Mean values have no neighbourhoods to choose. False:
+    /// neighbourhoods of each point's own, which never fail, and a solution by iteration; default false.
     bool published;
-    /// In the cloud scaled to the unit box, that is over the longest side of the box around it. 0: 3 / sqrt(count), eq. (7) of Giannelli
-    /// et al. (2023), for published neighbourhoods, and as many points as are needed for ours; where it is given, ours begin there.
-    /// Default 0.
+    /// In the cloud scaled to the unit box, that is over the longest side of the box around it. 0: 3 / sqrt(count), eq. (7)
+    /// of Giannelli et al. (2023), for published neighbourhoods, and as many points as are needed for ours; where it is
+    /// given, ours begin there. Default 0.
     double radius;
     int threads; ///< 0: as many as there are processors; the result is the same. Default 0
 } bat_cloud_parameterize_options;
@@ -46,9 +46,11 @@ BAT_API bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void);
 /// @param boundary boundary_count x 2
 /// @param parameters receives count x 2, the boundary's first; within the convex hull of the boundary's, to rounding, and
 ///                   within their box exactly
-/// @return BAT_OK; BAT_UNSUPPORTED for mean values without triangles; BAT_NO_CONVERGENCE with the place in the input of the point whose
-///         neighbourhood fails (published neighbourhoods) or that has no triangles (mean values); BAT_INVALID_ARGUMENT for a cloud
-///         without boundary, boundary parameters that are not finite, or wrong options; what bat_cloud_check() returns; BAT_NO_MEMORY
+/// @return BAT_OK; BAT_UNSUPPORTED for mean values without triangles; BAT_NO_CONVERGENCE with the place in the input of the
+/// point whose
+///         neighbourhood fails (published neighbourhoods) or that has no triangles (mean values); BAT_INVALID_ARGUMENT for a
+///         cloud without boundary, boundary parameters that are not finite, or wrong options; what bat_cloud_check()
+///         returns; BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary,
                                           const bat_cloud_parameterize_options *options, double *parameters,
                                           bat_error *error);
@@ -63,32 +65,34 @@ typedef struct bat_parameters_report
     double stretch;    ///< the median over interior points of the ratio of the local map's singular values, at least 1
 } bat_parameters_report;
 
-/// Look for folds. Around each interior point the affine map from the local plane to parameters is fitted to a neighbourhood that is wide
-/// against its thickness; its orientation must be that of the boundary, whose loop has the patch to its left. Normals are made to agree
-/// along the tree of neighbours whose planes differ least (Hoppe et al. 1992). Folds smaller than the neighbourhood, of 16 points or a
-/// disc of four standard deviations of the noise, are not seen. In a cloud of triangles the corners of triangles that are flat or turned
-/// over are counted instead, which misses nothing; its triangles must run alike.
+/// Look for folds. Around each interior point the affine map from the local plane to parameters is fitted to a neighbourhood
+/// that is wide against its thickness; its orientation must be that of the boundary, whose loop has the patch to its left.
+/// Normals are made to agree along the tree of neighbours whose planes differ least (Hoppe et al. 1992). Folds smaller than
+/// the neighbourhood, of 16 points or a disc of four standard deviations of the noise, are not seen. In a cloud of triangles
+/// the corners of triangles that are flat or turned over are counted instead, which misses nothing; its triangles must run
+/// alike.
 /// @param parameters count x 2
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for a cloud without boundary; what bat_cloud_check() returns; BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *parameters,
                                               bat_parameters_report *report, bat_error *error);
-/// Unfold: points with faults of any kind and rings around them, which double each round, become averages with shape-preserving weights (of
-/// triangles where there are some), until no fault is left. Where the whole interior is an average and folds are left, it moves in steps
-/// to averages with uniform weights. The parameters with the fewest folds are kept, the boundary's as they are. Clouds of more than
-/// 100,000 points get one round alone.
+/// Unfold: points with faults of any kind and rings around them, which double each round, become averages with
+/// shape-preserving weights (of triangles where there are some), until no fault is left. Where the whole interior is an
+/// average and folds are left, it moves in steps to averages with uniform weights. The parameters with the fewest folds are
+/// kept, the boundary's as they are. Clouds of more than 100,000 points get one round alone.
 /// @param parameters count x 2, repaired in place
 /// @param report     how they are afterwards; may be null
 /// @return as bat_cloud_parameters_check(); BAT_INVALID_ARGUMENT for boundary parameters that are not finite too
 BAT_API bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameters, bat_parameters_report *report,
                                                bat_error *error);
 
-// Learned parameters of scattered points: Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN: Boundary informed dynamic graph
-// convolutional network for adaptive spline fitting of scattered data" (2023), and our own network.
+// Learned parameters of scattered points: Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN: Boundary informed dynamic
+// graph convolutional network for adaptive spline fitting of scattered data" (2023), and our own network.
 
 /// A trained network. It does not change, and any number of calls may use it at once.
 typedef struct bat_surface_model bat_surface_model;
 
-/// Read a model from a safetensors file: what bat_surface_train() writes, either network. Of a checkpoint the best weights so far.
+/// Read a model from a safetensors file: what bat_surface_train() writes, either network. Of a checkpoint the best weights
+/// so far.
 /// @param model receives the model; release it with bat_surface_model_free()
 /// @return BAT_OK; BAT_BAD_FILE; BAT_FILE_ACCESS, BAT_UNSUPPORTED or BAT_NO_MEMORY; `*model` is untouched on failure
 BAT_API bat_status bat_surface_model_read(const char *path, bat_surface_model **model, bat_error *error);
@@ -101,8 +105,10 @@ BAT_API void bat_surface_model_free(bat_surface_model *model);
 /// @param boundary   boundary_count x 2
 /// @param threads    0: as many as OpenMP gives; the result does not depend on it
 /// @param parameters receives count x 2, the boundary's first
-/// @return BAT_OK; what bat_cloud_check() returns; BAT_INVALID_ARGUMENT for a cloud whose size is not finite; BAT_NO_MEMORY; with our network
-///         BAT_INVALID_ARGUMENT for a cloud without boundary or boundary parameters that are not finite, and BAT_NO_CONVERGENCE for such as are beyond all bounds
+/// @return BAT_OK; what bat_cloud_check() returns; BAT_INVALID_ARGUMENT for a cloud whose size is not finite; BAT_NO_MEMORY;
+/// with our network
+///         BAT_INVALID_ARGUMENT for a cloud without boundary or boundary parameters that are not finite, and
+///         BAT_NO_CONVERGENCE for such as are beyond all bounds
 BAT_API bat_status bat_surface_model_parameterize(const bat_surface_model *model, const bat_cloud *cloud,
                                                   const double *boundary, int threads, double *parameters, bat_error *error);
 

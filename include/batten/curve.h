@@ -28,8 +28,8 @@ BAT_API void bat_curve_free(bat_curve *curve);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
 BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 
-/// The name, for bat_curve_scheme_by_name(), of the scheme to begin with in a space: "learned" on the plane, the sphere S^2 and the
-/// disk, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
+/// The name, for bat_curve_scheme_by_name(), of the scheme to begin with in a space: "learned" on the plane, the sphere S^2
+/// and the disk, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
 BAT_API const char *bat_curve_scheme_name_for_space(const bat_space *space);
 /// The scheme of that name.
 BAT_API bat_curve_scheme bat_curve_scheme_for_space(const bat_space *space);
@@ -57,7 +57,8 @@ typedef struct bat_curve_refine_options
     bat_curve_end_rule ends; ///< open curves; default BAT_END_REFLECT
     bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
     size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
-    int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it; default 0
+    int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it;
+                 ///< default 0
     bat_progress progress; ///< default: none
 } bat_curve_refine_options;
 
@@ -76,7 +77,8 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_cu
 /// Memory beyond the result is at most as much again; linear schemes need next to none.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
-/// @param options what bat_curve_refine_defaults() gives, changed as wanted; null for the defaults with a classical scheme of the
+/// @param options what bat_curve_refine_defaults() gives, changed as wanted; null for the defaults with a classical scheme
+/// of the
 ///                space's own: "angle-4" on oriented surfaces, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere
 /// @param fine    receives the refined curve; release it with bat_curve_free()
 /// @param error   receives what went wrong and at which point; may be null
@@ -93,8 +95,8 @@ BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_ref
 BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options,
                                      bat_curve *fine, size_t *failed_curve, bat_error *error);
 
-/// bat_curve_refine() into the caller's arrays: `points` of `capacity` rows, which must be at least bat_curve_refined_count(), and
-/// `channels` (may be null when they are not wanted).
+/// bat_curve_refine() into the caller's arrays: `points` of `capacity` rows, which must be at least
+/// bat_curve_refined_count(), and `channels` (may be null when they are not wanted).
 /// @return as bat_curve_refine()
 BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
                                          double *channels, size_t capacity, bat_error *error);

@@ -6,15 +6,15 @@
 BAT_C_BEGIN
 
 /// @file
-/// What a linear subdivision scheme does in the limit, read from its mask: convergence, limit points and tangents, polynomials,
-/// smoothness with proven bounds. `docs/analysis.md` explains the mathematics.
+/// What a linear subdivision scheme does in the limit, read from its mask: convergence, limit points and tangents,
+/// polynomials, smoothness with proven bounds. `docs/analysis.md` explains the mathematics.
 ///
-/// Point i of level k belongs to the parameter (i + shift) / 2^k, with shift = a'(1) / 2: then the limit of the points p_i = i
-/// is the straight line x -> x of a scheme that has straight lines as limits at all. For a symmetric mask that is its centre.
-/// The *index parametrization* leaves the shift out: point i at i / 2^k.
+/// Point i of level k belongs to the parameter (i + shift) / 2^k, with shift = a'(1) / 2: then the limit of the points p_i =
+/// i is the straight line x -> x of a scheme that has straight lines as limits at all. For a symmetric mask that is its
+/// centre. The *index parametrization* leaves the shift out: point i at i / 2^k.
 ///
-/// Everything here is about the exact mask that lies within rounding of the given one. "Proven" and "disproven" are meant so:
-/// bounds carry an allowance for rounding, and an equality that holds to 1e-12 counts as one.
+/// Everything here is about the exact mask that lies within rounding of the given one. "Proven" and "disproven" are meant
+/// so: bounds carry an allowance for rounding, and an equality that holds to 1e-12 counts as one.
 
 /// The deepest search.
 #define BAT_ANALYSIS_MAX_DEPTH 24

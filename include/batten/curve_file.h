@@ -6,9 +6,11 @@
 BAT_C_BEGIN
 
 /// @file
-/// Curves from files and to files: CSV, GeoJSON, OBJ line elements and TUM trajectories. docs/formats.md says what each format means.
+/// Curves from files and to files: CSV, GeoJSON, OBJ line elements and TUM trajectories. docs/formats.md says what each
+/// format means.
 
-/// What a file tells beyond its curves: GeoJSON features with their properties, CSV column names. Opaque, shared by counting.
+/// What a file tells beyond its curves: GeoJSON features with their properties, CSV column names. Opaque, shared by
+/// counting.
 typedef struct bat_curve_attributes bat_curve_attributes;
 
 /// The curves of one file, with what else survives from it. All zero: empty.
@@ -28,8 +30,8 @@ BAT_API void bat_curve_set_free(bat_curve_set *set);
 /// @return BAT_OK or BAT_NO_MEMORY; on failure `curve` keeps its points
 BAT_API bat_status bat_curve_set_single(bat_curve *curve, bat_curve_set *set, bat_error *error);
 
-/// Make a set of `count` curves that did not come from a file. They must live in one kind of space, the first one's, which is
-/// copied (its `parameters` are not, and must outlive the set).
+/// Make a set of `count` curves that did not come from a file. They must live in one kind of space, the first one's, which
+/// is copied (its `parameters` are not, and must outlive the set).
 ///
 /// @param curves an array from malloc(); the set takes it and frees it
 /// @param count  at least 1
@@ -38,30 +40,34 @@ BAT_API bat_status bat_curve_set_take(bat_curve *curves, size_t count, bat_curve
 
 /// Make a set of changed curves, one for each curve of `source` and in the same order, that keeps the source's attributes.
 ///
-/// @param curves an array of source->count curves from malloc(), in the source's kind of space; the result takes it and frees
+/// @param curves an array of source->count curves from malloc(), in the source's kind of space; the result takes it and
+/// frees
 ///               it, and makes every curve's `space` its own copy of the source's
 /// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY; on failure the caller keeps the array
 BAT_API bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *curves, bat_curve_set *result,
                                       bat_error *error);
 
-/// The line of the file, counted from 1, that a point was read from; for GeoJSON the line that its feature begins on. 0 when it
-/// is not known.
+/// The line of the file, counted from 1, that a point was read from; for GeoJSON the line that its feature begins on. 0 when
+/// it is not known.
 BAT_API size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point);
 
 /// The formats of curves.
 typedef enum bat_curve_format
 {
-    BAT_CURVE_FORMAT_AUTO, ///< by the file's ending; failing that by the content (reading) or by where the set came from (writing)
+    BAT_CURVE_FORMAT_AUTO, ///< by the file's ending; failing that by the content (reading) or by where the set came from
+                           ///< (writing)
     BAT_CURVE_FORMAT_CSV,
     BAT_CURVE_FORMAT_GEOJSON,
     BAT_CURVE_FORMAT_OBJ,
-    BAT_CURVE_FORMAT_TUM ///< poses in time, as the TUM benchmark writes them: timestamp tx ty tz qx qy qz qw; the space "rigid"
+    BAT_CURVE_FORMAT_TUM ///< poses in time, as the TUM benchmark writes them: timestamp tx ty tz qx qy qz qw; the space
+                         ///< "rigid"
 } bat_curve_format;
 
 /// A format by name: "auto", "csv", "geojson", "obj" or "tum".
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 BAT_API bat_status bat_curve_format_by_name(const char *name, bat_curve_format *format, bat_error *error);
-/// The format that a path's ending stands for, in either case: .csv .txt, .geojson .json, .obj, .tum; else BAT_CURVE_FORMAT_AUTO.
+/// The format that a path's ending stands for, in either case: .csv .txt, .geojson .json, .obj, .tum; else
+/// BAT_CURVE_FORMAT_AUTO.
 BAT_API bat_curve_format bat_curve_format_of_path(const char *path);
 
 /// How to read. Begin with bat_curve_read_defaults().
@@ -82,9 +88,11 @@ BAT_API bat_curve_read_options bat_curve_read_defaults(void);
 /// @param path    "-" is standard input
 /// @param options null for the defaults
 /// @param set     receives the curves, at least one; release it with bat_curve_set_free()
-/// @param error   `line` is the line at fault (CSV, OBJ, JSON syntax) and `index` the point's index in its curve, where there
+/// @param error   `line` is the line at fault (CSV, OBJ, JSON syntax) and `index` the point's index in its curve, where
+/// there
 ///                is one; for GeoJSON the text names the feature and the position
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY; `set` is
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY;
+/// `set` is
 ///         untouched on failure
 BAT_API bat_status bat_curve_read(const char *path, const bat_curve_read_options *options, bat_curve_set *set,
                                   bat_error *error);

@@ -44,22 +44,23 @@ typedef struct bat_curve_distance
     size_t farthest_back;   ///< the point of the second curve where hausdorff_back is reached, the first such
 } bat_curve_distance;
 
-/// Measure how near the first curve is to the second and back, in O(n log n). Coordinates may have any size up to DBL_MAX / 2,
-/// however small: squares neither overflow nor underflow on the way.
+/// Measure how near the first curve is to the second and back, in O(n log n). Coordinates may have any size up to DBL_MAX /
+/// 2, however small: squares neither overflow nor underflow on the way.
 ///
 /// @param first, second at least one point each, in the same space when distances are geodesic, else with the same number of
 ///                      coordinates
 /// @param options       null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT (no points, spaces that differ); BAT_INVALID_POINT (a coordinate not finite or beyond
-///         DBL_MAX / 2, for geodesic distances a point not in the space, or one whose distance a double cannot hold) with its
-///         index; BAT_UNSUPPORTED (geodesic distances to edges), BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched on
-///         failure
+/// @return BAT_OK; BAT_INVALID_ARGUMENT (no points, spaces that differ); BAT_INVALID_POINT (a coordinate not finite or
+/// beyond
+///         DBL_MAX / 2, for geodesic distances a point not in the space, or one whose distance a double cannot hold) with
+///         its index; BAT_UNSUPPORTED (geodesic distances to edges), BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched
+///         on failure
 BAT_API bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second,
                                      const bat_curve_measure_options *options, bat_curve_distance *distance,
                                      bat_error *error);
 
-/// bat_curve_compare() of first[i] with second[i] for many pairs. Threads share the pairs, or the points of each where there are
-/// few pairs.
+/// bat_curve_compare() of first[i] with second[i] for many pairs. Threads share the pairs, or the points of each where there
+/// are few pairs.
 /// @param distances    receives `count` results; some of them on failure
 /// @param failed_curve receives the first pair at fault on failure, and is untouched when cancelled; may be null
 BAT_API bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, size_t count,
@@ -74,14 +75,15 @@ typedef struct bat_fairness
     double length;  ///< sum of the edges' lengths
 } bat_fairness;
 
-/// Measure the fairness of a curve. Angles and lengths are the space's own; where it has no signed angles (above dimension 2)
-/// they are the angles between the edges, in 0 … pi. The ends of an open curve have no angle and do not enter the mean. A
+/// Measure the fairness of a curve. Angles and lengths are the space's own; where it has no signed angles (above dimension
+/// 2) they are the angles between the edges, in 0 … pi. The ends of an open curve have no angle and do not enter the mean. A
 /// point that repeats the one before it is passed over, as it adds nothing to the polyline. A curve without an angle has
 /// both measures 0.
 ///
 /// @param curve   at least one point, each in its space
 /// @param options null for the defaults; only bending_offset counts
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT (also where a double cannot hold the length or the bending energy) or
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT (also where a double cannot hold the length or the bending
+/// energy) or
 ///         BAT_CUT_LOCUS (antipodal neighbours), with the index of the point; `fairness` is untouched on failure
 BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_options *options,
                                       bat_fairness *fairness, bat_error *error);
@@ -96,8 +98,8 @@ BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, co
 /// @name Convergence of refinement
 /// How far a refined polygon still is from what it tends to, by chordal distance; O(n), also for tens of millions of points.
 /// Of the options (null for the defaults) threads and progress count. Both return BAT_OK; BAT_INVALID_ARGUMENT (too few
-/// points, numbers of coordinates that differ); BAT_INVALID_POINT (a coordinate as in bat_curve_compare(), or a distance that a
-/// double cannot hold) or BAT_CANCELLED; `distance` is untouched on failure.
+/// points, numbers of coordinates that differ); BAT_INVALID_POINT (a coordinate as in bat_curve_compare(), or a distance
+/// that a double cannot hold) or BAT_CANCELLED; `distance` is untouched on failure.
 /// @{
 
 /// The greatest distance of a vertex of `fine` from the polygon `coarse` that it was refined from. A vertex is compared with
@@ -107,8 +109,8 @@ BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, co
 BAT_API bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine,
                                             const bat_curve_measure_options *options, double *distance, bat_error *error);
 
-/// The greatest distance of a vertex from the limit that a linear scheme takes it to. Vertices of an open curve whose stencil
-/// reaches its ends are left out; 0 when none is left.
+/// The greatest distance of a vertex from the limit that a linear scheme takes it to. Vertices of an open curve whose
+/// stencil reaches its ends are left out; 0 when none is left.
 /// @param curve   at least 1 point, in a Euclidean space (else BAT_UNSUPPORTED)
 /// @param stencil the scheme's limit stencil, as bat_mask_limit_stencil() gives it; its weights add up to 1
 BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_stencil *stencil,

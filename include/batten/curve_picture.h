@@ -11,9 +11,9 @@ BAT_C_BEGIN
 /// A picture is a grid of panels, a panel a stack of curves in one space. The space decides how a panel looks: Euclidean
 /// spaces are drawn flat and at true aspect (R^2 as it is, R^3 along a fixed axonometric view, R^n by its first two
 /// coordinates), the sphere S^2 as a globe or a world map, the hyperbolic plane as the Poincaré disk. Edges are geodesics:
-/// arcs of great circles, circular arcs orthogonal to the rim. Rotations are drawn as the three columns of their matrices on the
-/// sphere, rigid motions as a path in R^3 with the body's axes along it, symmetric positive-definite 2 x 2 and 3 x 3 matrices as
-/// a row of ellipses or ellipsoids for every curve, hyperboloids of dimension 2 as the disk.
+/// arcs of great circles, circular arcs orthogonal to the rim. Rotations are drawn as the three columns of their matrices on
+/// the sphere, rigid motions as a path in R^3 with the body's axes along it, symmetric positive-definite 2 x 2 and 3 x 3
+/// matrices as a row of ellipses or ellipsoids for every curve, hyperboloids of dimension 2 as the disk.
 
 /// How the sphere is laid flat.
 typedef enum bat_projection
@@ -139,8 +139,8 @@ typedef struct bat_chart
 /// A chart without series.
 BAT_API bat_chart bat_chart_defaults(void);
 
-/// Draw charts into a file, in the way of bat_curve_picture_write(). Of the options only `width`, `height`, `pixels_per_point`,
-/// `columns`, `legend`, `title` and `grid` matter.
+/// Draw charts into a file, in the way of bat_curve_picture_write(). Of the options only `width`, `height`,
+/// `pixels_per_point`, `columns`, `legend`, `title` and `grid` matter.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the index of the number; BAT_TOO_LARGE; BAT_NO_MEMORY;
 ///         BAT_FILE_ACCESS
 BAT_API bat_status bat_chart_write(const char *path, const bat_chart *charts, size_t count,

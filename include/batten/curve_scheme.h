@@ -80,9 +80,9 @@ typedef struct bat_angle_rule_view
 
 typedef struct bat_angle_rule bat_angle_rule;
 
-/// Where an angle-based scheme takes its insertion angles from, when not from eq. (9) of Ugail and Howard: a function of what
-/// each edge sees around it. The library's learned schemes are such rules; a user makes another by filling a bat_angle_rule.
-/// Open curves are continued beyond their ends before they are measured, as bat_curve_end_rule says.
+/// Where an angle-based scheme takes its insertion angles from, when not from eq. (9) of Ugail and Howard: a function of
+/// what each edge sees around it. The library's learned schemes are such rules; a user makes another by filling a
+/// bat_angle_rule. Open curves are continued beyond their ends before they are measured, as bat_curve_end_rule says.
 struct bat_angle_rule
 {
     const char *name;       ///< a word for messages
@@ -93,9 +93,9 @@ struct bat_angle_rule
 
     /// Optional: null when the rule is made for the space, else a few words that say why not.
     const char *(*fault)(const bat_angle_rule *rule, const bat_space *space);
-    /// Write view->count insertion angles, positive to the left of the edge. They are clipped to +-BAT_ANGLE_LIMIT; one that is
-    /// not a number fails with BAT_INVALID_POINT. Called from several threads at once, and on runs of any length: an edge's angle
-    /// may depend on nothing but the edge's own surroundings.
+    /// Write view->count insertion angles, positive to the left of the edge. They are clipped to +-BAT_ANGLE_LIMIT; one that
+    /// is not a number fails with BAT_INVALID_POINT. Called from several threads at once, and on runs of any length: an
+    /// edge's angle may depend on nothing but the edge's own surroundings.
     /// @param scratch scratch_size bytes, aligned to 64
     void (*angles)(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch);
 };
@@ -127,20 +127,19 @@ BAT_API bat_curve_scheme bat_curve_scheme_linear(bat_mask mask);
 BAT_API bat_curve_scheme bat_curve_scheme_angle(double mu);
 /// Angle-based with the angles of a rule, which must outlive the scheme.
 BAT_API bat_curve_scheme bat_curve_scheme_angle_rule(const bat_angle_rule *rule);
-/// Log-exp with a mask that sums to 1 over its even indices and over its odd ones, base at the vertex. Interpolatory masks keep the
-/// given points.
+/// Log-exp with a mask that sums to 1 over its even indices and over its odd ones, base at the vertex. Interpolatory masks
+/// keep the given points.
 BAT_API bat_curve_scheme bat_curve_scheme_log_exp(bat_mask mask);
-/// Lane-Riesenfeld of an order by geodesic averages (Dyn and Sharon 2017): doubling followed by `order` rounds of midpoints. In R^n
-/// it is the linear scheme. The order is clipped as by bat_mask_lane_riesenfeld().
+/// Lane-Riesenfeld of an order by geodesic averages (Dyn and Sharon 2017): doubling followed by `order` rounds of midpoints.
+/// In R^n it is the linear scheme. The order is clipped as by bat_mask_lane_riesenfeld().
 BAT_API bat_curve_scheme bat_curve_scheme_geodesic(size_t order);
 
 /// A scheme by name, as the program's `--scheme` takes it: a name and, after a colon, settings separated by commas.
 ///
 ///     chaikin   corner-cutting:r=0.25,s=0.75   four-point:w=0.0625   six-point:w=0.01171875   lane-riesenfeld:order=3
-///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred without)
-///     angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1)
-///     log-exp-4 log-exp-6                      (each also with base=midpoint)
-///     learned   learned:fairness=0.8           (bat_curve_scheme_learned())
+///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred
+///     without) angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1) log-exp-4 log-exp-6
+///     (each also with base=midpoint) learned   learned:fairness=0.8           (bat_curve_scheme_learned())
 ///     log-exp-lane-riesenfeld:order=3          (also with base=midpoint)
 ///     geodesic:order=3
 ///
@@ -170,10 +169,11 @@ BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
 /// A trained network. It does not change, and any number of calls may use it at once.
 typedef struct bat_curve_model bat_curve_model;
 
-/// Read a model from a safetensors file: what bat_learned_train() or bat_tension_train() writes, or any file with the arrays of the published program
-/// ("geom_embed.weight", "input_proj.0.weight", …) in single or double precision. Of a training's checkpoint the best weights
-/// so far are taken, or those of its last step where no best are known yet. The networks of table 3 without a learned
-/// embedding (BAT_TENSION_EMBEDDING_ONE_HOT, BAT_TENSION_EMBEDDING_NONE) are told by their arrays.
+/// Read a model from a safetensors file: what bat_learned_train() or bat_tension_train() writes, or any file with the arrays
+/// of the published program
+/// ("geom_embed.weight", "input_proj.0.weight", …) in single or double precision. Of a training's checkpoint the best
+/// weights so far are taken, or those of its last step where no best are known yet. The networks of table 3 without a
+/// learned embedding (BAT_TENSION_EMBEDDING_ONE_HOT, BAT_TENSION_EMBEDDING_NONE) are told by their arrays.
 ///
 /// @param model receives the model; release it with bat_curve_model_free()
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
@@ -187,10 +187,10 @@ BAT_API bool bat_curve_model_has_fairness(const bat_curve_model *model);
 /// Does nothing to null.
 BAT_API void bat_curve_model_free(bat_curve_model *model);
 
-/// The scheme that takes its insertion angles from a model, which must outlive it: for the plane, the sphere S^2 and the disk.
-/// The published network looks at four exterior angles and two edge lengths around an edge (eq. 17), the lengths relative to
-/// the mean of the polygon. New vertices are safe whatever the weights (Theorem 1): no angle reaches BAT_ANGLE_LIMIT.
-/// `scheme.fairness`, 1/2 at first, only means something to a model of the library's own recipe.
+/// The scheme that takes its insertion angles from a model, which must outlive it: for the plane, the sphere S^2 and the
+/// disk. The published network looks at four exterior angles and two edge lengths around an edge (eq. 17), the lengths
+/// relative to the mean of the polygon. New vertices are safe whatever the weights (Theorem 1): no angle reaches
+/// BAT_ANGLE_LIMIT. `scheme.fairness`, 1/2 at first, only means something to a model of the library's own recipe.
 BAT_API bat_curve_scheme bat_curve_scheme_of_model(const bat_curve_model *model);
 
 BAT_C_END

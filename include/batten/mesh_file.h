@@ -6,7 +6,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// Meshes from files and to files: OBJ, PLY, OFF and STL. docs/formats.md says what each format holds and what is lost in it.
+/// Meshes from files and to files: OBJ, PLY, OFF and STL. docs/formats.md says what each format holds and what is lost in
+/// it.
 
 /// The formats of meshes.
 typedef enum bat_mesh_format
@@ -28,8 +29,8 @@ BAT_API bat_mesh_format bat_mesh_format_of_path(const char *path);
 typedef struct bat_mesh_read_options
 {
     bat_mesh_format format; ///< default BAT_MESH_FORMAT_AUTO
-    /// Cut polygons of more than three corners into triangles (quads along the diagonal that gives the better triangles, convex
-    /// polygons as a fan, others by their ears) instead of refusing them; default false.
+    /// Cut polygons of more than three corners into triangles (quads along the diagonal that gives the better triangles,
+    /// convex polygons as a fan, others by their ears) instead of refusing them; default false.
     bool triangulate;
     /// Keep faces that have the same vertex twice, for bat_mesh_repair() to drop, instead of refusing them; default false.
     bool keep_degenerate;
@@ -38,14 +39,15 @@ typedef struct bat_mesh_read_options
 /// The options' default values.
 BAT_API bat_mesh_read_options bat_mesh_read_defaults(void);
 
-/// Read the mesh of a file: at least one face, finite numbers, faces of vertices that exist. Whether the faces make a surface is
-/// for bat_mesh_connect() to say.
+/// Read the mesh of a file: at least one face, finite numbers, faces of vertices that exist. Whether the faces make a
+/// surface is for bat_mesh_connect() to say.
 ///
 /// @param path    "-" is standard input
 /// @param options null for the defaults
 /// @param mesh    receives the mesh; release it with bat_mesh_free()
 /// @param error   `line` is the line at fault where the format has lines; `index` the vertex or face of the file at fault
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY; `mesh` is
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY;
+/// `mesh` is
 ///         untouched on failure
 BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 /// The same from `size` bytes, which need no final zero. BAT_MESH_FORMAT_AUTO goes by the content.
@@ -76,7 +78,8 @@ BAT_API bat_mesh_write_options bat_mesh_write_defaults(void);
 /// @param path    "-" is standard output
 /// @param mesh    what bat_mesh_check() accepts
 /// @param options null for the defaults
-/// @return BAT_OK, BAT_INVALID_ARGUMENT (also where neither `format` nor the path's ending says the format), BAT_INVALID_POINT,
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (also where neither `format` nor the path's ending says the format),
+/// BAT_INVALID_POINT,
 ///         BAT_UNSUPPORTED (the format cannot hold a number or a name that the mesh has), BAT_FILE_ACCESS or BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options,
                                   bat_error *error);

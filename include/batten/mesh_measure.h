@@ -8,9 +8,9 @@ BAT_C_BEGIN
 /// @file
 /// How far apart two meshes are, the closest points of a mesh, and what a mesh is in figures.
 ///
-/// The surface of a mesh is its faces: vertices without a face do not belong to it. Faces may be degenerate and edges may have
-/// more than two faces; only bat_mesh_check() must pass. Coordinates may have any size up to DBL_MAX / 4; distances below 1e-150
-/// of the largest coordinate are taken for 0.
+/// The surface of a mesh is its faces: vertices without a face do not belong to it. Faces may be degenerate and edges may
+/// have more than two faces; only bat_mesh_check() must pass. Coordinates may have any size up to DBL_MAX / 4; distances
+/// below 1e-150 of the largest coordinate are taken for 0.
 
 /// How many points bat_mesh_compare() takes on a surface by default: enough for means and Hausdorff distances to 3 digits.
 #define BAT_MESH_SAMPLES ((size_t)200000)
@@ -23,8 +23,8 @@ typedef struct bat_mesh_compare_options
     /// Points on the faces of each mesh, about so many, in proportion to area but at least three a face; default
     /// BAT_MESH_SAMPLES.
     size_t samples;
-    /// Where to stop looking for a still greater distance: when none can exceed the greatest found by more than this share of
-    /// it, or of a millionth of the diagonal where that is more. 0: the greatest distance of a vertex or sample is taken.
+    /// Where to stop looking for a still greater distance: when none can exceed the greatest found by more than this share
+    /// of it, or of a millionth of the diagonal where that is more. 0: the greatest distance of a vertex or sample is taken.
     /// Default 1e-4.
     double tolerance;
     int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
@@ -53,10 +53,10 @@ typedef struct bat_mesh_distance
     double diagonal;          ///< of the second mesh's bounding box, to relate distances to
 } bat_mesh_distance;
 
-/// Measure the distances between two surfaces: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified surfaces"
-/// (1998). Means are over samples that stand for equal parts of their face. The greatest distance is that over vertices and
-/// samples; from there triangles that might hold a greater one are halved until none can (see docs/measures.md), for as long as
-/// that takes no more points than `samples`. What is certain then is in hausdorff_most.
+/// Measure the distances between two surfaces: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified
+/// surfaces" (1998). Means are over samples that stand for equal parts of their face. The greatest distance is that over
+/// vertices and samples; from there triangles that might hold a greater one are halved until none can (see
+/// docs/measures.md), for as long as that takes no more points than `samples`. What is certain then is in hausdorff_most.
 ///
 /// @param options null for the defaults
 /// @return BAT_OK; what bat_mesh_check() returns for either mesh, the text saying which; BAT_INVALID_ARGUMENT (no samples, a
@@ -73,8 +73,8 @@ typedef struct bat_mesh_closest_point
     double distance;
 } bat_mesh_closest_point;
 
-/// Find the closest points of a mesh, exactly. Of several equally close ones any may come out, but the same for any number of
-/// threads. Fastest when neighbouring queries lie near each other.
+/// Find the closest points of a mesh, exactly. Of several equally close ones any may come out, but the same for any number
+/// of threads. Fastest when neighbouring queries lie near each other.
 ///
 /// @param points  count x 3
 /// @param threads 0: as many as OpenMP gives
@@ -84,7 +84,8 @@ typedef struct bat_mesh_closest_point
 BAT_API bat_status bat_mesh_closest(const bat_mesh *mesh, const double *points, size_t count, int threads,
                                     bat_mesh_closest_point *closest, bat_error *error);
 
-/// The distances of all vertices of one mesh, also of those without a face, from the surface of another, as for error colours.
+/// The distances of all vertices of one mesh, also of those without a face, from the surface of another, as for error
+/// colours.
 /// @param distances receives from->vertex_count distances
 /// @return as bat_mesh_closest()
 BAT_API bat_status bat_mesh_vertex_distances(const bat_mesh *from, const bat_mesh *onto, int threads, double *distances,

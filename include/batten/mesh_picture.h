@@ -42,8 +42,8 @@ typedef struct bat_mesh_picture_options
     double latitude;         ///< the same above the horizon, -pi/2 to pi/2; NaN: automatic; default NaN
     bool hollows;            ///< darken hollows; default true
     bool boundaries;         ///< mark boundary edges; default true
-    double
-        value_low; ///< what the scale's first colour stands for; NaN: the least value, or 0 where it is positive; default NaN
+    double value_low; ///< what the scale's first colour stands for; NaN: the least value, or 0 where it is positive; default
+                      ///< NaN
     double value_high; ///< the last colour's; NaN: the greatest value of all panels; default NaN
     const char
         *value_label;  ///< UTF-8, beside the scale: what the values are, and their unit; null or "" for none; default null
@@ -54,17 +54,18 @@ typedef struct bat_mesh_picture_options
 /// The options' default values.
 BAT_API bat_mesh_picture_options bat_mesh_picture_defaults(void);
 
-/// Draw meshes into a file, whose ending chooses the format: .png, .svg or .pdf, in small or capital letters. The file appears
-/// whole or not at all; the same input gives the same bytes.
+/// Draw meshes into a file, whose ending chooses the format: .png, .svg or .pdf, in small or capital letters. The file
+/// appears whole or not at all; the same input gives the same bytes.
 ///
 /// The automatic view looks from 18 degrees above (42 at flat meshes), 35 degrees beside the direction in which the first
 /// mesh of the row is thinnest across the upward axis, from the side of the positive axes.
 ///
 /// @param options what bat_mesh_picture_defaults() gives, changed as wanted; null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a text that is not UTF-8, a size without room;
-///         what bat_mesh_check() returns, with the panel named; BAT_INVALID_POINT with the index of a value that is infinite;
-///         BAT_TOO_LARGE for more than 10000 points of height, 32767 pixels across or 2^28 samples of a panel; BAT_NO_MEMORY;
-///         BAT_FILE_ACCESS
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a text that is not UTF-8, a size without
+/// room;
+///         what bat_mesh_check() returns, with the panel named; BAT_INVALID_POINT with the index of a value that is
+///         infinite; BAT_TOO_LARGE for more than 10000 points of height, 32767 pixels across or 2^28 samples of a panel;
+///         BAT_NO_MEMORY; BAT_FILE_ACCESS
 BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_panel *panels, size_t count,
                                           const bat_mesh_picture_options *options, bat_error *error);
 

@@ -8,11 +8,11 @@ BAT_C_BEGIN
 /// @file
 /// Finer meshes from coarse ones by subdivision.
 ///
-/// All schemes but square-root-three split every face in four: a level keeps the vertices, at the same indices, and appends one
-/// new vertex for every edge, in the order of bat_mesh_connectivity::edge. Face f becomes the faces 4 f + c at its corners c,
-/// each beginning with that corner, and 4 f + 3 in its middle, whose corner c is the new vertex of the edge from corner c.
-/// A level by square-root-three keeps the vertices too and appends those of the faces, in their order; half-edge h becomes the
-/// face h, which begins where h begins. docs/meshes.md has the rules.
+/// All schemes but square-root-three split every face in four: a level keeps the vertices, at the same indices, and appends
+/// one new vertex for every edge, in the order of bat_mesh_connectivity::edge. Face f becomes the faces 4 f + c at its
+/// corners c, each beginning with that corner, and 4 f + 3 in its middle, whose corner c is the new vertex of the edge from
+/// corner c. A level by square-root-three keeps the vertices too and appends those of the faces, in their order; half-edge h
+/// becomes the face h, which begins where h begins. docs/meshes.md has the rules.
 
 /// The schemes.
 typedef enum bat_mesh_scheme
@@ -32,7 +32,8 @@ struct bat_mesh_rule
     size_t levels;       ///< that the rule is made for, at least 1; further ones are left to a classical scheme
     const void *context; ///< the rule's own
     /// Refine a checked mesh by `levels` levels, in the numbering above.
-    /// @param fine     the mesh that refinement gives, with its faces, room for its positions, and on entry nothing else: the
+    /// @param fine     the mesh that refinement gives, with its faces, room for its positions, and on entry nothing else:
+    /// the
     ///                 rule fills in the positions
     /// @param fallback receives the number of places where the rule had to fall back to a classical one
     /// @return BAT_OK, BAT_NO_MEMORY, BAT_CANCELLED
@@ -47,8 +48,8 @@ typedef struct bat_mesh_refine_options
     const bat_mesh_rule *rule; ///< of BAT_MESH_LEARNED; default null
     bat_mesh_scheme then;      ///< the scheme of the levels beyond the rule's; default BAT_MESH_LOOP
     size_t levels;             ///< default 2
-    /// Move the vertices at the end to where the scheme, or after a learned one `then`, would take them in infinitely many levels.
-    /// What is semi-sharp still counts as sharp for ever. Default false.
+    /// Move the vertices at the end to where the scheme, or after a learned one `then`, would take them in infinitely many
+    /// levels. What is semi-sharp still counts as sharp for ever. Default false.
     bool limit;
     /// Radians, for Loop's scheme: edges whose faces' normals differ by more are creases for ever; 0: none; default 0.
     double crease_angle;
@@ -62,25 +63,26 @@ BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
 /// Refine a mesh by subdivision.
 ///
 /// Boundaries follow a rule of their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the
-/// four-point rule in the butterfly. Vertices without a face stay. Channels go by the scheme's weights (halved along edges where the
-/// scheme is learned), but are not moved to the limit. Texture coordinates are halved along edges on their own side of each
-/// seam. Creases and corners act in Loop's scheme only; all schemes hand them on to the fine mesh, with what their sharpness has
-/// left.
+/// four-point rule in the butterfly. Vertices without a face stay. Channels go by the scheme's weights (halved along edges
+/// where the scheme is learned), but are not moved to the limit. Texture coordinates are halved along edges on their own
+/// side of each seam. Creases and corners act in Loop's scheme only; all schemes hand them on to the fine mesh, with what
+/// their sharpness has left.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
 /// @param options  what bat_mesh_refine_defaults() gives, changed as wanted
 /// @param fine     receives the refined mesh; release it with bat_mesh_free()
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
-/// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for an option out of range, a learned
-///         scheme without a rule, or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`, texture, creases or
-///         corners, or a crease angle without Loop's scheme; BAT_TOO_LARGE where the fine mesh cannot be numbered; BAT_NO_MEMORY;
-///         BAT_CANCELLED. Results are untouched on failure
+/// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for an option out of range, a
+/// learned
+///         scheme without a rule, or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`, texture,
+///         creases or corners, or a crease angle without Loop's scheme; BAT_TOO_LARGE where the fine mesh cannot be
+///         numbered; BAT_NO_MEMORY; BAT_CANCELLED. Results are untouched on failure
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);
 
-/// The unit normals of the surface that Loop's scheme makes of a mesh, at the limits of its vertices. On a crease, the mean of
-/// both sides. At corners and where a crease ends there is no tangent plane in general: the mean of the faces around by area. Zero
-/// for a vertex without a face and where nothing has a direction.
+/// The unit normals of the surface that Loop's scheme makes of a mesh, at the limits of its vertices. On a crease, the mean
+/// of both sides. At corners and where a crease ends there is no tangent plane in general: the mean of the faces around by
+/// area. Zero for a vertex without a face and where nothing has a direction.
 ///
 /// @param mesh    as refinement without `limit` gives it
 /// @param threads 0: as many as OpenMP gives; the result does not depend on it
@@ -95,8 +97,8 @@ BAT_API bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, dou
 typedef struct bat_mesh_model bat_mesh_model;
 
 /// Read a model from a safetensors file: what bat_mesh_train() writes, or any file with the arrays of the published program
-/// ("net_init.layerIn.weight", …) in single or double precision. Of a training's checkpoint the best weights so far are taken.
-/// What the published ablations leave out shows in the arrays; whether frames are fixed and lengths are relative
+/// ("net_init.layerIn.weight", …) in single or double precision. Of a training's checkpoint the best weights so far are
+/// taken. What the published ablations leave out shows in the arrays; whether frames are fixed and lengths are relative
 /// (bat_mesh_train_options) is in the file's note of the recipe.
 ///
 /// @param model receives the model; release it with bat_mesh_model_free()
@@ -113,9 +115,9 @@ BAT_API void bat_mesh_model_free(bat_mesh_model *model);
 /// The rule of BAT_MESH_LEARNED that takes its vertices from a model, which must outlive it.
 ///
 /// The published network (Liu et al., "Neural Subdivision", 2020) sees a mesh scaled into the unit box, (v - min) / max: it
-/// follows turns about the box's middle and even scaling no more than that box does. It moves given vertices as well. An edge
-/// whose two faces have no area or lie folded onto each other displaces nothing: its new vertex is its middle. At a boundary
-/// the missing corner is thought where the other goes by point reflection in the edge's middle.
+/// follows turns about the box's middle and even scaling no more than that box does. It moves given vertices as well. An
+/// edge whose two faces have no area or lie folded onto each other displaces nothing: its new vertex is its middle. At a
+/// boundary the missing corner is thought where the other goes by point reflection in the edge's middle.
 BAT_API const bat_mesh_rule *bat_mesh_model_rule(const bat_mesh_model *model);
 
 BAT_C_END

@@ -7,8 +7,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// From keyframes in a file to a smooth curve for a file: points, and times and velocities where the columns of the file have them.
-/// docs/formats.md says what the columns are called; docs/hermite.md explains the schemes.
+/// From keyframes in a file to a smooth curve for a file: points, and times and velocities where the columns of the file
+/// have them. docs/formats.md says what the columns are called; docs/hermite.md explains the schemes.
 
 /// How to make the curve. Begin with bat_motion_defaults().
 typedef struct bat_motion_options
@@ -26,23 +26,24 @@ BAT_API bat_motion_options bat_motion_defaults(void);
 BAT_API bool bat_motion_has_times(const bat_curve_set *set);
 BAT_API bool bat_motion_has_velocities(const bat_curve_set *set);
 
-/// The Hermite data of one curve of a set: its points, its times if there are any, and its velocities; where it has none, tangents
-/// estimated with the order that the options say. Without a rate and for BAT_HERMITE_LANE_RIESENFELD the tangents are of unit
-/// length; for BAT_HERMITE_TRANSPORT they are derivatives by the index, for which times must be evenly spaced.
+/// The Hermite data of one curve of a set: its points, its times if there are any, and its velocities; where it has none,
+/// tangents estimated with the order that the options say. Without a rate and for BAT_HERMITE_LANE_RIESENFELD the tangents
+/// are of unit length; for BAT_HERMITE_TRANSPORT they are derivatives by the index, for which times must be evenly spaced.
 ///
 /// @param options null for the defaults
 /// @param keys    receives the data; release it with bat_hermite_free()
 /// @param error   `index` is the point at fault and `line` its line in the file
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED (channels that are neither times nor
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED (channels that are neither times
+/// nor
 ///         velocities, uneven times where the scheme needs even ones) or BAT_NO_MEMORY; `keys` is untouched on failure
 BAT_API bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
                                    bat_hermite_curve *keys, bat_error *error);
 
 /// Make smooth curves of the keyframes in a set, with the same kind of columns: bat_hermite_sample_rate() at a rate, else
-/// bat_hermite_refine(). Sampled curves have times in any case: without times in the set, keyframe i is at time i. Velocities are there
-/// where the set has them or the options ask for them: those of the motion where it is sampled and from BAT_HERMITE_TRANSPORT; from
-/// BAT_HERMITE_LANE_RIESENFELD the scheme's direction times the speed from neighbour to neighbour, and without times the direction, of
-/// unit length. The signs of quaternions do not jump.
+/// bat_hermite_refine(). Sampled curves have times in any case: without times in the set, keyframe i is at time i.
+/// Velocities are there where the set has them or the options ask for them: those of the motion where it is sampled and from
+/// BAT_HERMITE_TRANSPORT; from BAT_HERMITE_LANE_RIESENFELD the scheme's direction times the speed from neighbour to
+/// neighbour, and without times the direction, of unit length. The signs of quaternions do not jump.
 ///
 /// @param options null for the defaults
 /// @param fine    receives a curve for each one of `keyframes`; release it with bat_curve_set_free()

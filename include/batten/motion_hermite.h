@@ -33,15 +33,15 @@ typedef struct bat_hermite_curve
 /// Free what the library allocated for a curve and make it empty. Does nothing to a curve that is empty already.
 BAT_API void bat_hermite_free(bat_hermite_curve *curve);
 
-/// Check that a curve is one: at least 2 points (3 when closed), each in its space, with one shortest geodesic to the next (as
-/// there is within the injectivity radius); tangents finite and tangent, which they are when transport from their point to itself
-/// leaves them as they are;
-/// times finite and increasing. Neighbours may be equal, as where a motion rests.
+/// Check that a curve is one: at least 2 points (3 when closed), each in its space, with one shortest geodesic to the next
+/// (as there is within the injectivity radius); tangents finite and tangent, which they are when transport from their point
+/// to itself leaves them as they are; times finite and increasing. Neighbours may be equal, as where a motion rests.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
 BAT_API bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *error);
 
 /// Check, besides, that the tangents are of unit length and the data admissible (definition 3.2 of Ben-Zion Vardi, Dyn and
-/// Sharon): neighbours distinct, and on every edge angles of the tangents with it that sum to at most BAT_HERMITE_ANGLE_LIMIT.
+/// Sharon): neighbours distinct, and on every edge angles of the tangents with it that sum to at most
+/// BAT_HERMITE_ANGLE_LIMIT.
 /// @return as bat_hermite_check()
 BAT_API bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, bat_error *error);
 
@@ -49,15 +49,16 @@ BAT_API bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, 
 /// @return BAT_OK, or BAT_INVALID_POINT with the first tangent that is zero or not finite; those before it are done
 BAT_API bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error);
 
-/// The manifold-Hermite De Casteljau average (algorithm 3 of Ben-Zion Vardi, Dyn and Sharon): a point and a direction at share
-/// `weight` of the geodesic De Casteljau cubic between two points with directions. Weight 0 gives the first, 1 the second,
-/// bit for bit; weights outside 0 … 1 extrapolate. Two equal points with equal directions are their own average.
+/// The manifold-Hermite De Casteljau average (algorithm 3 of Ben-Zion Vardi, Dyn and Sharon): a point and a direction at
+/// share `weight` of the geodesic De Casteljau cubic between two points with directions. Weight 0 gives the first, 1 the
+/// second, bit for bit; weights outside 0 … 1 extrapolate. Two equal points with equal directions are their own average.
 ///
 /// The direction is the last geodesic's own velocity where it passes the point, not a difference of points.
 ///
 /// @param p0, v0    a point and a direction there, of unit length; likewise p1, v1
 /// @param point, direction receive the average; they may not overlap the inputs
-/// @return BAT_OK; BAT_CUT_LOCUS where a geodesic is not unique; BAT_INVALID_POINT where the pair is not admissible, the points
+/// @return BAT_OK; BAT_CUT_LOCUS where a geodesic is not unique; BAT_INVALID_POINT where the pair is not admissible, the
+/// points
 ///         are equal but not the directions, or the average has no direction
 BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                        const double *v1, double weight, double *point, double *direction);
@@ -101,7 +102,8 @@ typedef struct bat_hermite_options
     bat_log_exp_base base; ///< TRANSPORT: in whose tangent space to sum; default BAT_BASE_VERTEX
     size_t levels;         ///< each doubles the number of edges; default 5
     size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
-    int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it; default 0
+    int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it;
+                 ///< default 0
     bat_progress progress; ///< default: none
 } bat_hermite_options;
 
@@ -123,10 +125,10 @@ BAT_API bool bat_hermite_list(size_t index, const char **name, const char **sett
 
 /// Refine Hermite data by repeated subdivision. Old point i becomes new point i 2^levels where the scheme has vertices (odd
 /// orders, masks of odd length): count 2^levels points for a closed curve, (count - 1) 2^levels + 1 for an open one. Even
-/// orders and masks of even length have two new points on every edge instead; an open curve then gets its ends back, (count -
-/// 1) 2^levels + 2 points in all. Beyond its ends an open curve goes on by geodesic point reflection, with transported
-/// tangents. Times, if there are any, are averaged as the points of a linear scheme are, and name the points; for a curve that
-/// is to be somewhere at a time there is bat_hermite_sample().
+/// orders and masks of even length have two new points on every edge instead; an open curve then gets its ends back, (count
+/// - 1) 2^levels + 2 points in all. Beyond its ends an open curve goes on by geodesic point reflection, with transported
+/// tangents. Times, if there are any, are averaged as the points of a linear scheme are, and name the points; for a curve
+/// that is to be somewhere at a time there is bat_hermite_sample().
 ///
 /// BAT_HERMITE_LANE_RIESENFELD takes and gives directions, on admissible data. Of order 1 it interpolates, fourth-order
 /// accurate. BAT_HERMITE_TRANSPORT takes derivatives for samples evenly spaced in their parameter, and gives derivatives by
@@ -140,27 +142,29 @@ BAT_API bool bat_hermite_list(size_t index, const char **name, const char **sett
 BAT_API bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_options *options,
                                       bat_hermite_curve *fine, bat_error *error);
 
-/// Estimate tangents from the points: the derivative at each point of the polynomial through its neighbours' logarithms there,
-/// `order` + 1 points with it (fewer on shorter curves), as many to both sides where there are. With times, velocities, whose
-/// error falls as the `order`th power of the spacing, however uneven. Without times, directions, likewise: the parameter is
-/// geodesic distance along the polygon, for order 4 corrected by how much longer an arc is than its chord.
+/// Estimate tangents from the points: the derivative at each point of the polynomial through its neighbours' logarithms
+/// there, `order` + 1 points with it (fewer on shorter curves), as many to both sides where there are. With times,
+/// velocities, whose error falls as the `order`th power of the spacing, however uneven. Without times, directions, likewise:
+/// the parameter is geodesic distance along the polygon, for order 4 corrected by how much longer an arc is than its chord.
 ///
-/// Order 2 is Bessel's parabola, and fits data with noise or corners better; order 4 is as accurate as the fourth-order schemes
-/// deserve.
+/// Order 2 is Bessel's parabola, and fits data with noise or corners better; order 4 is as accurate as the fourth-order
+/// schemes deserve.
 ///
 /// @param curve its tangents are overwritten; the array must be there
 /// @param order 2 or 4
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT with the point that repeats its neighbour or where the curve turns
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT with the point that repeats its neighbour or where the curve
+/// turns
 ///         back on itself (no times), BAT_CUT_LOCUS with the point whose neighbours have no unique logarithm there, or
 ///         BAT_NO_MEMORY; the tangents are undefined on failure
 BAT_API bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order, bat_error *error);
 
-/// The curve at given times, and its velocities. Between two points it is the geodesic De Casteljau cubic (Park and Ravani 1995)
-/// with inner control points exp(p, h v / 3) and exp(q, -h w / 3), h being the time from one to the other: it passes the points
-/// at their times with their velocities, whatever the spacing, and so is C1; the error against a smooth curve falls as the fourth
-/// power of h.
+/// The curve at given times, and its velocities. Between two points it is the geodesic De Casteljau cubic (Park and Ravani
+/// 1995) with inner control points exp(p, h v / 3) and exp(q, -h w / 3), h being the time from one to the other: it passes
+/// the points at their times with their velocities, whatever the spacing, and so is C1; the error against a smooth curve
+/// falls as the fourth power of h.
 ///
-/// @param curve      tangents are velocities; without times the points are at 0, 1, 2, … and a closed curve returns to the first
+/// @param curve      tangents are velocities; without times the points are at 0, 1, 2, … and a closed curve returns to the
+/// first
 ///                   at `count`
 /// @param times      in any order; within those of an open curve, modulo the period of a closed one
 /// @param points     receives count x point_dim numbers
@@ -171,10 +175,11 @@ BAT_API bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_
 BAT_API bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *times, size_t count, double *points,
                                       double *velocities, bat_error *error);
 
-/// bat_hermite_sample() at `rate` points for every unit of time, from the first time on: up to the last of an open curve, short
-/// of a whole period of a closed one.
+/// bat_hermite_sample() at `rate` points for every unit of time, from the first time on: up to the last of an open curve,
+/// short of a whole period of a closed one.
 /// @param sampled receives points, velocities and times; release it with bat_hermite_free()
-/// @return as bat_hermite_sample(), and BAT_INVALID_ARGUMENT, BAT_TOO_LARGE or BAT_NO_MEMORY; `sampled` is untouched on failure
+/// @return as bat_hermite_sample(), and BAT_INVALID_ARGUMENT, BAT_TOO_LARGE or BAT_NO_MEMORY; `sampled` is untouched on
+/// failure
 BAT_API bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, bat_hermite_curve *sampled,
                                            bat_error *error);
 

@@ -9,8 +9,9 @@ BAT_C_BEGIN
 /// Riemannian manifolds behind one interface.
 ///
 /// A space is a plain struct of sizes and functions. The library makes the usual ones (bat_euclidean(), bat_sphere(),
-/// bat_disk(); more are in manifold.h); a user makes another by filling a bat_space. Points and tangent vectors are arrays of `point_dim` and
-/// `tangent_dim` doubles in whatever coordinates the space's maker chose; nothing outside the space looks inside them.
+/// bat_disk(); more are in manifold.h); a user makes another by filling a bat_space. Points and tangent vectors are arrays
+/// of `point_dim` and `tangent_dim` doubles in whatever coordinates the space's maker chose; nothing outside the space looks
+/// inside them.
 
 /// The largest `point_dim` or `tangent_dim` the library handles.
 #define BAT_SPACE_MAX_DIM 1024
@@ -73,9 +74,9 @@ BAT_API bat_space bat_sphere(size_t n);
 /// is their Riemannian length. Oriented. Random points are uniform by area in the disk of hyperbolic radius 3.
 BAT_API bat_space bat_disk(void);
 
-/// A space by the name that the program uses: "plane", "euclidean", "sphere", "disk", and of manifold.h "rotation", "rigid" (of weight
-/// 1), "spd" and "hyperbolic". `point_dim` is needed by "euclidean", "sphere" and "hyperbolic", where 0 stands for 3, and by "spd",
-/// where 0 stands for 6; for the others it must be 0 or agree.
+/// A space by the name that the program uses: "plane", "euclidean", "sphere", "disk", and of manifold.h "rotation", "rigid"
+/// (of weight 1), "spd" and "hyperbolic". `point_dim` is needed by "euclidean", "sphere" and "hyperbolic", where 0 stands
+/// for 3, and by "spd", where 0 stands for 6; for the others it must be 0 or agree.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT for an unknown name or a `point_dim` that does not fit
 BAT_API bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *space, bat_error *error);
 
@@ -104,10 +105,10 @@ BAT_API bat_status bat_space_geodesics(const bat_space *space, const double *p, 
 
 /// Rotations of R^3, SO(3), with the metric in which the distance is the angle from one to the other.
 ///
-/// Points are unit quaternions (w, x, y, z), of unit length to 1e-9; q and -q are the same rotation. exp() and geodesic() go on
-/// from the sign of `p`, so that quaternions along a curve do not jump. A tangent vector is the rotation vector in the moving
-/// body's frame: exp_p(v) = p (cos|v|/2, sin|v|/2 v/|v|), and distances are lengths of rotation vectors. Half a turn is the cut
-/// locus, BAT_CUT_LOCUS from 1e-14 short of it. Random points are uniform.
+/// Points are unit quaternions (w, x, y, z), of unit length to 1e-9; q and -q are the same rotation. exp() and geodesic() go
+/// on from the sign of `p`, so that quaternions along a curve do not jump. A tangent vector is the rotation vector in the
+/// moving body's frame: exp_p(v) = p (cos|v|/2, sin|v|/2 v/|v|), and distances are lengths of rotation vectors. Half a turn
+/// is the cut locus, BAT_CUT_LOCUS from 1e-14 short of it. Random points are uniform.
 BAT_API bat_space bat_rotation(void);
 
 /// @name Ways to write a rotation
@@ -126,21 +127,23 @@ BAT_API void bat_rotation_to_matrix(const double *quaternion, double *matrix);
 /// The quaternion of the rotation by |vector| radians about `vector`.
 /// @return BAT_OK, or BAT_INVALID_POINT when the vector is not finite or its squares overflow
 BAT_API bat_status bat_rotation_from_vector(const double *vector, double *quaternion, bat_error *error);
-/// The rotation vector of length up to pi of a quaternion other than zero; of the two for half a turn, the one along (x, y, z).
+/// The rotation vector of length up to pi of a quaternion other than zero; of the two for half a turn, the one along (x, y,
+/// z).
 BAT_API void bat_rotation_to_vector(const double *quaternion, double *vector);
 /// @}
 
-/// Symmetric positive-definite n x n matrices (tensors) with the affine-invariant metric, |V|_A^2 = trace(A^-1 V A^-1 V): distances
-/// are the same after A -> G A G^T for every invertible G, and after A -> A^-1 (Pennec, Fillard and Ayache 2006).
+/// Symmetric positive-definite n x n matrices (tensors) with the affine-invariant metric, |V|_A^2 = trace(A^-1 V A^-1 V):
+/// distances are the same after A -> G A G^T for every invertible G, and after A -> A^-1 (Pennec, Fillard and Ayache 2006).
 ///
-/// Points are the n (n + 1) / 2 numbers of the upper triangle, row by row: xx, xy, xz, yy, yz, zz. Tangent vectors at A = L L^T (L lower
-/// triangular, Cholesky) are as many numbers: the upper triangle of S = L^-1 V L^-T, entries off the diagonal times sqrt 2, so that
-/// inner products are Euclidean; bat_tensor_tangent() and bat_tensor_velocity() convert from and to the symmetric matrix V.
+/// Points are the n (n + 1) / 2 numbers of the upper triangle, row by row: xx, xy, xz, yy, yz, zz. Tangent vectors at A = L
+/// L^T (L lower triangular, Cholesky) are as many numbers: the upper triangle of S = L^-1 V L^-T, entries off the diagonal
+/// times sqrt 2, so that inner products are Euclidean; bat_tensor_tangent() and bat_tensor_velocity() convert from and to
+/// the symmetric matrix V.
 ///
-/// The space has no cut locus. A point is not positive definite when a pivot of its Cholesky factor rounds to zero; what lies outside
-/// has no nearest point inside. exp() gives BAT_INVALID_POINT where the result is not positive definite in rounding, distances above
-/// 300 are BAT_INVALID_POINT in log(). Random points are exponentials at the identity of normal vectors of variance 1/n a number.
-/// `n` is clipped to 1 … BAT_TENSOR_MAX_SIDE.
+/// The space has no cut locus. A point is not positive definite when a pivot of its Cholesky factor rounds to zero; what
+/// lies outside has no nearest point inside. exp() gives BAT_INVALID_POINT where the result is not positive definite in
+/// rounding, distances above 300 are BAT_INVALID_POINT in log(). Random points are exponentials at the identity of normal
+/// vectors of variance 1/n a number. `n` is clipped to 1 … BAT_TENSOR_MAX_SIDE.
 BAT_API bat_space bat_positive_definite(size_t n);
 
 /// The largest matrices of bat_positive_definite().
@@ -155,12 +158,12 @@ BAT_API bat_status bat_tensor_velocity(const bat_space *space, const double *poi
 
 /// Hyperbolic space of dimension n, curvature -1, as the hyperboloid in R^(n+1): x0 = sqrt(1 + |x|^2).
 ///
-/// Points are x0 and then the n numbers of x; x0 agrees with x to 1e-9 (relative), and only x counts. The apex is (1, 0, …, 0). Tangent
-/// vectors are n numbers in the orthonormal frame that the boost from the apex to the point brings along: their Euclidean length is
-/// their Riemannian length, and for n = 2 they are those of bat_disk(). Points at distance r from the apex are stored to
-/// about 1e-16 e^r / 2, to which distances between them are accurate; the distance from the apex keeps its relative accuracy up to 345,
-/// beyond which exp() gives BAT_INVALID_POINT. Random points are exponentials at the apex of normal vectors of variance 1/n a
-/// number. `n` is clipped to 1 … BAT_SPACE_MAX_DIM - 1.
+/// Points are x0 and then the n numbers of x; x0 agrees with x to 1e-9 (relative), and only x counts. The apex is (1, 0, …,
+/// 0). Tangent vectors are n numbers in the orthonormal frame that the boost from the apex to the point brings along: their
+/// Euclidean length is their Riemannian length, and for n = 2 they are those of bat_disk(). Points at distance r from the
+/// apex are stored to about 1e-16 e^r / 2, to which distances between them are accurate; the distance from the apex keeps
+/// its relative accuracy up to 345, beyond which exp() gives BAT_INVALID_POINT. Random points are exponentials at the apex
+/// of normal vectors of variance 1/n a number. `n` is clipped to 1 … BAT_SPACE_MAX_DIM - 1.
 BAT_API bat_space bat_hyperbolic(size_t n);
 
 /// The factors of a product of spaces. The caller keeps it, and what it points to, as long as the product is used.
@@ -181,10 +184,10 @@ BAT_API bat_status bat_product(const bat_product_factors *factors, bat_space *pr
 /// Rigid motions of R^3, SE(3), as the product of translations and rotations, with a weight on translations:
 /// distance^2 = (weight |t_q - t_p|)^2 + angle^2. The weight is in radians per unit of length.
 ///
-/// Points are 7 numbers: translation x, y, z, then quaternion w, x, y, z (trajectory files in the TUM format have the translation first, too,
-/// but the quaternion's w last). Tangent vectors are 6: velocity in the fixed frame, then rotation vector in the body's frame.
-/// Along a geodesic the origin of the body goes straight while the body turns evenly about it; the distance is the same
-/// after any motion of the fixed frame. Random points are standard normal and uniform.
+/// Points are 7 numbers: translation x, y, z, then quaternion w, x, y, z (trajectory files in the TUM format have the
+/// translation first, too, but the quaternion's w last). Tangent vectors are 6: velocity in the fixed frame, then rotation
+/// vector in the body's frame. Along a geodesic the origin of the body goes straight while the body turns evenly about it;
+/// the distance is the same after any motion of the fixed frame. Random points are standard normal and uniform.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT for a weight that is not positive and finite
 BAT_API bat_status bat_rigid(double translation_weight, bat_space *space, bat_error *error);
 

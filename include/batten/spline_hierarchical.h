@@ -6,18 +6,19 @@
 BAT_C_BEGIN
 
 /// @file
-/// Hierarchical B-splines over [0, 1]^2, plain and truncated: Giannelli, Jüttler and Speleers, "THB-splines: the truncated basis for
-/// hierarchical splines" (2012).
+/// Hierarchical B-splines over [0, 1]^2, plain and truncated: Giannelli, Jüttler and Speleers, "THB-splines: the truncated
+/// basis for hierarchical splines" (2012).
 ///
-/// Level l has the clamped uniform B-splines of the given bidegree on a grid of spans[0] 2^l x spans[1] 2^l cells. Nested regions
-/// say where which level is active: region 0 is the whole square, and region l + 1 consists of cells of level l. A function of
-/// level l belongs to the basis when its support lies in region l but not in region l + 1 (Kraft's selection). The truncated
-/// basis takes out of each function what finer selected ones can say; it is nonnegative and adds up to one.
+/// Level l has the clamped uniform B-splines of the given bidegree on a grid of spans[0] 2^l x spans[1] 2^l cells. Nested
+/// regions say where which level is active: region 0 is the whole square, and region l + 1 consists of cells of level l. A
+/// function of level l belongs to the basis when its support lies in region l but not in region l + 1 (Kraft's selection).
+/// The truncated basis takes out of each function what finer selected ones can say; it is nonnegative and adds up to one.
 
 /// The most levels.
 #define BAT_HIERARCHICAL_MOST_LEVELS 20
 
-/// A space of hierarchical splines. Spaces only change by bat_hierarchical_space_refine(); reading one from several threads is safe.
+/// A space of hierarchical splines. Spaces only change by bat_hierarchical_space_refine(); reading one from several threads
+/// is safe.
 typedef struct bat_hierarchical_space bat_hierarchical_space;
 
 /// What a space begins as. Begin with bat_hierarchical_space_defaults().
@@ -57,10 +58,11 @@ BAT_API bat_status bat_hierarchical_space_copy(const bat_hierarchical_space *spa
 /// Does nothing to null.
 BAT_API void bat_hierarchical_space_free(bat_hierarchical_space *space);
 
-/// Refine: the boxes' cells join the region of the next level. Boxes may overlap and may cover cells that are refined already; cells
-/// of a level whose own region does not hold them are refined through all levels between. With a class of admissibility coarser
-/// neighbours are refined as well. The new space contains the old one.
-/// @return BAT_OK; BAT_INVALID_ARGUMENT with the box that leaves its grid or is of no cells; BAT_TOO_LARGE past the most levels or
+/// Refine: the boxes' cells join the region of the next level. Boxes may overlap and may cover cells that are refined
+/// already; cells of a level whose own region does not hold them are refined through all levels between. With a class of
+/// admissibility coarser neighbours are refined as well. The new space contains the old one.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT with the box that leaves its grid or is of no cells; BAT_TOO_LARGE past the most
+/// levels or
 ///         2^32 - 1 functions; BAT_NO_MEMORY. The space is untouched on failure
 BAT_API bat_status bat_hierarchical_space_refine(bat_hierarchical_space *space, const bat_spline_box *boxes, size_t count,
                                                  bat_error *error);
@@ -78,12 +80,13 @@ BAT_API bat_spline_function bat_hierarchical_space_function(const bat_hierarchic
 /// The number of a function; BAT_NO_INDEX if the basis does not have it.
 BAT_API size_t bat_hierarchical_space_find(const bat_hierarchical_space *space, bat_spline_function function);
 
-/// The number of active cells: cells of a level in that level's region but not in the next one's. They cover the square once.
+/// The number of active cells: cells of a level in that level's region but not in the next one's. They cover the square
+/// once.
 BAT_API size_t bat_hierarchical_space_cells(const bat_hierarchical_space *space);
 /// Active cell number `index`, as a box of one cell. Cells are numbered by level, then by row, then by column.
 BAT_API bat_spline_box bat_hierarchical_space_cell(const bat_hierarchical_space *space, size_t index);
-/// The number of the active cell that holds a parameter of [0, 1]^2; one on a border belongs to the cell above or to the right. The
-/// borders of n cells are the doubles nearest 0 / n, 1 / n, to n / n.
+/// The number of the active cell that holds a parameter of [0, 1]^2; one on a border belongs to the cell above or to the
+/// right. The borders of n cells are the doubles nearest 0 / n, 1 / n, to n / n.
 BAT_API size_t bat_hierarchical_space_locate(const bat_hierarchical_space *space, double u, double v);
 /// The functions that do not vanish on an active cell, in rising order.
 /// @param indices receives a list that belongs to the space until it changes
@@ -103,8 +106,8 @@ BAT_API bat_status bat_hierarchical_space_regions(const bat_hierarchical_space *
 BAT_API void bat_hierarchical_space_basis(const bat_hierarchical_space *space, size_t cell, double u, double v,
                                           int derivatives, double *values);
 
-/// Say the functions of a space in one that was refined from it: coefficients of the same surface. In the truncated basis functions
-/// that are in both keep their coefficients (Giannelli, Jüttler and Speleers, 2014).
+/// Say the functions of a space in one that was refined from it: coefficients of the same surface. In the truncated basis
+/// functions that are in both keep their coefficients (Giannelli, Jüttler and Speleers, 2014).
 /// @param coarse      functions of `space` x dimension
 /// @param fine        receives functions of `refined` x dimension
 /// @return BAT_OK; BAT_INVALID_ARGUMENT when `refined` does not contain `space`; BAT_NO_MEMORY
@@ -125,9 +128,9 @@ BAT_API void bat_spline_surface_free(bat_spline_surface *surface);
 BAT_API bat_status bat_spline_surface_evaluate(const bat_spline_surface *surface, const double *parameters, size_t count,
                                                int derivatives, double *values, bat_error *error);
 
-/// Split a surface into tensor-product pieces that say the same: rectangles of cells of one level, each the B-spline surface of that
-/// level over its part of the square, with knots in the coordinates of the square, clamped at the part's ends. Pieces that meet do so
-/// exactly, as they are pieces of one surface; a long side may meet several short ones.
+/// Split a surface into tensor-product pieces that say the same: rectangles of cells of one level, each the B-spline surface
+/// of that level over its part of the square, with knots in the coordinates of the square, clamped at the part's ends.
+/// Pieces that meet do so exactly, as they are pieces of one surface; a long side may meet several short ones.
 /// @param patches receives an array from malloc(); release each with bat_tensor_surface_free(), then the array
 BAT_API bat_status bat_spline_surface_patches(const bat_spline_surface *surface, bat_tensor_surface **patches, size_t *count,
                                               bat_error *error);

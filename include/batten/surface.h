@@ -79,15 +79,17 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 
 /// Fit a surface to a cloud: find the boundary and corners if they are not known, parameterize, unfold, fit adaptively.
 ///
-/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch and, for a mesh, mean
-/// values. Each is unfolded and fitted as it would be in the end. A surface that strays twice as far from the points as another one
-/// is out. Of two that reach the tolerance the one with fewer functions is better, else the one with the smaller mean squared
-/// distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter as many functions. A candidate
-/// that fails, or folds at more than a quarter of the points, only leaves the competition.
+/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch and, for a
+/// mesh, mean values. Each is unfolded and fitted as it would be in the end. A surface that strays twice as far from the
+/// points as another one is out. Of two that reach the tolerance the one with fewer functions is better, else the one with
+/// the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter
+/// as many functions. A candidate that fails, or folds at more than a quarter of the points, only leaves the competition.
 ///
-/// @param cloud  boundary points are brought to the front where they have to be found, and corners are marked; given parameters need neither
+/// @param cloud  boundary points are brought to the front where they have to be found, and corners are marked; given
+/// parameters need neither
 /// @param result untouched on failure
-/// @return BAT_OK; what bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(), bat_surface_model_builtin() and
+/// @return BAT_OK; what bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(), bat_surface_model_builtin()
+/// and
 ///         bat_surface_fit() return
 BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
                                            bat_error *error);

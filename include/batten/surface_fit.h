@@ -6,8 +6,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// Spline surfaces through scattered points with parameters: penalized least squares and the adaptive loop of Giannelli, Imperatore,
-/// Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et al. (2014).
+/// Spline surfaces through scattered points with parameters: penalized least squares and the adaptive loop of Giannelli,
+/// Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et al. (2014).
 
 /// Points and their parameters.
 typedef struct bat_surface_fit_data
@@ -17,8 +17,8 @@ typedef struct bat_surface_fit_data
     size_t count;          ///< at least 1
     size_t dimension;      ///< at least 1
     size_t boundary_count; ///< the first points whose parameters lie on the boundary, which correction never takes them off
-    /// Whether correction moves boundary parameters along their sides. Where the boundary has few points against the functions they
-    /// crowd, and the surface runs wild between. False: they stay; those at the square's corners always do.
+    /// Whether correction moves boundary parameters along their sides. Where the boundary has few points against the
+    /// functions they crowd, and the surface runs wild between. False: they stay; those at the square's corners always do.
     bool slides;
 } bat_surface_fit_data;
 
@@ -44,7 +44,8 @@ typedef struct bat_surface_fit_options
     size_t functions; ///< the most functions: the loop stops before more, and fills the budget with the worst cells; 0: none
                       ///< set; default 0. Without a tolerance and a budget the loop stops at a quarter of the points
     int iterations;   ///< the most refinements, 0 or more; default 30
-    int neighbours; ///< rings of cells of its level refined around a marked one; to BAT_SURFACE_FIT_MOST_NEIGHBOURS; default 1
+    int neighbours; ///< rings of cells of its level refined around a marked one; to BAT_SURFACE_FIT_MOST_NEIGHBOURS; default
+                    ///< 1
     bat_surface_smoothing smoothing; ///< default likelihood, which corrected parameters do not mislead
     double weight; ///< lambda of eq. (5) for BAT_SURFACE_SMOOTHING_GIVEN, at least 0; it does not depend on the points' unit
     double
@@ -87,19 +88,20 @@ BAT_API void bat_surface_fit_report_free(bat_surface_fit_report *report);
 
 /// Fit control points over a space by penalized least squares, eq. (5) of the paper:
 ///     min  1/2 sum_i w_i |S(u_i) - x_i|^2  +  lambda  integral |S_uu|^2 + |S_uv|^2 + |S_vv|^2
-/// The matrix of the thin plate is exact (Gauss' rule on every cell). Where points say nothing and lambda is 0, the least bit of
-/// smoothing that makes the system regular in double precision is added; `*lambda` then says so.
+/// The matrix of the thin plate is exact (Gauss' rule on every cell). Where points say nothing and lambda is 0, the least
+/// bit of smoothing that makes the system regular in double precision is added; `*lambda` then says so.
 /// @param weights count, at least 0; null: ones
 /// @param lambda  the weight of smoothing, at least 0; receives what was used
 /// @param control receives functions x dimension
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or parameter not in the square;
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or parameter not in the
+/// square;
 ///         BAT_NO_CONVERGENCE when the system is singular beyond repair; BAT_TOO_LARGE; BAT_NO_MEMORY
 BAT_API bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat_surface_fit_data *data,
                                   const double *weights, double *lambda, double *control, bat_error *error);
 
-/// Find parameters of feet: for each point the parameter near its own where S comes nearest, eq. (6), by a safeguarded Newton
-/// method that never makes a distance larger. Boundary parameters stay on their side and go at most half
-/// way to its corners.
+/// Find parameters of feet: for each point the parameter near its own where S comes nearest, eq. (6), by a safeguarded
+/// Newton method that never makes a distance larger. Boundary parameters stay on their side and go at most half way to its
+/// corners.
 /// @param moved receives how many changed; may be null
 BAT_API bat_status bat_spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved,
                                       bat_error *error);

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/// A point of the plane z = 1, of the unit sphere, or of the hyperboloid z^2 - x^2 - y^2 = 1, z > 0. On each, geodesics lie in
-/// planes through the origin of R^3 and geodesic circles in any other planes.
+/// A point of the plane z = 1, of the unit sphere, or of the hyperboloid z^2 - x^2 - y^2 = 1, z > 0. On each, geodesics lie
+/// in planes through the origin of R^3 and geodesic circles in any other planes.
 typedef struct point
 {
     double x, y, z;
@@ -71,9 +71,9 @@ typedef struct corner
     double weight;
 } corner;
 
-/// The point at share `s` of a corner's arc. As a curve of rays it is the rational quadratic with control points begin, vertex
-/// and end, which touches both edges for every weight. It lies in a plane, which makes it a circle, for the weight that is the
-/// sine() of half the distance from begin to end, divided by that of the distance from begin to vertex.
+/// The point at share `s` of a corner's arc. As a curve of rays it is the rational quadratic with control points begin,
+/// vertex and end, which touches both edges for every weight. It lies in a plane, which makes it a circle, for the weight
+/// that is the sine() of half the distance from begin to end, divided by that of the distance from begin to vertex.
 static point on_arc(bat_tension_space space, const corner *c, double s)
 {
     point middle = combine(2 * s * (1 - s) * c->weight, c->vertex, s * s, c->end);

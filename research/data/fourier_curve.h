@@ -9,8 +9,8 @@
 /// Move plane points to mean 0 and scale them to largest distance `radius` from there.
 void centre_and_scale(size_t count, double radius, double *points);
 
-/// Both coordinates are sums of `terms` harmonics with normal coefficients of deviation k^-decay; centred, with largest radius
-/// `radius`.
+/// Both coordinates are sums of `terms` harmonics with normal coefficients of deviation k^-decay; centred, with largest
+/// radius `radius`.
 void fourier_curve(bat_random *random, int terms, double decay, double radius, size_t count, double *points);
 
 /// A positive function 1 + sum of harmonics, of mean 1, between 0.4 and 1.6: the radius of a star-shaped curve.

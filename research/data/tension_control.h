@@ -14,7 +14,8 @@ typedef struct tension_control_plan
     double jitter; ///< each is moved by up to half of this share of the spacing, in [0, 1); 0: even spacing
 } tension_control_plan;
 
-/// For each control point, the first of the curve's points whose chord length from point 0 reaches the control point's place.
+/// For each control point, the first of the curve's points whose chord length from point 0 reaches the control point's
+/// place.
 ///
 /// @param points      count x 2, on the sphere count x 3
 /// @param random      what the jitter draws from; null only where there is none

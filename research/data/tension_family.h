@@ -7,8 +7,8 @@
 /// Continuous families of closed curves in each space, to draw as many fresh curves from as one likes.
 ///
 /// Half of the draws from a trained family follow the published distribution of section 6.1 of Ugail and Howard (2026) where
-/// that has such a family; the other half are wider. No unseen family has a member in common with a trained one. Curves of the
-/// sphere are turned by a random rotation; curves of the disk are turned about the origin and, unless they follow the
+/// that has such a family; the other half are wider. No unseen family has a member in common with a trained one. Curves of
+/// the sphere are turned by a random rotation; curves of the disk are turned about the origin and, unless they follow the
 /// published distribution, moved by a hyperbolic translation too. docs/tension.md describes the families.
 
 /// The trained or the unseen families of a space.
@@ -18,8 +18,8 @@ size_t tension_family_count(bat_tension_space space, bool unseen);
 /// @param family below tension_family_count()
 const char *tension_family_name(bat_tension_space space, bool unseen, size_t family);
 
-/// Draw a curve. It is closed; its first point is not repeated. Curves of the plane have largest radius 1, curves of the disk
-/// stay within radius 0.95, points of the sphere have unit length to 1e-15.
+/// Draw a curve. It is closed; its first point is not repeated. Curves of the plane have largest radius 1, curves of the
+/// disk stay within radius 0.95, points of the sphere have unit length to 1e-15.
 ///
 /// @param family below tension_family_count()
 /// @param count  points, at least 3; even in the curve's parameter

@@ -72,8 +72,8 @@ static void cassini_oval(bat_random *random, size_t count, double *points)
     centre_and_scale(count, 1, points);
 }
 
-/// 1 / (z - c), z = exp(it) + d exp(ikt): an epitrochoid (k > 0) or hypotrochoid, looped or not, seen in a circle about a point
-/// outside it. Without the inversion it would be a Fourier curve.
+/// 1 / (z - c), z = exp(it) + d exp(ikt): an epitrochoid (k > 0) or hypotrochoid, looped or not, seen in a circle about a
+/// point outside it. Without the inversion it would be a Fourier curve.
 static void inverted_trochoid(bat_random *random, size_t count, double *points)
 {
     trochoid shape = trochoid_draw(random);

@@ -84,8 +84,8 @@ static void spherical_ellipse(bat_random *random, size_t count, double *points)
     }
 }
 
-/// The point below a satellite on a circular orbit; `u` is its angle from the ascending node and `turn` the angle by which the
-/// planet turns in one revolution (eq. 24 of the paper, with any numbers).
+/// The point below a satellite on a circular orbit; `u` is its angle from the ascending node and `turn` the angle by which
+/// the planet turns in one revolution (eq. 24 of the paper, with any numbers).
 static void ground_point(double inclination, double turn, double u, double *point)
 {
     double latitude = asin(sin(inclination) * sin(u));
@@ -116,16 +116,16 @@ static void ground_track(bat_random *random, size_t count, double *points)
     }
 }
 
-/// The path of a point fixed to a cone that rolls about another one with a common tip: R_z(t) R_x(tilt) R_z(k t) q, with q at
-/// `colatitude` from the axis.
+/// The path of a point fixed to a cone that rolls about another one with a common tip: R_z(t) R_x(tilt) R_z(k t) q, with q
+/// at `colatitude` from the axis.
 typedef struct cone_roll
 {
     int frequency;
     double tilt, colatitude;
 } cone_roll;
 
-/// Half of them go about a pole with epicycles, like a trochoid of the plane; the others are kin to the seam of a tennis ball,
-/// which is frequency -2 and colatitude pi / 2.
+/// Half of them go about a pole with epicycles, like a trochoid of the plane; the others are kin to the seam of a tennis
+/// ball, which is frequency -2 and colatitude pi / 2.
 static cone_roll roll_draw(bat_random *random)
 {
     double tilt = draw_between(random, 0.4, 1.3);

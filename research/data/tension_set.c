@@ -44,8 +44,8 @@ bool tension_set_allocate(bat_tension_set *set)
 
 bat_random tension_stream(tension_purpose purpose, bat_tension_space space, uint64_t seed, uint64_t number)
 {
-    // Words of the state are one-to-one functions of single arguments, and a step of the generator is one of the state: no two
-    // streams begin alike. The steps mix the words.
+    // Words of the state are one-to-one functions of single arguments, and a step of the generator is one of the state: no
+    // two streams begin alike. The steps mix the words.
     const int mixing = 20;
     uint64_t kind = (uint64_t)purpose * BAT_TENSION_SPACE_COUNT + (uint64_t)space;
     bat_random random = bat_random_seed(seed);

@@ -2,16 +2,16 @@
 
 // A curve with symmetric quarters has vertices at a quarter, a half and three quarters of its length, to rounding or little
 // more. There the published arrays contain now this vertex, now the next, as the last digit of the lengths had it on the
-// machine that made them. The table says which: a fact about the published arrays, found by comparing with them. It cannot be
-// derived.
+// machine that made them. The table says which: a fact about the published arrays, found by comparing with them. It cannot
+// be derived.
 
 enum
 {
     QUARTER = BAT_TENSION_CONTROL_POINTS / 4
 };
 
-/// A digit for each curve of a space, by its number, 100 to a line: the sum of 1, 2 and 4 where the control points at one, two
-/// and three quarters are the next vertex.
+/// A digit for each curve of a space, by its number, 100 to a line: the sum of 1, 2 and 4 where the control points at one,
+/// two and three quarters are the next vertex.
 static const char NEXT[BAT_TENSION_SPACE_COUNT][BAT_TENSION_CURVES + 1] = {
     [BAT_TENSION_PLANE] =
         "0000700010077000100770000000000730004003200470007000000770003007700770000000700700006000000760076007"

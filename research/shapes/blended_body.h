@@ -25,10 +25,10 @@ typedef struct blended_body_part
     blended_body_kind kind;
     double a[3], b[3]; ///< the ends of a bone; of others, a is the middle; of a box, b[0] is the rounding
     double axes[3][3]; ///< of ellipsoids and rings: unit vectors; a ring lies across axes[2]
-    double radius
-        [3];      ///< of a bone's two ends; of an ellipsoid or box, half of its width along its axes; of a ring and its tube
-    double blend; ///< the width over which the part grows together with those before
-    bool hollow;  ///< taken away rather than added
+    double radius[3];  ///< of a bone's two ends; of an ellipsoid or box, half of its width along its axes; of a ring and its
+                       ///< tube
+    double blend;      ///< the width over which the part grows together with those before
+    bool hollow;       ///< taken away rather than added
 } blended_body_part;
 
 /// The least of all parts, blended, moved by the noise.

@@ -25,15 +25,14 @@ typedef enum cut_kind
 typedef struct cut
 {
     cut_kind kind;
-    double at[3];   ///< a point on the plane or axis
-    double axis[3]; ///< the unit normal of a plane, the unit vector along a bar
-    double side[3]; ///< a unit vector across the axis, from which angles count
-    double size;    ///< half a slab's width, a radius
-    double slope;   ///< of a cone's radius; a polar bar's turn per length
-    double
-        teeth[3]; ///< of teeth: half the angle a tooth takes at the radius `size`, the change of its half width per radius;
-                  ///< of circles: the radius of the circle
-    int count;    ///< of teeth, of bars
+    double at[3];    ///< a point on the plane or axis
+    double axis[3];  ///< the unit normal of a plane, the unit vector along a bar
+    double side[3];  ///< a unit vector across the axis, from which angles count
+    double size;     ///< half a slab's width, a radius
+    double slope;    ///< of a cone's radius; a polar bar's turn per length
+    double teeth[3]; ///< of teeth: half the angle a tooth takes at the radius `size`, the change of its half width per
+                     ///< radius; of circles: the radius of the circle
+    int count;          ///< of teeth, of bars
     harmonics waves;    ///< the radius is size (1 + waves)
     double wave_length; ///< along the axis, of a profile
 } cut;

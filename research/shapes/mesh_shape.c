@@ -70,7 +70,8 @@ static bat_random stream_of(const char *name, uint64_t seed)
     return bat_random_seed(hash_bytes(HASH_BEGIN, name, strlen(name)) + seed * 0x9e3779b97f4a7c15u);
 }
 
-/// Move the middle of the box to the origin, scale its longest side to 1, and turn the mesh, made with z upwards, so that y is.
+/// Move the middle of the box to the origin, scale its longest side to 1, and turn the mesh, made with z upwards, so that y
+/// is.
 static void normalize(bat_mesh *mesh)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++)

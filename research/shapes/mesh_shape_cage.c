@@ -8,8 +8,8 @@
 #include <string.h>
 
 /// @file
-/// A coarse elephant, modelled as people model by hand: the left half of a box, whose faces are drawn out again and again, then
-/// mirrored. x points ahead, y to the left, z upwards; what has y = 0 is the seam.
+/// A coarse elephant, modelled as people model by hand: the left half of a box, whose faces are drawn out again and again,
+/// then mirrored. x points ahead, y to the left, z upwards; what has y = 0 is the seam.
 
 enum
 {
@@ -30,8 +30,8 @@ enum
     ABOVE
 };
 
-/// The four faces that drawing number `draw` makes around the face, beside its edges. Of faces that look ahead these are below,
-/// left, above, at the seam; of those that look back, below, at the seam, above, left.
+/// The four faces that drawing number `draw` makes around the face, beside its edges. Of faces that look ahead these are
+/// below, left, above, at the seam; of those that look back, below, at the seam, above, left.
 #define BESIDE(draw, edge) (FIRST_FACES + DRAWN_FACES * (draw) + (edge))
 
 /// Draw a face out: move it, scale it about its middle and tilt it about y, the front upwards.

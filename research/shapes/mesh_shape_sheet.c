@@ -74,7 +74,8 @@ typedef struct torus_knot
     double ring; ///< radius, of a torus whose middle has radius 1
 } torus_knot;
 
-/// A point of the knot's line at t of 0 … 1, and a frame that does not turn against the torus: along, out of the torus, across.
+/// A point of the knot's line at t of 0 … 1, and a frame that does not turn against the torus: along, out of the torus,
+/// across.
 static void knot_frame(const torus_knot *knot, double t, double at[3], double out[3], double across[3])
 {
     double a = 2 * WAVE_PI * knot->p * t, b = 2 * WAVE_PI * knot->q * t, far = 1 + knot->ring * cos(b), along[3];

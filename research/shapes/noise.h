@@ -6,8 +6,8 @@
 /// @file
 /// Smooth random functions of space.
 
-/// Gradient noise (Perlin, "Improving Noise", 2002) with the gradients of a seed: zero at points of whole numbers, about -1 to 1,
-/// with two continuous derivatives and slopes up to about 2.
+/// Gradient noise (Perlin, "Improving Noise", 2002) with the gradients of a seed: zero at points of whole numbers, about -1
+/// to 1, with two continuous derivatives and slopes up to about 2.
 double noise_at(uint64_t seed, double x, double y, double z);
 
 /// Several octaves of it: sum over k < octaves of amplitude gain^k noise(2^k frequency p).

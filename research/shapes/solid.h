@@ -7,8 +7,8 @@
 /// Solids bounded by smooth surfaces that meet in sharp edges, and triangle meshes of their boundaries.
 ///
 /// Every surface is the zero set of a function, negative inside. A solid joins their insides by and, or and not, written in
-/// postfix order: solid_surface_add() pushes an inside, the operations work on what was pushed last. As long as no surface is
-/// used twice, the boundary is a manifold.
+/// postfix order: solid_surface_add() pushes an inside, the operations work on what was pushed last. As long as no surface
+/// is used twice, the boundary is a manifold.
 
 enum
 {
@@ -75,13 +75,15 @@ void solid_step_towards(const solid *s, const size_t *surfaces, size_t count, do
 /// A closed mesh of the boundary from a lattice of tetrahedra, with triangles of any shape: the largest piece. Every face
 /// has the surface that it belongs to.
 ///
-/// The lattice is body-centred cubic; its tetrahedra are cut along every surface, which is taken as linear in each. The boundary
-/// is what lies between tetrahedra inside and outside.
+/// The lattice is body-centred cubic; its tetrahedra are cut along every surface, which is taken as linear in each. The
+/// boundary is what lies between tetrahedra inside and outside.
 ///
 /// @param cell     the lattice's spacing
-/// @param steepest how fast values change at most: a ball of radius r around a point of value above steepest r holds no boundary
+/// @param steepest how fast values change at most: a ball of radius r around a point of value above steepest r holds no
+/// boundary
 /// @param surfaces receives the surface of every face; release it with free()
-/// @return BAT_OK; BAT_INVALID_ARGUMENT where the lattice meets no boundary; BAT_TOO_LARGE; BAT_NO_MEMORY. A mesh with a boundary
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where the lattice meets no boundary; BAT_TOO_LARGE; BAT_NO_MEMORY. A mesh with a
+/// boundary
 ///         is a sign of values that change faster
 bat_status solid_cut(const solid *s, double cell, double steepest, bat_mesh *mesh, uint16_t **surfaces, bat_error *error);
 

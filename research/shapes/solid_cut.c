@@ -35,7 +35,8 @@ static void tetrahedra_free(tetrahedra *t)
     key_map_free(&t->at);
 }
 
-/// The array, or a larger one in its place, with room for one more element. Null when out of memory; the array is then as it was.
+/// The array, or a larger one in its place, with room for one more element. Null when out of memory; the array is then as it
+/// was.
 static void *reserve(void *array, size_t count, size_t *room, size_t size)
 {
     if (count < *room)
@@ -88,8 +89,8 @@ static bool add_cell(cell_list *list, const uint32_t cell[3])
     return true;
 }
 
-/// Gather the cells of a cube of `size` cells across that may be near the boundary. Those left out have no tetrahedron that the
-/// boundary meets: such a tetrahedron reaches no farther than one cell from the middles of both its cells.
+/// Gather the cells of a cube of `size` cells across that may be near the boundary. Those left out have no tetrahedron that
+/// the boundary meets: such a tetrahedron reaches no farther than one cell from the middles of both its cells.
 static bool gather_cells(const tetrahedra *t, const uint32_t corner[3], uint32_t size, cell_list *near)
 {
     double middle[3];

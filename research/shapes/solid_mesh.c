@@ -76,8 +76,8 @@ static bat_status split_long(remesher *r, bat_error *error)
     return BAT_OK;
 }
 
-/// Whether the begin of an edge may go: nothing that is more of a feature may move onto less of one. Corners go along a feature to
-/// one another where they are too near for the mesh to tell them apart.
+/// Whether the begin of an edge may go: nothing that is more of a feature may move onto less of one. Corners go along a
+/// feature to one another where they are too near for the mesh to tell them apart.
 static bool may_go(const remesher *r, uint32_t h)
 {
     const edit_mesh *edit = &r->edit;

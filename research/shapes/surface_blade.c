@@ -30,8 +30,8 @@ static double root_of_chord(double u)
     return way * whole / sqrt(sqrt(way * way + NOSE_SHARE * NOSE_SHARE) + NOSE_SHARE);
 }
 
-/// A section of chord 1 with the nose at 0. Half the thickness is that of a Joukowski aerofoil to first order, sqrt(x) (1 - x), whose
-/// nose is a parabola, and the opening; it is laid above and below a parabola of camber.
+/// A section of chord 1 with the nose at 0. Half the thickness is that of a Joukowski aerofoil to first order, sqrt(x) (1 -
+/// x), whose nose is a parabola, and the opening; it is laid above and below a parabola of camber.
 static void section_at(double u, double thickness, double camber, double opening, double at[2])
 {
     const double thickest = 0.3849001794597505; // 2 / sqrt(27), at a third of the chord

@@ -13,8 +13,8 @@ typedef struct sampled_cloud
     double *parameters; ///< count x 2
 } sampled_cloud;
 
-/// Make room for a cloud with so many steps along each side of its boundary, at least 1, from (0, 0) counter-clockwise, and so many
-/// points inside. Its corners are set, parameters and points are not.
+/// Make room for a cloud with so many steps along each side of its boundary, at least 1, from (0, 0) counter-clockwise, and
+/// so many points inside. Its corners are set, parameters and points are not.
 /// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY
 bat_status sampled_cloud_make(const size_t steps[4], size_t interior, sampled_cloud *sampled, bat_error *error);
 void sampled_cloud_free(sampled_cloud *sampled);

@@ -37,8 +37,8 @@ static double bell(double x, double length)
     return exp(-x * x / (length * length));
 }
 
-/// A station: two lines from the keel to the corner of the bilge and on to the deck edge, as half-breadths and heights, and how much
-/// of it rounds the corner.
+/// A station: two lines from the keel to the corner of the bilge and on to the deck edge, as half-breadths and heights, and
+/// how much of it rounds the corner.
 typedef struct hull_station
 {
     double keel[2], corner[2], deck[2];
@@ -62,7 +62,8 @@ static hull_station station_at(const hull_form *hull, double u)
     };
 }
 
-/// The half-breadth and height at a share of a station: a hyperbola with the two lines as asymptotes, passed at nearly even speed.
+/// The half-breadth and height at a share of a station: a hyperbola with the two lines as asymptotes, passed at nearly even
+/// speed.
 static void station_point(const hull_station *station, double v, double point[2])
 {
     double below = hypot(station->corner[0] - station->keel[0], station->corner[1] - station->keel[1]);

@@ -5,8 +5,8 @@
 #include "research/shapes/surface_shape.h"
 
 /// @file
-/// What a scanner that looks along z makes of a surface: lines, denser along themselves than across, fewer points on steep places,
-/// a second sweep over a part, a gap where nothing was seen, noise, no order.
+/// What a scanner that looks along z makes of a surface: lines, denser along themselves than across, fewer points on steep
+/// places, a second sweep over a part, a gap where nothing was seen, noise, no order.
 
 /// @param points about how many
 /// @return BAT_OK or BAT_NO_MEMORY

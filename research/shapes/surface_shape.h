@@ -4,11 +4,11 @@
 #include "batten/base.h"
 
 /// @file
-/// Engineering shapes as formulas: surfaces over the unit square, about 1 long, z upwards. Every formula is smooth; S_u x S_v points out
-/// of the body. Another draw gives another member of the family.
+/// Engineering shapes as formulas: surfaces over the unit square, about 1 long, z upwards. Every formula is smooth; S_u x
+/// S_v points out of the body. Another draw gives another member of the family.
 
-/// One side of a ship. The first parameter runs from bow to stern, the second along the stations from keel to deck edge: flat
-/// bottom, bilge, side. x points forward, y outwards from the middle plane.
+/// One side of a ship. The first parameter runs from bow to stern, the second along the stations from keel to deck edge:
+/// flat bottom, bilge, side. x points forward, y outwards from the middle plane.
 typedef struct hull_form
 {
     double half_breadth, depth, sheer;            ///< midships; sheer: how much higher the deck is at the bow

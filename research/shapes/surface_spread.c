@@ -138,8 +138,8 @@ static double sum_at_place(const double *sums, double place)
     return sums[cell] + (place * CELLS - (double)cell) * (sums[cell + 1] - sums[cell]);
 }
 
-/// The distance between neighbours of `points` that lie in a square pattern: area / distance^2 of them fill the surface, half a step
-/// of which the boundary takes along its length, where it has length / distance of its own.
+/// The distance between neighbours of `points` that lie in a square pattern: area / distance^2 of them fill the surface,
+/// half a step of which the boundary takes along its length, where it has length / distance of its own.
 static double pattern_distance(const measured_surface *measured, size_t points)
 {
     double area = measured->area[CELLS], half_perimeter = 0;

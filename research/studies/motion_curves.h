@@ -9,8 +9,8 @@
 
 typedef struct study_curve study_curve;
 
-/// A smooth curve; closed ones have period 2 pi. With `form` null t -> exp_c(r (cos t a_0 + 0.8 sin t a_1 + 0.3 sin 2t a_2)), with
-/// orthonormal a_0, a_1 and, where the dimension allows, a_2 (else a_0).
+/// A smooth curve; closed ones have period 2 pi. With `form` null t -> exp_c(r (cos t a_0 + 0.8 sin t a_1 + 0.3 sin 2t
+/// a_2)), with orthonormal a_0, a_1 and, where the dimension allows, a_2 (else a_0).
 struct study_curve
 {
     const bat_space *space;
@@ -30,8 +30,8 @@ bat_status study_curve_point(const study_curve *curve, double t, double *point);
 /// The derivative by t at a point, from differences: accurate to about 1e-12.
 bat_status study_curve_velocity(const study_curve *curve, double t, const double *point, double *velocity);
 
-/// Points of the curve at `count` parameters, with velocities and the parameters as times. The closing time makes a period whole.
-/// Release it with bat_hermite_free().
+/// Points of the curve at `count` parameters, with velocities and the parameters as times. The closing time makes a period
+/// whole. Release it with bat_hermite_free().
 bat_status study_curve_sample(const study_curve *curve, const double *parameters, size_t count, bool closed,
                               bat_hermite_curve *samples, bat_error *error);
 
@@ -60,8 +60,8 @@ double study_longest_edge(const bat_hermite_curve *curve);
 /// The largest distance of new point 2 i from old point i, eq. (4.3), after one level.
 double study_displacement(const bat_hermite_curve *coarse, const bat_hermite_curve *fine);
 
-/// How far the average in a space that its coordinates embed isometrically is from the Bezier average of the same arrays in the
-/// space around it.
+/// How far the average in a space that its coordinates embed isometrically is from the Bezier average of the same arrays in
+/// the space around it.
 typedef struct study_proximity
 {
     double length; ///< d, the geodesic distance of the pair

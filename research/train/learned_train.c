@@ -81,8 +81,8 @@ bat_learned_train_options bat_learned_train_defaults(void)
 
 // Samples
 
-/// How the control points of a sample lie on its curve. Half of the polygons have as many as the published; most of those are
-/// evenly spaced.
+/// How the control points of a sample lie on its curve. Half of the polygons have as many as the published; most of those
+/// are evenly spaced.
 static tension_control_plan draw_plan(bat_random *random)
 {
     bool published = bat_random_uniform(random) < 0.5, even = bat_random_uniform(random) < (published ? 0.75 : 0.25);
@@ -95,8 +95,9 @@ static tension_control_plan draw_plan(bat_random *random)
     };
 }
 
-/// Replace the end of a closed curve by the geodesic back to its beginning, which makes two corners, at point 0 and at the one
-/// that is returned: tracks are closed like that. Returns 0 where there is no single geodesic and the curve stays as it is.
+/// Replace the end of a closed curve by the geodesic back to its beginning, which makes two corners, at point 0 and at the
+/// one that is returned: tracks are closed like that. Returns 0 where there is no single geodesic and the curve stays as it
+/// is.
 static size_t cut(bat_tension_space space, bat_random *random, double *truth)
 {
     const bat_space spaces[BAT_TENSION_SPACE_COUNT] = {bat_euclidean(2), bat_sphere(2), bat_disk()};

@@ -180,8 +180,8 @@ static size_t column_points(const learn_log *log, size_t column, double *x, doub
     return count;
 }
 
-/// A chart of a group of columns, without series when it has no numbers. A single column gives its name to the chart, several
-/// stand in the legend in colours that no other chart has.
+/// A chart of a group of columns, without series when it has no numbers. A single column gives its name to the chart,
+/// several stand in the legend in colours that no other chart has.
 static bat_chart group_chart(const learn_log *log, size_t begin, size_t end, bat_chart_series *series, double *numbers,
                              int *colours)
 {

@@ -136,8 +136,8 @@ bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t c
     return BAT_OK;
 }
 
-/// The epoch that a pair stems from at a later one. In epoch e > 0 the pairs (e - 1) fresh … e fresh - 1 are made anew, counted
-/// around.
+/// The epoch that a pair stems from at a later one. In epoch e > 0 the pairs (e - 1) fresh … e fresh - 1 are made anew,
+/// counted around.
 static uint64_t epoch_of(const mesh_pairs *pairs, size_t p, uint64_t epoch)
 {
     uint64_t renewed = epoch * pairs->fresh, count = pairs->count;

@@ -18,11 +18,11 @@ typedef struct mesh_pair
 {
     bat_mesh coarse;
     mesh_levels levels;
-    /// levels.count + 1 entries: vertices x 3 positions at each level, vertex for vertex. Level 0 is not the coarse mesh where the
-    /// map moves its vertices.
+    /// levels.count + 1 entries: vertices x 3 positions at each level, vertex for vertex. Level 0 is not the coarse mesh
+    /// where the map moves its vertices.
     const double *target[MESH_PAIR_MOST_LEVELS + 1];
-    /// Unit normals of the shape at the targets of the last level, of which those of the earlier levels are the first; null where the
-    /// targets do not lie on the shape.
+    /// Unit normals of the shape at the targets of the last level, of which those of the earlier levels are the first; null
+    /// where the targets do not lie on the shape.
     const double *normals;
     double *memory; ///< that these lie in
 } mesh_pair;
@@ -61,8 +61,8 @@ typedef struct mesh_pairs
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t count, const mesh_pair_plan *plan,
                             uint64_t seed, size_t fresh, mesh_pairs *pairs, bat_error *error);
-/// Make those pairs of an epoch that are not there yet. Which they are depends on the seed and the epoch alone, whatever epochs
-/// came before.
+/// Make those pairs of an epoch that are not there yet. Which they are depends on the seed and the epoch alone, whatever
+/// epochs came before.
 /// @return as mesh_pair_make(), or BAT_CANCELLED
 bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, int threads, bat_progress progress, bat_error *error);
 void mesh_pairs_free(mesh_pairs *pairs);

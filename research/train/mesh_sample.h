@@ -15,21 +15,22 @@ typedef struct mesh_sample_loss_form
     bool surface;    ///< by mesh_sample_off_surface(), where the pair has normals
 } mesh_sample_loss_form;
 
-/// The mean of the squares of the coordinates' errors, or half the Chamfer distance of squares, summed over levels. Coarse mesh and
-/// targets are scaled by the coarse mesh's unit box.
+/// The mean of the squares of the coordinates' errors, or half the Chamfer distance of squares, summed over levels. Coarse
+/// mesh and targets are scaled by the coarse mesh's unit box.
 /// @param error_at receives the loss of each level, levels + 1 numbers
 learn_array *mesh_sample_loss(learn_tape *tape, mesh_network_form network, mesh_sample_loss_form form, const mesh_pair *pair,
                               double *error_at);
 
-/// The mean over points of the squared distance to the nearest target, plus that of the targets to the nearest point, over 6, so that
-/// points that lie near their own targets, and nowhere else, have the loss of a mean over coordinates.
+/// The mean over points of the squared distance to the nearest target, plus that of the targets to the nearest point, over
+/// 6, so that points that lie near their own targets, and nowhere else, have the loss of a mean over coordinates.
 /// @param state points in its first 3 columns, at least one
 /// @param targets count x 3, at least one
 learn_array *mesh_sample_chamfer(learn_tape *tape, learn_array *state, const double *targets, size_t count);
 
-/// The mean over points of sqrt((n.r)^2 + (r^2 - (n.r)^2) / 10 + e^2) - e for r = point - target and the surface's unit normal n
-/// there: what lies off the surface counts in full, what has slipped along it a tenth of its square, and far ones do not drown the
-/// others, as they would in a mean of squares. It is near the mean distance of surfaces, by which results are measured.
+/// The mean over points of sqrt((n.r)^2 + (r^2 - (n.r)^2) / 10 + e^2) - e for r = point - target and the surface's unit
+/// normal n there: what lies off the surface counts in full, what has slipped along it a tenth of its square, and far ones
+/// do not drown the others, as they would in a mean of squares. It is near the mean distance of surfaces, by which results
+/// are measured.
 /// @param state   points in its first 3 columns
 /// @param targets, normals rows x 3
 /// @param slack   e, below which errors count by their squares; above 0

@@ -12,10 +12,9 @@
 typedef struct surface_sample
 {
     bat_cloud cloud;
-    double *
-        parameters; ///< cloud.count x 2: those that the points were sampled at. Networks are given the boundary's, which come
-                    ///< first; only a loss may look at the others
-    int degree;     ///< of the surface that the cloud was sampled from, in both parameters
+    double *parameters; ///< cloud.count x 2: those that the points were sampled at. Networks are given the boundary's, which
+                        ///< come first; only a loss may look at the others
+    int degree; ///< of the surface that the cloud was sampled from, in both parameters
 } surface_sample;
 
 typedef struct surface_network_training
@@ -25,8 +24,9 @@ typedef struct surface_network_training
     /// Draw the weights that training begins with.
     void (*start)(learn_parameters *parameters, uint64_t seed);
 
-    /// The network on a tape that began with its parameters. Cloud and boundary stay until the step has been differentiated; whatever
-    /// else must stay is on the tape (learn_tape_memory()). Called from several threads at once, each with its own tape.
+    /// The network on a tape that began with its parameters. Cloud and boundary stay until the step has been differentiated;
+    /// whatever else must stay is on the tape (learn_tape_memory()). Called from several threads at once, each with its own
+    /// tape.
     /// @param boundary cloud->boundary_count x 2
     /// @return interior points x 2
     learn_array *(*predict)(learn_tape *tape, const bat_cloud *cloud, const double *boundary);

@@ -22,8 +22,8 @@ bat_status surface_sample_draw(const surface_sample_range *range, bat_random *ra
 /// Does nothing to one that is all zero.
 void surface_sample_free(surface_sample *sample);
 
-/// The mean over all points and coordinates of the squares of what the best patch of the sample's bidegree leaves of the points, the
-/// boundary with its own parameters, the interior with these. 1 x 1.
+/// The mean over all points and coordinates of the squares of what the best patch of the sample's bidegree leaves of the
+/// points, the boundary with its own parameters, the interior with these. 1 x 1.
 /// @param interior interior points x 2; the tape must end before the sample does
 learn_array *surface_sample_residual(learn_tape *tape, const surface_sample *sample, learn_array *interior);
 

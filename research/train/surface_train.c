@@ -186,8 +186,8 @@ static bat_status check(void *context, uint64_t epoch, double *figures, bat_erro
 
 // All of it
 
-/// Everything but the seed that makes one training another, as the name by which a checkpoint is known. It begins with what a model's file
-/// is known by.
+/// Everything but the seed that makes one training another, as the name by which a checkpoint is known. It begins with what
+/// a model's file is known by.
 static void write_name(const training *t, char name[NAME_SIZE])
 {
     const bat_surface_train_options *o = t->options;

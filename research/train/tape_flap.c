@@ -204,8 +204,8 @@ tape_flap_sight tape_flap_see(learn_tape *tape, const mesh_flaps *flaps, flap_vi
 }
 
 // The first layer: y_f = max(0, b + A s_f + sum over corners c of B_c h_c)
-//   s_f what is seen, numbers x count (transposed); h_c features of corner c; A outputs x numbers and B 4 outputs x features are
-//   the weight's columns in another order
+//   s_f what is seen, numbers x count (transposed); h_c features of corner c; A outputs x numbers and B 4 outputs x features
+//   are the weight's columns in another order
 
 typedef struct layer
 {

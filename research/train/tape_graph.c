@@ -82,7 +82,8 @@ learn_array *tape_graph_mean(learn_tape *tape, learn_array *x, const tape_graph 
     return y;
 }
 
-// Messages: z_ij = x_i + y_j for each edge, h_ij = (z_ij - mean) rate, and m_i = the mean over j of max(0, gain h_ij + shift)
+// Messages: z_ij = x_i + y_j for each edge, h_ij = (z_ij - mean) rate, and m_i = the mean over j of max(0, gain h_ij +
+// shift)
 //   x and m targets x W, y sources x W, mean and rate 1 x W
 //
 // h_ij = own_i + near_j with own_i = (x_i - mean) rate and near_j = y_j rate.
@@ -237,8 +238,8 @@ static void sum_open(const messages *m, size_t i, real *count, real *sum)
     }
 }
 
-/// With g_ij the gradient behind the normalization, dz_ij = g_ij - flat - steep near_j, all three times gain and rate already. What x_i
-/// and y_j share.
+/// With g_ij the gradient behind the normalization, dz_ij = g_ij - flat - steep near_j, all three times gain and rate
+/// already. What x_i and y_j share.
 typedef struct edge_gradient
 {
     real g[W], flat[W], steep[W];

@@ -26,8 +26,8 @@ tape_graph tape_graph_make(learn_tape *tape, const learn_array *targets, const l
 /// @param graph of R targets and as many sources, symmetric, each its own neighbour
 learn_array *tape_graph_mean(learn_tape *tape, learn_array *x, const tape_graph *graph);
 
-/// What a linear layer, batch normalization over all edges and ReLU say of edges, in the mean: row i is the mean over the neighbours
-/// j of max(0, normalized(x_i + y_j)), 0 where there are none.
+/// What a linear layer, batch normalization over all edges and ReLU say of edges, in the mean: row i is the mean over the
+/// neighbours j of max(0, normalized(x_i + y_j)), 0 where there are none.
 /// @param x          targets x SURFACE_WIDTH
 /// @param y          sources x SURFACE_WIDTH
 /// @param gain,shift 1 x SURFACE_WIDTH

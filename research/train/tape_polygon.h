@@ -18,7 +18,8 @@ typedef struct tape_polygon
     geometry_profile profile_gradient; ///< likewise
 } tape_polygon;
 
-/// A polygon that is given, without derivative. `points` are not copied: they must stay until the step has been differentiated.
+/// A polygon that is given, without derivative. `points` are not copied: they must stay until the step has been
+/// differentiated.
 tape_polygon *tape_polygon_given(learn_tape *tape, const geometry_polygon *shape);
 /// The polygon with a vertex inserted on every edge (research/train/geometry_insert.h).
 /// @param angles one row for each edge

@@ -8,8 +8,8 @@
 /// @file
 /// The loop that trains: pieces of a step in parallel, one update a step, checks, a log, checkpoints.
 ///
-/// A step's loss is the sum of the losses of its pieces (a sample, a few samples, a mesh), each differentiated by itself. All
-/// randomness is a function of the seed and of the place (epoch, step, piece), so that neither the number of threads nor
+/// A step's loss is the sum of the losses of its pieces (a sample, a few samples, a mesh), each differentiated by itself.
+/// All randomness is a function of the seed and of the place (epoch, step, piece), so that neither the number of threads nor
 /// an interruption changes a byte of the result.
 
 /// Which piece is asked for.
@@ -33,12 +33,12 @@ typedef struct learn_job
     const char *const *checks; ///< names of the figures of a check; the first is watched: lower is better
     size_t check_count;
 
-    /// Prepare an epoch: shuffle, draw new data. `random` is a stream of this epoch's own. Called again with the same arguments
-    /// when a stopped run goes on within the epoch. May be null.
+    /// Prepare an epoch: shuffle, draw new data. `random` is a stream of this epoch's own. Called again with the same
+    /// arguments when a stopped run goes on within the epoch. May be null.
     bat_status (*epoch)(void *context, uint64_t epoch, bat_random *random, bat_error *error);
-    /// Build the graph of a piece on a tape that has begun with the job's parameters and drops. Called from several threads at
-    /// once. Leave *loss null for a piece that does not exist. `figures` are zero; they are added up over the pieces of a step
-    /// and averaged over the steps of an epoch.
+    /// Build the graph of a piece on a tape that has begun with the job's parameters and drops. Called from several threads
+    /// at once. Leave *loss null for a piece that does not exist. `figures` are zero; they are added up over the pieces of a
+    /// step and averaged over the steps of an epoch.
     bat_status (*piece)(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *figures,
                         bat_error *error);
     /// Measure the parameters as they are, for example on curves kept aside. May be null.

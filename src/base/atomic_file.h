@@ -5,10 +5,10 @@
 
 #include <stdio.h>
 
-/// A file that appears whole or not at all: until it is finished an existing file is untouched. It is written without a name in
-/// its folder, so that nothing stays behind when the process is killed, then linked to a hidden name and renamed. Where the
-/// system or the file system has no nameless files, it has the hidden name from the beginning. Links are followed. What is no
-/// regular file (a pipe, a device) is written directly. "-" is standard output.
+/// A file that appears whole or not at all: until it is finished an existing file is untouched. It is written without a name
+/// in its folder, so that nothing stays behind when the process is killed, then linked to a hidden name and renamed. Where
+/// the system or the file system has no nameless files, it has the hidden name from the beginning. Links are followed. What
+/// is no regular file (a pipe, a device) is written directly. "-" is standard output.
 ///
 ///     atomic_file file;
 ///     bat_status status = atomic_file_begin(path, &file, error);

@@ -3,8 +3,8 @@
 
 #include "batten/base.h"
 
-/// Numbered pieces of work that threads share: progress, cancelling, and the failure with the lowest number, which is the one
-/// that a single thread would have met first, so that messages do not depend on the number of threads.
+/// Numbered pieces of work that threads share: progress, cancelling, and the failure with the lowest number, which is the
+/// one that a single thread would have met first, so that messages do not depend on the number of threads.
 typedef struct shared_work
 {
     bat_progress progress;
@@ -20,8 +20,8 @@ shared_work shared_work_make(size_t total, bat_progress progress);
 /// Whether a piece is still wanted: not when the caller has cancelled, nor when a piece before it has failed.
 bool shared_work_wants(const shared_work *work, size_t piece);
 
-/// Say that a piece is done, and how it ended; `error` is read only when it failed. Reports progress when this is the calling
-/// thread.
+/// Say that a piece is done, and how it ended; `error` is read only when it failed. Reports progress when this is the
+/// calling thread.
 void shared_work_finish(shared_work *work, size_t piece, bat_status status, const bat_error *error);
 
 /// How all ended, once the threads have joined: BAT_OK, the first failure, or BAT_CANCELLED. Reports the end.

@@ -16,8 +16,8 @@ enum
     THREADS_WORTH = 5000000
 };
 
-/// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0 or below, and no more than
-/// pieces.
+/// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0 or below, and no more
+/// than pieces.
 static inline int threads_for(int wanted, size_t work)
 {
 #if defined(_OPENMP)
@@ -32,9 +32,9 @@ static inline int threads_for(int wanted, size_t work)
 #endif
 }
 
-/// The number of threads for pieces that take so many arithmetic operations in all, roughly. Who wants a number gets it as from
-/// threads_for(). Otherwise short work is not shared: threads wait for each other by spinning, and where other programs have the
-/// processors they wait for a time slice, which is longer than the work.
+/// The number of threads for pieces that take so many arithmetic operations in all, roughly. Who wants a number gets it as
+/// from threads_for(). Otherwise short work is not shared: threads wait for each other by spinning, and where other programs
+/// have the processors they wait for a time slice, which is longer than the work.
 static inline int threads_worth(int wanted, size_t pieces, double operations)
 {
     double most = operations / THREADS_WORTH;
@@ -59,8 +59,8 @@ static inline bool threads_is_calling(void)
     return threads_current() == 0;
 }
 
-/// Run parallel regions that this thread meets from here on alone, whatever number of threads they ask for, until threads_alone_end():
-/// for libraries that have such regions and no way to be told of threads.
+/// Run parallel regions that this thread meets from here on alone, whatever number of threads they ask for, until
+/// threads_alone_end(): for libraries that have such regions and no way to be told of threads.
 /// @return what threads_alone_end() wants
 static inline int threads_alone_begin(void)
 {

@@ -10,8 +10,8 @@
 /// indices first … last.
 typedef struct refine_kernel refine_kernel;
 
-/// Averages of neighbours: row i of the result, `stride` numbers after the one before, is made of the rows i and i + 1 of `rows`, for
-/// i < count. The result may be `rows` itself. On failure *fault is the row at fault.
+/// Averages of neighbours: row i of the result, `stride` numbers after the one before, is made of the rows i and i + 1 of
+/// `rows`, for i < count. The result may be `rows` itself. On failure *fault is the row at fault.
 typedef bat_status row_average(const refine_kernel *kernel, const double *rows, size_t count, double *averages,
                                size_t stride, size_t *fault);
 
@@ -43,8 +43,8 @@ struct refine_kernel
 refine_kernel kernel_linear(const bat_curve_scheme *scheme, size_t dim);
 /// An angle-based step; the space must be oriented.
 refine_kernel kernel_angle(const bat_space *space, const bat_curve_scheme *scheme);
-/// The mean absolute exterior angle at the points first … end - 1, 0 when there are none; the rows before and behind are there.
-/// The kernel knows its scale.
+/// The mean absolute exterior angle at the points first … end - 1, 0 when there are none; the rows before and behind are
+/// there. The kernel knows its scale.
 double kernel_angle_mean(const refine_kernel *kernel, const double *points, size_t first, size_t end);
 /// An angle-based step whose angles come from scheme->rule; the space must be oriented.
 refine_kernel kernel_rule(const bat_space *space, const bat_curve_scheme *scheme);

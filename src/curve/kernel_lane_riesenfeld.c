@@ -32,8 +32,8 @@ static bat_status insert_averages(const refine_kernel *kernel, const double *poi
     return kernel->average(kernel, points, count / 2, rows + dim, 2 * dim, fault);
 }
 
-/// All rounds for new points 2 j, 2 j + 1 with j < pairs. Round r makes row i from the rows i and i + 1 of the round before, so
-/// that order - 1 rounds move the rows by half that many places, which the first round makes up for.
+/// All rounds for new points 2 j, 2 j + 1 with j < pairs. Round r makes row i from the rows i and i + 1 of the round before,
+/// so that order - 1 rounds move the rows by half that many places, which the first round makes up for.
 static bat_status run_block(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, double *rows,
                             size_t *fault)
 {

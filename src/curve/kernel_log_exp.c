@@ -15,8 +15,9 @@ enum
 /// Squared length of a tangent vector up to which the polynomials of lanes.h hold.
 static const double SQUARED_PI = 9.8696044010893586188;
 
-/// One new point in any space: the weighted mean of logarithms in the tangent space of the base point, which is the first point of
-/// the edge from p_0 to p_1 or its middle. The new vertex over the edge averages with the odd coefficients of the mask.
+/// One new point in any space: the weighted mean of logarithms in the tangent space of the base point, which is the first
+/// point of the edge from p_0 to p_1 or its middle. The new vertex over the edge averages with the odd coefficients of the
+/// mask.
 static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_log_exp_base where, const double *p,
                              double *fine)
 {

@@ -12,8 +12,8 @@ typedef enum polygon_end
     POLYGON_END_MIRROR   ///< reflection in the perpendicular bisector of the end edge, which continues circles
 } polygon_end;
 
-/// Fill rows -before … -1 and count … count + after - 1 around a polygon of `count` rows of space->point_dim numbers: the points
-/// of a closed polygon again, or those that the end rule makes.
+/// Fill rows -before … -1 and count … count + after - 1 around a polygon of `count` rows of space->point_dim numbers: the
+/// points of a closed polygon again, or those that the end rule makes.
 /// @return BAT_OK, or the status of the space's function that failed, with the index of the end point
 bat_status polygon_extend(const bat_space *space, double *points, size_t count, bool closed, polygon_end end, size_t before,
                           size_t after, bat_error *error);

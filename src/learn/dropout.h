@@ -4,8 +4,8 @@
 #include "learn/tape.h"
 
 /// @file
-/// Which numbers a dropout drops. The mask is a function of a key and the number's place: nobody stores it, the way back asks
-/// again, and no order of execution changes it.
+/// Which numbers a dropout drops. The mask is a function of a key and the number's place: nobody stores it, the way back
+/// asks again, and no order of execution changes it.
 
 typedef struct dropout_mask
 {

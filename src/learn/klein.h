@@ -7,10 +7,10 @@
 /// Layers that commute with two reflections.
 ///
 /// Take numbers that two commuting reflections either keep or change the sign of. There are four ways to do so, the
-/// characters of the Klein four-group: kept by both, by the first alone, by the second alone, by neither. An array here has its
-/// columns in four blocks, one a character, in the order of klein_character. A linear layer that commutes with the reflections
-/// is one matrix a block, with a bias where both keep. A function of single numbers commutes with them when it is
-/// applied to the values of the four-group's regular representation, which a Hadamard matrix takes the blocks to and back
+/// characters of the Klein four-group: kept by both, by the first alone, by the second alone, by neither. An array here has
+/// its columns in four blocks, one a character, in the order of klein_character. A linear layer that commutes with the
+/// reflections is one matrix a block, with a bias where both keep. A function of single numbers commutes with them when it
+/// is applied to the values of the four-group's regular representation, which a Hadamard matrix takes the blocks to and back
 /// (Cohen and Welling 2016, for the smallest group that has two generators).
 
 typedef enum klein_character

@@ -4,8 +4,8 @@
 #include "learn/tape.h"
 
 /// @file
-/// The operations of networks. Each takes arrays on a tape and gives a new one; R and C are the rows and columns of `x`. Lists
-/// of indices are not copied: they must stay until the step has been differentiated. Every index must be in range.
+/// The operations of networks. Each takes arrays on a tape and gives a new one; R and C are the rows and columns of `x`.
+/// Lists of indices are not copied: they must stay until the step has been differentiated. Every index must be in range.
 
 // Layers (layers.c, normalization.c)
 
@@ -55,8 +55,8 @@ learn_array *learn_row_norms(learn_tape *tape, learn_array *x);
 
 /// Row k is row indices[k] of x; with a parameter for x, an embedding. count x C.
 learn_array *learn_gather_rows(learn_tape *tape, learn_array *x, const uint32_t *indices, size_t count);
-/// Row s is the mean of the rows indices[k] of x (row k itself when `indices` is null) for offsets[s] <= k < offsets[s + 1], and
-/// zero where there are none. count x C; `offsets` has count + 1 entries.
+/// Row s is the mean of the rows indices[k] of x (row k itself when `indices` is null) for offsets[s] <= k < offsets[s + 1],
+/// and zero where there are none. count x C; `offsets` has count + 1 entries.
 learn_array *learn_segment_mean(learn_tape *tape, learn_array *x, const uint32_t *offsets, const uint32_t *indices,
                                 size_t count);
 /// Row t is the mean of those rows k of x with targets[k] = t, and zero where there are none. count x C; R targets.

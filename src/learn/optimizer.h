@@ -5,8 +5,8 @@
 #include "learn/real.h"
 
 /// @file
-/// Rules that move the numbers of a block against their gradient. The formulas are those of PyTorch, digit for digit where it
-/// matters, so that published recipes carry over.
+/// Rules that move the numbers of a block against their gradient. The formulas are those of PyTorch, digit for digit where
+/// it matters, so that published recipes carry over.
 
 typedef enum learn_rule
 {
@@ -41,8 +41,8 @@ void learn_optimizer_free(learn_optimizer *optimizer);
 /// One step with the learning rate `rate`.
 void learn_optimizer_step(learn_optimizer *optimizer, double rate, const real *gradient, real *values);
 
-/// Scale a gradient down to the Euclidean norm `limit` if it is longer; returns its norm before. Infinity never scales. A norm
-/// that is not finite leaves the gradient alone.
+/// Scale a gradient down to the Euclidean norm `limit` if it is longer; returns its norm before. Infinity never scales. A
+/// norm that is not finite leaves the gradient alone.
 double learn_clip_norm(size_t count, real *gradient, double limit);
 
 #endif

@@ -7,8 +7,8 @@
 
 /// @file
 /// Layers for inference alone, without a tape and without BLAS: weights are laid out anew once, and the products of a run of
-/// rows stay in the cache from layer to layer. A row's result depends on nothing but the row, whatever is computed with it, and
-/// calls may come from several threads.
+/// rows stay in the cache from layer to layer. A row's result depends on nothing but the row, whatever is computed with it,
+/// and calls may come from several threads.
 ///
 /// Matrices have whole *panels* of columns and whole *tiles* of rows: who has fewer fills up with zeros, and finds numbers
 /// without meaning there afterwards.

@@ -5,8 +5,8 @@
 #include "io/common/text_buffer.h"
 
 /// @file
-/// Named arrays in a file, in the safetensors format of Hugging Face: 8 bytes with the length of a header, the header in JSON
-/// (name, element type, shape and place of each array, and notes), then the arrays' elements; all little-endian.
+/// Named arrays in a file, in the safetensors format of Hugging Face: 8 bytes with the length of a header, the header in
+/// JSON (name, element type, shape and place of each array, and notes), then the arrays' elements; all little-endian.
 
 /// The most dimensions of an array.
 #define SAFETENSORS_MAX_RANK 8
@@ -49,8 +49,8 @@ typedef struct safetensors_note
     const char *key, *value;
 } safetensors_note;
 
-/// The content of a file. Arrays stand in the order of their elements in the file. What safetensors_parse() makes owns all it
-/// refers to and is released with safetensors_free(); to write, fill one in with pointers to your own.
+/// The content of a file. Arrays stand in the order of their elements in the file. What safetensors_parse() makes owns all
+/// it refers to and is released with safetensors_free(); to write, fill one in with pointers to your own.
 typedef struct safetensors
 {
     safetensors_array *arrays;
@@ -87,7 +87,8 @@ bat_status safetensors_integers(const safetensors *content, const char *name, si
                                 bat_error *error);
 
 /// Append a file with this content to a buffer. The data begin at a multiple of 8 bytes.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT (a name twice or not UTF-8, a count that is not the shape's product) or BAT_NO_MEMORY
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (a name twice or not UTF-8, a count that is not the shape's product) or
+/// BAT_NO_MEMORY
 bat_status safetensors_encode(const safetensors *content, text_buffer *bytes, bat_error *error);
 /// Write a file, whole or not at all.
 /// @return BAT_FILE_ACCESS, or what safetensors_encode() returns

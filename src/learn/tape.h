@@ -5,8 +5,8 @@
 
 /// @file
 /// Reverse-mode differentiation over coarse operations. A tape is a stretch of memory into which operations write their
-/// results, and a list of what to do backwards. Every operation (learn/operations.h, or one's own) makes an array, fills in its
-/// values, and records a function that turns the array's gradient into gradients of what it was made from.
+/// results, and a list of what to do backwards. Every operation (learn/operations.h, or one's own) makes an array, fills in
+/// its values, and records a function that turns the array's gradient into gradients of what it was made from.
 ///
 ///     learn_tape_begin(tape, parameters, gradient);
 ///     learn_array *x = learn_constant(tape, rows, columns, features);
@@ -52,7 +52,8 @@ void learn_tape_free(learn_tape *tape);
 
 /// Forget everything and begin a step.
 /// @param parameters may be null for none
-/// @param gradient receives, is added to, the derivatives by parameters, laid out like their values; null when they are not wanted
+/// @param gradient receives, is added to, the derivatives by parameters, laid out like their values; null when they are not
+/// wanted
 void learn_tape_begin(learn_tape *tape, const learn_parameters *parameters, real *gradient);
 /// From here on dropout drops, by random numbers that depend on `key` and on the order of the operations alone.
 void learn_tape_drop(learn_tape *tape, uint64_t key);

@@ -152,8 +152,8 @@ static bat_status make_prolongation(const sparse_rows *matrix, const uint32_t *g
     return BAT_OK;
 }
 
-/// Sums the rows of each gathering: coarse = S A P, where S is the prolongation that was not smoothed, transposed. Smoothing both
-/// sides suits symmetric matrices; here rows may differ in scale, and a coarse diagonal would not stay above 0.
+/// Sums the rows of each gathering: coarse = S A P, where S is the prolongation that was not smoothed, transposed. Smoothing
+/// both sides suits symmetric matrices; here rows may differ in scale, and a coarse diagonal would not stay above 0.
 static bat_status make_coarse(const sparse_rows *matrix, const sparse_rows *prolongation, const uint32_t *gathering,
                               sparse_rows *coarse, bat_error *error)
 {

@@ -4,9 +4,10 @@
 #include "linalg/sparse_rows.h"
 
 /// @file
-/// An approximate inverse of I - W by smoothed aggregation (Vaněk, Mandel and Brezina 1996): unknowns are gathered around some of them;
-/// a correction is constant on each gathering, smoothed once; a coarser level's equations are the sums over gatherings. One cycle is a
-/// sweep of Gauss and Seidel forward, the correction from the coarser level, and a sweep backward. All vectors have two columns.
+/// An approximate inverse of I - W by smoothed aggregation (Vaněk, Mandel and Brezina 1996): unknowns are gathered around
+/// some of them; a correction is constant on each gathering, smoothed once; a coarser level's equations are the sums over
+/// gatherings. One cycle is a sweep of Gauss and Seidel forward, the correction from the coarser level, and a sweep
+/// backward. All vectors have two columns.
 
 typedef struct average_level
 {

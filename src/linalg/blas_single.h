@@ -2,11 +2,11 @@
 #define LINALG_BLAS_SINGLE_H
 
 /// @file
-/// The one setting of OpenBLAS that matters when several threads ask for products at once, or when results must not depend on the
-/// number of threads.
+/// The one setting of OpenBLAS that matters when several threads ask for products at once, or when results must not depend
+/// on the number of threads.
 
-/// Let every product run on the thread that asks for it, until blas_single_end(). OpenBLAS keeps its number of threads for the
-/// whole process: the first to begin remembers it, the last to end restores it. May be called from any thread.
+/// Let every product run on the thread that asks for it, until blas_single_end(). OpenBLAS keeps its number of threads for
+/// the whole process: the first to begin remembers it, the last to end restores it. May be called from any thread.
 void blas_single_begin(void);
 void blas_single_end(void);
 

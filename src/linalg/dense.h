@@ -20,9 +20,9 @@ bat_status dense_spectral_radius(size_t n, const double *a, double *scratch, dou
 
 /// A number that no spectral radius of a matrix within `distance` of `a` (spectral norm) falls below, rounding included.
 ///
-/// The eigenvalues of such a matrix lie in discs about the computed eigenvalues of `a`, of radius n distance / s where s is the
-/// cosine between left and right eigenvector; a connected set of k discs holds k of them (Bauer and Fike; Demmel 1997, theorem
-/// 4.5). Defective eigenvalues get large discs, so they weaken the bound but never spoil it.
+/// The eigenvalues of such a matrix lie in discs about the computed eigenvalues of `a`, of radius n distance / s where s is
+/// the cosine between left and right eigenvector; a connected set of k discs holds k of them (Bauer and Fike; Demmel 1997,
+/// theorem 4.5). Defective eigenvalues get large discs, so they weaken the bound but never spoil it.
 bat_status dense_spectral_radius_below(size_t n, const double *a, double distance, double *bound, bat_error *error);
 
 /// The eigenvalue of largest modulus and its right eigenvector of largest entry 1; `imaginary` is zero for a real one.
@@ -37,8 +37,8 @@ bat_status dense_eigenvalues(size_t n, const double *a, double *real, double *im
 bat_status dense_null_space(size_t n, const double *a, double real, double imaginary, double tolerance, size_t limit,
                             double *vectors, size_t *count, bat_error *error);
 
-/// The left eigenvector x of `eigenvalue`, which must be simple, with sum constraint_i x_i = 1: the least squares solution of
-/// (a^T - eigenvalue I) x = 0 and the constraint.
+/// The left eigenvector x of `eigenvalue`, which must be simple, with sum constraint_i x_i = 1: the least squares solution
+/// of (a^T - eigenvalue I) x = 0 and the constraint.
 bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const double *constraint, double *vector,
                              bat_error *error);
 

@@ -59,9 +59,9 @@ typedef struct joint_radius
 /// Bound the joint spectral radius from both sides.
 ///
 /// Lower: the spectral radius of every product up to `depth` factors, one for each class of cyclic shifts (Lyndon words),
-/// Daubechies and Lagarias 1992. Upper: a polytope that starts with the leading eigenvectors of the best products and grows by
-/// the images of its vertices, which is its own proof: the joint spectral radius is at most the largest norm of an image of a
-/// vertex (Guglielmi and Protasov 2013). Deeper searches never give wider bounds.
+/// Daubechies and Lagarias 1992. Upper: a polytope that starts with the leading eigenvectors of the best products and grows
+/// by the images of its vertices, which is its own proof: the joint spectral radius is at most the largest norm of an image
+/// of a vertex (Guglielmi and Protasov 2013). Deeper searches never give wider bounds.
 ///
 /// @return BAT_OK, BAT_NO_MEMORY or BAT_NO_CONVERGENCE
 bat_status joint_radius_bound(const matrix_set *set, const joint_radius_limits *limits, joint_radius *result,

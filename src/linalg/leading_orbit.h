@@ -3,8 +3,8 @@
 
 #include "linalg/joint_radius.h"
 
-/// Leading eigenvectors of the leaders of a joint radius, and the vectors they pass through while their product is applied, each
-/// step divided by `rate`: vertices that an extremal polytope must have.
+/// Leading eigenvectors of the leaders of a joint radius, and the vectors they pass through while their product is applied,
+/// each step divided by `rate`: vertices that an extremal polytope must have.
 ///
 /// A complex eigenvector stands for an ellipse, on which the product turns vectors; it gives `phases` points of half of it.
 /// @param set the matrices that the leaders' letters count

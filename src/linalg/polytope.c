@@ -103,8 +103,8 @@ static size_t price_vertices(const polytope *p, const simplex *s)
     return best;
 }
 
-/// Which basis vertex leaves when vertex `entering` comes in. The objective is convex and piecewise linear along the way; the
-/// walk passes the coefficients that change sign until its slope turns.
+/// Which basis vertex leaves when vertex `entering` comes in. The objective is convex and piecewise linear along the way;
+/// the walk passes the coefficients that change sign until its slope turns.
 /// @return the position in the basis, or `dimension` when no pivot is safe
 static size_t choose_leaving(const polytope *p, const simplex *s, size_t entering)
 {

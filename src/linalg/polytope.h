@@ -28,8 +28,8 @@ void polytope_free(polytope *p);
 bool polytope_add(polytope *p, const double *vertex);
 
 /// An upper bound of the norm of every vector within `uncertainty` (entry by entry) of `x`, valid whatever rounding did, and
-/// equal to the norm of `x` but for rounding, unless the norm is at most `enough`: then the bound is at most `enough` too, but
-/// for rounding, and the search ends early.
+/// equal to the norm of `x` but for rounding, unless the norm is at most `enough`: then the bound is at most `enough` too,
+/// but for rounding, and the search ends early.
 ///
 /// norm(x) = min { sum |c_i| : x = sum c_i v_i }, by the primal simplex method with long steps.
 double polytope_norm(polytope *p, const double *x, const double *uncertainty, double enough);

@@ -4,7 +4,8 @@
 #include "batten/base.h"
 
 /// @file
-/// Sparse matrices by rows, and the few products that a hierarchy of them needs. Each result comes out the same on every run.
+/// Sparse matrices by rows, and the few products that a hierarchy of them needs. Each result comes out the same on every
+/// run.
 
 /// Row i holds values[starts[i]] … values[starts[i + 1] - 1] in the columns of the same places, each column at most once.
 typedef struct sparse_rows

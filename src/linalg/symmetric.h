@@ -7,8 +7,8 @@
 #include <stddef.h>
 
 /// @file
-/// Eigenvalues of small symmetric matrices by Jacobi's cyclic method: whole square matrices of side n, row-major. Inline, so that
-/// a constant n is unrolled.
+/// Eigenvalues of small symmetric matrices by Jacobi's cyclic method: whole square matrices of side n, row-major. Inline, so
+/// that a constant n is unrolled.
 
 enum
 {
@@ -20,8 +20,8 @@ enum
 typedef enum symmetric_accuracy
 {
     SYMMETRIC_BY_NORM,    ///< against the largest entry: eigenvalues to rounding of the largest one
-    SYMMETRIC_BY_DIAGONAL ///< against its two diagonal entries: positive definite matrices whose rows differ in scale keep the
-                          ///< small eigenvalues to full relative accuracy (Demmel and Veselić 1992)
+    SYMMETRIC_BY_DIAGONAL ///< against its two diagonal entries: positive definite matrices whose rows differ in scale keep
+                          ///< the small eigenvalues to full relative accuracy (Demmel and Veselić 1992)
 } symmetric_accuracy;
 
 /// The rotation that makes the entry between i and j vanish.
@@ -61,8 +61,8 @@ static inline void symmetric_rotate(size_t n, double *a, double *vectors, size_t
         symmetric_turn_rows(n, vectors + i * n, vectors + j * n, r);
 }
 
-/// Makes `a` diagonal: a becomes Q a Q^T, whose diagonal are the eigenvalues, in no order, and row i of `vectors` (may be null) the
-/// eigenvector of the i-th. The entries' squares must not overflow.
+/// Makes `a` diagonal: a becomes Q a Q^T, whose diagonal are the eigenvalues, in no order, and row i of `vectors` (may be
+/// null) the eigenvector of the i-th. The entries' squares must not overflow.
 static inline void symmetric_eigen(size_t n, double *a, double *vectors, symmetric_accuracy accuracy)
 {
     double largest = 0;

@@ -45,10 +45,10 @@ static void count_faces(const bat_mesh *mesh, uint32_t *faces_at)
         faces_at[mesh->faces[i]]++;
 }
 
-/// Join half-edges to their twins. A half-edge looks for its twin among the earlier ones that hang in a chain from the edge's
-/// poorer vertex, the one with fewer faces: so a hub of very many faces costs nothing, and all chains together are as long as the
-/// mesh times its arboricity (Chiba and Nishizeki, 1985), at most 3 for a planar one.
-/// `head` (one a vertex) and `chain` (one a half-edge) are room to work in.
+/// Join half-edges to their twins. A half-edge looks for its twin among the earlier ones that hang in a chain from the
+/// edge's poorer vertex, the one with fewer faces: so a hub of very many faces costs nothing, and all chains together are as
+/// long as the mesh times its arboricity (Chiba and Nishizeki, 1985), at most 3 for a planar one. `head` (one a vertex) and
+/// `chain` (one a half-edge) are room to work in.
 static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uint32_t *twin, uint32_t *head, uint32_t *chain,
                              bat_error *error)
 {

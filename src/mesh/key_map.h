@@ -18,8 +18,8 @@ typedef struct key_map
     size_t count;
 } key_map;
 
-/// The place of a key's value; a new key is entered with the value UINT32_MAX. Null when out of memory. The place holds until
-/// the next call.
+/// The place of a key's value; a new key is entered with the value UINT32_MAX. Null when out of memory. The place holds
+/// until the next call.
 uint32_t *key_map_at(key_map *map, uint64_t key);
 /// The value of a key, or UINT32_MAX.
 uint32_t key_map_find(const key_map *map, uint64_t key);

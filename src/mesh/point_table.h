@@ -3,8 +3,8 @@
 
 #include "batten/base.h"
 
-/// Finds points by their three coordinates, or by the cubes of a grid that they lie in: a hash table of their indices. All zero
-/// but `points` and `cell`: empty.
+/// Finds points by their three coordinates, or by the cubes of a grid that they lie in: a hash table of their indices. All
+/// zero but `points` and `cell`: empty.
 typedef struct point_table
 {
     const double *points; ///< rows of 3, finite; may move while points are added

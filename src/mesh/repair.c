@@ -126,7 +126,8 @@ static bool carry_corners(const repair_work *work, bat_mesh *made)
     return made->corners != NULL;
 }
 
-/// The first place in work->sorted, whose half-edges are in the order of their edges, of an edge at or after the one of a and b.
+/// The first place in work->sorted, whose half-edges are in the order of their edges, of an edge at or after the one of a
+/// and b.
 static size_t first_of_edge(const repair_work *work, uint32_t a, uint32_t b)
 {
     size_t low = 0, high = 3 * work->face_count;

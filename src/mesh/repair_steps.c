@@ -162,8 +162,8 @@ enum
     TURNED
 };
 
-/// Walk through the piece of a face and say of each face how it must be turned to run as the first. The faces are appended to
-/// `queue`; returns its new length.
+/// Walk through the piece of a face and say of each face how it must be turned to run as the first. The faces are appended
+/// to `queue`; returns its new length.
 static size_t walk_piece(const repair_work *work, uint32_t first, unsigned char *turn, uint32_t *queue, size_t begin)
 {
     size_t end = begin;
@@ -254,7 +254,8 @@ bool repair_orient_faces(repair_work *work, bat_mesh_repair_report *report)
     return true;
 }
 
-/// Turn around a vertex from a half-edge, in one direction, and note the fan of all that begin there. True when it comes back.
+/// Turn around a vertex from a half-edge, in one direction, and note the fan of all that begin there. True when it comes
+/// back.
 static bool walk_fan(repair_work *work, uint32_t begin, bool counter_clockwise)
 {
     uint32_t h = begin;

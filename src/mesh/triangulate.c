@@ -137,8 +137,8 @@ static bool same_place(const outline *polygon, size_t i, size_t j)
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/// A corner is an ear when it is convex and no other corner lies in the triangle with its neighbours. Corners at the same place
-/// as one of the three do not count: outlines that were joined to holes visit places twice.
+/// A corner is an ear when it is convex and no other corner lies in the triangle with its neighbours. Corners at the same
+/// place as one of the three do not count: outlines that were joined to holes visit places twice.
 static bool is_ear(const ear_ring *ring, uint32_t b)
 {
     const outline *polygon = ring->polygon;

@@ -18,8 +18,8 @@ enum
     POLYGON_MOST_EARS = 10000
 };
 
-/// Cut a polygon of `count` >= 3 corners into `count` - 2 triangles, seen along the normal of Newell: a quad along the diagonal
-/// that gives the better triangles, a convex polygon as a fan of its first corner, any other by its ears.
+/// Cut a polygon of `count` >= 3 corners into `count` - 2 triangles, seen along the normal of Newell: a quad along the
+/// diagonal that gives the better triangles, a convex polygon as a fan of its first corner, any other by its ears.
 ///
 /// @param corners   the vertices at the corners
 /// @param triangles receives 3 x (count - 2) places in the polygon, 0 to count - 1, in the polygon's direction

@@ -11,8 +11,8 @@ static void scale_into(size_t n, double factor, const double *vector, double *sc
         scaled[i] = factor * vector[i];
 }
 
-/// Cut one block into vectors of n numbers. Arrays of their own, each as long as the longest vector, would all lie in the same
-/// lines of the cache.
+/// Cut one block into vectors of n numbers. Arrays of their own, each as long as the longest vector, would all lie in the
+/// same lines of the cache.
 static void lay_out(double *block, size_t n, size_t count, double **vectors)
 {
     for (size_t i = 0; i < count; i++)
@@ -76,8 +76,8 @@ bat_status hermite_edge_measure(const bat_space *space, const double *p0, const 
     return edge->half_turn_cosine >= least_cosine ? BAT_OK : BAT_INVALID_POINT;
 }
 
-/// The first round's outer points lie on the geodesics that make the inner control points, so that only its middle point asks
-/// for a logarithm.
+/// The first round's outer points lie on the geodesics that make the inner control points, so that only its middle point
+/// asks for a logarithm.
 bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
                               double weight, double *before, double *after)
 {
@@ -104,8 +104,8 @@ bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const do
     return status;
 }
 
-/// The point at share `weight` of the geodesic from a to b, and the unit velocity there: the way on to b, or back to a where that
-/// is farther. Step 7 of algorithm 3 always looks to b, however near, and loses digits.
+/// The point at share `weight` of the geodesic from a to b, and the unit velocity there: the way on to b, or back to a where
+/// that is farther. Step 7 of algorithm 3 always looks to b, however near, and loses digits.
 static bat_status last_geodesic(const bat_space *space, const double *a, const double *b, double weight, double *point,
                                 double *direction)
 {

@@ -13,7 +13,8 @@ typedef struct hermite_edge
 } hermite_edge;
 
 /// Measure an edge between distinct points.
-/// @return BAT_OK, BAT_CUT_LOCUS (nothing is measured), or BAT_INVALID_POINT when the points coincide (then the length is 0) or
+/// @return BAT_OK, BAT_CUT_LOCUS (nothing is measured), or BAT_INVALID_POINT when the points coincide (then the length is 0)
+/// or
 ///         the pair is not admissible (then all is measured)
 bat_status hermite_edge_measure(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                 const double *v1, hermite_edge *edge);

@@ -14,7 +14,8 @@
 
 enum
 {
-    /// Numbers of the result made at a time, before its rows are taken apart: work for many threads, little beside the result.
+    /// Numbers of the result made at a time, before its rows are taken apart: work for many threads, little beside the
+    /// result.
     SLAB_NUMBERS = 1 << 21
 };
 

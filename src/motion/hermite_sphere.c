@@ -90,8 +90,9 @@ LANE void half_angle(sphere_kind s, const double *u, const double *v, double *sq
     *squared_cosine = squared_length(s, sum);
 }
 
-/// alpha of eq. (3.6) for two points with directions, and whether all went well. The geodesic's directions at its ends are the
-/// parts of the chord orthogonal to them; the chord to the antipode has the same parts, and loses less where it is shorter.
+/// alpha of eq. (3.6) for two points with directions, and whether all went well. The geodesic's directions at its ends are
+/// the parts of the chord orthogonal to them; the chord to the antipode has the same parts, and loses less where it is
+/// shorter.
 LANE double reach(sphere_kind s, const double *p, const double *v, const double *q, const double *w, bool *is_easy)
 {
     const double least_cosine = -0.99875026039496624656; // cos(BAT_HERMITE_ANGLE_LIMIT / 2)

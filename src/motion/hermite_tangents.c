@@ -64,8 +64,8 @@ static size_t neighbour_of(const bat_hermite_curve *curve, size_t index, ptrdiff
     return (size_t)((ptrdiff_t)index + offset + (ptrdiff_t)curve->count) % curve->count;
 }
 
-/// Add up the ways from point to point, each transported back to point `index`: about where the logarithm would be if the points did not
-/// go round the space.
+/// Add up the ways from point to point, each transported back to point `index`: about where the logarithm would be if the
+/// points did not go round the space.
 static bat_status add_ways(const bat_hermite_curve *curve, size_t index, ptrdiff_t offset, double *sum)
 {
     const bat_space *space = curve->space;
@@ -87,8 +87,8 @@ static bat_status add_ways(const bat_hermite_curve *curve, size_t index, ptrdiff
     return BAT_OK;
 }
 
-/// The logarithm of a neighbour, or the sum of the ways to it where the shortest way is not the one that the points go: two turns by
-/// 100 degrees are not one by -160.
+/// The logarithm of a neighbour, or the sum of the ways to it where the shortest way is not the one that the points go: two
+/// turns by 100 degrees are not one by -160.
 static bat_status way_to(const bat_hermite_curve *curve, size_t index, ptrdiff_t offset, double *way)
 {
     const bat_space *space = curve->space;
@@ -110,8 +110,8 @@ static bat_status way_to(const bat_hermite_curve *curve, size_t index, ptrdiff_t
     return status;
 }
 
-/// The derivative at 0 of the polynomial that is 0 there and takes the neighbours' logarithms at their parameters: that of the
-/// Lagrange polynomial of neighbour j is prod t_k / (t_k - t_j) / t_j over the others k.
+/// The derivative at 0 of the polynomial that is 0 there and takes the neighbours' logarithms at their parameters: that of
+/// the Lagrange polynomial of neighbour j is prod t_k / (t_k - t_j) / t_j over the others k.
 static bat_status estimate_at(const estimate *e, size_t index, bat_error *error)
 {
     const bat_hermite_curve *curve = e->curve;
@@ -178,8 +178,8 @@ static bat_status measure_chords(estimate *e, bat_error *error)
     return BAT_OK;
 }
 
-/// From chords to arcs. An arc whose tangents make the angle x with its chord is 1 + x^2 / 6 times as long, up to higher powers
-/// of x; so is 1 + (1 - cos x) / 3, which stays small at corners.
+/// From chords to arcs. An arc whose tangents make the angle x with its chord is 1 + x^2 / 6 times as long, up to higher
+/// powers of x; so is 1 + (1 - cos x) / 3, which stays small at corners.
 static bat_status lengthen_chords(estimate *e, bat_error *error)
 {
     const bat_hermite_curve *curve = e->curve;

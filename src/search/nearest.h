@@ -44,8 +44,8 @@ bat_status nearest_build(nearest_kind kind, const double *coordinates, const dou
                          nearest_tree *tree, bat_error *error);
 void nearest_free(nearest_tree *tree);
 
-/// The item nearest to a point of dim coordinates of at most DBL_MAX / 2; item BAT_NO_INDEX when the tree is empty. Distances
-/// neither overflow nor underflow on the way; one that a double cannot hold is infinite.
+/// The item nearest to a point of dim coordinates of at most DBL_MAX / 2; item BAT_NO_INDEX when the tree is empty.
+/// Distances neither overflow nor underflow on the way; one that a double cannot hold is infinite.
 nearest_hit nearest_find(const nearest_tree *tree, const double *point);
 
 #endif

@@ -3,9 +3,10 @@
 #include <float.h>
 #include <math.h>
 
-// A point is (x0, x) with x0 = sqrt(1 + |x|^2); x alone says where it is, and x0 is never used for more than a check. Seen from a point p
-// at radius r (sinh r = |x|), space is turned about the axis from the apex through p: everything is split into the part along the axis
-// and the part across, and written so that only positive terms are added, or exact differences of near points.
+// A point is (x0, x) with x0 = sqrt(1 + |x|^2); x alone says where it is, and x0 is never used for more than a check. Seen
+// from a point p at radius r (sinh r = |x|), space is turned about the axis from the apex through p: everything is split
+// into the part along the axis and the part across, and written so that only positive terms are added, or exact differences
+// of near points.
 
 /// How far x0 may be from sqrt(1 + |x|^2), relative to it.
 static const double TOLERANCE = 1e-9;
@@ -36,8 +37,8 @@ static const char *fault(const bat_space *space, const double *point)
     return fabs(point[0] - expected) <= TOLERANCE * expected ? NULL : "not on the hyperboloid";
 }
 
-/// The nearest point is (sqrt(1 + s^2), s u), u being the direction of x, where 2 s - a s / sqrt(1 + s^2) = |x| with a = x0. Newton's
-/// method starts on the side from which it is monotone.
+/// The nearest point is (sqrt(1 + s^2), s u), u being the direction of x, where 2 s - a s / sqrt(1 + s^2) = |x| with a = x0.
+/// Newton's method starts on the side from which it is monotone.
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
 {
     size_t n = space->dimension;
@@ -143,8 +144,8 @@ static bat_status finish(const bat_space *space, double *point)
 /// Steps towards the apex that are longer than this are taken by the difference of radii.
 static const double SHORT_STEP = 1;
 
-/// The boost of p applied to (cosh d, sinh d u): along the axis |x| cosh d + x0 sinh d a, where a = <u, axis>; across, sinh d u. Far
-/// towards the apex the sum cancels and becomes sinh(r - d) + x0 sinh d (1 + a).
+/// The boost of p applied to (cosh d, sinh d u): along the axis |x| cosh d + x0 sinh d a, where a = <u, axis>; across, sinh
+/// d u. Far towards the apex the sum cancels and becomes sinh(r - d) + x0 sinh d (1 + a).
 static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
 {
     size_t n = space->dimension;
@@ -167,8 +168,8 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
     return finish(space, q);
 }
 
-/// The frames are those that boosts bring from the apex, so what transport turns is the area of the triangle with the apex, in the
-/// plane of the three: tan(area / 2) = |x_p| across / (1 + x0_p + x0_q + cosh d).
+/// The frames are those that boosts bring from the apex, so what transport turns is the area of the triangle with the apex,
+/// in the plane of the three: tan(area / 2) = |x_p| across / (1 + x0_p + x0_q + cosh d).
 static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
                             double *transported)
 {

@@ -3,8 +3,8 @@
 
 #include "batten/space.h"
 
-/// Whether a space is one that the library made, so that code written for it in closed form applies. A user's space is not, even
-/// where it has some of our functions.
+/// Whether a space is one that the library made, so that code written for it in closed form applies. A user's space is not,
+/// even where it has some of our functions.
 bool space_is_euclidean(const bat_space *space);
 bool space_is_plane(const bat_space *space);
 bool space_is_sphere(const bat_space *space); ///< S^2

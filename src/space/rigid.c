@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-// Points are a translation and a quaternion, tangent vectors a velocity in the fixed frame and a rotation vector in the body's.
+// Points are a translation and a quaternion, tangent vectors a velocity in the fixed frame and a rotation vector in the
+// body's.
 
 enum
 {

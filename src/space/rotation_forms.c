@@ -11,8 +11,8 @@
 
 /// How far R^T R may be from the identity, in any entry.
 static const double ORTHOGONALITY_TOLERANCE = 1e-9;
-/// The two largest eigenvalues of Davenport's matrix, nearer than this to each other (relative to the largest entry), leave the
-/// nearest rotation to rounding.
+/// The two largest eigenvalues of Davenport's matrix, nearer than this to each other (relative to the largest entry), leave
+/// the nearest rotation to rounding.
 static const double LEAST_GAP = 1e-13;
 
 static bat_status matrix_fault(bat_error *error, const char *what)

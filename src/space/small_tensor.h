@@ -5,7 +5,8 @@
 #include <stddef.h>
 
 /// @file
-/// Power series of 3 x 3 matrices with small eigenvalues, and the polar factor, without eigenvectors. Matrices are 9 numbers, row-major.
+/// Power series of 3 x 3 matrices with small eigenvalues, and the polar factor, without eigenvectors. Matrices are 9
+/// numbers, row-major.
 
 /// The largest Frobenius norm of a matrix that small_tensor_expm1() and small_tensor_log1p() take.
 #define SMALL_TENSOR_NORM 0.5
@@ -42,8 +43,9 @@ static inline void small_tensor_cofactors(const double *s, double *c)
     c[8] = s[0] * s[4] - s[1] * s[3];
 }
 
-/// The sum over k < count of coefficients_k s^k, for a symmetric s, by Horner's rule in the three numbers a, b, c of a I + b s + c s^2:
-/// the product with s is reduced by s^3 = trace s^2 - (sum of principal minors) s + determinant (Cayley and Hamilton).
+/// The sum over k < count of coefficients_k s^k, for a symmetric s, by Horner's rule in the three numbers a, b, c of a I + b
+/// s + c s^2: the product with s is reduced by s^3 = trace s^2 - (sum of principal minors) s + determinant (Cayley and
+/// Hamilton).
 static inline void small_tensor_series(const double *s, const double *coefficients, size_t count, double *sum)
 {
     double square[9];
@@ -108,8 +110,9 @@ static inline void small_tensor_log1p(const double *s, double norm, double *resu
                 z[3 * i] * ratio[j] + z[3 * i + 1] * ratio[3 + j] + z[3 * i + 2] * ratio[6 + j];
 }
 
-/// The orthogonal factor u of k = p u, p positive definite, for a k of positive determinant: Newton's iteration x -> (x + x^-T) / 2, scaled
-/// while x is far from orthogonal (Higham 1986). It squares the distance, so what a step of 1e-9 leads to is exact.
+/// The orthogonal factor u of k = p u, p positive definite, for a k of positive determinant: Newton's iteration x -> (x +
+/// x^-T) / 2, scaled while x is far from orthogonal (Higham 1986). It squares the distance, so what a step of 1e-9 leads to
+/// is exact.
 static inline void small_tensor_polar(const double *k, double *u)
 {
     double change = 1;

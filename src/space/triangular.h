@@ -7,8 +7,8 @@
 #include <stddef.h>
 
 /// @file
-/// Symmetric matrices by their upper triangle, and what the metric of tensors does with a Cholesky factor. Whole matrices are square
-/// of side n, row-major. Inline, so that a constant n is unrolled.
+/// Symmetric matrices by their upper triangle, and what the metric of tensors does with a Cholesky factor. Whole matrices
+/// are square of side n, row-major. Inline, so that a constant n is unrolled.
 
 /// The largest side.
 #define TRIANGLE_MAX_SIDE 32
@@ -114,8 +114,8 @@ FOR_EVERY_SIDE void triangle_whiten(size_t n, const double *l, const double *inv
             s[i * n + j] = s[j * n + i];
 }
 
-/// base + sum over k of values_k r_k r_k^T for the rows r_k of `rows`: the upper triangle packed, what is added off the diagonal times
-/// `scale`. `base` is packed; null stands for zero.
+/// base + sum over k of values_k r_k r_k^T for the rows r_k of `rows`: the upper triangle packed, what is added off the
+/// diagonal times `scale`. `base` is packed; null stands for zero.
 FOR_EVERY_SIDE void triangle_compose(size_t n, const double *rows, const double *values, const double *base, double scale,
                                      double *packed)
 {

@@ -33,8 +33,9 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_o
 bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides, size_t points,
                                  surface_candidate *candidate, bat_error *error);
 
-/// The best of candidates by their fits: of those that stray less than twice as far as another, the one with fewer functions where both
-/// reach the tolerance, else the one with the smaller distances. The first where all have failed. Notes which stray.
+/// The best of candidates by their fits: of those that stray less than twice as far as another, the one with fewer functions
+/// where both reach the tolerance, else the one with the smaller distances. The first where all have failed. Notes which
+/// stray.
 size_t surface_candidate_best(surface_candidate *candidates, size_t count, const bat_surface_fit_options *options);
 
 #endif

@@ -1,4 +1,5 @@
-// How many threads share work: never more than pieces, none for what is short unless they are asked for, and one where that is asked for.
+// How many threads share work: never more than pieces, none for what is short unless they are asked for, and one where that
+// is asked for.
 
 #include "base/threads.h"
 #include "check.h"

@@ -1,5 +1,5 @@
-// Prints a digest of the bytes of refined curves, one line for each scheme and space. Programs that differ in nothing but the
-// vector width they were compiled for must print the same.
+// Prints a digest of the bytes of refined curves, one line for each scheme and space. Programs that differ in nothing but
+// the vector width they were compiled for must print the same.
 
 #include "batten/curve.h"
 

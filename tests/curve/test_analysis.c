@@ -62,8 +62,8 @@ static void corner_cutting_has_its_limit_stencil(void **state)
 static void corner_cutting_is_smooth_where_edges_halve(void **state)
 {
     (void)state;
-    // 1 + z divides the difference mask [r, s - r, 1 - s] exactly when s - r = 1/2; then the second differences are refined by
-    // [r, 1 - s], so that the exponent is -log2 max(r, 1 - s). Of these, only Chaikin's ratios are symmetric.
+    // 1 + z divides the difference mask [r, s - r, 1 - s] exactly when s - r = 1/2; then the second differences are refined
+    // by [r, 1 - s], so that the exponent is -log2 max(r, 1 - s). Of these, only Chaikin's ratios are symmetric.
     for (int i = 1; i < 10; ++i)
     {
         const double r = 0.05 * i;
@@ -83,7 +83,8 @@ static void four_point_is_just_not_twice_differentiable(void **state)
     bat_analysis a = analyze(bat_mask_four_point(1.0 / 16.0));
     assert_int_equal(a.generation_degree, 3);
     assert_int_equal(a.reproduction_degree, 3);
-    // Alam 2025, section 5.2: eigenvalues 1, 1/2, 1/4, 1/4, 1/8. There is no second eigenvector for 1/4, against the paper's zero.
+    // Alam 2025, section 5.2: eigenvalues 1, 1/2, 1/4, 1/4, 1/8. There is no second eigenvector for 1/4, against the paper's
+    // zero.
     assert_int_equal(a.matrix_size, 5);
     assert_int_equal(a.matrix_first, -2);
     const double values[] = {1.0, 0.5, 0.25, 0.125};

@@ -1,7 +1,7 @@
 #include "measure_helpers.h"
 
-/// Half the interior angle b of a regular n-gon of radius r: cot b = c tan(pi / n), c = 1, cos r, cosh r in the three geometries;
-/// half the edge e: sin(e/2), e/2, sinh(e/2) = sin r, r, sinh r times sin(pi / n).
+/// Half the interior angle b of a regular n-gon of radius r: cot b = c tan(pi / n), c = 1, cos r, cosh r in the three
+/// geometries; half the edge e: sin(e/2), e/2, sinh(e/2) = sin r, r, sinh r times sin(pi / n).
 static void regular_polygons_have_the_fairness_of_trigonometry(void **state)
 {
     (void)state;

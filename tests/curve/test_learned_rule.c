@@ -1,5 +1,6 @@
-// The shipped rule in refinement: what it commutes with, that it keeps points and the bounds of Theorem 1 whatever its weights
-// are, and where it is refused. The shipped weights are taken beside random ones, and nothing depends on how good they are.
+// The shipped rule in refinement: what it commutes with, that it keeps points and the bounds of Theorem 1 whatever its
+// weights are, and where it is refused. The shipped weights are taken beside random ones, and nothing depends on how good
+// they are.
 
 #include "learned_helpers.h"
 

@@ -296,8 +296,8 @@ static double circle_error(const bat_space *space, double radius, const double *
     return fabs(numbers[BASE] - exact);
 }
 
-/// The angle itself falls with the edge, what is wrong with it with the edge's third power, however uneven the edges are, as long
-/// as each is shorter than two others in a row.
+/// The angle itself falls with the edge, what is wrong with it with the edge's third power, however uneven the edges are, as
+/// long as each is shorter than two others in a row.
 static void uneven_circles_are_met_in_the_limit(void **state)
 {
     (void)state;

@@ -45,7 +45,8 @@ static void corner_cutting_takes_its_ratios(void **state)
         check_near(coefficient(&same, i), coefficient(&chaikin, i), 0.0);
 }
 
-/// The value at 1/2 of the polynomial through the points (j, j^power), j = 1 - half … half, is the mask's own at odd index 1.
+/// The value at 1/2 of the polynomial through the points (j, j^power), j = 1 - half … half, is the mask's own at odd
+/// index 1.
 static void check_reproduces_power(const bat_mask *mask, int half, int power)
 {
     double value = 0.0;

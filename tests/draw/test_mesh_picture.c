@@ -85,8 +85,8 @@ static void same_bytes_for_any_threads(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// A ball is seen as a disk from everywhere, of half the size beside one twice as large unless frames are its own; the light comes
-/// from above on the left.
+/// A ball is seen as a disk from everywhere, of half the size beside one twice as large unless frames are its own; the light
+/// comes from above on the left.
 static void balls_are_disks(void **state)
 {
     (void)state;
@@ -194,7 +194,8 @@ static void surfaces_know_their_edges(void **state)
     bat_mesh strip = {.positions = positions, .vertex_count = 8, .faces = faces, .face_count = 6};
     mesh_surface surface;
     assert_int_equal(mesh_surface_make(&strip, false, 1, &surface, NULL), BAT_OK);
-    // Corner 0 of face 1 and corner 0 of face 2 are vertex 2: the same normal. Corner 1 of face 2 and corner 0 of face 4 are vertex 4.
+    // Corner 0 of face 1 and corner 0 of face 2 are vertex 2: the same normal. Corner 1 of face 2 and corner 0 of face 4 are
+    // vertex 4.
     const float *blunt = surface.normals[3 * 1 + 0], *other = surface.normals[3 * 2 + 0];
     for (int i = 0; i < 3; i++)
         check_near((double)blunt[i], (double)other[i], 1e-6);

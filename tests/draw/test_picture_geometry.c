@@ -1,5 +1,5 @@
-// Paths on paper: simplified within a bound, cut at the edge of the globe and of the map, bent along geodesics, and the views,
-// combs and ink of curves.
+// Paths on paper: simplified within a bound, cut at the edge of the globe and of the map, bent along geodesics, and the
+// views, combs and ink of curves.
 
 #include "picture_helpers.h"
 
@@ -165,8 +165,8 @@ static void unpaper(recording *log)
     }
 }
 
-/// A triangle whose edges cross the limb: what is drawn on each side begins and ends on the limb and lies on the edges' great
-/// circles.
+/// A triangle whose edges cross the limb: what is drawn on each side begins and ends on the limb and lies on the edges'
+/// great circles.
 static void globe_is_cut_at_the_limb(void **state)
 {
     (void)state;

@@ -12,7 +12,8 @@
 #include "draw/surface/surface_view.h"
 #include "linalg/vector3.h"
 
-/// A space of a bidegree (1, 1) over `spans` x `spans` cells, and the surface (u, v, 0). Release it with bat_spline_surface_free().
+/// A space of a bidegree (1, 1) over `spans` x `spans` cells, and the surface (u, v, 0). Release it with
+/// bat_spline_surface_free().
 static bat_spline_surface make_flat(size_t spans)
 {
     bat_hierarchical_options options = bat_hierarchical_space_defaults();
@@ -155,8 +156,8 @@ static void fill_patch(double bulge, int order, double points[3 * 65])
     }
 }
 
-/// The eye is on the side to which the patch bulges, whichever way its boundary runs; a flat one is seen from the side where the boundary
-/// runs counter-clockwise. It is above and beside the normal.
+/// The eye is on the side to which the patch bulges, whichever way its boundary runs; a flat one is seen from the side where
+/// the boundary runs counter-clockwise. It is above and beside the normal.
 static void patches_are_seen_from_outside(void **state)
 {
     (void)state;
@@ -231,7 +232,8 @@ static void closed_and_deep_patches_are_seen_from_the_side(void **state)
     assert_true(view.rotation[2][0] > 0.85 && view.rotation[1][2] > 0.9);
 }
 
-/// A disk covers pi r^2 pixels, wherever its middle is between pixels; its middle has the colour, and nothing is drawn outside the image.
+/// A disk covers pi r^2 pixels, wherever its middle is between pixels; its middle has the colour, and nothing is drawn
+/// outside the image.
 static void dots_are_disks(void **state)
 {
     (void)state;
@@ -400,8 +402,8 @@ static void errors_are_colours(void **state)
     }
 }
 
-/// Points behind the surface are not drawn, points in front of it are, and so are those as far behind as their own distance says that
-/// they may be.
+/// Points behind the surface are not drawn, points in front of it are, and so are those as far behind as their own distance
+/// says that they may be.
 static void surfaces_hide_points(void **state)
 {
     (void)state;

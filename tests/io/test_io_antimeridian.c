@@ -51,7 +51,8 @@ static void a_line_is_cut_where_it_crosses(void **state)
 static void the_crossing_is_on_the_great_circle(void **state)
 {
     (void)state;
-    // The arc between two points of latitude f and a difference of longitude 2 d is highest midway: tan(top) = tan(f) / cos(d).
+    // The arc between two points of latitude f and a difference of longitude 2 d is highest midway: tan(top) = tan(f) /
+    // cos(d).
     double top = atan(tan(45 * PI / 180) / cos(10 * PI / 180)) * 180 / PI;
     assert_cut_at(LINE("[[170,45],[-170,45]]"), LINES("[[[170,45],[180,@]],[[-180,@],[-170,45]]]"), top);
     // From the equator, the arc's latitude at longitude x from its node is atan(tan(i) sin(x)).

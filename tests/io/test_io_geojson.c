@@ -68,8 +68,8 @@ static void geometries_become_curves(void **state)
     bat_curve_set_free(&set);
 }
 
-/// Members that only look like coordinates, coordinates that only the parser can find, and every order of members: all come out
-/// as they went in.
+/// Members that only look like coordinates, coordinates that only the parser can find, and every order of members: all come
+/// out as they went in.
 static void what_looks_like_coordinates_survives(void **state)
 {
     (void)state;

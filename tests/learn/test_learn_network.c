@@ -15,7 +15,8 @@ enum
     COLUMNS = TENSION_FEATURES + 1
 };
 
-/// A forward and backward pass on a batch of feature rows with the curvature in the last column; the loss is the sum of squares.
+/// A forward and backward pass on a batch of feature rows with the curvature in the last column; the loss is the sum of
+/// squares.
 static learn_array *run(learn_tape *tape, const learn_parameters *parameters, const double *features, size_t rows,
                         uint32_t *spaces, real *gradient)
 {

@@ -93,7 +93,8 @@ static void a_plateau_reduces_the_rate_and_then_stops(void **state)
     check_near(learn_watch_rate(&watch, &options, 0.1), 0.1, 0);
 }
 
-// A small regression: y = sin(3 x) by a network of one hidden layer with dropout, on points that are drawn anew for every piece.
+// A small regression: y = sin(3 x) by a network of one hidden layer with dropout, on points that are drawn anew for every
+// piece.
 
 enum
 {

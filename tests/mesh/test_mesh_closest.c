@@ -41,8 +41,8 @@ static real triple(const real a[3], const real b[3], const real c[3])
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/// Distance of a point from a triangle another way than the library's: from the plane where the point stands over the inside of
-/// all three edges, else from the edges.
+/// Distance of a point from a triangle another way than the library's: from the plane where the point stands over the inside
+/// of all three edges, else from the edges.
 static double distance_to_face(const bat_mesh *mesh, size_t face, const double point[3])
 {
     real p[3], v[3][3], u[3], w[3], n[3];

@@ -1,4 +1,5 @@
-// Learned refinement of meshes: the published weights against the published program's meshes, and what holds for any weights.
+// Learned refinement of meshes: the published weights against the published program's meshes, and what holds for any
+// weights.
 
 #include "mesh_flap_helpers.h"
 
@@ -236,8 +237,8 @@ static double distance(const bat_mesh *fine, const bat_mesh *shape)
     return measured.mean;
 }
 
-/// The weights that come with the library, on shapes that they were not trained on: nearer than the butterfly by the floor on their
-/// quality, and nearer than the flat faces that they begin with.
+/// The weights that come with the library, on shapes that they were not trained on: nearer than the butterfly by the floor
+/// on their quality, and nearer than the flat faces that they begin with.
 static void weights_of_the_library_are_nearer_than_the_butterfly(void **state)
 {
     (void)state;

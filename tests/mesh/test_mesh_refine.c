@@ -303,8 +303,8 @@ static void test_renumbering(void **state)
     bat_mesh_free(&other);
 }
 
-/// The new vertex's height at the middle of every inner edge of a regular grid over the plane, for heights by a polynomial. Only
-/// vertices far from the boundary.
+/// The new vertex's height at the middle of every inner edge of a regular grid over the plane, for heights by a polynomial.
+/// Only vertices far from the boundary.
 static double worst_height(bat_mesh_scheme scheme, double (*height)(double x, double y))
 {
     bat_mesh grid = mesh_grid(13, 13);

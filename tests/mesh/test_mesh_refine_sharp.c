@@ -248,7 +248,8 @@ static void test_crease_angle(void **state)
         bat_mesh_free(all[i]);
 }
 
-/// A mesh with all there is: irregular vertices, boundaries, creases that end inside, meet each other and the boundary, corners.
+/// A mesh with all there is: irregular vertices, boundaries, creases that end inside, meet each other and the boundary,
+/// corners.
 static bat_mesh sharp_mesh(void)
 {
     bat_mesh closed = mesh_irregular(12, 9, 5), grid = mesh_grid(8, 7), mesh = mesh_join(&closed, &grid);

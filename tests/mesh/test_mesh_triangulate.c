@@ -40,8 +40,8 @@ static double area_of(const drawing *polygon, size_t i, size_t j, size_t k)
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Cut it: triangles run as the polygon does, none is turned over, and their areas add up to the polygon's. As absolute areas
-/// add up, too, the triangles do not overlap.
+/// Cut it: triangles run as the polygon does, none is turned over, and their areas add up to the polygon's. As absolute
+/// areas add up, too, the triangles do not overlap.
 static void check_cut(drawing *polygon, double tolerance)
 {
     polygon_room room = {0};

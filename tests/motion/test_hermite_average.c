@@ -130,7 +130,8 @@ static void geodesics_are_reproduced(void **state)
     }
 }
 
-/// In R^n the average is a point of the cubic Bezier curve of eq. (2.4), here in Bernstein's form, with angles by arc cosines.
+/// In R^n the average is a point of the cubic Bezier curve of eq. (2.4), here in Bernstein's form, with angles by arc
+/// cosines.
 static void euclidean_average_is_bernsteins(void **state)
 {
     (void)state;

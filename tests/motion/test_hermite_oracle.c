@@ -46,8 +46,8 @@ static void check_sphere(const safetensors *content, const char *run, bat_hermit
     free(tangents);
 }
 
-/// The program's rotations are matrices R; its tangents are R^T dR, skew, of Frobenius norm 1: the rotation vector of length 1
-/// over sqrt 2. Their place in the matrix is that of the cross product.
+/// The program's rotations are matrices R; its tangents are R^T dR, skew, of Frobenius norm 1: the rotation vector of length
+/// 1 over sqrt 2. Their place in the matrix is that of the cross product.
 static void check_rotation(const safetensors *content, const char *run, bat_hermite_options options, bool closed)
 {
     size_t count, fine_count;

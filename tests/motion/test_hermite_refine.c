@@ -318,8 +318,8 @@ static void linear_schemes_reproduce_cubics(void **state)
     }
 }
 
-/// Limits of the de Rham transform are C2: second differences over h^2 settle, with differences that fall like h^0.8 or faster.
-/// Those of Merrien's scheme do not: its limits are cubics joined at the points.
+/// Limits of the de Rham transform are C2: second differences over h^2 settle, with differences that fall like h^0.8 or
+/// faster. Those of Merrien's scheme do not: its limits are cubics joined at the points.
 static void de_rham_limits_are_c2(void **state)
 {
     (void)state;
@@ -349,7 +349,8 @@ static void de_rham_limits_are_c2(void **state)
     assert_true(jumps[1][1] < pow(2, -4 * 0.8) * jumps[1][0]);
 }
 
-/// Lane-Riesenfeld of points alone, by geodesics and by log-exp: in R^n the linear scheme; nowhere do points leave a geodesic.
+/// Lane-Riesenfeld of points alone, by geodesics and by log-exp: in R^n the linear scheme; nowhere do points leave a
+/// geodesic.
 static void geodesic_averages_of_points(void **state)
 {
     (void)state;

@@ -48,8 +48,8 @@ static void interpolation_is_of_fourth_order(void **state)
     }
 }
 
-/// So are the higher orders, which do not interpolate: every average lies on the curve up to the fourth power of the spacing. (The
-/// splines that Lane-Riesenfeld makes of points alone are of second order.)
+/// So are the higher orders, which do not interpolate: every average lies on the curve up to the fourth power of the
+/// spacing. (The splines that Lane-Riesenfeld makes of points alone are of second order.)
 static void smoothing_is_of_fourth_order(void **state)
 {
     (void)state;
@@ -112,7 +112,8 @@ static void averages_are_near_beziers(void **state)
     check_status(study_proximity_of(&rotation, pair.p0, pair.v0, pair.p1, pair.v1, &near), BAT_UNSUPPORTED);
 }
 
-/// Eq. (4.2) with a factor near 1/2, eq. (4.3) with displacements that do not grow with the order as fast as C_m = (m + 1) / 4.
+/// Eq. (4.2) with a factor near 1/2, eq. (4.3) with displacements that do not grow with the order as fast as C_m = (m + 1)
+/// / 4.
 static void levels_contract_and_stay_near(void **state)
 {
     (void)state;

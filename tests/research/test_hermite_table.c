@@ -143,8 +143,8 @@ static void figures_are_made(void **state)
     check_status(bat_hermite_figure_make(BAT_HERMITE_FIGURE_COUNT, &figure, NULL), BAT_INVALID_ARGUMENT);
 }
 
-/// Figure 1 reproduces the geodesic; figure 3 improves by 2^3.9 and more a halving; in figures 3 and 4 ours is nearer than parallel
-/// transport, as published.
+/// Figure 1 reproduces the geodesic; figure 3 improves by 2^3.9 and more a halving; in figures 3 and 4 ours is nearer than
+/// parallel transport, as published.
 static void figures_say_what_the_paper_says(void **state)
 {
     (void)state;

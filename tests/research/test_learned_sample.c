@@ -1,5 +1,5 @@
-// The shipped rule on a tape: one step against the refinement that users get, and the loss against the library's measures and
-// central differences. Built in single and double precision.
+// The shipped rule on a tape: one step against the refinement that users get, and the loss against the library's measures
+// and central differences. Built in single and double precision.
 
 #include "learned_helpers.h"
 

@@ -1,5 +1,5 @@
-// Trainings of the shipped rule with short epochs: neither threads nor stops change a byte, and the loss falls. Built in single
-// and double precision.
+// Trainings of the shipped rule with short epochs: neither threads nor stops change a byte, and the loss falls. Built in
+// single and double precision.
 
 #include "check.h"
 

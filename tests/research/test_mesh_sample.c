@@ -1,4 +1,5 @@
-// The loss of a training pair on a tape, against sums written out and central differences. Built in single and double precision.
+// The loss of a training pair on a tape, against sums written out and central differences. Built in single and double
+// precision.
 
 #include "mesh_flap_helpers.h"
 

@@ -1,5 +1,5 @@
-// The studies of learned subdivision on small shapes: scores are those that the parts give by themselves, trainings are kept and
-// taken up again, pictures are drawn, and what makes no sense is refused.
+// The studies of learned subdivision on small shapes: scores are those that the parts give by themselves, trainings are kept
+// and taken up again, pictures are drawn, and what makes no sense is refused.
 
 #include "mesh_flap_helpers.h"
 
@@ -78,7 +78,8 @@ static void check_and_drop(const char *path)
     (void)unlink(path);
 }
 
-/// Loop's scheme shrinks an ellipsoid, the butterfly interpolates it; midpoint subdivision leaves the decimated surface as it is.
+/// Loop's scheme shrinks an ellipsoid, the butterfly interpolates it; midpoint subdivision leaves the decimated surface as
+/// it is.
 static void scores_are_distances_from_the_original(void **state)
 {
     (void)state;
@@ -177,8 +178,8 @@ static void shapes_are_repaired_where_needed(void **state)
     (void)unlink(file("ball.obj"));
 }
 
-/// Six variants of one epoch. Frames that turn along leave the full network's distances nearly alone (not quite: it sees the mesh in
-/// its box, which does not turn along), and a second call finds the trainings done.
+/// Six variants of one epoch. Frames that turn along leave the full network's distances nearly alone (not quite: it sees the
+/// mesh in its box, which does not turn along), and a second call finds the trainings done.
 static void every_variant_is_measured(void **state)
 {
     (void)state;

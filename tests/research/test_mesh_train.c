@@ -1,5 +1,5 @@
-// Short trainings of the network for meshes: neither threads nor stops change a byte, the loss falls, every published ablation
-// trains, and what makes no sense is refused. Built in single and double precision.
+// Short trainings of the network for meshes: neither threads nor stops change a byte, the loss falls, every published
+// ablation trains, and what makes no sense is refused. Built in single and double precision.
 
 #include "mesh_flap_helpers.h"
 

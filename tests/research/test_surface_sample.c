@@ -1,5 +1,5 @@
-// Fits of Bézier patches and the loss: exact surfaces leave nothing, moves and scales do what they must, derivatives are those of
-// differences, and degenerate clouds do no harm. Built in single and double precision.
+// Fits of Bézier patches and the loss: exact surfaces leave nothing, moves and scales do what they must, derivatives are
+// those of differences, and degenerate clouds do no harm. Built in single and double precision.
 
 #include "check.h"
 

@@ -1,4 +1,5 @@
-// Clouds of our own making: drawn from the right distributions, sampled where they say, and of the shapes they are named after.
+// Clouds of our own making: drawn from the right distributions, sampled where they say, and of the shapes they are named
+// after.
 #include "check.h"
 
 #include "batten/research/surface_shapes.h"
@@ -107,8 +108,8 @@ static void bezier_boundary_is_in_order(void **state)
     bat_cloud_free(&cloud);
 }
 
-/// Control points fill the boxes of section 4.2: of a uniform distribution over [a, b], the mean is (a + b) / 2, the variance
-/// (b - a)^2 / 12, and nothing lies outside.
+/// Control points fill the boxes of section 4.2: of a uniform distribution over [a, b], the mean is (a + b) / 2, the
+/// variance (b - a)^2 / 12, and nothing lies outside.
 static void control_points_fill_their_boxes(void **state)
 {
     (void)state;
@@ -142,8 +143,8 @@ static void control_points_fill_their_boxes(void **state)
     }
 }
 
-/// A turned surface is the same one in another position, not mirrored; axes point everywhere alike and angles are uniform, so that the mean
-/// rotation is the mean of axis axis^T, a third of the identity.
+/// A turned surface is the same one in another position, not mirrored; axes point everywhere alike and angles are uniform,
+/// so that the mean rotation is the mean of axis axis^T, a third of the identity.
 static void surfaces_are_turned_evenly(void **state)
 {
     (void)state;
@@ -291,7 +292,8 @@ static double *nearest_distances(const bat_cloud *cloud)
     return nearest;
 }
 
-/// Hull and blade: points are exactly at their parameters, the boundary goes round the square in order, and points lie evenly.
+/// Hull and blade: points are exactly at their parameters, the boundary goes round the square in order, and points lie
+/// evenly.
 static void sampled_shapes_are_even(void **state)
 {
     (void)state;
@@ -348,8 +350,8 @@ static void normal_at(const surface_shape *shape, double u, double v, double nor
     vector3_cross(along[0], along[1], normal);
 }
 
-/// A ship's side: on the middle plane along stem and keel, outside of it elsewhere, with a flat of side midships, a bulb that reaches
-/// forward of the stem above it and a deck that hangs over, for every seed.
+/// A ship's side: on the middle plane along stem and keel, outside of it elsewhere, with a flat of side midships, a bulb
+/// that reaches forward of the stem above it and a deck that hangs over, for every seed.
 static void hulls_are_ships(void **state)
 {
     (void)state;
@@ -400,8 +402,8 @@ static double curvature_of(const double a[3], const double b[3], const double c[
            (distance_between(a, b) * distance_between(b, c) * distance_between(a, c));
 }
 
-/// A section's nose is that of the parabola y = k sqrt(x), whose radius is k^2 / 2; the gap at the trailing edge is as wide as the form says;
-/// normals point outwards.
+/// A section's nose is that of the parabola y = k sqrt(x), whose radius is k^2 / 2; the gap at the trailing edge is as wide
+/// as the form says; normals point outwards.
 static void blades_are_round_in_front(void **state)
 {
     (void)state;

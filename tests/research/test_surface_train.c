@@ -1,5 +1,5 @@
-// Short trainings of the network for clouds: neither threads nor stops change a byte, the loss falls, models say what they are, and what
-// makes no sense is refused. Built in single and double precision.
+// Short trainings of the network for clouds: neither threads nor stops change a byte, the loss falls, models say what they
+// are, and what makes no sense is refused. Built in single and double precision.
 
 #include "check.h"
 

@@ -202,7 +202,8 @@ static double share(const sampled_curve *curve, size_t vertex)
 }
 
 /// No length lies so near to the bound between "reached" and "not reached" that rounding could move it across, only vertices
-/// at their share give way to the next, and the chosen vertices lie so far from their neighbours that coordinates tell them apart.
+/// at their share give way to the next, and the chosen vertices lie so far from their neighbours that coordinates tell them
+/// apart.
 static void no_choice_hangs_on_rounding(void **state)
 {
     (void)state;

@@ -284,8 +284,8 @@ static void on_ray(const bat_space *space, const double *middle, const double *v
     assert_int_equal(bat_space_geodesic(space, middle, vertex, at / radius, point), BAT_OK);
 }
 
-/// The centre of a fillet at `vertex` lies on the corner's bisector, here a ray; it is as far from the arc's begin as from its
-/// middle.
+/// The centre of a fillet at `vertex` lies on the corner's bisector, here a ray; it is as far from the arc's begin as from
+/// its middle.
 static void find_centre(const bat_space *space, const double *vertex, double radius, const double *begin, const double *apex,
                         double *centre)
 {

@@ -9,8 +9,8 @@
 #include <jansson.h>
 #include <unistd.h>
 
-// The published recipe: the loss of a sample and its gradient, validation, and whole trainings on a few curves. Built in single
-// and double precision.
+// The published recipe: the loss of a sample and its gradient, validation, and whole trainings on a few curves. Built in
+// single and double precision.
 
 #define ORACLE SHARED_DATA "/oracle/tension/"
 

@@ -113,7 +113,8 @@ static inline hermite_pair random_pair(const bat_space *space, bat_random *rando
     return pair;
 }
 
-/// The geodesic symmetry in a centre, an isometry of every space here. Its derivative is minus the transport through the centre.
+/// The geodesic symmetry in a centre, an isometry of every space here. Its derivative is minus the transport through the
+/// centre.
 static inline void reflect(const bat_space *space, const double *centre, const double *p, const double *v, double *image,
                            double *moved)
 {

@@ -1,7 +1,8 @@
 #ifndef TESTS_SUPPORT_HIERARCHICAL_HELPERS_H
 #define TESTS_SUPPORT_HIERARCHICAL_HELPERS_H
 
-// Random hierarchies, and what a hierarchy is by definition: one bit for each cell of each level that says whether it is refined.
+// Random hierarchies, and what a hierarchy is by definition: one bit for each cell of each level that says whether it is
+// refined.
 
 #include "check.h"
 

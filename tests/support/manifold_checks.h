@@ -1,8 +1,8 @@
 #ifndef TESTS_SUPPORT_MANIFOLD_CHECKS_H
 #define TESTS_SUPPORT_MANIFOLD_CHECKS_H
 
-// What the mathematics says of every symmetric space (all that the library makes are): of its exponential, logarithm, transport
-// and geodesics, at all separations, and of subdivision in it.
+// What the mathematics says of every symmetric space (all that the library makes are): of its exponential, logarithm,
+// transport and geodesics, at all separations, and of subdivision in it.
 
 #include "check.h"
 
@@ -80,8 +80,8 @@ static inline void manifold_check_inverses(const manifold_case *c)
     }
 }
 
-/// In a symmetric space the transport of u from p to q is the reflection of exp_p(u) through the middle, seen from q and turned
-/// round, exactly (the pole ladder; Pennec 2018).
+/// In a symmetric space the transport of u from p to q is the reflection of exp_p(u) through the middle, seen from q and
+/// turned round, exactly (the pole ladder; Pennec 2018).
 static inline void manifold_check_pole_ladder(const manifold_case *c, bat_random *random, const double *p, const double *q)
 {
     const bat_space *space = c->space;

@@ -110,7 +110,8 @@ static inline bat_mesh mesh_torus(uint32_t around, uint32_t across)
     return mesh;
 }
 
-/// An open grid of `columns` by `rows` vertices of the triangular lattice of side 1, in the plane: inner vertices are regular.
+/// An open grid of `columns` by `rows` vertices of the triangular lattice of side 1, in the plane: inner vertices are
+/// regular.
 static inline bat_mesh mesh_grid(uint32_t columns, uint32_t rows)
 {
     bat_mesh mesh = mesh_with_room((size_t)columns * rows, 2 * (size_t)(columns - 1) * (rows - 1));
@@ -151,8 +152,8 @@ static inline void mesh_shake(bat_mesh *mesh, double size, uint64_t seed)
         mesh->positions[i] += size * (2 * bat_random_uniform(&random) - 1);
 }
 
-/// Turn the edge of a half-edge over in its two faces. False, and nothing done, where the turned edge is there already, a vertex
-/// would be left with fewer than 3 faces, or one would get more than 12.
+/// Turn the edge of a half-edge over in its two faces. False, and nothing done, where the turned edge is there already, a
+/// vertex would be left with fewer than 3 faces, or one would get more than 12.
 static inline bool mesh_turn_edge(bat_mesh *mesh, const bat_mesh_connectivity *links, unsigned *valence, uint32_t h)
 {
     uint32_t t = links->twin[h];

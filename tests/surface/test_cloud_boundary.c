@@ -247,8 +247,8 @@ static void test_too_few_or_degenerate_points(void **state)
     bat_cloud_free(&line);
 }
 
-/// A loop that the file gives, found again in the shuffled points. Distances are in the spacing of the cloud's points: the median
-/// distance to the nearest other one.
+/// A loop that the file gives, found again in the shuffled points. Distances are in the spacing of the cloud's points: the
+/// median distance to the nearest other one.
 static void find_again(const char *name, double most_off, double most_mean, double most_mean_of_given)
 {
     char path[1024];

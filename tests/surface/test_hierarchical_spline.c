@@ -186,8 +186,8 @@ static double *relation_make(const bat_hierarchical_options *options, uint32_t l
     return relation;
 }
 
-/// What the truncated basis is by definition: functions in those of their level, taken up level by level, the coefficients of the
-/// ones with support in the next region set to zero.
+/// What the truncated basis is by definition: functions in those of their level, taken up level by level, the coefficients
+/// of the ones with support in the next region set to zero.
 typedef struct truncated_reference
 {
     bat_hierarchical_options options;
@@ -321,8 +321,8 @@ static size_t collocate(bat_random *random, const bat_hierarchical_space *space,
     return rows;
 }
 
-/// The functions are linearly independent, and both bases have the same span: the plain one solves for the truncated one without
-/// residuals.
+/// The functions are linearly independent, and both bases have the same span: the plain one solves for the truncated one
+/// without residuals.
 static void test_independence_and_span(void **state)
 {
     (void)state;

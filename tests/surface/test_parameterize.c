@@ -67,8 +67,8 @@ static void planes_are_parameterized_exactly(void **state)
     free(published);
 }
 
-/// On a regular grid uniform weights over symmetric neighbourhoods are exact too, away from the boundary's one-sided ones; here all points
-/// satisfy their equation with the neighbours counted by hand.
+/// On a regular grid uniform weights over symmetric neighbourhoods are exact too, away from the boundary's one-sided ones;
+/// here all points satisfy their equation with the neighbours counted by hand.
 static void published_weights_are_those_of_the_ball(void **state)
 {
     (void)state;
@@ -246,7 +246,8 @@ static void threads_change_no_byte(void **state)
     patch_free(&cloud);
 }
 
-/// A clump of points far from everything: the published way tells the first of them by its place in the input, ours joins it.
+/// A clump of points far from everything: the published way tells the first of them by its place in the input, ours joins
+/// it.
 static void islands_are_joined_or_told(void **state)
 {
     (void)state;

@@ -438,7 +438,8 @@ static void test_uniform_values(void **state)
     }
 }
 
-/// A coarse function is the sum of its children, which count nonnegative shares that add up to one over all coarse functions.
+/// A coarse function is the sum of its children, which count nonnegative shares that add up to one over all coarse
+/// functions.
 static void test_two_scale(void **state)
 {
     (void)state;

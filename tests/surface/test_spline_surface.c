@@ -19,7 +19,8 @@ static void random_parameters(bat_random *random, double *parameters, size_t cou
         parameters[i] = below(random, 10) == 0 ? (double)below(random, 17) / 16 : bat_random_uniform(random);
 }
 
-/// A surface is the sum of its control points times the functions, at points in any order, and all orders of derivatives agree.
+/// A surface is the sum of its control points times the functions, at points in any order, and all orders of derivatives
+/// agree.
 static void test_evaluate(void **state)
 {
     (void)state;
@@ -211,8 +212,8 @@ static void check_same_surface(bat_random *random, const bat_spline_surface *a, 
         check_near(here[i], there[i], 1e-13);
 }
 
-/// Spaces are nested: a surface stays the same when its space is refined, any number of times. In the truncated basis functions that
-/// stay keep their coefficients to the bit.
+/// Spaces are nested: a surface stays the same when its space is refined, any number of times. In the truncated basis
+/// functions that stay keep their coefficients to the bit.
 static void test_prolong(void **state)
 {
     (void)state;

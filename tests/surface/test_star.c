@@ -21,7 +21,8 @@ typedef struct scatter
     bool closed;
 } scatter;
 
-/// Finds the star of the origin among `points` random points of the square with corners (-1, -1) and (1, 1), moved by `shift`.
+/// Finds the star of the origin among `points` random points of the square with corners (-1, -1) and (1, 1), moved by
+/// `shift`.
 static scatter find_random(size_t points, double shift, uint64_t seed)
 {
     scatter made = {0};

@@ -115,8 +115,8 @@ static void auto_takes_the_best_by_measure(void **state)
     }
 }
 
-/// A deep cup over a narrow rim: averages crowd its points into the middle of the square, and a surface through them strays where there
-/// are none. Whatever is taken stays near the points.
+/// A deep cup over a narrow rim: averages crowd its points into the middle of the square, and a surface through them strays
+/// where there are none. Whatever is taken stays near the points.
 static void patch_cup(double u, double v, double place[3])
 {
     double x = 2 * u - 1, y = 2 * v - 1, reach = fmax(fabs(x), fabs(y)), turn = atan2(y, x);

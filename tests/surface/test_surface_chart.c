@@ -293,7 +293,8 @@ static void place_turn_and_size_are_not_seen(void **state)
     }
 }
 
-/// The terms of P_1(u) and P_1(v) span a parallelogram of area 1 in the plane of the first two axes, that of u along the first.
+/// The terms of P_1(u) and P_1(v) span a parallelogram of area 1 in the plane of the first two axes, that of u along the
+/// first.
 static void the_frame_is_that_of_the_first_terms(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-// Our network for clouds: all derivatives against central differences, inference against the tape, and what holds of any weights.
-// Built in single and double precision.
+// Our network for clouds: all derivatives against central differences, inference against the tape, and what holds of any
+// weights. Built in single and double precision.
 
 #include "patch_clouds.h"
 
@@ -259,8 +259,8 @@ static void enlarge_cloud(bat_cloud *cloud, double size, double shift)
         cloud->points[i] = size * cloud->points[i] + shift * (double)(i % 3);
 }
 
-/// Place and size do not matter at all. A turn changes the unit box, and so what the coefficients cost where loops are coarse or noisy: that
-/// is little, and nothing where they are clean and fine.
+/// Place and size do not matter at all. A turn changes the unit box, and so what the coefficients cost where loops are
+/// coarse or noisy: that is little, and nothing where they are clean and fine.
 static void place_size_and_turn_do_not_matter(void **state)
 {
     (void)state;

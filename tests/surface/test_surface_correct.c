@@ -61,7 +61,8 @@ static void no_distance_rises_and_feet_are_feet(void **state)
         inside++;
         feet += fabs(along[0]) < 1e-8 && fabs(along[1]) < 1e-8;
     }
-    // A point may come to rest where no step makes the distance smaller though the residual is not upright: in a valley's saddle.
+    // A point may come to rest where no step makes the distance smaller though the residual is not upright: in a valley's
+    // saddle.
     assert_true(feet > inside - inside / 100);
     free(before);
     free(after);

@@ -97,7 +97,8 @@ static void energy_is_that_of_the_formula(void **state)
     sample_free(&sample);
 }
 
-/// Rows of the least-squares problem that eq. (5) is: sqrt(w) B_j(u_i), then sqrt(2 lambda) times a root of the thin-plate matrix.
+/// Rows of the least-squares problem that eq. (5) is: sqrt(w) B_j(u_i), then sqrt(2 lambda) times a root of the thin-plate
+/// matrix.
 static double *dense_rows(const bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
                           double lambda)
 {

@@ -1,12 +1,12 @@
-// The published network for clouds on a tape: an independent program's forward and backward pass, all derivatives against central
-// differences, and what holds of any weights. Built in single and double precision.
+// The published network for clouds on a tape: an independent program's forward and backward pass, all derivatives against
+// central differences, and what holds of any weights. Built in single and double precision.
 
 #include "check.h"
 
 #include "learn/safetensors.h"
+#include "research/train/surface_network_tape.h"
 #include "research/train/surface_sample.h"
 #include "research/train/tape_graph.h"
-#include "research/train/surface_network_tape.h"
 
 static const bool DOUBLE = sizeof(real) == sizeof(double);
 
@@ -135,8 +135,8 @@ static learn_parameters random_weights(const surface_network_training *training,
     return parameters;
 }
 
-static void predict(const surface_network_training *training, const learn_parameters *parameters, const surface_sample *sample,
-                    double *interior)
+static void predict(const surface_network_training *training, const learn_parameters *parameters,
+                    const surface_sample *sample, double *interior)
 {
     learn_tape tape = learn_tape_make();
     learn_tape_begin(&tape, parameters, NULL);

@@ -7,8 +7,8 @@ BAT_C_BEGIN
 
 /// @file
 /// The curves that Ugail and Howard (2026) train and judge their learned subdivision rule on, regenerated from their random
-/// streams: 1,200 closed curves with control polygons (section 6.1), and the ground track of section 8. And sets of curves to
-/// judge rules on that share none with any training.
+/// streams: 1,200 closed curves with control polygons (section 6.1), and the ground track of section 8. And sets of curves
+/// to judge rules on that share none with any training.
 
 /// Curves of the data set in each space.
 #define BAT_TENSION_CURVES 400
@@ -88,11 +88,11 @@ typedef enum bat_tension_set_kind
 ///
 /// Coordinates are in full double precision. A control polygon is BAT_TENSION_CONTROL_POINTS of the curve's points, evenly
 /// spaced by chord length from a random start. Drawn again are curves with a step between neighbouring points that is longer
-/// than 20 times the mean, control polygons with an edge shorter than 1/50 of their mean, and those with neighbours on the sphere
-/// that are more than 171 degrees apart.
+/// than 20 times the mean, control polygons with an edge shorter than 1/50 of their mean, and those with neighbours on the
+/// sphere that are more than 171 degrees apart.
 ///
-/// The same arguments give the same curves, up to the last digits of the C library's functions; a smaller count gives the first
-/// of them. No training of the library draws from the same random streams, whatever its seed.
+/// The same arguments give the same curves, up to the last digits of the C library's functions; a smaller count gives the
+/// first of them. No training of the library draws from the same random streams, whatever its seed.
 ///
 /// @param kind  BAT_TENSION_FRESH or BAT_TENSION_UNSEEN; bat_tension_data_make() gives the published curves
 /// @param count curves, at least 1; 300 take 5 to 7 MB

@@ -7,7 +7,8 @@ BAT_C_BEGIN
 
 /// @file
 /// Eight control polygons of everyday things, to show plane curve schemes with: the shapes named in Alam, *Study of
-/// Subdivision Curve Schemes* (2025), sections 3.3, 4.3 and 5.3. The study prints no coordinates; these are our own drawings.
+/// Subdivision Curve Schemes* (2025), sections 3.3, 4.3 and 5.3. The study prints no coordinates; these are our own
+/// drawings.
 
 /// The most schemes that the study applies to one shape.
 #define BAT_SHAPE_MAX_SCHEMES 3

@@ -27,8 +27,8 @@ typedef struct bat_tension_search_options
 BAT_API bat_tension_search_options bat_tension_search_defaults(void);
 
 /// Search the tension whose refined curves are nearest to their truths: the least mean, over the curves, of the mean
-/// nearest-neighbour distance (the "oracle" of section 7.1). A best tension at an end of the range may mean that a better one
-/// lies outside.
+/// nearest-neighbour distance (the "oracle" of section 7.1). A best tension at an end of the range may mean that a better
+/// one lies outside.
 ///
 /// @param coarse,truth `count` curves each, at least 1
 /// @param options      null for the defaults
@@ -111,8 +111,8 @@ BAT_API bat_status bat_tension_table5_methods(const bat_tension_method *methods,
 /// How to disturb. Begin with bat_tension_noise_defaults().
 typedef struct bat_tension_noise_options
 {
-    /// Standard deviations of both coordinates of a control point, as shares of its polygon's radius: the greatest distance of
-    /// a control point from the mean of all. At least 0; default 0, 0.03, 0.06, 0.1, 0.15, 0.2, as published.
+    /// Standard deviations of both coordinates of a control point, as shares of its polygon's radius: the greatest distance
+    /// of a control point from the mean of all. At least 0; default 0, 0.03, 0.06, 0.1, 0.15, 0.2, as published.
     double noise[BAT_TENSION_NOISES];
     size_t levels; ///< default 5: the caption says 4, but the published figures without noise are those of table 1
     uint64_t seed; ///< of the noise, which is the same for all methods and, but for its size, all strengths; default 1
@@ -133,12 +133,13 @@ typedef struct bat_tension_noise_row
     double published_deviation[BAT_TENSION_NOISES]; ///< the same for its standard deviation
 } bat_tension_noise_row;
 
-/// Disturb the plane's validation polygons, refine them by every method that needs no learning, and measure the largest angles.
-/// The heuristic's mu* is that of table 1, found on the undisturbed polygons at BAT_TENSION_LEVELS levels.
+/// Disturb the plane's validation polygons, refine them by every method that needs no learning, and measure the largest
+/// angles. The heuristic's mu* is that of table 1, found on the undisturbed polygons at BAT_TENSION_LEVELS levels.
 ///
 /// @param options null for the defaults
 /// @param rows    receives BAT_TENSION_NOISE_METHODS rows
-/// @return BAT_OK; BAT_INVALID_ARGUMENT (noise that is negative or not finite); BAT_CANCELLED, BAT_NO_MEMORY or what refining
+/// @return BAT_OK; BAT_INVALID_ARGUMENT (noise that is negative or not finite); BAT_CANCELLED, BAT_NO_MEMORY or what
+/// refining
 ///         returned
 BAT_API bat_status bat_tension_table2(const bat_tension_noise_options *options, bat_tension_noise_row *rows,
                                       bat_error *error);
@@ -174,8 +175,9 @@ typedef struct bat_tension_ablation_options
 {
     uint64_t seed;   ///< of every training; default 1
     uint64_t epochs; ///< of every training, at least 1; the learning rate falls to 0 over as many; default 100, as published
-    /// A training's files (bat_tension_train_options) go to the folder's subfolder seed-SEED/VARIANT, and what is there already
-    /// is gone on with: a finished training is not repeated. Both tables may share a folder. Null for no files; default null.
+    /// A training's files (bat_tension_train_options) go to the folder's subfolder seed-SEED/VARIANT, and what is there
+    /// already is gone on with: a finished training is not repeated. Both tables may share a folder. Null for no files;
+    /// default null.
     const char *folder;
     int threads;           ///< as in bat_tension_train_options; default 0
     bat_progress progress; ///< asked before every batch; when it says stop, the training's checkpoint is written first
@@ -254,8 +256,8 @@ typedef struct bat_tension_mechanism_report
 {
     bat_tension_mechanism_space spaces[BAT_TENSION_SPACE_COUNT];
     double layers[BAT_TENSION_LAYERS]; ///< spectral norms of the linear layers' matrices, in the order of the network
-    /// Their product, remark 4's bound. (It passes over what layer norms multiply by, the skips around blocks, GELU's slope of
-    /// up to 1.13 and that of the sigmoid at the end of up to 0.38.)
+    /// Their product, remark 4's bound. (It passes over what layer norms multiply by, the skips around blocks, GELU's slope
+    /// of up to 1.13 and that of the sigmoid at the end of up to 0.38.)
     double product;
 } bat_tension_mechanism_report;
 
@@ -270,8 +272,8 @@ typedef struct bat_tension_mechanism_options
 /// The options' default values.
 BAT_API bat_tension_mechanism_options bat_tension_mechanism_defaults(void);
 
-/// Refine validation curves by a network and look at every insertion; and estimate the network's Lipschitz constant, by power
-/// iteration on each layer. While it runs, OpenBLAS works on one thread in the whole process.
+/// Refine validation curves by a network and look at every insertion; and estimate the network's Lipschitz constant, by
+/// power iteration on each layer. While it runs, OpenBLAS works on one thread in the whole process.
 ///
 /// @param path    a file of the published recipe, as for bat_curve_model_read(); null for the network that the library holds
 /// @param options null for the defaults

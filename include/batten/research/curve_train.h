@@ -26,9 +26,9 @@ typedef struct bat_tension_train_options
     double smoothness[BAT_TENSION_SPACE_COUNT]; ///< weight of eq. (20) in each space; default 0.05, on the sphere 0.15
     double bending;                             ///< weight of eq. (21); default 1e-4
     double consistency;                         ///< weight of eq. (22); default 0.1
-    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`, its
-    /// picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`, the
-    /// best weights. Null for no files; default null.
+    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`,
+    /// its picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`,
+    /// the best weights. Null for no files; default null.
     const char *folder;
     /// Go on from the folder's checkpoint, if there is one, to the same bytes as without the stop; default false.
     bool resume;
@@ -55,8 +55,8 @@ typedef struct bat_tension_train_report
     bat_tension_score scores[BAT_TENSION_SPACE_COUNT]; ///< of the best weights
 } bat_tension_train_report;
 
-/// Train the published network on the published curves (bat_tension_data_make()). While it runs, OpenBLAS works on one thread
-/// in the whole process.
+/// Train the published network on the published curves (bat_tension_data_make()). While it runs, OpenBLAS works on one
+/// thread in the whole process.
 ///
 /// @param options null for the defaults, which keep nothing but the report
 /// @param report  may be null
@@ -73,9 +73,9 @@ typedef struct bat_learned_train_options
 {
     uint64_t seed;   ///< of the first weights and of all curves; default 1
     uint64_t epochs; ///< of 8,000 curves each, at least 1; the learning rate falls to 0 over as many; default 300
-    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`, its
-    /// picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`, the
-    /// last weights. Null for no files; default null.
+    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`,
+    /// its picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`,
+    /// the last weights. Null for no files; default null.
     const char *folder;
     /// Go on from the folder's checkpoint, if there is one, to the same bytes as without the stop; default false.
     bool resume;
@@ -109,7 +109,8 @@ typedef struct bat_learned_train_report
 ///
 /// @param options null for the defaults, which keep nothing but the report
 /// @param report  may be null
-/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (no epochs, a checkpoint of another training); BAT_NO_CONVERGENCE with
+/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (no epochs, a checkpoint of another training); BAT_NO_CONVERGENCE
+/// with
 ///         the step when a loss is not finite; BAT_BAD_FILE, BAT_FILE_ACCESS or BAT_NO_MEMORY
 BAT_API bat_status bat_learned_train(const bat_learned_train_options *options, bat_learned_train_report *report,
                                      bat_error *error);

@@ -8,8 +8,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// The experiments of Liu et al., "Neural Subdivision" (2020), with any shapes: how near subdivision comes to a shape that was
-/// decimated (table 2), what learning makes of its parts (section 6, appendices G and H), and style (figures 26 and 27).
+/// The experiments of Liu et al., "Neural Subdivision" (2020), with any shapes: how near subdivision comes to a shape that
+/// was decimated (table 2), what learning makes of its parts (section 6, appendices G and H), and style (figures 26 and 27).
 /// docs/mesh-figures.md has results.
 
 /// How to study. Begin with bat_mesh_study_defaults().
@@ -36,7 +36,8 @@ BAT_API bat_mesh_study_options bat_mesh_study_defaults(void);
 /// @param mesh     what bat_mesh_connect() accepts; release it with bat_mesh_free()
 /// @param repaired whether bat_mesh_repair() was needed; may be null
 /// @param report   receives what it did, all zero where it was not needed; may be null
-/// @return BAT_OK, or what bat_mesh_read(), bat_mesh_repair() and bat_mesh_connect() return; results are untouched on failure
+/// @return BAT_OK, or what bat_mesh_read(), bat_mesh_repair() and bat_mesh_connect() return; results are untouched on
+/// failure
 BAT_API bat_status bat_mesh_study_read(const char *path, bat_mesh *mesh, bool *repaired, bat_mesh_repair_report *report,
                                        bat_error *error);
 
@@ -57,8 +58,8 @@ typedef struct bat_mesh_score
     size_t fallback;  ///< places where a learned rule fell back to a classical one
 } bat_mesh_score;
 
-/// Decimate a shape by quadric errors, subdivide what is left by each method, and measure how far that is from the shape: the
-/// experiment of table 2.
+/// Decimate a shape by quadric errors, subdivide what is left by each method, and measure how far that is from the shape:
+/// the experiment of table 2.
 ///
 /// @param shape   what bat_mesh_connect() accepts
 /// @param methods `count` of them, at least 1
@@ -66,14 +67,15 @@ typedef struct bat_mesh_score
 /// @param coarse  receives the decimated shape; release it with bat_mesh_free()
 /// @param fine    receives `count` subdivided meshes; release each with bat_mesh_free(). May be null
 /// @param scores  receives `count` scores
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; what bat_mesh_decimate(), bat_mesh_refine() and bat_mesh_compare() return; meshes are
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; what bat_mesh_decimate(), bat_mesh_refine() and bat_mesh_compare() return; meshes
+/// are
 ///         empty on failure
 BAT_API bat_status bat_mesh_study_shape(const bat_mesh *shape, const bat_mesh_method *methods, size_t count,
                                         const bat_mesh_study_options *options, bat_mesh *coarse, bat_mesh *fine,
                                         bat_mesh_score *scores, bat_error *error);
 
-/// Draw what bat_mesh_study_shape() made, side by side: the coarse mesh, the subdivided ones in colours that tell how far each
-/// vertex is from the shape, and the shape.
+/// Draw what bat_mesh_study_shape() made, side by side: the coarse mesh, the subdivided ones in colours that tell how far
+/// each vertex is from the shape, and the shape.
 ///
 /// @param path  .png, .svg or .pdf
 /// @param title above the picture; may be null
@@ -99,8 +101,8 @@ typedef struct bat_mesh_ablation_row
 {
     const char *variant; ///< "full", "fixed-frames", …
     bat_mesh_train_report report;
-    /// The mean distance of a vertex of levels 1 and 2 from its target, as share of the diagonal of the test shape's box, over
-    /// five random decimations of it. Targets are those of the map, or those of Loop's scheme for "learn-loop".
+    /// The mean distance of a vertex of levels 1 and 2 from its target, as share of the diagonal of the test shape's box,
+    /// over five random decimations of it. Targets are those of the map, or those of Loop's scheme for "learn-loop".
     double errors[BAT_MESH_TRAIN_LEVELS];
     bat_mesh_score straight; ///< on the test shape, as bat_mesh_study_shape() has it
     bat_mesh_score turned;   ///< the same with shape and coarse mesh turned by a radian; the diagonal is the unturned one's

@@ -32,13 +32,13 @@ typedef struct bat_mesh_train_options
     bool relative;       ///< lengths by each half-flap's own, so that scale does not matter; default false: by the unit box
     bool last_level;     ///< the loss is that of the last level alone (appendix H); default false
     bool chamfer;        ///< the loss is the Chamfer distance instead of that to each vertex's own target; default false
-    /// The loss counts what lies off the shape, in coarse edges, in full, and what has slipped along it a tenth (in squares), instead
-    /// of mean squares; default false.
+    /// The loss counts what lies off the shape, in coarse edges, in full, and what has slipped along it a tenth (in
+    /// squares), instead of mean squares; default false.
     bool surface;
     bool learn_loop; ///< the targets are Loop's refinement of the coarse meshes (appendix G); default false
-    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`, its
-    /// picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`, the
-    /// best weights. Null for no files; default null.
+    /// Where the files go, made with those that it lies in where it is not there. While training runs: the log `log.csv`,
+    /// its picture `log.png`, and every five epochs and at a stop `checkpoint.safetensors`. At the end: `model.safetensors`,
+    /// the best weights. Null for no files; default null.
     const char *folder;
     /// Go on from the folder's checkpoint, if there is one, to the same bytes as without the stop; default false.
     bool resume;
@@ -50,18 +50,19 @@ typedef struct bat_mesh_train_options
 /// The options' default values.
 BAT_API bat_mesh_train_options bat_mesh_train_defaults(void);
 
-/// The recipe of the weights that batten ships (weights/mesh.md): lengths are relative, errors are those of surfaces, the rate falls,
-/// coarse meshes have 150 to 500 vertices and some are made anew in every epoch. bat_mesh_training_shapes() belongs to it.
+/// The recipe of the weights that batten ships (weights/mesh.md): lengths are relative, errors are those of surfaces, the
+/// rate falls, coarse meshes have 150 to 500 vertices and some are made anew in every epoch. bat_mesh_training_shapes()
+/// belongs to it.
 BAT_API bat_mesh_train_options bat_mesh_train_batten(void);
 
-/// The shapes of our own making that the shipped weights are trained on, beside `bob` and `spot` by Keenan Crane, which are in the
-/// public domain and have to be brought.
+/// The shapes of our own making that the shipped weights are trained on, beside `bob` and `spot` by Keenan Crane, which are
+/// in the public domain and have to be brought.
 /// @param shapes receives BAT_MESH_TRAINING_SHAPES meshes; release each with bat_mesh_free()
 /// @return BAT_OK, BAT_NO_MEMORY, BAT_CANCELLED; on failure nothing is left to release
 BAT_API bat_status bat_mesh_training_shapes(bat_mesh *shapes, int threads, bat_progress progress, bat_error *error);
 
-/// How a training went. Errors are root mean squares over the coordinates of vertices, in units of the coarse meshes' longest sides,
-/// over pairs kept aside (of another loss than that of squares, the root of it).
+/// How a training went. Errors are root mean squares over the coordinates of vertices, in units of the coarse meshes'
+/// longest sides, over pairs kept aside (of another loss than that of squares, the root of it).
 typedef struct bat_mesh_train_report
 {
     uint64_t epochs;                          ///< done, earlier runs included
@@ -70,16 +71,17 @@ typedef struct bat_mesh_train_report
     double errors[BAT_MESH_TRAIN_LEVELS + 1]; ///< of the best weights, at each level
 } bat_mesh_train_report;
 
-/// Train the published network on shapes. Pairs are made by semi-random decimation with a map (batten/decimate.h). Five more of
-/// each shape are kept aside; the best weights are those of least loss on these, which are measured every five epochs. While it
-/// runs, OpenBLAS works on one thread in the whole process.
+/// Train the published network on shapes. Pairs are made by semi-random decimation with a map (batten/decimate.h). Five more
+/// of each shape are kept aside; the best weights are those of least loss on these, which are measured every five epochs.
+/// While it runs, OpenBLAS works on one thread in the whole process.
 ///
 /// @param shapes  at least 1, each of what bat_mesh_check() and bat_mesh_connect() accept
 /// @param options null for the defaults, which keep nothing but the report
 /// @param report  may be null
-/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (no shapes, numbers out of range, a checkpoint of another training); what
-///         bat_mesh_decimate() returns; BAT_NO_CONVERGENCE with the step when a loss is not finite; BAT_BAD_FILE, BAT_FILE_ACCESS
-///         or BAT_NO_MEMORY
+/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (no shapes, numbers out of range, a checkpoint of another training);
+/// what
+///         bat_mesh_decimate() returns; BAT_NO_CONVERGENCE with the step when a loss is not finite; BAT_BAD_FILE,
+///         BAT_FILE_ACCESS or BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_train(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
                                   bat_mesh_train_report *report, bat_error *error);
 

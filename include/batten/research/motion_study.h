@@ -13,8 +13,10 @@ BAT_C_BEGIN
 typedef enum bat_hermite_quantity
 {
     BAT_HERMITE_ERROR,          ///< largest distance of the refined curve from the smooth one that its data are sampled from
-    BAT_HERMITE_GEODESIC_ERROR, ///< largest distance from the geodesic whose ends and directions are refined (proposition 3.5)
-    BAT_HERMITE_POINT_PROXIMITY, ///< largest |q - b| of De Casteljau and Bézier averages of the same data (lemma 3.7, eq. 4.7)
+    BAT_HERMITE_GEODESIC_ERROR, ///< largest distance from the geodesic whose ends and directions are refined
+                                ///< (proposition 3.5)
+    BAT_HERMITE_POINT_PROXIMITY, ///< largest |q - b| of De Casteljau and Bézier averages of the same data (lemma 3.7,
+                                 ///< eq. 4.7)
     BAT_HERMITE_ANGLE_PROXIMITY, ///< largest difference of their angles (eq. 4.8)
     BAT_HERMITE_CONTRACTION,     ///< largest ratio of the longest edges of a level and the one before (eq. 4.2)
     BAT_HERMITE_DISPLACEMENT     ///< largest distance of new point 2 i from old point i over the longest edge (eq. 4.3)
@@ -40,12 +42,13 @@ typedef struct bat_hermite_table
 /// The name of a quantity, a constant: "error", "geodesic error", "point proximity", …
 BAT_API const char *bat_hermite_quantity_name(bat_hermite_quantity quantity);
 
-/// Measure all of it, in nine spaces, on smooth closed curves sampled at 16, 32, 64 and 128 points and refined three times. The same
-/// numbers come out every time.
+/// Measure all of it, in nine spaces, on smooth closed curves sampled at 16, 32, 64 and 128 points and refined three times.
+/// The same numbers come out every time.
 ///
-/// Schemes given directions: Hermite Lane-Riesenfeld of orders 1, 2 and 3. Given derivatives: parallel transport with Merrien's
-/// interpolatory mask, summed at a vertex and at the midpoint, and with the C2 mask. Given points alone: order 1 with estimated
-/// directions, the four-point scheme and cubic Lane-Riesenfeld by log-exp, and cubic Lane-Riesenfeld by geodesic averages.
+/// Schemes given directions: Hermite Lane-Riesenfeld of orders 1, 2 and 3. Given derivatives: parallel transport with
+/// Merrien's interpolatory mask, summed at a vertex and at the midpoint, and with the C2 mask. Given points alone: order 1
+/// with estimated directions, the four-point scheme and cubic Lane-Riesenfeld by log-exp, and cubic Lane-Riesenfeld by
+/// geodesic averages.
 ///
 /// @param table receives the rows; release it with bat_hermite_table_free()
 /// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY; `table` is untouched on failure
@@ -82,12 +85,13 @@ typedef struct bat_hermite_figure
 
 /// Make figure `index`, 0 to BAT_HERMITE_FIGURE_COUNT - 1.
 ///
-/// The text leaves the data open. Those of figures 3 and 4 are the curves behind the published program's outputs: the spiral (cos t,
-/// sin t, 0.4 t) brought to unit length, t from -10 to 10, and the rotations with rows (0, -s, c), (s, -c^2, -s c), (c, s c, s^2), c = cos t
-/// and s = sin t, at 5 points; those of figures 1 and 2 and the triangle of figure 4 are ours. "transport" is Merrien's interpolatory
-/// scheme by parallel transport, given derivatives by the index; "transport of directions" is given unit vectors in their place, as
-/// in the published comparison, which is a disadvantage of the data rather than the scheme. Figure 1 shows averages of all weights for
-/// "hermite", and in figure 4 the rotations act on a triangle.
+/// The text leaves the data open. Those of figures 3 and 4 are the curves behind the published program's outputs: the spiral
+/// (cos t, sin t, 0.4 t) brought to unit length, t from -10 to 10, and the rotations with rows (0, -s, c), (s, -c^2, -s c),
+/// (c, s c, s^2), c = cos t and s = sin t, at 5 points; those of figures 1 and 2 and the triangle of figure 4 are ours.
+/// "transport" is Merrien's interpolatory scheme by parallel transport, given derivatives by the index; "transport of
+/// directions" is given unit vectors in their place, as in the published comparison, which is a disadvantage of the data
+/// rather than the scheme. Figure 1 shows averages of all weights for "hermite", and in figure 4 the rotations act on a
+/// triangle.
 ///
 /// @param figure receives the figure; release it with bat_hermite_figure_free()
 /// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY; `figure` is untouched on failure

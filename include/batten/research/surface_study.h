@@ -7,8 +7,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// The experiments of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 6, with our clouds or any scans.
-/// docs/surface-figures.md has results.
+/// The experiments of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 6, with our clouds or any
+/// scans. docs/surface-figures.md has results.
 
 /// A way to find parameters.
 typedef struct bat_surface_method
@@ -39,8 +39,8 @@ typedef struct bat_surface_case
     int degree;    ///< of surface and fit, in both parameters
 } bat_surface_case;
 
-/// How a method did. Errors are mean squares over points and coordinates of what the best Bézier patch with its parameters leaves, in
-/// the unit box of the cloud: coordinates over its longest side.
+/// How a method did. Errors are mean squares over points and coordinates of what the best Bézier patch with its parameters
+/// leaves, in the unit box of the cloud: coordinates over its longest side.
 typedef struct bat_surface_score
 {
     size_t succeeded; ///< clouds that it could parameterize; the means are over these
@@ -49,15 +49,16 @@ typedef struct bat_surface_score
     double seconds; ///< of one thread, for the parameters and the patch of one cloud
 } bat_surface_score;
 
-/// Try methods on random Bézier clouds, whose boundaries have their true parameters (figures 4 to 9). Cases of one degree and
-/// number of points differ in noise alone.
+/// Try methods on random Bézier clouds, whose boundaries have their true parameters (figures 4 to 9). Cases of one degree
+/// and number of points differ in noise alone.
 /// @param scores receives `count` scores
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_CANCELLED; what bat_cloud_bezier() and bat_surface_model_builtin() return
 BAT_API bat_status bat_surface_study_clouds(const bat_surface_case *what, const bat_surface_method *methods, size_t count,
                                             const bat_surface_study_options *options, bat_surface_score *scores,
                                             bat_error *error);
 
-/// Try methods on a scan by one Bézier patch, with chord-length parameters on the boundary (figure 12). `succeeded` is 0 or 1.
+/// Try methods on a scan by one Bézier patch, with chord-length parameters on the boundary (figure 12). `succeeded` is 0
+/// or 1.
 /// @param cloud with a boundary; corners are found where it has none
 BAT_API bat_status bat_surface_study_scan(const bat_cloud *cloud, int degree, const bat_surface_method *methods,
                                           size_t count, bat_surface_score *scores, bat_error *error);

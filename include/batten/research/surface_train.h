@@ -51,7 +51,8 @@ typedef struct bat_surface_train_report
 /// Train. Clouds are made on the fly; none comes twice.
 /// @param options null for the defaults
 /// @param report  may be null
-/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (numbers out of range, a checkpoint of another training); BAT_NO_CONVERGENCE when
+/// @return BAT_OK; BAT_CANCELLED; BAT_INVALID_ARGUMENT (numbers out of range, a checkpoint of another training);
+/// BAT_NO_CONVERGENCE when
 ///         a loss is not finite; BAT_BAD_FILE, BAT_FILE_ACCESS or BAT_NO_MEMORY
 BAT_API bat_status bat_surface_train(const bat_surface_train_options *options, bat_surface_train_report *report,
                                      bat_error *error);

@@ -43,8 +43,8 @@ bat_status analysis_check_options(const bat_analysis_options *options, bat_error
     return BAT_OK;
 }
 
-/// The largest k >= 0 with radius < 2^-k, or -1: limits are C^k where differences of order k + 1 shrink faster than 2^-k, and
-/// those of order k + 1 <= n shrink like the larger of `radius` and 2^-(k + 1). Never above n - 1.
+/// The largest k >= 0 with radius < 2^-k, or -1: limits are C^k where differences of order k + 1 shrink faster than 2^-k,
+/// and those of order k + 1 <= n shrink like the larger of `radius` and 2^-(k + 1). Never above n - 1.
 static int proven_smoothness(double radius, size_t multiplicity)
 {
     int order = -1;
@@ -147,8 +147,8 @@ static bool is_defective_at(const bat_analysis *analysis, size_t order)
     return false;
 }
 
-/// The derivative of order m - 1 is Lipschitz continuous where differences of order m are at most a multiple of 2^-m in every
-/// level, and for a stable scheme only there.
+/// The derivative of order m - 1 is Lipschitz continuous where differences of order m are at most a multiple of 2^-m in
+/// every level, and for a stable scheme only there.
 static bat_status describe_lipschitz(const mask_symbol *symbol, size_t depth, bat_analysis *analysis, bat_error *error)
 {
     analysis->lipschitz = BAT_UNDECIDED;

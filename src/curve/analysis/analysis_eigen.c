@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Singular values up to this share of the matrix norm count as zero when the eigenvectors of a multiple eigenvalue are counted.
+/// Singular values up to this share of the matrix norm count as zero when the eigenvectors of a multiple eigenvalue are
+/// counted.
 #define NULL_TOLERANCE 1e-10
 
 /// An eigenvalue as computed: one disc that holds it, and the number of the group of discs that hang together.
@@ -67,8 +68,8 @@ static void group_discs(disc *discs, size_t count)
     }
 }
 
-/// One eigenvalue for a group: its exact member if there is just one, else the mean, which rounding moves little even where the
-/// members scatter because the matrix is defective.
+/// One eigenvalue for a group: its exact member if there is just one, else the mean, which rounding moves little even where
+/// the members scatter because the matrix is defective.
 static bat_eigenvalue eigenvalue_of_group(const disc *discs, size_t count, size_t group)
 {
     bat_eigenvalue value = {0};

@@ -24,7 +24,8 @@ void limit_matrix(const bat_mask *mask, double *matrix)
     }
 }
 
-/// Rounding of the weights, in units of epsilon, their count and the largest: limit points are well determined, tangents less.
+/// Rounding of the weights, in units of epsilon, their count and the largest: limit points are well determined, tangents
+/// less.
 #define POINT_ROUNDING 4.0
 #define TANGENT_ROUNDING 64.0
 

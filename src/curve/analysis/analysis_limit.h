@@ -18,8 +18,8 @@ static inline size_t limit_matrix_size(const bat_mask *mask)
 /// Entry (i, j) is mask(i - 2 j).
 void limit_matrix(const bat_mask *mask, double *matrix);
 
-/// Fill eigenvalues and eigenvectors of an analysis whose matrix is there. The eigenvalues 1, 1/2, … 2^(1 - n) that the factor
-/// (1 + z)^n brings are taken as exact; the others are those of the quotient's local matrix.
+/// Fill eigenvalues and eigenvectors of an analysis whose matrix is there. The eigenvalues 1, 1/2, … 2^(1 - n) that the
+/// factor (1 + z)^n brings are taken as exact; the others are those of the quotient's local matrix.
 bat_status limit_eigenvalues(const mask_symbol *symbol, bat_analysis *analysis, bat_error *error);
 
 /// The stencil of the limit at 0 of the index parametrization; weight -k is the basic limit function at the integer k. The

@@ -10,8 +10,8 @@
 /// BAT_OK or BAT_INVALID_ARGUMENT.
 bat_status analysis_check_options(const bat_analysis_options *options, bat_error *error);
 
-/// The two matrices by which a mask of count coefficients takes count - 1 (at least 1) neighbouring values to the next level:
-/// entry (r, c) of matrix e is mask(r - 2 c + count - 1 - e), with the mask's indices counted from 0.
+/// The two matrices by which a mask of count coefficients takes count - 1 (at least 1) neighbouring values to the next
+/// level: entry (r, c) of matrix e is mask(r - 2 c + count - 1 - e), with the mask's indices counted from 0.
 /// @param matrices a set of two with that dimension
 void smoothness_matrices(const bat_mask *mask, double *matrices);
 static inline size_t smoothness_dimension(const bat_mask *mask)
@@ -28,9 +28,9 @@ bat_status smoothness_radius(const bat_mask *mask, const bat_analysis_options *o
 /// Whether the subdivision operator of the mask times `factor` has powers of norm at most 1, looking at the first `depth`.
 bat_status smoothness_is_bounded(const bat_mask *mask, double factor, size_t depth, bool *bounded, bat_error *error);
 
-/// Whether the integer shifts of the basic limit function of (1 + z)^n quotient(z), n >= 1, are proven to be stable: there is
-/// a constant C with max |c_j| <= C max |sum c_j phi(x - j)| for all bounded c. The same is proven for every quotient whose
-/// coefficients differ in sum of moduli by at most `distance`.
+/// Whether the integer shifts of the basic limit function of (1 + z)^n quotient(z), n >= 1, are proven to be stable: there
+/// is a constant C with max |c_j| <= C max |sum c_j phi(x - j)| for all bounded c. The same is proven for every quotient
+/// whose coefficients differ in sum of moduli by at most `distance`.
 bool smoothness_is_stable(const bat_mask *quotient, double distance);
 
 #endif

@@ -2,15 +2,16 @@
 
 #include <math.h>
 
-// Integer shifts of phi are stable unless some z on the unit circle is a "zero": phi^(x + 2 pi k) = 0 for all integers k, where
-// z = exp(-i x). The refinement equation says: if z is a zero and w^2 = z, then a(w) = 0 or w is a zero, for both roots w. There
-// are finitely many zeros, and 1 is none. So when a has no two zeros w and -w on the circle, then every zero has exactly one
-// root that is a zero, and squaring permutes them; the zeros w form cycles of roots of unity of odd order, with a(-w) = 0
-// throughout. (Jia and Wang 1993, theorem 2, where the converse is proven too.)
+// Integer shifts of phi are stable unless some z on the unit circle is a "zero": phi^(x + 2 pi k) = 0 for all integers k,
+// where z = exp(-i x). The refinement equation says: if z is a zero and w^2 = z, then a(w) = 0 or w is a zero, for both
+// roots w. There are finitely many zeros, and 1 is none. So when a has no two zeros w and -w on the circle, then every zero
+// has exactly one root that is a zero, and squaring permutes them; the zeros w form cycles of roots of unity of odd order,
+// with a(-w) = 0 throughout. (Jia and Wang 1993, theorem 2, where the converse is proven too.)
 //
-// Both conditions are checked with the quotient q(z) = a(z) / (1 + z)^n on cells of the circle: a's other zeros, at z = -1, pair
-// with z = 1, where a is 2, and belong to the cycle of 1. A cell counts as free of zeros when |q| at its middle exceeds what q can
-// change within the cell. Doubling the angle takes cell c to the cells 2 c and 2 c + 1, so a cycle of zeros is a cycle in a graph.
+// Both conditions are checked with the quotient q(z) = a(z) / (1 + z)^n on cells of the circle: a's other zeros, at z = -1,
+// pair with z = 1, where a is 2, and belong to the cycle of 1. A cell counts as free of zeros when |q| at its middle exceeds
+// what q can change within the cell. Doubling the angle takes cell c to the cells 2 c and 2 c + 1, so a cycle of zeros is a
+// cycle in a graph.
 
 /// Cells of the circle, a power of two.
 #define CELLS 16384u
@@ -47,8 +48,8 @@ static bool has_symmetric_zeros(const bool *may_vanish)
     return false;
 }
 
-/// Whether cell `cell` of w may be on a cycle, given which others may: it needs one before it and one after it. The two cells
-/// that touch w = 1 may not follow themselves, since only w = 1 stays there.
+/// Whether cell `cell` of w may be on a cycle, given which others may: it needs one before it and one after it. The two
+/// cells that touch w = 1 may not follow themselves, since only w = 1 stays there.
 static bool keeps_company(const bool *alive, size_t cell)
 {
     const size_t after[2] = {2 * cell % CELLS, (2 * cell + 1) % CELLS};

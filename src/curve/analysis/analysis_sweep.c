@@ -315,8 +315,8 @@ static double derivative_at_minus_one(const bat_mask *mask, size_t j)
     return sum;
 }
 
-/// Where the family has more factors than elsewhere: the one parameter at which the first derivative of a at -1 that does not
-/// vanish for all of them does.
+/// Where the family has more factors than elsewhere: the one parameter at which the first derivative of a at -1 that does
+/// not vanish for all of them does.
 static bool exceptional_parameter(const sweep *s, const bat_mask *begin, const bat_mask *end, double *parameter)
 {
     const double left = derivative_at_minus_one(begin, s->factors);

@@ -20,9 +20,9 @@ bat_status symbol_make(const bat_mask *mask, mask_symbol *result, bat_error *err
 
 /// Divide by (1 + z)^n if that leaves nothing but rounding.
 ///
-/// The quotient's lower half is found from the low end and its upper half from the high end, where coefficients are small and
-/// exact; dividing across the middle would let rounding grow like a binomial. The remainder counts as rounding when, index by
-/// index, it is at most (16 + 2 n) epsilon times the coefficient of (1 + z)^n |quotient|(z).
+/// The quotient's lower half is found from the low end and its upper half from the high end, where coefficients are small
+/// and exact; dividing across the middle would let rounding grow like a binomial. The remainder counts as rounding when,
+/// index by index, it is at most (16 + 2 n) epsilon times the coefficient of (1 + z)^n |quotient|(z).
 bool symbol_divide(const bat_mask *mask, size_t n, bat_mask *quotient, double *remainder);
 
 /// a(z) / (1 + z)^order, the mask that refines differences of that order; `order` up to the multiplicity.

@@ -41,8 +41,8 @@ static const double *row(const bat_curve *curve, size_t index)
     return curve->points + index * curve->space->point_dim;
 }
 
-/// The disk: sinh^2(d(z, w) / 2) = |z - w|^2 / ((1 - |z|^2) (1 - |w|^2)), so that for a fixed z the nearest w is the one of least
-/// |z - w|^2 / (1 - |w|^2).
+/// The disk: sinh^2(d(z, w) / 2) = |z - w|^2 / ((1 - |z|^2) (1 - |w|^2)), so that for a fixed z the nearest w is the one of
+/// least |z - w|^2 / (1 - |w|^2).
 static bat_status disk_tree(const bat_curve *curve, nearest_tree *tree, bat_error *error)
 {
     double *weights = memory_array(curve->count, sizeof *weights);

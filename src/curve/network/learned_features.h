@@ -12,23 +12,23 @@
 ///
 ///     y_i = 2 d_i e_0 / max(e_(i-1) + e_i, e_0),
 ///
-/// which is how far a curve turns over the edge at the curvature that vertex i shows. (The bound matters at a vertex between two edges
-/// that together are shorter than this one.) The six-point rule in turns,
+/// which is how far a curve turns over the edge at the curvature that vertex i shows. (The bound matters at a vertex between
+/// two edges that together are shorter than this one.) The six-point rule in turns,
 ///
 ///     base = -(5 (y_0 + y_1) - (y_(-1) + y_2)) / 32,
 ///
-/// is the outward six-point rule of Ugail and Howard (2026, eq. 9 with mu = -1/4) where the edges are equally long, and gives an
-/// arc of constant curvature however long they are. A network adds to it at most
+/// is the outward six-point rule of Ugail and Howard (2026, eq. 9 with mu = -1/4) where the edges are equally long, and
+/// gives an arc of constant curvature however long they are. A network adds to it at most
 ///
 ///     scale = sqrt(t^2 + r^4) / (1 + r),
 ///
 /// with r the root mean square of the turns and t^2 the variance of the middle ones: an amount that falls by 4 with every
-/// level where the curvature is continuous, as the turns themselves fall by 2. So whatever the weights are, the rule comes near the
-/// six-point rule as the polygon becomes fine.
+/// level where the curvature is continuous, as the turns themselves fall by 2. So whatever the weights are, the rule comes
+/// near the six-point rule as the polygon becomes fine.
 ///
-/// A mirror image has the opposite turns, and so has the reversed polygon, in reversed order. What a network sees is sorted by
-/// what the two do to it (learn/klein.h, first the mirror, second mirror and reversal together, which exchanges the two ends of
-/// the edge and nothing else).
+/// A mirror image has the opposite turns, and so has the reversed polygon, in reversed order. What a network sees is sorted
+/// by what the two do to it (learn/klein.h, first the mirror, second mirror and reversal together, which exchanges the two
+/// ends of the edge and nothing else).
 
 #ifndef LEARNED_REACH
 #define LEARNED_REACH 4

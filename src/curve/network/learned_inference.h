@@ -23,8 +23,8 @@ typedef struct learned_scratch
     learned_features sights[LEARNED_ROWS];
 } learned_scratch;
 
-/// The insertion angles of `count` edges, positive to the left. Where weights are so large that numbers overflow on the way, the
-/// angle is that of the six-point rule.
+/// The insertion angles of `count` edges, positive to the left. Where weights are so large that numbers overflow on the way,
+/// the angle is that of the six-point rule.
 /// @param weights  the values of learned_network_make()'s parameters, in order
 /// @param angles   angles[j + i] is that of vertex i as edge j counts (learned_see()), lengths alike
 /// @param chosen   receives `count` angles; not limited to the admissible ones

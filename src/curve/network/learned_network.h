@@ -7,10 +7,11 @@
 /// @file
 /// The network of the shipped curve rule. Every layer commutes with mirror and reversal (learn/klein.h):
 ///
-///     linear, GELU;  blocks times x + [linear, GELU, linear](x);  GELU;  linear to one number that the mirror changes the sign of
+///     linear, GELU;  blocks times x + [linear, GELU, linear](x);  GELU;  linear to one number that the mirror changes the
+///     sign of
 ///
-/// What it gives, through tanh, is the share of learned_features.scale that is added to the six-point angle. The last layer begins
-/// at zero, so that training sets out from the six-point rule.
+/// What it gives, through tanh, is the share of learned_features.scale that is added to the six-point angle. The last layer
+/// begins at zero, so that training sets out from the six-point rule.
 
 #ifndef LEARNED_CHANNELS
 #define LEARNED_CHANNELS 64

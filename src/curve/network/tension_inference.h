@@ -6,7 +6,8 @@
 #include "learn/parameters.h"
 
 /// @file
-/// The network of src/curve/network/tension_network.h for inference alone: no tape, nothing allocated, any number of threads at once.
+/// The network of src/curve/network/tension_network.h for inference alone: no tape, nothing allocated, any number of threads
+/// at once.
 
 /// What follows a linear layer.
 typedef struct tension_norm
@@ -35,14 +36,15 @@ enum
     TENSION_INFERENCE_SCRATCH = 3 * TENSION_INFERENCE_ROWS * TENSION_WIDTH
 };
 
-/// Lay out weights as tension_network_make() or tension_network_make_plain() describes them, the latter with TENSION_FEATURES
-/// inputs, or with TENSION_SPACES more of which the edge's space is 1. Release it with tension_inference_free().
+/// Lay out weights as tension_network_make() or tension_network_make_plain() describes them, the latter with
+/// TENSION_FEATURES inputs, or with TENSION_SPACES more of which the edge's space is 1. Release it with
+/// tension_inference_free().
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status tension_inference_make(const learn_parameters *parameters, tension_inference *network, bat_error *error);
 void tension_inference_free(tension_inference *network);
 
-/// The insertion angles of `count` edges in one space. Where weights are so large that numbers overflow on the way, the angle
-/// is 0: every angle is within TENSION_ANGLE_LIMIT.
+/// The insertion angles of `count` edges in one space. Where weights are so large that numbers overflow on the way, the
+/// angle is 0: every angle is within TENSION_ANGLE_LIMIT.
 /// @param space    curvature + 1
 /// @param features rows of TENSION_FEATURES, with room for learn_whole_tiles(count) rows; the rows behind the last are
 ///                 overwritten

@@ -66,10 +66,11 @@ bat_status tension_network_make_embedded(tension_embedding embedding, learn_para
 /// embedding.
 void tension_network_start(learn_parameters *parameters, uint64_t seed);
 
-/// The angles of a batch of edges, rows x 1. The tape must have begun with the network's parameters. Dropout drops if the tape
-/// says so.
+/// The angles of a batch of edges, rows x 1. The tape must have begun with the network's parameters. Dropout drops if the
+/// tape says so.
 /// @param features rows x TENSION_FEATURES, or as many columns as a network without embedding has inputs
-/// @param spaces for each row curvature + 1; must stay until the step was differentiated; null for a network without embedding
+/// @param spaces for each row curvature + 1; must stay until the step was differentiated; null for a network without
+/// embedding
 learn_array *tension_network_angles(learn_tape *tape, learn_array *features, const uint32_t *spaces);
 
 #endif

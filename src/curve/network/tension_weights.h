@@ -12,7 +12,8 @@
 bool tension_weights_prefix(const safetensors *content, const char *wanted, const char **prefix);
 
 /// The weights in a file's content.
-/// @param parameters receives the weights, laid out as tension_network_make_embedded() does; release it with learn_parameters_free()
+/// @param parameters receives the weights, laid out as tension_network_make_embedded() does; release it with
+/// learn_parameters_free()
 /// @param embedding  receives which of the networks it is
 bat_status tension_weights_take(const safetensors *content, learn_parameters *parameters, tension_embedding *embedding,
                                 bat_error *error);

@@ -15,7 +15,8 @@ double colour_decode(double encoded);
 
 /// The height of a bar with its numbers and label.
 double colour_bar_height(void);
-/// Draw the scale from low to high, centred in the box (x, y, width, height): a bar, round numbers below it, the label beside.
+/// Draw the scale from low to high, centred in the box (x, y, width, height): a bar, round numbers below it, the label
+/// beside.
 void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label, const double box[4]);
 
 #endif

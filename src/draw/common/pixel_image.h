@@ -19,8 +19,8 @@ typedef struct pixel_box
 /// The image that fits a box (x, y, width, height); its pixels lie on the paper's, where that has any.
 pixel_box pixel_box_align(cairo_t *cairo, double per_point, const double box[4]);
 
-/// Fills pixels of four bytes, cairo's ARGB32 (premultiplied, in the machine's order), each row `stride` bytes after the one before. They
-/// are transparent before.
+/// Fills pixels of four bytes, cairo's ARGB32 (premultiplied, in the machine's order), each row `stride` bytes after the one
+/// before. They are transparent before.
 typedef bat_status pixel_painter(const void *context, unsigned char *pixels, size_t stride, bat_error *error);
 
 /// Have an image painted and put it on paper.

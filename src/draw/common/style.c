@@ -2,8 +2,8 @@
 
 #include "batten/curve_picture.h"
 
-/// The palette of Okabe and Ito, "Color Universal Design" (2008), which readers with any colour vision tell apart, in an order
-/// that puts the darkest first; yellow is left out because it vanishes on white.
+/// The palette of Okabe and Ito, "Color Universal Design" (2008), which readers with any colour vision tell apart, in an
+/// order that puts the darkest first; yellow is left out because it vanishes on white.
 static const draw_colour palette[BAT_PICTURE_COLOURS] = {
     {0.000, 0.447, 0.698}, // blue
     {0.835, 0.369, 0.000}, // vermilion

@@ -4,8 +4,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// Cairo numbers the surfaces of a process and writes the numbers into SVG as names. Number them from 1 in the order in which they appear
-/// there, so that equal pictures are equal files.
+/// Cairo numbers the surfaces of a process and writes the numbers into SVG as names. Number them from 1 in the order in
+/// which they appear there, so that equal pictures are equal files.
 /// @param data from malloc(); may move
 /// @return false without memory; the file is then as it was
 bool svg_renumber(unsigned char **data, size_t *size);

@@ -24,7 +24,8 @@ void text_draw(cairo_t *cairo, const char *text, double x, double y, double alig
 void text_draw_middle(cairo_t *cairo, const char *text, double x, double y, double align);
 /// Draw centred at (x, y) in the current colour, smaller or cut with an ellipsis where it is wider than `width`.
 void text_draw_fitted(cairo_t *cairo, const char *text, double size, bool bold, double x, double y, double width);
-/// Copy `text` into `buffer` of `capacity` bytes, cut with an ellipsis so that it is at most `width` wide in the current font.
+/// Copy `text` into `buffer` of `capacity` bytes, cut with an ellipsis so that it is at most `width` wide in the current
+/// font.
 void text_cut(cairo_t *cairo, const char *text, double width, char *buffer, size_t capacity);
 
 /// The height of digits of a font of that size, for centring.

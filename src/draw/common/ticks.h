@@ -33,13 +33,13 @@ typedef struct tick_list
 
 /// Multiples of 1, 2 or 5 times a power of ten within [low, high], about `wanted` of them.
 tick_list ticks_linear(double low, double high, double wanted);
-/// What to leave out of the labels from low to high: a round number where all of them agree in many digits, and a power of ten,
-/// a multiple of three, where they are very large or very small.
+/// What to leave out of the labels from low to high: a round number where all of them agree in many digits, and a power of
+/// ten, a multiple of three, where they are very large or very small.
 tick_scale ticks_scale(double low, double high);
 /// Leave it out of linear ticks.
 void ticks_use_scale(tick_list *ticks, tick_scale scale);
-/// What to put beside an axis with such labels: "×10⁻⁶", "+1000000", "×10³ − 5000000"; "" where nothing is left out. `text` has room for
-/// TICK_SCALE_SIZE.
+/// What to put beside an axis with such labels: "×10⁻⁶", "+1000000", "×10³ − 5000000"; "" where nothing is left out. `text`
+/// has room for TICK_SCALE_SIZE.
 void tick_scale_text(tick_scale scale, char *text);
 /// Ticks of a logarithmic axis: powers of ten, multiples of these where few powers fit; 0 < low < high.
 tick_list ticks_logarithmic(double low, double high, double wanted);

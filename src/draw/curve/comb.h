@@ -17,14 +17,13 @@ typedef struct comb
     size_t point_dim;
     size_t count;
     bool closed;
-    double *points; ///< count x point_dim: the vertices
-    double
-        *vectors; ///< count x point_dim: minus the curvature vectors. In the disk: in the frame that the Möbius translation
-                  ///< from the origin brings
+    double *points;  ///< count x point_dim: the vertices
+    double *vectors; ///< count x point_dim: minus the curvature vectors. In the disk: in the frame that the Möbius
+                     ///< translation from the origin brings
 } comb;
 
-/// The comb of a curve that was checked; release it with comb_free(). Closed curves of fewer than 3 and open ones of fewer than
-/// 3 points have no teeth.
+/// The comb of a curve that was checked; release it with comb_free(). Closed curves of fewer than 3 and open ones of fewer
+/// than 3 points have no teeth.
 bat_status comb_make(const bat_curve *curve, comb *teeth, bat_error *error);
 void comb_free(comb *teeth);
 

@@ -9,8 +9,8 @@
 /// @file
 /// Lines so rough that they cover paper rather than run across it, by the cells they visit.
 ///
-/// A wide pen that follows a line leaves nearly the same ink as the pen put on every cell of a fine grid that the line visits,
-/// however many points the line has.
+/// A wide pen that follows a line leaves nearly the same ink as the pen put on every cell of a fine grid that the line
+/// visits, however many points the line has.
 
 /// The side of a cell. A point of the line is at most 0.2 points from the middle of a cell that is kept: half a diagonal and
 /// half a step along the line, (sqrt(1/2) + 1/8) 0.23.

@@ -5,10 +5,10 @@
 
 static const double TURN = 6.28318530717958647693;
 
-/// The tiling {5, 4} of the hyperbolic plane: regular pentagons with right angles, four around each vertex (Coxeter 1957). Its
-/// edges join up to whole geodesics, which are the images of the five sides of one pentagon under the reflections in these.
-/// A geodesic is kept as its unit normal n in Minkowski space, x x' + y y' - t t' = 1, t > 0: in the disk it is the arc of the
-/// circle with centre (x, y) / t and radius 1 / t.
+/// The tiling {5, 4} of the hyperbolic plane: regular pentagons with right angles, four around each vertex (Coxeter 1957).
+/// Its edges join up to whole geodesics, which are the images of the five sides of one pentagon under the reflections in
+/// these. A geodesic is kept as its unit normal n in Minkowski space, x x' + y y' - t t' = 1, t > 0: in the disk it is the
+/// arc of the circle with centre (x, y) / t and radius 1 / t.
 #define SIDES 5
 #define MOST_GEODESICS 2048
 #define SMALLEST_RADIUS 0.045
@@ -69,8 +69,8 @@ static void make_tiling(tiling *made)
     }
 }
 
-/// Add the arc inside the disk to the path. Its ends on the rim are seen from the centre (x, y) / t under the angle whose tangent
-/// is t, on either side of the direction to the origin.
+/// Add the arc inside the disk to the path. Its ends on the rim are seen from the centre (x, y) / t under the angle whose
+/// tangent is t, on either side of the direction to the origin.
 static void add_arc(cairo_t *cairo, const draw_view *view, geodesic g)
 {
     double facing = atan2(g.y, -g.x); // towards the origin, on paper, where y points down

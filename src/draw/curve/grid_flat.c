@@ -158,8 +158,8 @@ static void axis_name(cairo_t *cairo, const draw_view *view, const scene_frame *
     text_draw_middle(cairo, names[axis], ends[0] + 0.5 * dx + away * side_x, ends[1] + 0.5 * dy + away * side_y, 0.5);
 }
 
-/// The edges at the lowest, farthest corner are drawn whole, the others fainter. Seen from azimuth -62 degrees above, x runs to
-/// the right at the near low edge, y into the depth on the right, z upwards on the left.
+/// The edges at the lowest, farthest corner are drawn whole, the others fainter. Seen from azimuth -62 degrees above, x runs
+/// to the right at the near low edge, y into the depth on the right, z upwards on the left.
 void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
     for (unsigned corner = 0; corner < 8; corner++)

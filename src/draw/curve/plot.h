@@ -10,7 +10,8 @@
 /// @file
 /// One chart on paper.
 
-/// An axis: numbers (their decimal logarithms when `logarithmic`) from low to high along paper coordinates from start to end.
+/// An axis: numbers (their decimal logarithms when `logarithmic`) from low to high along paper coordinates from start to
+/// end.
 typedef struct plot_axis
 {
     double low, high;

@@ -8,8 +8,8 @@
 /// Spaces that are drawn by way of another: what stands on paper for curves of rotations, rigid motions and the hyperboloid.
 ///
 /// A rotation becomes its moving frame: the columns of its matrix are three curves on the sphere, and at control points the
-/// frame is the triangle between them. A rigid motion becomes the path of the body's origin in R^3, with the body's axes along it.
-/// The hyperboloid of dimension 2 becomes the disk.
+/// frame is the triangle between them. A rigid motion becomes the path of the body's origin in R^3, with the body's axes
+/// along it. The hyperboloid of dimension 2 becomes the disk.
 
 /// A panel in another space. `lines[i]` is how layer i is drawn; of width 0: as its role has it.
 typedef struct proxy

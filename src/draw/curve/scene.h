@@ -46,8 +46,8 @@ void scene_free(scene *made);
 
 /// Check what pictures and charts share: size, resolution, title.
 bat_status scene_check_options(const bat_curve_picture_options *options, bat_error *error);
-/// The number of panels in a row for `count` panels: when the caller leaves it open, up to five, but of a prescribed width every
-/// one gets at least `least`.
+/// The number of panels in a row for `count` panels: when the caller leaves it open, up to five, but of a prescribed width
+/// every one gets at least `least`.
 size_t scene_columns(const bat_curve_picture_options *options, size_t count, double least);
 
 /// Whether anything of a layer is drawn.

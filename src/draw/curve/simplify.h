@@ -14,12 +14,12 @@ typedef struct path_sink
     void *context;
 } path_sink;
 
-/// Thins a path in one pass with constant memory. Kept points are points of the path; the first and last of every sub-path are
-/// kept; no dropped point is farther than `tolerance` from the line drawn in its place.
+/// Thins a path in one pass with constant memory. Kept points are points of the path; the first and last of every sub-path
+/// are kept; no dropped point is farther than `tolerance` from the line drawn in its place.
 ///
 /// From the last kept point (the anchor) the simplifier follows the wedge of directions that pass all points since within
-/// half the tolerance. A point that leaves the wedge, or turns back, makes its predecessor the next anchor. (The idea of Imai
-/// and Iri's sector intersections, run greedily.)
+/// half the tolerance. A point that leaves the wedge, or turns back, makes its predecessor the next anchor. (The idea of
+/// Imai and Iri's sector intersections, run greedily.)
 typedef struct path_simplifier
 {
     path_sink sink;

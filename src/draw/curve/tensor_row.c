@@ -115,8 +115,8 @@ static void turn(const draw_view *view, ellipsoid *drawn)
     }
 }
 
-/// The symmetric root of the outline's matrix, which is the sum of (a_x, a_y)^T (a_x, a_y) over the semi-axes a: it brings the
-/// unit circle to the outline, and up nearly upwards.
+/// The symmetric root of the outline's matrix, which is the sum of (a_x, a_y)^T (a_x, a_y) over the semi-axes a: it brings
+/// the unit circle to the outline, and up nearly upwards.
 static void outline_of(const ellipsoid *drawn, double root[3])
 {
     double xx = THINNEST * THINNEST;
@@ -171,8 +171,8 @@ static void fill_outline(cairo_t *cairo, const double root[3], double scale, dou
     cairo_pattern_destroy(ball);
 }
 
-/// The front half of the principal ellipse of semi-axes a and b: where a cos t + b sin t has a normal towards the eye, which is
-/// where the same of a/|a|^2 and b/|b|^2 points there.
+/// The front half of the principal ellipse of semi-axes a and b: where a cos t + b sin t has a normal towards the eye, which
+/// is where the same of a/|a|^2 and b/|b|^2 points there.
 static void trace_front(cairo_t *cairo, const double *a, const double *b, double scale, double x, double y)
 {
     enum

@@ -6,8 +6,8 @@
 #include <cairo.h>
 
 /// @file
-/// Curves of symmetric positive-definite matrices A as rows of ellipses or ellipsoids {x: x^T A^-1 x = 1}, whose semi-axes are the
-/// square roots of the eigenvalues: a row for every layer, the share of the way along the curve to the right.
+/// Curves of symmetric positive-definite matrices A as rows of ellipses or ellipsoids {x: x^T A^-1 x = 1}, whose semi-axes
+/// are the square roots of the eigenvalues: a row for every layer, the share of the way along the curve to the right.
 
 /// Make room in a frame for the rows of a panel.
 /// @return BAT_OK, or BAT_NO_CONVERGENCE where eigenvalues cannot be computed

@@ -37,8 +37,8 @@ typedef enum view_side
 } view_side;
 
 /// A view turns a point into coordinates (u, v), u to the right and v upwards, and these into paper coordinates
-/// (origin_x + scale u, origin_y - scale v). On the globe and the disk u and v run from -1 to 1, on the map they are longitude
-/// and latitude.
+/// (origin_x + scale u, origin_y - scale v). On the globe and the disk u and v run from -1 to 1, on the map they are
+/// longitude and latitude.
 typedef struct draw_view
 {
     view_kind kind;
@@ -83,8 +83,8 @@ static inline double view_y(const draw_view *view, double v)
 }
 
 /// Draw the geodesic polyline through `count` points: the part on one side of a globe, cut at the limb; the whole elsewhere,
-/// on a map cut at the antimeridian. VIEW_BACK draws nothing where there is no back. `closed` adds the edge from the last point
-/// to the first.
+/// on a map cut at the antimeridian. VIEW_BACK draws nothing where there is no back. `closed` adds the edge from the last
+/// point to the first.
 void view_trace(const draw_view *view, const double *points, size_t count, bool closed, view_side side,
                 path_simplifier *path);
 

@@ -22,8 +22,8 @@ static void trace_arc(const draw_view *view, const double *centre, const double 
     simplifier_line(path, view_x(view, q[0]), view_y(view, q[1]));
 }
 
-/// The geodesic from p to q, without p: the arc of the circle through both that is orthogonal to the rim. Its centre c solves
-/// 2 <c, p> = 1 + |p|^2 and 2 <c, q> = 1 + |q|^2.
+/// The geodesic from p to q, without p: the arc of the circle through both that is orthogonal to the rim. Its centre c
+/// solves 2 <c, p> = 1 + |p|^2 and 2 <c, q> = 1 + |q|^2.
 static void trace_geodesic(const draw_view *view, const double *p, const double *q, path_simplifier *path)
 {
     double chord = hypot(q[0] - p[0], q[1] - p[1]);

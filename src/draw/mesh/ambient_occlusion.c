@@ -31,7 +31,8 @@ static void spread_taps(tap_list *taps)
         }
 }
 
-/// How much one place above the surface's plane takes away: the more, the steeper it is seen, and nothing from beyond the reach.
+/// How much one place above the surface's plane takes away: the more, the steeper it is seen, and nothing from beyond the
+/// reach.
 static double shadow_of(const hollow_picture *picture, size_t here, size_t there, double across, double down)
 {
     double depth = picture->depths[there];

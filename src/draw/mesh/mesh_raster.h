@@ -27,8 +27,8 @@ void mesh_raster_free(mesh_raster *raster);
 /// @param marks columns x rows, row by row
 void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, double width, unsigned char *marks);
 
-/// The barycentric coordinates of a point of the raster's plane in a face as it is seen. Points of a face's samples are within it
-/// but for rounding; faces seen from their edge give whatever adds up to 1.
+/// The barycentric coordinates of a point of the raster's plane in a face as it is seen. Points of a face's samples are
+/// within it but for rounding; faces seen from their edge give whatever adds up to 1.
 void mesh_raster_locate(const mesh_raster *raster, const uint32_t corners[3], double x, double y, double barycentric[3]);
 
 #endif

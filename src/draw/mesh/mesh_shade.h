@@ -21,8 +21,8 @@ typedef struct shade_task
     int threads;
 } shade_task;
 
-/// Draw into pixels of four bytes, cairo's ARGB32 (premultiplied, in the machine's order), each row `stride` bytes after the one
-/// before.
+/// Draw into pixels of four bytes, cairo's ARGB32 (premultiplied, in the machine's order), each row `stride` bytes after the
+/// one before.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stride, bat_error *error);
 

@@ -12,7 +12,8 @@ typedef struct mesh_surface
     unsigned char *marks; ///< face_count: bit c is set where the edge from corner c has no other face
 } mesh_surface;
 
-/// @param flat every corner has its face's normal; else the mean of the faces at its vertex, weighted by area, whose normals differ
+/// @param flat every corner has its face's normal; else the mean of the faces at its vertex, weighted by area, whose normals
+/// differ
 ///             by less than 40 degrees from it
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_surface_make(const bat_mesh *mesh, bool flat, int threads, mesh_surface *surface, bat_error *error);

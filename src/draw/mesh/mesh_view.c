@@ -4,7 +4,8 @@
 
 #define DEGREE 0.017453292519943295
 
-/// The automatic view is so far beside the direction that sees most, so far above the horizon, and farther above flat meshes.
+/// The automatic view is so far beside the direction that sees most, so far above the horizon, and farther above flat
+/// meshes.
 #define BESIDE (35 * DEGREE)
 #define ABOVE (18 * DEGREE)
 #define FAR_ABOVE (42 * DEGREE)

@@ -13,11 +13,12 @@
 
 /// The share of its frame that a cloud fills, as a guess.
 #define FILLED_SHARE 0.65
-/// Dots that show errors are so many times as large as a cloud's, and stand out from white paper by an edge of so many points.
+/// Dots that show errors are so many times as large as a cloud's, and stand out from white paper by an edge of so many
+/// points.
 #define ERROR_GROWTH 1.25
 #define ERROR_EDGE 0.4
-/// A dot lies behind others when one in its cell, so many of its diameters wide, is nearer to the eye by more than a share of the picture
-/// and more than a steep surface falls within a cell; it fades over another share.
+/// A dot lies behind others when one in its cell, so many of its diameters wide, is nearer to the eye by more than a share
+/// of the picture and more than a steep surface falls within a cell; it fades over another share.
 #define CELL_DIAMETERS 2.2
 #define BEHIND_FROM 0.025
 #define BEHIND_FADE 0.065

@@ -7,8 +7,8 @@
 /// @file
 /// A spline surface as triangles to be shaded.
 
-/// The vertices are an even grid of parameters, fine enough for the surface's finest cells but no finer than pictures show, the boundary's
-/// first, counter-clockwise from (0, 0).
+/// The vertices are an even grid of parameters, fine enough for the surface's finest cells but no finer than pictures show,
+/// the boundary's first, counter-clockwise from (0, 0).
 /// @param mesh       receives the triangles; release it with bat_mesh_free()
 /// @param loop_count receives the number of vertices on the boundary
 /// @return BAT_OK, what bat_spline_surface_evaluate() returns, or BAT_NO_MEMORY

@@ -14,9 +14,10 @@ typedef struct patch_points
     size_t loop_count; ///< the first points, in order around the boundary; 0 when it is not known
 } patch_points;
 
-/// A view from a direction, with a direction upwards. Zeros leave it open: the eye is then a little above and beside the mean normal, on
-/// the side to which the patch bulges out of its boundary; across the broad side of a patch that nearly closes or whose boundary is not
-/// known; and on the side to which it leans where it is as deep as a head above its neck. Upwards is z, or y where the patch faces z.
+/// A view from a direction, with a direction upwards. Zeros leave it open: the eye is then a little above and beside the
+/// mean normal, on the side to which the patch bulges out of its boundary; across the broad side of a patch that nearly
+/// closes or whose boundary is not known; and on the side to which it leans where it is as deep as a head above its neck.
+/// Upwards is z, or y where the patch faces z.
 mesh_view surface_view_of(const patch_points *patch, const double direction[3], const double up[3]);
 
 /// The smallest frame of what is seen of points.

@@ -18,8 +18,8 @@ bat_status sink_write(text_sink *sink, const text_buffer *text, bat_error *error
 /// Appends the text of block number `block` to a buffer.
 typedef bat_status block_format(const void *context, size_t block, text_buffer *text, bat_error *error);
 
-/// Format `count` blocks on several threads and write them in order; the bytes do not depend on the number of threads. After a
-/// failure, which is the one of the first block that failed, nothing more is written.
+/// Format `count` blocks on several threads and write them in order; the bytes do not depend on the number of threads. After
+/// a failure, which is the one of the first block that failed, nothing more is written.
 bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format *format, const void *context,
                         bat_error *error);
 

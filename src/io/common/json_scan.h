@@ -3,8 +3,8 @@
 
 #include "batten/base.h"
 
-/// Find one's way in JSON text without parsing it. Only brackets, quotes and commas are looked at, save by json_scan_numbers();
-/// it is for a parser to decide whether the whole is JSON. Every function first goes behind blanks.
+/// Find one's way in JSON text without parsing it. Only brackets, quotes and commas are looked at, save by
+/// json_scan_numbers(); it is for a parser to decide whether the whole is JSON. Every function first goes behind blanks.
 typedef struct json_scanner
 {
     const char *at, *end; ///< the byte at `end` is readable
@@ -26,8 +26,8 @@ bool json_scan_is(const json_scanner *scan, const char *text);
 /// Go behind the value that begins here: to the end of its brackets, or to the comma or bracket that follows a plain value.
 bool json_scan_value(json_scanner *scan);
 
-/// Inside an array whose opening bracket was taken and of which `index` elements were passed: go to the next. False, and behind
-/// the array's end, when there is none.
+/// Inside an array whose opening bracket was taken and of which `index` elements were passed: go to the next. False, and
+/// behind the array's end, when there is none.
 bool json_scan_element(json_scanner *scan, size_t index);
 
 /// Go behind the array that begins here if it is right JSON and holds nothing but numbers and arrays, at most `depth` deep.

@@ -5,8 +5,8 @@
 
 #include <jansson.h>
 
-/// Append a JSON value in compact form. Members keep their order, real numbers have as few digits as bring back the same double,
-/// text is UTF-8. Unlike json_dumps() it may run on several threads for the same value.
+/// Append a JSON value in compact form. Members keep their order, real numbers have as few digits as bring back the same
+/// double, text is UTF-8. Unlike json_dumps() it may run on several threads for the same value.
 void json_text(text_buffer *text, const json_t *value);
 
 /// Append a JSON string with its quotes.

@@ -110,8 +110,8 @@ static int leading_digits(double value)
     return digits;
 }
 
-/// Shortest digits of 1e-5 <= value < 1e15 by exact integers. With value = m 2^-s and N = m 10^k, a decimal c 10^-k is read back
-/// as the value when |c 2^s - N| < 10^k / 2, half a unit in the last place (half of that below a power of two).
+/// Shortest digits of 1e-5 <= value < 1e15 by exact integers. With value = m 2^-s and N = m 10^k, a decimal c 10^-k is read
+/// back as the value when |c 2^s - N| < 10^k / 2, half a unit in the last place (half of that below a power of two).
 static char *write_fraction(char *out, double value)
 {
     int exponent;
@@ -238,8 +238,8 @@ static const char *scan_decimal(const char *at, const char *end, decimal *number
     return at < end && (*at == 'e' || *at == 'E') ? scan_exponent(at + 1, end, number) : at;
 }
 
-/// The digits as an integer and an exponent, which strtod() reads alike in every locale. No number between two doubles that is
-/// halfway has more than 767 digits, so that of those beyond it only matters whether one is not zero.
+/// The digits as an integer and an exponent, which strtod() reads alike in every locale. No number between two doubles that
+/// is halfway has more than 767 digits, so that of those beyond it only matters whether one is not zero.
 static double convert_long(const char *at, const char *end, const decimal *number)
 {
     enum
@@ -275,8 +275,8 @@ static double scale_by_two(uint64_t mantissa, int exponent)
     return (double)mantissa * power;
 }
 
-/// `mantissa` * 10^exponent for -27 <= exponent <= 27, by exact integers: at least 62 bits of the product or quotient with 5^27,
-/// the last one set where anything is left over, round as the whole.
+/// `mantissa` * 10^exponent for -27 <= exponent <= 27, by exact integers: at least 62 bits of the product or quotient with
+/// 5^27, the last one set where anything is left over, round as the whole.
 static double convert_wide(uint64_t mantissa, int exponent)
 {
     static const uint64_t fives[WIDE_POWER + 1] = {1,

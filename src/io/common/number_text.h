@@ -20,12 +20,12 @@ char *number_write_fixed(char *out, int64_t units, int decimals);
 /// 10^decimals, 0 <= decimals <= 18.
 int64_t number_power_of_ten(int decimals);
 
-/// Read the decimal number that fills the text from `begin` to `end`, rounded to the nearest double. Null when it is one, else
-/// a few words that say why not. Hexadecimal, "nan" and "inf" are not numbers.
+/// Read the decimal number that fills the text from `begin` to `end`, rounded to the nearest double. Null when it is one,
+/// else a few words that say why not. Hexadecimal, "nan" and "inf" are not numbers.
 const char *number_read(const char *begin, const char *end, double *value);
 
-/// Read the decimal number that the text from `begin` to `end` begins with; returns where it ends, or null when the text begins
-/// with none, or with one too large.
+/// Read the decimal number that the text from `begin` to `end` begins with; returns where it ends, or null when the text
+/// begins with none, or with one too large.
 const char *number_scan(const char *begin, const char *end, double *value);
 
 /// True when the text begins as something strtod() reads, right or wrong: what decides between a header and a bad number.

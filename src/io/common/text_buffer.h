@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-/// Bytes that grow at the end. All zero: empty. After an allocation fails, `failed` stays set and nothing more is added, so that
-/// a writer checks once at its end.
+/// Bytes that grow at the end. All zero: empty. After an allocation fails, `failed` stays set and nothing more is added, so
+/// that a writer checks once at its end.
 typedef struct text_buffer
 {
     char *data;
@@ -15,7 +15,8 @@ typedef struct text_buffer
     bool failed;
 } text_buffer;
 
-/// Room for `size` more bytes at the end, which may be 0, or null when out of memory. What is written there counts once text_advance() was called.
+/// Room for `size` more bytes at the end, which may be 0, or null when out of memory. What is written there counts once
+/// text_advance() was called.
 static inline char *text_reserve(text_buffer *buffer, size_t size)
 {
     void *data = buffer->data;

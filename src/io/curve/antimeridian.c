@@ -138,8 +138,8 @@ static double chord_angle(const double *p, const double *q)
     return 2.0 * atan2(sqrt(difference), sqrt(sum));
 }
 
-/// Where the arc from a vertex to the next meets the meridian, seen from the vertex's side. The point of the plane y = 0 on the
-/// arc from p to q is along |y_q| p + |y_p| q.
+/// Where the arc from a vertex to the next meets the meridian, seen from the vertex's side. The point of the plane y = 0 on
+/// the arc from p to q is along |y_q| p + |y_p| q.
 static globe_position crossing(const degree_grid *grid, const globe_curve *curve, size_t index)
 {
     if (on_meridian(grid, curve->shown[index]))

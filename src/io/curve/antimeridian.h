@@ -62,8 +62,8 @@ static inline size_t globe_line_begin(const globe_lines *lines, size_t line)
 
 globe_position globe_curve_position(const globe_curve *curve, size_t index);
 
-/// Add the pieces of a curve that crosses the meridian: each begins and ends at the crossing point, which both sides have, save
-/// for the two ends of an open curve.
+/// Add the pieces of a curve that crosses the meridian: each begins and ends at the crossing point, which both sides have,
+/// save for the two ends of an open curve.
 void globe_curve_cut(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces);
 
 #endif

@@ -36,8 +36,8 @@ typedef struct motion_channels
     size_t velocity_count; ///< 0 without velocities
 } motion_channels;
 
-/// Find times and velocities among the columns after the `coordinates` that make a point. `form` may be null: there are no velocities
-/// then.
+/// Find times and velocities among the columns after the `coordinates` that make a point. `form` may be null: there are no
+/// velocities then.
 void csv_columns_channels(const csv_columns *columns, size_t coordinates, const point_form *form, motion_channels *channels);
 
 #endif

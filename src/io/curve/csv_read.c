@@ -132,8 +132,8 @@ static bool name_tum_columns(csv_reader *reader)
     return csv_columns_name(&reader->attributes->csv, fields, TUM_COLUMNS);
 }
 
-/// Whether a form is meant although no space is named: names of quaternions and matrices are unmistakable; those of flat spaces change
-/// something only beside times or velocities.
+/// Whether a form is meant although no space is named: names of quaternions and matrices are unmistakable; those of flat
+/// spaces change something only beside times or velocities.
 static bool is_implied(const csv_reader *reader, const point_form *form, bool named)
 {
     motion_channels channels;

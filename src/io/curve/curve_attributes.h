@@ -19,8 +19,8 @@ typedef struct csv_columns
     size_t altitude;        ///< the channel that is the altitude, or BAT_NO_INDEX
 } csv_columns;
 
-/// A GeoJSON geometry whose positions became curves. In the tree that stays, its "coordinates" are the geometry's index among
-/// those of its feature.
+/// A GeoJSON geometry whose positions became curves. In the tree that stays, its "coordinates" are the geometry's index
+/// among those of its feature.
 typedef struct geojson_geometry
 {
     size_t curve;         ///< its first curve, among those of its feature

@@ -95,8 +95,8 @@ void builder_drop_last(curve_builder *builder)
         builder->line_count--;
 }
 
-/// Take `count` values out of the builder's array: a copy of a few; for many the array itself, so that they are not in memory
-/// twice. Null when out of memory.
+/// Take `count` values out of the builder's array: a copy of a few; for many the array itself, so that they are not in
+/// memory twice. Null when out of memory.
 static double *take_doubles(double **values, size_t *capacity, size_t count)
 {
     enum

@@ -22,8 +22,8 @@ typedef struct curve_builder
     size_t line_count, line_capacity;
 } curve_builder;
 
-/// Room for one more point of the current curve with `channel_count` channels, which is the same for all points of a curve; null
-/// when out of memory. The caller fills `point`, `*channels` and then calls builder_admit().
+/// Room for one more point of the current curve with `channel_count` channels, which is the same for all points of a curve;
+/// null when out of memory. The caller fills `point`, `*channels` and then calls builder_admit().
 double *builder_next(curve_builder *builder, size_t channel_count, double **channels);
 
 /// Check or project the point that builder_next() gave room for and count it. Null when it is good, else why not.
@@ -32,8 +32,8 @@ const char *builder_admit(curve_builder *builder);
 /// Remember the line of the last point. False when out of memory.
 bool builder_line(curve_builder *builder, size_t line);
 
-/// Give the quaternions of the current curve, where its points have any, the signs that are nearest to the ones before: q and -q are the
-/// same rotation.
+/// Give the quaternions of the current curve, where its points have any, the signs that are nearest to the ones before: q
+/// and -q are the same rotation.
 void builder_continue_signs(curve_builder *builder);
 
 /// Whether the last point of the current curve repeats the first, channels included, but not the sign of a quaternion.

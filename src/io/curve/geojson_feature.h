@@ -31,8 +31,8 @@ typedef struct geojson_reader
 /// A reader at the beginning of a file that is not a collection.
 geojson_reader geojson_reader_start(const bat_space *space, const bat_curve_read_options *options, bat_error *error);
 
-/// Parse JSON that begins on a line of the file, and lift the coordinates out of it, so that the text must stay until they are
-/// read. Null after a failure, which the reader's error tells.
+/// Parse JSON that begins on a line of the file, and lift the coordinates out of it, so that the text must stay until they
+/// are read. Null after a failure, which the reader's error tells.
 json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end, size_t first_line);
 
 /// Read a feature, or a geometry that stands for one, from what geojson_parse() gave last. The reader's document takes the

@@ -14,8 +14,8 @@ typedef struct geojson_style
     size_t altitude;  ///< the channel that is the third number, or BAT_NO_INDEX
 } geojson_style;
 
-/// Curves that make up one geometry, ready to be written. All zero: empty. One shape serves many geometries in turn and keeps its
-/// memory.
+/// Curves that make up one geometry, ready to be written. All zero: empty. One shape serves many geometries in turn and
+/// keeps its memory.
 typedef struct geojson_shape
 {
     const char *type; ///< the geometry's type in the file
@@ -32,8 +32,8 @@ typedef struct geojson_shape
     globe_polygons parts; ///< of polygons
 } geojson_shape;
 
-/// Make lines ready: `type` is "LineString" or "MultiLineString", what it was before the meridian cuts it. `first` is the index
-/// of the first curve, for messages.
+/// Make lines ready: `type` is "LineString" or "MultiLineString", what it was before the meridian cuts it. `first` is the
+/// index of the first curve, for messages.
 /// @return BAT_OK, BAT_INVALID_POINT, BAT_UNSUPPORTED (too few points) or BAT_NO_MEMORY
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error);

@@ -7,9 +7,9 @@ typedef struct border_crossing
     size_t ending, beginning; ///< the chains
 } border_crossing;
 
-/// The pieces of all rings that cross the meridian, and how they are joined along it. Where the interior touches the meridian, it
-/// does so on both sides between the same latitudes. So the crossings, sorted by latitude, bound it in pairs; one that is left
-/// alone bounds it together with a pole.
+/// The pieces of all rings that cross the meridian, and how they are joined along it. Where the interior touches the
+/// meridian, it does so on both sides between the same latitudes. So the crossings, sorted by latitude, bound it in pairs;
+/// one that is left alone bounds it together with a pole.
 typedef struct border
 {
     globe_lines chains;

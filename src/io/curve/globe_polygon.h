@@ -11,11 +11,12 @@ typedef struct globe_polygons
     size_t count, capacity;
 } globe_polygons;
 
-/// Add the parts of a polygon some of whose rings cross the meridian of 180 degrees: no part crosses it, and the borders of the
-/// parts run along it.
+/// Add the parts of a polygon some of whose rings cross the meridian of 180 degrees: no part crosses it, and the borders of
+/// the parts run along it.
 ///
-/// A ring that goes once around the axis encloses a pole: the one on the side with the smaller area (with equal areas, the one
-/// on its left). Such a polygon is closed along the meridian, over the pole. Two such rings, one of them a hole, bound a belt.
+/// A ring that goes once around the axis encloses a pole: the one on the side with the smaller area (with equal areas, the
+/// one on its left). Such a polygon is closed along the meridian, over the pole. Two such rings, one of them a hole, bound a
+/// belt.
 ///
 /// @param rings the outer ring and the holes, shown on the grid
 /// @return false when out of memory

@@ -103,8 +103,8 @@ static bat_status take_velocities(const bat_curve *curve, const point_form *form
     return BAT_OK;
 }
 
-/// Neighbours must have one shortest geodesic, and be distinct where there is nothing but their distance to tell how they follow
-/// each other. The message names both lines.
+/// Neighbours must have one shortest geodesic, and be distinct where there is nothing but their distance to tell how they
+/// follow each other. The message names both lines.
 static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const bat_hermite_curve *keys, bool distinct,
                                    bat_error *error)
 {
@@ -149,7 +149,8 @@ static void scale_tangents(bat_hermite_curve *curve, double scale)
         curve->tangents[i] *= scale;
 }
 
-/// From velocities to what the scheme refines, or estimates where there are none. Data for BAT_HERMITE_TRANSPORT have times here.
+/// From velocities to what the scheme refines, or estimates where there are none. Data for BAT_HERMITE_TRANSPORT have times
+/// here.
 static bat_status make_tangents(bat_hermite_curve *keys, bool given, const bat_motion_options *options, bat_error *error)
 {
     double *times = keys->times;
@@ -371,8 +372,8 @@ static void speed_up(bat_hermite_curve *smooth)
     }
 }
 
-/// Evenly spaced times for what a mask has made of evenly spaced ones: at the vertices of the finest level, or in the middle of its
-/// edges and at the ends of an open curve.
+/// Evenly spaced times for what a mask has made of evenly spaced ones: at the vertices of the finest level, or in the middle
+/// of its edges and at the ends of an open curve.
 static void space_times(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
 {
     double step = ldexp(keys->times[1] - keys->times[0], -(int)scheme->levels);
@@ -387,8 +388,8 @@ static void space_times(const bat_hermite_curve *keys, const bat_hermite_options
     }
 }
 
-/// From what the scheme gives to velocities and times. Derivatives by the index of new points become velocities, or derivatives by
-/// the index of the given ones; directions become velocities where there are times.
+/// From what the scheme gives to velocities and times. Derivatives by the index of new points become velocities, or
+/// derivatives by the index of the given ones; directions become velocities where there are times.
 static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
 {
     if (scheme->kind == BAT_HERMITE_TRANSPORT)

@@ -4,8 +4,8 @@
 #include "batten/space.h"
 
 /// @file
-/// How files write the points of a space in columns, and velocities beside them: what the columns are called, and how their numbers
-/// become the coordinates of the space.
+/// How files write the points of a space in columns, and velocities beside them: what the columns are called, and how their
+/// numbers become the coordinates of the space.
 
 /// The ways to write a rotation.
 typedef enum rotation_form
@@ -47,17 +47,18 @@ size_t column_find(const column_names *columns, const char *name);
 /// The column of the times.
 size_t column_find_time(const column_names *columns);
 
-/// The form that a file with these columns uses for a space: the first whose columns are all there. Without a header the space's first
-/// form of as many columns. Null when the columns are the coordinates as they are.
+/// The form that a file with these columns uses for a space: the first whose columns are all there. Without a header the
+/// space's first form of as many columns. Null when the columns are the coordinates as they are.
 const point_form *point_form_find(const char *space, const column_names *columns);
 /// The first form of a space with `count` coordinates; null where there is none.
 const point_form *point_form_first(const char *space, size_t count);
 
-/// Why columns with names cannot be those of a space, in up to `size` bytes; false when they can. `form` is what point_form_find() said.
+/// Why columns with names cannot be those of a space, in up to `size` bytes; false when they can. `form` is what
+/// point_form_find() said.
 bool point_form_fault(const char *space, const point_form *form, const column_names *columns, char *text, size_t size);
 
-/// The point that the numbers of a row make. What is a rotation up to rounding (quaternions of unit length to 1e-3, matrices orthogonal to
-/// 1e-6) becomes one; with `project`, whatever has a nearest rotation.
+/// The point that the numbers of a row make. What is a rotation up to rounding (quaternions of unit length to 1e-3, matrices
+/// orthogonal to 1e-6) becomes one; with `project`, whatever has a nearest rotation.
 /// @return null when that is one, else a few words that say why not
 const char *point_form_read(const point_form *form, const double *numbers, bool project, double *point);
 /// The numbers of a point.

@@ -32,8 +32,8 @@ typedef struct mesh_builder
 
 void mesh_builder_free(mesh_builder *builder);
 
-/// Room for one more vertex, texture coordinate or row of channels, which the caller fills in; null when out of memory. All three
-/// count at once, except for channels, which belong to the last vertex.
+/// Room for one more vertex, texture coordinate or row of channels, which the caller fills in; null when out of memory. All
+/// three count at once, except for channels, which belong to the last vertex.
 double *mesh_builder_vertex(mesh_builder *builder);
 double *mesh_builder_texture(mesh_builder *builder);
 double *mesh_builder_channels(mesh_builder *builder);
@@ -53,9 +53,11 @@ bool mesh_builder_end_face(mesh_builder *builder, uint32_t size);
 bool mesh_builder_crease(mesh_builder *builder, bat_mesh_crease crease);
 bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark);
 
-/// Check the faces, cut polygons, and hand the mesh over. Where only some faces have texture coordinates, the others get (0, 0).
+/// Check the faces, cut polygons, and hand the mesh over. Where only some faces have texture coordinates, the others get (0,
+/// 0).
 ///
-/// @return BAT_OK; BAT_BAD_FILE with the index of the face of the file at fault, or of none; BAT_TOO_LARGE; BAT_NO_MEMORY. In any
+/// @return BAT_OK; BAT_BAD_FILE with the index of the face of the file at fault, or of none; BAT_TOO_LARGE; BAT_NO_MEMORY.
+/// In any
 ///         case the builder is empty afterwards
 bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh,
                                bat_error *error);

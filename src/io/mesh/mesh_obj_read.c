@@ -206,8 +206,8 @@ static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t cou
     return status;
 }
 
-/// OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, whose vertices count from 0. One tag may
-/// hold several, with one sharpness or as many.
+/// OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, whose vertices count from 0. One tag
+/// may hold several, with one sharpness or as many.
 static bat_status read_tag(obj_reader *reader, bat_error *error)
 {
     uint64_t counts[3];

@@ -61,7 +61,8 @@ static double little_float(const char *bytes)
     return value;
 }
 
-/// Whether the size is exactly what the count of a binary file says. Text files begin with "solid", but so do some binary ones.
+/// Whether the size is exactly what the count of a binary file says. Text files begin with "solid", but so do some binary
+/// ones.
 static bool is_binary(const file_text *text)
 {
     return text->size >= HEADER_SIZE + COUNT_SIZE &&

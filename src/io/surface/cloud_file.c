@@ -137,8 +137,8 @@ static bat_status repeats(const cloud_source *source, size_t first, size_t secon
                      line_of_point(source, first));
 }
 
-/// Append a file's points to a cloud with enough room, leaving out or refusing those that repeat another; points of an earlier file
-/// are always left out.
+/// Append a file's points to a cloud with enough room, leaving out or refusing those that repeat another; points of an
+/// earlier file are always left out.
 static bat_status append_distinct(const cloud_source *source, size_t first_place, bool drop, point_table *table,
                                   bat_cloud *cloud, bat_error *error)
 {

@@ -5,8 +5,8 @@
 
 #include "base/error.h"
 
-// All four formats are written as lines of text: remarks or a header, a line for each point, and a line for each triangle where the
-// format has them.
+// All four formats are written as lines of text: remarks or a header, a line for each point, and a line for each triangle
+// where the format has them.
 
 enum
 {

@@ -176,8 +176,8 @@ static void join(edit_mesh *edit, uint32_t a, uint32_t b)
     edit->twin[b] = a;
 }
 
-/// Cut the face of a half-edge from the vertex `middle` on it to the opposite corner. The face keeps the half-edge's begin; the
-/// new one, which is appended, keeps its end.
+/// Cut the face of a half-edge from the vertex `middle` on it to the opposite corner. The face keeps the half-edge's begin;
+/// the new one, which is appended, keeps its end.
 /// @return the half-edge from `middle` to the end, in the new face
 static uint32_t cut_face(edit_mesh *edit, uint32_t h, uint32_t middle)
 {
@@ -276,7 +276,8 @@ static bool keeps_manifold(const edit_mesh *edit, uint32_t h)
     return true;
 }
 
-/// Whether all faces around `vertex` that do not have `other` may follow it to `point`, with edges not longer than `longest`.
+/// Whether all faces around `vertex` that do not have `other` may follow it to `point`, with edges not longer than
+/// `longest`.
 static bool fan_may_move(const edit_mesh *edit, uint32_t vertex, uint32_t other, const double point[3], double longest)
 {
     uint32_t first = edit->first[vertex], h = first;

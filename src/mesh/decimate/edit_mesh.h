@@ -6,8 +6,8 @@
 /// @file
 /// A closed triangle mesh whose edges are split, turned and collapsed in place.
 ///
-/// Half-edge 3 f + c runs from corner c of face f to the next. Faces have marks; an edge between faces of different marks is a
-/// feature and stays one.
+/// Half-edge 3 f + c runs from corner c of face f to the next. Faces have marks; an edge between faces of different marks is
+/// a feature and stays one.
 
 typedef struct edit_mesh
 {
@@ -69,11 +69,11 @@ edit_corner edit_corner_of(const edit_mesh *edit, uint32_t vertex);
 
 /// Put a vertex into the middle of an edge.
 bool edit_split(edit_mesh *edit, uint32_t half_edge);
-/// Turn an edge that is no feature to join the two other corners of its faces, where that gives no double edge and no face that
-/// looks away from both faces before.
+/// Turn an edge that is no feature to join the two other corners of its faces, where that gives no double edge and no face
+/// that looks away from both faces before.
 bool edit_flip(edit_mesh *edit, uint32_t half_edge);
-/// Take the begin of an edge into its end, which moves to `point`, where the surface stays a manifold, no face turns over, and no
-/// edge becomes longer than `longest`.
+/// Take the begin of an edge into its end, which moves to `point`, where the surface stays a manifold, no face turns over,
+/// and no edge becomes longer than `longest`.
 bool edit_collapse(edit_mesh *edit, uint32_t half_edge, const double point[3], double longest);
 /// Move a vertex where no face around turns over.
 bool edit_move(edit_mesh *edit, uint32_t vertex, const double point[3]);

@@ -37,9 +37,10 @@ static inline double squared_length(double x, double y, double z)
     return x * x + y * y + z * z;
 }
 
-/// Squared distance of a point from triangle `i` of a packet: that of the closest point on the three edges and, where the foot
-/// of the perpendicular lies inside, of the foot. All four are points of the triangle, computed as such, so that an error in
-/// where they lie counts only squared; and the foot is found from the longest edge, so that slivers are as good as others.
+/// Squared distance of a point from triangle `i` of a packet: that of the closest point on the three edges and, where the
+/// foot of the perpendicular lies inside, of the foot. All four are points of the triangle, computed as such, so that an
+/// error in where they lie counts only squared; and the foot is found from the longest edge, so that slivers are as good as
+/// others.
 static inline double packet_squared(const closest_packet *packet, const double point[3], int i)
 {
     double ux = packet->along[0][i], uy = packet->along[1][i], uz = packet->along[2][i];

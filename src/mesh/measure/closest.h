@@ -7,8 +7,8 @@
 /// The point of a mesh closest to a query, exactly: a tree of bounding boxes over its triangles.
 ///
 /// Triangles lie in packets of eight, boxes in nodes of eight, coordinate by coordinate, so that a query handles eight at a
-/// time by vector code. The tree is complete: node n of a level holds the boxes of the nodes (or packets) 8 n … 8 n + 7 of the
-/// level below, so nothing points anywhere. Triangles may be degenerate: to a segment, to a point.
+/// time by vector code. The tree is complete: node n of a level holds the boxes of the nodes (or packets) 8 n … 8 n + 7 of
+/// the level below, so nothing points anywhere. Triangles may be degenerate: to a segment, to a point.
 
 enum
 {
@@ -64,7 +64,8 @@ bat_status closest_build(const bat_mesh *mesh, double largest, closest_tree *tre
 void closest_free(closest_tree *tree);
 
 /// The distance of a point from the mesh.
-/// @param place on entry a place of the tree, best one near the answer, such as an earlier answer nearby, else 0; receives the
+/// @param place on entry a place of the tree, best one near the answer, such as an earlier answer nearby, else 0; receives
+/// the
 ///              place of the closest triangle
 double closest_find(const closest_tree *tree, const double point[3], uint32_t *place);
 /// The distance of a point from the triangle at a place.

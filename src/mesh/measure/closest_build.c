@@ -47,8 +47,8 @@ double closest_scale(double largest)
     return largest == 0 ? 1 : ldexp(1, exponent > 1020 ? -1020 : exponent < -1020 ? 1020 : -exponent);
 }
 
-/// Split entries begin … end - 1 in two parts that are not empty, those in the first with coordinates up to some pivot, those in
-/// the second from it on (Hoare's partition with the middle of three as pivot). Returns where the second begins.
+/// Split entries begin … end - 1 in two parts that are not empty, those in the first with coordinates up to some pivot,
+/// those in the second from it on (Hoare's partition with the middle of three as pivot). Returns where the second begins.
 static size_t partition(entry *entries, size_t begin, size_t end, int axis)
 {
     float a = entries[begin].centre[axis], b = entries[begin + (end - begin) / 2].centre[axis],
@@ -147,8 +147,8 @@ static int longest_edge(double corners[3][3])
     return squared[0] >= squared[1] && squared[0] >= squared[2] ? 0 : squared[1] >= squared[2] ? 1 : 2;
 }
 
-/// The part of `v` that is perpendicular to `u`; returns the share of `u` in the rest. Of a sliver that part is lost in rounding
-/// errors along `u`, which a second step takes away.
+/// The part of `v` that is perpendicular to `u`; returns the share of `u` in the rest. Of a sliver that part is lost in
+/// rounding errors along `u`, which a second step takes away.
 static double perpendicular(const double u[3], const double v[3], double per_squared_u, double height[3])
 {
     double share = vector3_dot(u, v) * per_squared_u;

@@ -63,8 +63,9 @@ static size_t face_of(const compare_side *side, size_t sample)
     return begin;
 }
 
-/// Point number `i` of a face whose edges are cut in `parts`. Row r of small triangles, counted from corner 0, has 2 r + 1 of them,
-/// by turns with the tip towards corner 0 and away from it; column c is as many parts of the third edge away from the first.
+/// Point number `i` of a face whose edges are cut in `parts`. Row r of small triangles, counted from corner 0, has 2 r + 1
+/// of them, by turns with the tip towards corner 0 and away from it; column c is as many parts of the third edge away from
+/// the first.
 static void sample_point(const compare_side *side, uint32_t face, size_t i, double parts, double point[3])
 {
     static const double NEAR = 2.0 / 3, FAR = 1.0 / 6;

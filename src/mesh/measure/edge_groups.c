@@ -18,8 +18,8 @@ static uint32_t greater_end(const uint32_t *faces, uint32_t half_edge)
     return a < b ? b : a;
 }
 
-/// Sort half-edges by one of their ends, keeping the order of those at the same vertex (counting sort). `from` null stands for
-/// the order of their numbers; `room` has space for a number for each vertex and one more.
+/// Sort half-edges by one of their ends, keeping the order of those at the same vertex (counting sort). `from` null stands
+/// for the order of their numbers; `room` has space for a number for each vertex and one more.
 static void sort_by(uint32_t (*end)(const uint32_t *, uint32_t), const bat_mesh *mesh, const uint32_t *from, uint32_t *to,
                     uint32_t *room)
 {

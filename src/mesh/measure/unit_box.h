@@ -5,8 +5,8 @@
 #include <stddef.h>
 
 /// @file
-/// The published scale of meshes (Liu et al. 2020): u = (v - low) / size, which has its least coordinates at 0 and its greatest
-/// at 1.
+/// The published scale of meshes (Liu et al. 2020): u = (v - low) / size, which has its least coordinates at 0 and its
+/// greatest at 1.
 
 typedef struct unit_box
 {

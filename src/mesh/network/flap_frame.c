@@ -1,6 +1,7 @@
 #include "mesh/network/flap_frame.h"
 
-/// Below this square of the sine of its angle a face has no normal; below this square of their sum the two normals have no mean.
+/// Below this square of the sine of its angle a face has no normal; below this square of their sum the two normals have no
+/// mean.
 static const real LEAST_AREA = (real)1e-10;
 static const real LEAST_NORMAL = (real)1e-6;
 

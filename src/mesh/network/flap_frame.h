@@ -7,12 +7,12 @@
 #include <stddef.h>
 
 /// @file
-/// The frames of half-flaps, forward and backward. All arrays hold a number of all half-flaps before the next number, so that
-/// the loops over half-flaps are vector code.
+/// The frames of half-flaps, forward and backward. All arrays hold a number of all half-flaps before the next number, so
+/// that the loops over half-flaps are vector code.
 ///
-/// With e_j, e_k, e_l from corner i to the others: x = e_j / |e_j|; z the unit vector along the sum of the unit normals of the
-/// two faces; y = z cross x (Liu et al. 2020, figure 13). A half-flap without an edge, without an area or folded onto itself has
-/// a frame of zeros, and what is seen in it is zero.
+/// With e_j, e_k, e_l from corner i to the others: x = e_j / |e_j|; z the unit vector along the sum of the unit normals of
+/// the two faces; y = z cross x (Liu et al. 2020, figure 13). A half-flap without an edge, without an area or folded onto
+/// itself has a frame of zeros, and what is seen in it is zero.
 
 enum
 {

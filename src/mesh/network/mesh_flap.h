@@ -4,8 +4,8 @@
 #include "batten/mesh.h"
 
 /// @file
-/// Half-flaps: a directed edge with the two faces beside it, which is what the networks for meshes look at (Liu et al., "Neural
-/// Subdivision" (2020), section 5.2). Connectivity alone; the geometry is in src/mesh/network/flap_frame.h.
+/// Half-flaps: a directed edge with the two faces beside it, which is what the networks for meshes look at (Liu et al.,
+/// "Neural Subdivision" (2020), section 5.2). Connectivity alone; the geometry is in src/mesh/network/flap_frame.h.
 
 /// Which of the two faces is not there.
 typedef enum mesh_flap_side
@@ -16,8 +16,8 @@ typedef enum mesh_flap_side
 } mesh_flap_side;
 
 /// The half-flap of the directed edge i to j. At a boundary the missing corner is thought where the other one goes by point
-/// reflection in the edge's middle, i + j - k, so that the flap is flat and a regular mesh continues as it is; what its vertex
-/// carries is that of the other corner.
+/// reflection in the edge's middle, i + j - k, so that the flap is flat and a regular mesh continues as it is; what its
+/// vertex carries is that of the other corner.
 typedef struct mesh_flap
 {
     uint32_t corner[4]; ///< i, j, k opposite in the face to the left, l opposite in the face to the right
@@ -25,8 +25,8 @@ typedef struct mesh_flap
     mesh_flap_side missing;
 } mesh_flap;
 
-/// All half-flaps of a mesh: two for every edge, also at boundaries. They are sorted by their first vertex, around which they
-/// run counter-clockwise.
+/// All half-flaps of a mesh: two for every edge, also at boundaries. They are sorted by their first vertex, around which
+/// they run counter-clockwise.
 typedef struct mesh_flaps
 {
     size_t vertex_count, edge_count;

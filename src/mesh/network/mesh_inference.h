@@ -7,8 +7,8 @@
 #include "mesh/network/mesh_network.h"
 
 /// @file
-/// The network of src/mesh/network/mesh_network.h for inference alone: no tape, a block of half-flaps at a time, on any number of threads
-/// to the same bytes.
+/// The network of src/mesh/network/mesh_network.h for inference alone: no tape, a block of half-flaps at a time, on any
+/// number of threads to the same bytes.
 
 /// A module's layers.
 typedef struct mesh_inference_module
@@ -34,8 +34,10 @@ void mesh_inference_free(mesh_inference *network);
 /// Refine a mesh by levels->count levels, at least 1.
 /// @param positions of the coarse mesh, vertices x 3
 /// @param fine      receives levels->vertex_count x 3 positions
-/// @param fallback  receives the edges of the coarse mesh without a frame, of no length or no area, and those half-flaps of any level for
-///                  which the network says no number; they displace nothing, which leaves new vertices in the middle of their edges
+/// @param fallback  receives the edges of the coarse mesh without a frame, of no length or no area, and those half-flaps of
+/// any level for
+///                  which the network says no number; they displace nothing, which leaves new vertices in the middle of
+///                  their edges
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_inference_refine(const mesh_inference *network, const mesh_levels *levels, int threads,
                                  const real *positions, real *fine, size_t *fallback, bat_error *error);

@@ -4,8 +4,8 @@
 #include "learn/parameters.h"
 
 /// @file
-/// The network of Liu et al., "Neural Subdivision" (2020), section 5 and appendix F: three modules on half-flaps, shared by all
-/// levels, 15,104 weights with the names of the published program.
+/// The network of Liu et al., "Neural Subdivision" (2020), section 5 and appendix F: three modules on half-flaps, shared by
+/// all levels, 15,104 weights with the names of the published program.
 ///
 ///     module: Linear-ReLU-Linear-ReLU-Linear, all layers 32 wide
 ///     state = mean over half-flaps of init(positions, differential coordinates)

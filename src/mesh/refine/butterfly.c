@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-// Zorin, Schröder and Sweldens, "Interpolating subdivision for meshes with arbitrary topology" (1996), with the eight-point rule
-// between regular vertices (its parameter w is 0), and its rules at boundaries as written out by Zorin and Schröder,
+// Zorin, Schröder and Sweldens, "Interpolating subdivision for meshes with arbitrary topology" (1996), with the eight-point
+// rule between regular vertices (its parameter w is 0), and its rules at boundaries as written out by Zorin and Schröder,
 // "Subdivision for modeling and animation" (2000).
 
 enum
@@ -27,8 +27,8 @@ static double neighbour_weight(unsigned valence, unsigned j)
     return (0.25 + cos(angle) + 0.5 * cos(2 * angle)) / valence;
 }
 
-/// The weight of neighbour j, 0 to `faces`, of an irregular boundary vertex for the new vertex towards neighbour i. Neighbours 0
-/// and `faces` lie on the boundary.
+/// The weight of neighbour j, 0 to `faces`, of an irregular boundary vertex for the new vertex towards neighbour i.
+/// Neighbours 0 and `faces` lie on the boundary.
 static double boundary_weight(unsigned faces, unsigned i, unsigned j)
 {
     double angle = PI / faces;

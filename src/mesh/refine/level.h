@@ -58,7 +58,8 @@ static inline bool mesh_owns(const uint32_t *twin, uint32_t half_edge)
     return twin[half_edge] > half_edge;
 }
 
-/// Whether an edge is a boundary one or a vertex lies on the boundary: seen from the half-edge, or from the vertex's first one.
+/// Whether an edge is a boundary one or a vertex lies on the boundary: seen from the half-edge, or from the vertex's first
+/// one.
 static inline bool mesh_at_boundary(const bat_mesh_connectivity *links, uint32_t half_edge)
 {
     return links->twin[half_edge] == BAT_MESH_NONE;

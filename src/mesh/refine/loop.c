@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-// The rules of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners as Hoppe et
-// al., "Piecewise smooth surface reconstruction" (1994), except that an edge along a crease is always halved in its middle, so
-// that every crease is a cubic B-spline; semi-sharp ones blend the rules before and after as OpenSubdiv does.
+// The rules of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners as Hoppe
+// et al., "Piecewise smooth surface reconstruction" (1994), except that an edge along a crease is always halved in its
+// middle, so that every crease is a cubic B-spline; semi-sharp ones blend the rules before and after as OpenSubdiv does.
 
 /// A vertex's rule: weights of the vertex, of each neighbour, and of two certain neighbours besides.
 typedef struct vertex_mask
@@ -88,8 +88,8 @@ static inline void write_row(const mesh_rows *rows, uint32_t vertex, const verte
         to[i] = mask->own * own[i] + mask->ring * to[i] + mask->pair * (p[i] + q[i]);
 }
 
-/// A vertex's row, whose neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's. Without faces
-/// it stays where it is.
+/// A vertex's row, whose neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's. Without
+/// faces it stays where it is.
 static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_parent, size_t dim)
 {
     const mesh_level *level = rows->level;
@@ -123,8 +123,8 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_pa
     write_row(rows, vertex, &mask, dim);
 }
 
-/// The row of a vertex that the parent's edge of a half-edge got, which is regular: its neighbours are the edge's ends and the new
-/// vertices of the other edges of both faces.
+/// The row of a vertex that the parent's edge of a half-edge got, which is regular: its neighbours are the edge's ends and
+/// the new vertices of the other edges of both faces.
 static inline void middle_row(const mesh_rows *rows, uint32_t half_edge, size_t dim)
 {
     const mesh_level *parent = rows->level->parent;

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-// Limit positions are the left eigenvectors to the eigenvalue 1 of the matrices that take a vertex and its neighbours to those
-// of the next level (Loop 1987; at creases, cubic B-splines).
+// Limit positions are the left eigenvectors to the eigenvalue 1 of the matrices that take a vertex and its neighbours to
+// those of the next level (Loop 1987; at creases, cubic B-splines).
 
 /// How much of their sum each neighbour has in the limit of a smooth vertex.
 static double limit_ring_weight(unsigned valence)
@@ -14,7 +14,8 @@ static double limit_ring_weight(unsigned valence)
 }
 
 /// Limit weights around a dart, whose sharp edge leads to neighbour 0. With b = loop_ring_weight() the eigenvector obeys
-/// 5 w_i - w_(i-1) - w_(i+1) = 8 b for 0 < i < n without w_0 and w_n, and w_0 = 2 b + (w_1 + w_(n-1)) / 4, where the vertex has 1.
+/// 5 w_i - w_(i-1) - w_(i+1) = 8 b for 0 < i < n without w_0 and w_n, and w_0 = 2 b + (w_1 + w_(n-1)) / 4, where the vertex
+/// has 1.
 typedef struct dart_weights
 {
     unsigned valence;

@@ -81,8 +81,8 @@ static void smooth_normal(const normals_job *job, uint32_t vertex, double normal
     vector3_cross(a, b, normal);
 }
 
-/// One side of a crease, of `faces` faces counter-clockwise from a half-edge along it. Along the crease the eigenvalue is 1/2;
-/// across, 3/8 + cos(pi / faces) / 4, or 1/4 for a single face.
+/// One side of a crease, of `faces` faces counter-clockwise from a half-edge along it. Along the crease the eigenvalue is
+/// 1/2; across, 3/8 + cos(pi / faces) / 4, or 1/4 for a single face.
 static void side_normal(const normals_job *job, uint32_t half_edge, unsigned faces, double normal[3])
 {
     const mesh_level *level = job->level;

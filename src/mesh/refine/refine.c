@@ -104,7 +104,8 @@ static bat_status refine_rows(const refinement *work, mesh_rule *rule, const dou
     return BAT_OK;
 }
 
-/// Split the texture: its own mesh over the same faces, with seams for boundaries and new coordinates in the middle of edges.
+/// Split the texture: its own mesh over the same faces, with seams for boundaries and new coordinates in the middle of
+/// edges.
 static bat_status split_texture(const refinement *work, bool last, stage *next, bat_error *error)
 {
     const stage *now = &work->now;

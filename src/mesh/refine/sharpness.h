@@ -4,8 +4,8 @@
 #include "mesh/refine/level.h"
 
 /// @file
-/// Creases and corners on their way through the levels: DeRose, Kass and Truong, "Subdivision surfaces in character animation"
-/// (1998). A level takes 1 from a sharpness, except from BAT_MESH_SHARP and more.
+/// Creases and corners on their way through the levels: DeRose, Kass and Truong, "Subdivision surfaces in character
+/// animation" (1998). A level takes 1 from a sharpness, except from BAT_MESH_SHARP and more.
 
 /// What is left of a sharpness after a level.
 static inline double sharpness_after_level(double sharpness)

@@ -37,14 +37,15 @@ void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int 
     mesh_share(faces_range, &job, links->face_count, threads);
 }
 
-/// The numbers of the edges that begin in the children of one face: by corner of the face, where the half-edge owns its edge.
+/// The numbers of the edges that begin in the children of one face: by corner of the face, where the half-edge owns its
+/// edge.
 typedef struct child_edges
 {
     uint32_t near[3], inner[3], far[3];
 } child_edges;
 
-/// Edges are numbered by the lesser of their half-edges, in order. Before the children of face f come three inner edges of each
-/// earlier face and the halves of every edge that earlier faces own, `owned_before` of them.
+/// Edges are numbered by the lesser of their half-edges, in order. Before the children of face f come three inner edges of
+/// each earlier face and the halves of every edge that earlier faces own, `owned_before` of them.
 static child_edges number_children(const uint32_t *twin, uint32_t face, uint32_t owned_before)
 {
     child_edges made;

@@ -7,9 +7,9 @@
 /// Every face split in four, in the numbering of mesh_refine.h: what the next level's faces and neighbours are follows from
 /// this level's by arithmetic alone.
 ///
-/// Half-edge h = 3 f + c is halved into its near half, which begins where h begins, and its far half. Child face 4 f + c holds
-/// the near half of h, an inner edge and the far half of the half-edge before h; child face 4 f + 3 holds the inner edges' other
-/// sides.
+/// Half-edge h = 3 f + c is halved into its near half, which begins where h begins, and its far half. Child face 4 f + c
+/// holds the near half of h, an inner edge and the far half of the half-edge before h; child face 4 f + 3 holds the inner
+/// edges' other sides.
 
 /// Write the faces that `faces` are split into, 4 x face_count of them.
 void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, uint32_t *fine);

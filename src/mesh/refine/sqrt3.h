@@ -5,11 +5,11 @@
 
 /// @file
 /// Square-root-three subdivision: Kobbelt, "sqrt(3)-subdivision" (2000). A level puts a vertex into every face and turns the
-/// edges that were there, so that one edge joins the new vertices on its sides. Boundary edges stay on the first level and are cut in
-/// three on the second, together with their faces, and so on in turn.
+/// edges that were there, so that one edge joins the new vertices on its sides. Boundary edges stay on the first level and
+/// are cut in three on the second, together with their faces, and so on in turn.
 ///
-/// Half-edge h becomes face h, which begins where h begins. New vertices are numbered by the faces that they are put into; a face at
-/// a boundary that is cut has two, in the boundary's direction.
+/// Half-edge h becomes face h, which begins where h begins. New vertices are numbered by the faces that they are put into; a
+/// face at a boundary that is cut has two, in the boundary's direction.
 
 /// A level of square-root-three subdivision.
 typedef struct sqrt3_plan

@@ -9,8 +9,8 @@
 
 enum
 {
-    /// Neighbours that show the tangent plane and the spacing. They double where the points scatter across the plane, as long as
-    /// that makes it flatter: noise gets flatter, curvature does not.
+    /// Neighbours that show the tangent plane and the spacing. They double where the points scatter across the plane, as
+    /// long as that makes it flatter: noise gets flatter, curvature does not.
     LEAST_PLANE = 36,
     MOST_PLANE = 1152,
     /// Of small clouds no more than one in so many.

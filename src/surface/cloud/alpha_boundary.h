@@ -5,9 +5,9 @@
 #include "surface/cloud/neighbours.h"
 
 /// @file
-/// Where the rim of a cloud without connectivity runs: by rolling a disc around it in the tangent plane of each point. A point is on the
-/// rim when a disc can touch it that has no point inside (Edelsbrunner, Kirkpatrick and Seidel, "On the shape of a set of points in
-/// the plane", 1983); the disc's size follows the points' spacing.
+/// Where the rim of a cloud without connectivity runs: by rolling a disc around it in the tangent plane of each point. A
+/// point is on the rim when a disc can touch it that has no point inside (Edelsbrunner, Kirkpatrick and Seidel, "On the
+/// shape of a set of points in the plane", 1983); the disc's size follows the points' spacing.
 
 /// The directions, seen from a point, in which the centre of an empty disc may lie that touches it.
 typedef struct alpha_boundary_arc

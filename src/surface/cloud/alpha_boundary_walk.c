@@ -85,8 +85,8 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
     return best;
 }
 
-/// Roll on from a point, where the disc came from another one; `normal` is that of the former and becomes that of the point. The next
-/// point is BAT_MESH_NONE when the disc is lost.
+/// Roll on from a point, where the disc came from another one; `normal` is that of the former and becomes that of the point.
+/// The next point is BAT_MESH_NONE when the disc is lost.
 static bat_status roll_on(alpha_boundary_walk *walk, uint32_t before, uint32_t point, double normal[3], uint32_t *next,
                           bat_error *error)
 {
@@ -108,8 +108,8 @@ static bat_status roll_on(alpha_boundary_walk *walk, uint32_t before, uint32_t p
     return BAT_OK;
 }
 
-/// Walk from a point until a step repeats. `begin` receives where in the path the cycle begins; SIZE_MAX when there is none or it was
-/// found before.
+/// Walk from a point until a step repeats. `begin` receives where in the path the cycle begins; SIZE_MAX when there is none
+/// or it was found before.
 static bat_status walk_from(alpha_boundary_walk *walk, uint32_t start, const alpha_boundary_point *there, size_t arc,
                             size_t *begin, bat_error *error)
 {
@@ -156,8 +156,8 @@ static double length_of(const double *points, const uint32_t *line, size_t count
     return length;
 }
 
-/// Where a closed line comes to a point again, keep the longer part, until it comes to none again. `last` has an entry for every
-/// point, all SIZE_MAX before and afterwards.
+/// Where a closed line comes to a point again, keep the longer part, until it comes to none again. `last` has an entry for
+/// every point, all SIZE_MAX before and afterwards.
 static size_t cut_pinches(const double *points, uint32_t *line, size_t count, size_t *last)
 {
     for (bool pinched = true; pinched;)

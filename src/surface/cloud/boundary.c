@@ -12,8 +12,8 @@ enum
 {
     LEAST_BOUNDARY = 4
 };
-/// A line goes around more than a chance gap between points where it gets further from its middle than so many of its own steps, or where
-/// it has at least this share of all points.
+/// A line goes around more than a chance gap between points where it gets further from its middle than so many of its own
+/// steps, or where it has at least this share of all points.
 static const double LEAST_EXTENT = 2.5;
 static const double LARGE_SHARE = 1.0 / 3;
 /// A second line of this share of the first one's length is another boundary; a shorter one is a gap.
@@ -165,8 +165,8 @@ static bat_status find_loop_of_some(const double *points, size_t count, size_t w
     return status;
 }
 
-/// Find the loop. Where points lie above each other because of noise, the order around the loop is lost: fewer of them tell more. The
-/// first try takes so many that the noise is no more than their spacing; further ones take half as many each.
+/// Find the loop. Where points lie above each other because of noise, the order around the loop is lost: fewer of them tell
+/// more. The first try takes so many that the noise is no more than their spacing; further ones take half as many each.
 static bat_status find_loop_in_noise(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
 {
     enum
@@ -191,8 +191,8 @@ static bat_status find_loop_in_noise(const double *points, size_t count, alpha_b
     return status;
 }
 
-/// The loop from its lowest point towards the lower of that one's neighbours, then all other points: `order` receives, for each new
-/// place, the point that goes there.
+/// The loop from its lowest point towards the lower of that one's neighbours, then all other points: `order` receives, for
+/// each new place, the point that goes there.
 static void order_points(const alpha_boundary_cycle *loop, size_t count, bool *in_loop, size_t *order)
 {
     size_t first = 0, size = loop->count, made = 0;

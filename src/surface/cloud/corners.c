@@ -12,9 +12,9 @@
 //
 //     sharpness at the corners - EVENNESS * sum over sides (side / length - 1/4)^2.
 //
-// Sharpness is how far the loop turns towards the patch, in the patch's tangent plane, from a chord behind the corner to a chord ahead
-// of it; the chords span a share of the loop, so that the teeth of a jagged loop do not count. What a circle turns over the same span does
-// not count either: a smooth loop is split evenly.
+// Sharpness is how far the loop turns towards the patch, in the patch's tangent plane, from a chord behind the corner to a
+// chord ahead of it; the chords span a share of the loop, so that the teeth of a jagged loop do not count. What a circle
+// turns over the same span does not count either: a smooth loop is split evenly.
 
 enum
 {

@@ -7,9 +7,8 @@
 typedef struct local_plane
 {
     double centre[3];
-    double
-        axes[3]
-            [3]; ///< unit vectors, orthogonal and right-handed: the plane's two, the more scattered first, then its normal
+    double axes[3][3];  ///< unit vectors, orthogonal and right-handed: the plane's two, the more scattered first, then its
+                        ///< normal
     double variance[3]; ///< mean squares along the axes, falling
 } local_plane;
 
@@ -20,8 +19,8 @@ local_plane local_plane_fit(const double *points, const neighbour_list *list);
 /// Where a point's foot lies in the plane, from a given origin.
 void local_plane_project(const local_plane *plane, const double origin[3], const double point[3], double foot[2]);
 
-/// A copy of points, moved and scaled by a power of two so that all coordinates lie within -1 and 1 and squares are safe. The scale
-/// is the same for all axes. Release it with free(); null when out of memory.
+/// A copy of points, moved and scaled by a power of two so that all coordinates lie within -1 and 1 and squares are safe.
+/// The scale is the same for all axes. Release it with free(); null when out of memory.
 double *points_to_unit_size(const double *points, size_t count);
 
 #endif

@@ -13,8 +13,8 @@ enum
     NEIGHBOURHOOD_MOST = 400   ///< points after which thickness is taken as it is
 };
 
-/// The nearest points of a place, as many as it takes until they spread twice as far along their plane as across it. In a surface
-/// with noise that is a disc of four standard deviations.
+/// The nearest points of a place, as many as it takes until they spread twice as far along their plane as across it. In a
+/// surface with noise that is a disc of four standard deviations.
 /// @param points those of the tree
 /// @param wanted the fewest points; NEIGHBOURHOOD_FEWEST or more where a smaller neighbourhood did not do
 /// @return BAT_OK or BAT_NO_MEMORY

@@ -451,8 +451,8 @@ static bool write_all_rows(graph_builder *build)
     return true;
 }
 
-/// Being neighbours is mutual: going through the points in order and adding each to the rows of its neighbours leaves every row
-/// sorted. `starts` holds where the rows of the points begin.
+/// Being neighbours is mutual: going through the points in order and adding each to the rows of its neighbours leaves every
+/// row sorted. `starts` holds where the rows of the points begin.
 static void transpose_rows(const graph_builder *build, const size_t *row_of, neighbour_graph *graph)
 {
     for (size_t point = 0; point < graph->count; point++)

@@ -4,8 +4,8 @@
 #include "batten/base.h"
 
 /// @file
-/// Which points of a cloud in space lie near a place: all within a radius, the nearest k, or, for every point, its neighbours within
-/// a radius at once. All answers are exact, and in an order that depends on nothing but the points.
+/// Which points of a cloud in space lie near a place: all within a radius, the nearest k, or, for every point, its
+/// neighbours within a radius at once. All answers are exact, and in an order that depends on nothing but the points.
 ///
 /// A k-d tree of boxes with the coordinates copied into the order of its leaves. Building takes O(n log n).
 
@@ -16,8 +16,8 @@ typedef struct neighbour
     uint32_t item;  ///< the point's number
 } neighbour;
 
-/// Neighbours in order of their squared distance; of equal ones the lowest number first. All zero: empty. It grows as needed and serves
-/// any number of queries, one after the other; every thread needs its own.
+/// Neighbours in order of their squared distance; of equal ones the lowest number first. All zero: empty. It grows as needed
+/// and serves any number of queries, one after the other; every thread needs its own.
 typedef struct neighbour_list
 {
     neighbour *entries;
@@ -47,8 +47,8 @@ typedef struct neighbour_tree
 bat_status neighbour_tree_build(const double *points, size_t count, neighbour_tree *tree, bat_error *error);
 void neighbour_tree_free(neighbour_tree *tree);
 
-/// All points whose squared distance from a place is not above radius * radius, the place itself among them when it is a point of the
-/// tree.
+/// All points whose squared distance from a place is not above radius * radius, the place itself among them when it is a
+/// point of the tree.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status neighbours_within(const neighbour_tree *tree, const double place[3], double radius, neighbour_list *list,
                              bat_error *error);
@@ -58,7 +58,8 @@ bat_status neighbours_within(const neighbour_tree *tree, const double place[3], 
 bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
                               bat_error *error);
 
-/// The neighbours of all points: those of point i are items[starts[i]] … items[starts[i + 1] - 1], rising, itself among them.
+/// The neighbours of all points: those of point i are items[starts[i]] … items[starts[i + 1] - 1], rising, itself among
+/// them.
 typedef struct neighbour_graph
 {
     size_t *starts; ///< count + 1
@@ -66,7 +67,8 @@ typedef struct neighbour_graph
     size_t count;
 } neighbour_graph;
 
-/// Join every point with all points within a radius of it. One pass over the leaves, much faster than a query for each point.
+/// Join every point with all points within a radius of it. One pass over the leaves, much faster than a query for each
+/// point.
 /// @return BAT_OK or BAT_NO_MEMORY; `graph` is untouched on failure
 bat_status neighbour_graph_build(const neighbour_tree *tree, double radius, neighbour_graph *graph, bat_error *error);
 void neighbour_graph_free(neighbour_graph *graph);

@@ -56,8 +56,8 @@ static bat_status fit_planes(const bat_cloud *cloud, const neighbour_tree *tree,
     return status == BAT_OK ? BAT_OK : error_set(error, status, BAT_NO_INDEX, 0, "out of memory for neighbourhoods");
 }
 
-/// Points that hang together, as trees whose paths shorten on the way, and whether each point's normal has to turn to agree with that
-/// of the point above it.
+/// Points that hang together, as trees whose paths shorten on the way, and whether each point's normal has to turn to agree
+/// with that of the point above it.
 typedef struct turning
 {
     uint32_t *above;

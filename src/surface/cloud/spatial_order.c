@@ -17,7 +17,8 @@ void spatial_order_free(spatial_order *order)
     *order = (spatial_order){0};
 }
 
-/// Numbers interior points as the tree's leaves have them, and writes the new numbers there. `numbers` receives each point's new one.
+/// Numbers interior points as the tree's leaves have them, and writes the new numbers there. `numbers` receives each point's
+/// new one.
 static void renumber(const bat_cloud *cloud, spatial_order *order, uint32_t *numbers)
 {
     size_t next = cloud->boundary_count;

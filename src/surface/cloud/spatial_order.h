@@ -5,8 +5,8 @@
 #include "surface/cloud/neighbours.h"
 
 /// @file
-/// A cloud whose interior points are numbered so that close ones have close numbers, as the leaves of a tree follow each other. The
-/// boundary stays where it is.
+/// A cloud whose interior points are numbered so that close ones have close numbers, as the leaves of a tree follow each
+/// other. The boundary stays where it is.
 
 typedef struct spatial_order
 {

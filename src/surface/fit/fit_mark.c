@@ -65,8 +65,8 @@ static cell_points look_at(const fit_points *points, size_t cell)
     return seen;
 }
 
-/// Whether finer functions could tell the points of a cell apart. Those that cannot be told apart have lost their way, and would draw
-/// functions without end.
+/// Whether finer functions could tell the points of a cell apart. Those that cannot be told apart have lost their way, and
+/// would draw functions without end.
 static bool are_apart(const bat_hierarchical_space *space, const cell_points *seen, uint32_t level)
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(space);
@@ -76,8 +76,8 @@ static bool are_apart(const bat_hierarchical_space *space, const cell_points *se
     return false;
 }
 
-/// The score of a cell; 0 when all its points lie within the tolerance, and for cells of the last level. Without a tolerance few
-/// points in a cell count less, as they say less of it.
+/// The score of a cell; 0 when all its points lie within the tolerance, and for cells of the last level. Without a tolerance
+/// few points in a cell count less, as they say less of it.
 static double score_of(const bat_hierarchical_space *space, const fit_points *points, size_t cell, double tolerance)
 {
     uint32_t level = bat_hierarchical_space_cell(space, cell).level;
@@ -131,8 +131,8 @@ static size_t side_of(const mark_choice *choice)
     return 2 * (size_t)choice->rings + 1;
 }
 
-/// A cell and those in its rings that are active cells of its own level. Rings across coarser ones would refine those through
-/// several levels at once, which costs more functions than it takes off the error.
+/// A cell and those in its rings that are active cells of its own level. Rings across coarser ones would refine those
+/// through several levels at once, which costs more functions than it takes off the error.
 /// @param boxes receives up to side_of()^2 boxes
 static size_t surround(const mark_choice *choice, bat_spline_box cell, bat_spline_box *boxes)
 {
@@ -205,8 +205,8 @@ static bat_status fill_budget(const mark_choice *choice, size_t count, size_t co
     return BAT_OK;
 }
 
-/// Refine the first `wanted` cells, or as many as fit. Where that gives few functions, more cells are taken, up to `most`, and then
-/// more rings.
+/// Refine the first `wanted` cells, or as many as fit. Where that gives few functions, more cells are taken, up to `most`,
+/// and then more rings.
 static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t most, size_t budget,
                                 bat_hierarchical_space **refined, bat_error *error)
 {

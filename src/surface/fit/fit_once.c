@@ -85,8 +85,9 @@ static bat_status find_residual(single_fit *fit, const double *control, bat_erro
     return status;
 }
 
-/// Solve for what the residual still says: K change = A^T W r - 2 lambda M c. Residuals are those of points, not of the normal
-/// equations, so that the condition of A counts once where the equations count it twice (Bjorck, 1996, section 2.9.3).
+/// Solve for what the residual still says: K change = A^T W r - 2 lambda M c. Residuals are those of points, not of the
+/// normal equations, so that the condition of A counts once where the equations count it twice (Bjorck, 1996,
+/// section 2.9.3).
 static bat_status refine_solution(single_fit *fit, double lambda, double *control, double *relative, bat_error *error)
 {
     size_t numbers = fit->system.functions * fit->points.dimension;

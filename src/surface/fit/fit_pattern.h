@@ -17,8 +17,8 @@ typedef struct fit_pattern
 bat_status fit_pattern_make(const bat_hierarchical_space *space, int threads, fit_pattern *pattern, bat_error *error);
 void fit_pattern_free(fit_pattern *pattern);
 
-/// What a cell adds: its part of a symmetric matrix, active x active (the lower triangle is read), and of right-hand sides, active
-/// x columns.
+/// What a cell adds: its part of a symmetric matrix, active x active (the lower triangle is read), and of right-hand sides,
+/// active x columns.
 typedef struct fit_cell_work
 {
     /// Fill `matrix` (null when none is wanted) and `right` (null when there are no columns) for a cell.

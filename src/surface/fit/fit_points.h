@@ -4,8 +4,8 @@
 #include "batten/surface_fit.h"
 
 /// @file
-/// The points of a fit in the order that makes passes over them quick: along a Morton curve of their first parameters, so that
-/// the points of any cell lie close together in memory, and beside it by cells of the space at hand.
+/// The points of a fit in the order that makes passes over them quick: along a Morton curve of their first parameters, so
+/// that the points of any cell lie close together in memory, and beside it by cells of the space at hand.
 
 /// How a parameter may move.
 typedef enum fit_freedom

@@ -45,8 +45,8 @@ static cholmod_sparse as_sparse(const fit_pattern *pattern, const double *values
                             .packed = 1};
 }
 
-/// Work on this thread alone. CHOLMOD 3 shares its copying among four threads, for every supernode anew and whatever the number of
-/// processors, which takes longer than to copy.
+/// Work on this thread alone. CHOLMOD 3 shares its copying among four threads, for every supernode anew and whatever the
+/// number of processors, which takes longer than to copy.
 static int solver_begin(void)
 {
     blas_single_begin();

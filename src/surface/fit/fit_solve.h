@@ -15,7 +15,8 @@ bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_
 void fit_solver_free(fit_solver *solver);
 
 /// Factor the matrix K of these values. One thread works, so that the result does not depend on their number.
-/// @param pivot receives the least pivot of Cholesky's method over the diagonal entry it came from: from 1, when functions have
+/// @param pivot receives the least pivot of Cholesky's method over the diagonal entry it came from: from 1, when functions
+/// have
 ///              nothing in common, down to about the unit roundoff for a singular matrix, and 0 where the method broke off
 bat_status fit_solver_factor(fit_solver *solver, const double *values, double *pivot, bat_error *error);
 

@@ -47,7 +47,8 @@ typedef struct gather_context
     size_t probes;
 } gather_context;
 
-/// 1 or -1, for a point and a probe the same in all fits: a bit of the finalizer of splitmix64 (Steele, Lea and Flood, 2014).
+/// 1 or -1, for a point and a probe the same in all fits: a bit of the finalizer of splitmix64 (Steele, Lea and Flood,
+/// 2014).
 static double random_sign(uint32_t number, size_t probe)
 {
     uint64_t z = ((uint64_t)probe << 32 | number) * UINT64_C(0x9e3779b97f4a7c15) + UINT64_C(0x9e3779b97f4a7c15);

@@ -17,8 +17,8 @@ static const double LARGEST_SHARE = 1e6;
 static const double REPAIR_FACTOR = 10;
 // The sum of squared residuals is known to this part of the sum of squares.
 static const double RESIDUAL_NOISE = 1e-15;
-// The first step of the search from a weight of an earlier fit, and from none, in powers of ten, the longest too: farther off there
-// may be a second place where a score levels out. A weight is found when it is known to the last.
+// The first step of the search from a weight of an earlier fit, and from none, in powers of ten, the longest too: farther
+// off there may be a second place where a score levels out. A weight is found when it is known to the last.
 static const double NEAR_STEP = 0.5;
 static const double FAR_STEP = 2;
 static const double RESOLUTION = 0.1;

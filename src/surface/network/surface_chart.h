@@ -9,9 +9,9 @@
 ///
 ///     u' = u + gate * step(x, u) + bubble(u) sum over a, b up to CHART_DEGREE of q_ab P_a(2 u - 1) P_b(2 v - 1)
 ///
-/// The bubble 16 u (1 - u) v (1 - v) leaves the boundary where it is. The step takes a point to its foot on the polynomial patch
-/// that fits the cloud at its first parameters: it takes noise along the surface out. The field bends the chart so that a
-/// spline of low degree follows.
+/// The bubble 16 u (1 - u) v (1 - v) leaves the boundary where it is. The step takes a point to its foot on the polynomial
+/// patch that fits the cloud at its first parameters: it takes noise along the surface out. The field bends the chart so
+/// that a spline of low degree follows.
 
 enum
 {

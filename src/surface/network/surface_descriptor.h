@@ -4,11 +4,13 @@
 #include "batten/base.h"
 
 /// @file
-/// A cloud with parameters as a polynomial patch, by least squares: what a network sees of it, and where points have their feet.
+/// A cloud with parameters as a polynomial patch, by least squares: what a network sees of it, and where points have their
+/// feet.
 ///
 ///     X(u, v) = sum over a, b up to SURFACE_DEGREE of c_ab P_a(2 u - 1) P_b(2 v - 1)
 ///
-/// P are Legendre's polynomials. High coefficients cost a little, by the square of a^2 + b^2, which decides where points are few.
+/// P are Legendre's polynomials. High coefficients cost a little, by the square of a^2 + b^2, which decides where points are
+/// few.
 
 enum
 {
@@ -37,9 +39,9 @@ bat_status surface_descriptor_make(const double *points, const double *parameter
 void surface_descriptor_step(const surface_descriptor *descriptor, const double point[3], const double parameter[2],
                              double step[2]);
 
-/// The coefficients but the first, turned and scaled so that that of P_1(u) lies along the first axis and spans, with that of P_1(v), a
-/// parallelogram of area 1 in the plane of the first two: nothing that depends on where the cloud lies, how it is turned, and how large
-/// it is. Of a mirror image the third coordinates change sign.
+/// The coefficients but the first, turned and scaled so that that of P_1(u) lies along the first axis and spans, with that
+/// of P_1(v), a parallelogram of area 1 in the plane of the first two: nothing that depends on where the cloud lies, how it
+/// is turned, and how large it is. Of a mirror image the third coordinates change sign.
 /// @param seen receives SURFACE_SEEN numbers
 /// @return false when these two are parallel or zero, and the numbers are none
 bool surface_descriptor_see(const surface_descriptor *descriptor, double *seen);

@@ -44,8 +44,8 @@ static void place_along(const double *here, const double *const near[2 * AROUND]
     }
 }
 
-/// How far point i of the loop lies from where the cubic through its neighbours would have it, by the standard deviation that noise of
-/// each coordinate would give that; negative where neighbours coincide.
+/// How far point i of the loop lies from where the cubic through its neighbours would have it, by the standard deviation
+/// that noise of each coordinate would give that; negative where neighbours coincide.
 static double surprise(const bat_cloud *cloud, size_t i)
 {
     size_t count = cloud->boundary_count;

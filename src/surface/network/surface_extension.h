@@ -8,8 +8,8 @@
 ///
 ///     f(x) = a + B x - sum_k w_k |x - x_k|,    f(x_i) + lambda w_i = u_i,    sum_k w_k = 0,  sum_k w_k x_k = 0
 ///
-/// The kernel |x| is that of the biharmonic spline in space (Duchon 1977; Wahba 1990, section 2.4). Where the loop is noisy lambda is not small, and the
-/// map passes by its parameters.
+/// The kernel |x| is that of the biharmonic spline in space (Duchon 1977; Wahba 1990, section 2.4). Where the loop is noisy
+/// lambda is not small, and the map passes by its parameters.
 
 typedef struct surface_extension
 {

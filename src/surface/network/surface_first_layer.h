@@ -4,11 +4,12 @@
 #include "surface/network/surface_graph.h"
 
 /// @file
-/// The first layers of src/surface/network/surface_network.h for inference: linear layer, batch normalization over all edges, ReLU, and the mean over a
-/// point's edges.
+/// The first layers of src/surface/network/surface_network.h for inference: linear layer, batch normalization over all
+/// edges, ReLU, and the mean over a point's edges.
 ///
-/// Along an edge the layer says z = (W_a - W_b) x_i + W_b x_j + W_u u_j. That is linear in the numbers e = (x_i, x_j, u_j), so that mean and
-/// variance of z over all edges follow from those of e. With them z normalized is a share of the target's and one of the source's.
+/// Along an edge the layer says z = (W_a - W_b) x_i + W_b x_j + W_u u_j. That is linear in the numbers e = (x_i, x_j, u_j),
+/// so that mean and variance of z over all edges follow from those of e. With them z normalized is a share of the target's
+/// and one of the source's.
 
 enum
 {

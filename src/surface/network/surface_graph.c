@@ -105,8 +105,8 @@ static bounds bounds_of(const surface_sources *sources, const real *target, doub
     double square = 0;
     for (size_t c = 0; c < sources->width; c++)
         square += (double)target[c] * (double)target[c];
-    // The error of a sum of products is at most as many roundings of the norms' product (Higham 2002, section 3.1); then that of the bias
-    // and of the bounds themselves.
+    // The error of a sum of products is at most as many roundings of the norms' product (Higham 2002, section 3.1); then
+    // that of the bias and of the bounds themselves.
     double norm = sqrt(square), longest = sources->longest;
     double slack = epsilon * ((double)(sources->width + 2) * norm * longest + longest * longest + square + radius * radius);
     double bound = 0.5 * (square - radius * radius);

@@ -7,11 +7,11 @@
 #include <stdint.h>
 
 /// @file
-/// Exact radius graphs of points in space or of rows of features: which *sources* lie within a radius of which *targets*, the radius
-/// itself included, without a bound on neighbours. A target's neighbours are a row of bits.
+/// Exact radius graphs of points in space or of rows of features: which *sources* lie within a radius of which *targets*,
+/// the radius itself included, without a bound on neighbours. A target's neighbours are a row of bits.
 ///
-/// Distances come from a matrix product, |x - y|^2 = |x|^2 + |y|^2 - 2 x.y. Where its rounding could decide, the differences are squared
-/// and summed in double precision instead, so that the graph is that of the numbers as they are.
+/// Distances come from a matrix product, |x - y|^2 = |x|^2 + |y|^2 - 2 x.y. Where its rounding could decide, the differences
+/// are squared and summed in double precision instead, so that the graph is that of the numbers as they are.
 
 enum
 {
@@ -34,8 +34,8 @@ static inline size_t surface_words(size_t sources)
     return (sources + SURFACE_WORD - 1) / SURFACE_WORD;
 }
 
-/// Sources laid out for the product. Those of a panel (learn/packed.h) lie in a ball; targets that it is too far from are not compared with
-/// them, so that sources in an order in which near ones follow each other are looked at faster.
+/// Sources laid out for the product. Those of a panel (learn/packed.h) lie in a ball; targets that it is too far from are
+/// not compared with them, so that sources in an order in which near ones follow each other are looked at faster.
 typedef struct surface_sources
 {
     const real *points; ///< count x width, not copied
@@ -62,7 +62,8 @@ void surface_neighbours(const surface_sources *sources, const real *targets, siz
 /// Sums of features by words, for surface_sum(): words x SURFACE_WIDTH.
 /// @param features count x SURFACE_WIDTH
 void surface_word_sums(const real *features, size_t count, real *sums);
-/// The sum of the features of one target's neighbours. Where most of a word's bits are set, what is not is taken off the word's sum.
+/// The sum of the features of one target's neighbours. Where most of a word's bits are set, what is not is taken off the
+/// word's sum.
 /// @param sum receives SURFACE_WIDTH numbers
 void surface_sum(const uint64_t *bits, const real *features, size_t count, const real *word_sums, real *sum);
 

@@ -4,8 +4,8 @@
 #include "surface/network/surface_network.h"
 
 /// @file
-/// The published network of src/surface/network/surface_network.h for inference alone: no tape, graphs that are not kept, and products whose weights lie
-/// as they are read. On any number of threads to the same bytes.
+/// The published network of src/surface/network/surface_network.h for inference alone: no tape, graphs that are not kept,
+/// and products whose weights lie as they are read. On any number of threads to the same bytes.
 
 /// As in surface_network_kind.
 bat_status surface_inference_make(const learn_parameters *parameters, void **network, bat_error *error);

@@ -12,12 +12,12 @@
 ///     hidden:  four times the mean over rows j near row i of W (x_i, x_j - x_i) + b, then ReLU but for the last
 ///     output:  a network of three layers on the input's and all hidden layers' features, then the sigmoid
 ///
-/// Near is within the radius, in space at first and then among the features. h, g and the output network have a batch normalization, by the
-/// cloud's own mean and variance, and a ReLU behind each layer but the last.
+/// Near is within the radius, in space at first and then among the features. h, g and the output network have a batch
+/// normalization, by the cloud's own mean and variance, and a ReLU behind each layer but the last.
 ///
-/// A linear layer commutes with the mean. So a hidden layer is one product for each point, W (x_i, mean_j x_j - x_i) + b; the second layers
-/// of h and g are products of means; and their first layers are (W_a - W_b) x_i + W_b x_j + W_u u_j, products for each point
-/// that edges only add up.
+/// A linear layer commutes with the mean. So a hidden layer is one product for each point, W (x_i, mean_j x_j - x_i) + b;
+/// the second layers of h and g are products of means; and their first layers are (W_a - W_b) x_i + W_b x_j + W_u u_j,
+/// products for each point that edges only add up.
 
 /// Of the graphs, in the unit box and among the features.
 static const double SURFACE_RADIUS = 0.1;
@@ -45,8 +45,8 @@ typedef enum surface_part
 /// The index of a part's first array in a network with this number of arrays.
 size_t surface_network_part_begin(size_t parameter_count, surface_part part);
 size_t surface_network_part(const learn_parameters *parameters, surface_part part);
-/// Whether the network has the informed input layer. Without, it takes boundary points for interior ones, and knows nothing of their parameters
-/// (section 6.1).
+/// Whether the network has the informed input layer. Without, it takes boundary points for interior ones, and knows nothing
+/// of their parameters (section 6.1).
 bool surface_network_is_informed(const learn_parameters *parameters);
 bool surface_network_count_is_informed(size_t parameter_count);
 

@@ -37,8 +37,8 @@ static double boundary_area(const bat_cloud *cloud, const double *parameters)
     return area;
 }
 
-/// The affine map from planar places x to parameters u, by sums over a neighbourhood: its matrix is `mixed` times the inverse of
-/// `plain`.
+/// The affine map from planar places x to parameters u, by sums over a neighbourhood: its matrix is `mixed` times the
+/// inverse of `plain`.
 typedef struct map_sums
 {
     double plain[2][2]; ///< of x x^T about the mean

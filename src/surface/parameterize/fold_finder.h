@@ -17,9 +17,9 @@ typedef struct fold_finder
 bat_status fold_finder_make(const bat_cloud *cloud, fold_finder *finder, bat_error *error);
 void fold_finder_free(fold_finder *finder);
 
-/// Look at each interior point. In a cloud of triangles, folded is a corner of a triangle that is flat or turned over. Without triangles,
-/// a point is folded when the affine map from its local plane to parameters, fitted to its neighbourhood in least squares, is flat or
-/// turns over. The boundary says which way is right.
+/// Look at each interior point. In a cloud of triangles, folded is a corner of a triangle that is flat or turned over.
+/// Without triangles, a point is folded when the affine map from its local plane to parameters, fitted to its neighbourhood
+/// in least squares, is flat or turns over. The boundary says which way is right.
 /// @param parameters count x 2, in spatial order
 /// @param folded     receives count; false on the boundary
 /// @param stretches  receives the ratio of the map's singular values for each interior point; may be null

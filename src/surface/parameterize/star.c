@@ -50,7 +50,8 @@ static bool is_better_way(const double way[2], const double other[2])
     return other_length > length;
 }
 
-/// The corner after `from` of the hull of the origin and the points, SIZE_MAX for the origin, as which `from` may be given too.
+/// The corner after `from` of the hull of the origin and the points, SIZE_MAX for the origin, as which `from` may be given
+/// too.
 static size_t next_corner(const double (*points)[2], size_t count, size_t from)
 {
     static const double ORIGIN[2] = {0, 0};

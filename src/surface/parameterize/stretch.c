@@ -50,8 +50,8 @@ static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t
     return sqrt(squares / 2);
 }
 
-/// At interior points. Where parameters of a neighbourhood coincide, as far down in deep shapes, there is none to tell: it counts as the
-/// greatest of the others.
+/// At interior points. Where parameters of a neighbourhood coincide, as far down in deep shapes, there is none to tell: it
+/// counts as the greatest of the others.
 /// @return that of the whole
 static double measure_interior(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch)
 {

@@ -3,12 +3,12 @@
 
 #include "surface/parameterize/averages.h"
 
-/// Even out how much the map from parameters to points stretches: weights are divided by the stretch at the neighbour, and the system is
-/// solved anew, as long as the stretch of the whole falls (Yoshizawa, Belyaev and Seidel, "A fast and simple stretch-minimizing mesh
-/// parameterization", 2004; here for clouds).
+/// Even out how much the map from parameters to points stretches: weights are divided by the stretch at the neighbour, and
+/// the system is solved anew, as long as the stretch of the whole falls (Yoshizawa, Belyaev and Seidel, "A fast and simple
+/// stretch-minimizing mesh parameterization", 2004; here for clouds).
 ///
-/// The stretch at a point is the root mean square of the singular values of the map's derivative, which its row's neighbours tell by least
-/// squares; that of the whole is its root mean square over the interior.
+/// The stretch at a point is the root mean square of the singular values of the map's derivative, which its row's neighbours
+/// tell by least squares; that of the whole is its root mean square over the interior.
 /// @param rows       averages that the parameters obey; changed by every round, the last one that was not worthwhile too
 /// @param parameters count x 2
 /// @return as averages_solve()

@@ -6,8 +6,8 @@
 #include "surface/cloud/neighbours.h"
 
 /// @file
-/// Weights that make each interior point's parameter an average of its neighbours': one row for each interior point, in their order, a
-/// column for each point of the cloud. Weights are above 0 and sum to 1.
+/// Weights that make each interior point's parameter an average of its neighbours': one row for each interior point, in
+/// their order, a column for each point of the cloud. Weights are above 0 and sum to 1.
 
 /// What neighbourhoods are found with.
 typedef struct weight_source
@@ -57,16 +57,16 @@ bat_status weights_build(const weight_source *source, weight_maker *maker, int t
 /// All points within the radius, all the same or by inverse distance; BAT_NO_CONVERGENCE when there are none.
 bat_status weights_of_ball(const weight_source *source, weight_scratch *scratch, size_t point, weight_chunk *chunk,
                            bat_error *error);
-/// Shape-preserving weights of the point's neighbours in the Delaunay triangulation, by Qhull, of all points within the radius in
-/// their best plane. BAT_NO_CONVERGENCE when they are too few or in line, or the point is on their hull.
+/// Shape-preserving weights of the point's neighbours in the Delaunay triangulation, by Qhull, of all points within the
+/// radius in their best plane. BAT_NO_CONVERGENCE when they are too few or in line, or the point is on their hull.
 bat_status weights_of_triangulated_ball(const weight_source *source, weight_scratch *scratch, size_t point,
                                         weight_chunk *chunk, bat_error *error);
 
 /// The nearest points, all the same or by inverse distance. It does not fail but for want of memory.
 bat_status weights_of_nearest(const weight_source *source, weight_scratch *scratch, size_t point, weight_chunk *chunk,
                               bat_error *error);
-/// Shape-preserving weights of the star in a plane that fits a neighbourhood wide against its thickness; where no star closes, as at
-/// the end of a thin place, inverse distances. It does not fail but for want of memory.
+/// Shape-preserving weights of the star in a plane that fits a neighbourhood wide against its thickness; where no star
+/// closes, as at the end of a thin place, inverse distances. It does not fail but for want of memory.
 bat_status weights_of_star(const weight_source *source, weight_scratch *scratch, size_t point, weight_chunk *chunk,
                            bat_error *error);
 
@@ -77,8 +77,8 @@ bat_status weights_of_triangles(const bat_cloud *cloud, sparse_rows *rows, bat_e
 /// The first interior point that no chain of weights joins to the boundary; BAT_NO_INDEX for none.
 bat_status weights_find_unjoined(const bat_cloud *cloud, const sparse_rows *rows, size_t *point, bat_error *error);
 
-/// Give points that no chain joins to the boundary their nearest neighbours among those that are joined, the closest first, until all
-/// are.
+/// Give points that no chain joins to the boundary their nearest neighbours among those that are joined, the closest first,
+/// until all are.
 bat_status weights_join(const bat_cloud *cloud, sparse_rows *rows, bat_error *error);
 
 /// The longest side of the box around the points.

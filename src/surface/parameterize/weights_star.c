@@ -42,8 +42,8 @@ static bat_status first_wanted(const weight_source *source, weight_scratch *scra
     return status;
 }
 
-/// The corners of the star about the origin: in the plane where they go all around, else unfolded in space, which closes the gap.
-/// False where that is not possible.
+/// The corners of the star about the origin: in the plane where they go all around, else unfolded in space, which closes the
+/// gap. False where that is not possible.
 static bool lay_out(const weight_source *source, const weight_scratch *scratch, size_t point, const size_t *corners,
                     size_t count, bool closed, double (*ring)[2])
 {

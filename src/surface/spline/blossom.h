@@ -3,9 +3,9 @@
 
 #include "batten/spline.h"
 
-/// Blossoms of splines (Ramshaw, "Blossoming: a connect-the-dots approach to splines", 1987): the symmetric polynomial of as many
-/// arguments as the degree, linear in each, that is the spline's segment where all are equal. Its values at consecutive knots are
-/// the control points; at those of another knot vector of the same spline they are the control points there.
+/// Blossoms of splines (Ramshaw, "Blossoming: a connect-the-dots approach to splines", 1987): the symmetric polynomial of as
+/// many arguments as the degree, linear in each, that is the spline's segment where all are equal. Its values at consecutive
+/// knots are the control points; at those of another knot vector of the same spline they are the control points there.
 
 /// What control points count in a blossom: with c those from span - degree on, its value is sum_k weights[k] c[k].
 /// @param span      knots[span] < knots[span + 1], the segment

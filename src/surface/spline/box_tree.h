@@ -4,10 +4,11 @@
 #include "batten/base.h"
 
 /// @file
-/// Which level a place of the square has: a k-d tree of boxes with levels, after Kiss, Giannelli and Jüttler, "Algorithms and data
-/// structures for truncated hierarchical B-splines" (2014). Coordinates are whole numbers, from 0 to the square's size. A box is only
-/// ever cut along the line inside of it that the highest power of two divides, so that the tree's depth is at most twice the
-/// number of binary digits of the size, in whatever order levels are raised, and cuts follow the grid of the box that made them.
+/// Which level a place of the square has: a k-d tree of boxes with levels, after Kiss, Giannelli and Jüttler, "Algorithms
+/// and data structures for truncated hierarchical B-splines" (2014). Coordinates are whole numbers, from 0 to the square's
+/// size. A box is only ever cut along the line inside of it that the highest power of two divides, so that the tree's depth
+/// is at most twice the number of binary digits of the size, in whatever order levels are raised, and cuts follow the grid
+/// of the box that made them.
 
 /// Places from low to high - 1.
 typedef struct box_tree_area

@@ -33,8 +33,8 @@ static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)
     return made ? BAT_OK : error_memory(error, count * sizeof *leaves);
 }
 
-/// The region of a level and its functions: those that the region supports, of which those are selected that the refined cells,
-/// which are the next region, do not support.
+/// The region of a level and its functions: those that the region supports, of which those are selected that the refined
+/// cells, which are the next region, do not support.
 static bool make_level(bat_hierarchical_space *space, size_t level)
 {
     uint32_t size[2] = {(uint32_t)hierarchical_spans(space, level, 0), (uint32_t)hierarchical_spans(space, level, 1)};

@@ -6,11 +6,11 @@
 #include <string.h>
 
 /// @file
-/// The extraction of the cells: what coarser functions are on a cell, in the cell's local functions. It is found level by level, of
-/// refined cells as of active ones. On a cell each function of the basis of coarser levels is a row of numbers. On a refined cell
-/// those that its level selects join. The two-scale relation says the rows in the functions of the next level on each quarter of the
-/// cell; of the truncated basis those numbers are then set to zero that belong to functions with support in the next region, and what
-/// has become zero is gone.
+/// The extraction of the cells: what coarser functions are on a cell, in the cell's local functions. It is found level by
+/// level, of refined cells as of active ones. On a cell each function of the basis of coarser levels is a row of numbers. On
+/// a refined cell those that its level selects join. The two-scale relation says the rows in the functions of the next level
+/// on each quarter of the cell; of the truncated basis those numbers are then set to zero that belong to functions with
+/// support in the next region, and what has become zero is gone.
 
 /// The rows of the refined cells of a level, one cell after the other.
 typedef struct refined_rows
@@ -179,8 +179,8 @@ static bool store_refined(const bat_hierarchical_space *space, size_t level, uin
     return true;
 }
 
-/// Find what coarser functions are on an active cell and put it with the cell's own functions behind the cells before it. Of the
-/// functions that do not vanish on an active cell, its level selects those it supports.
+/// Find what coarser functions are on an active cell and put it with the cell's own functions behind the cells before it. Of
+/// the functions that do not vanish on an active cell, its level selects those it supports.
 static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, const refined_rows *parents, cell_rows *rows)
 {
     size_t locals = hierarchical_locals(space), level = cell->level;

@@ -7,11 +7,11 @@
 #include <string.h>
 
 /// @file
-/// The functions of a space in those of one refined from it. In the truncated basis the coefficient of a function of level l is what
-/// the B-spline has in the representation by level l on any active cell of level l in its support: the coarser functions have had it
-/// taken out (Giannelli, Jüttler and Speleers, "Strongly stable bases for adaptively refined multilevel spline spaces", 2014). So it
-/// is read off there. In the plain basis a function that is no longer selected is the sum of its children by the two-scale relation,
-/// which go on to the next level.
+/// The functions of a space in those of one refined from it. In the truncated basis the coefficient of a function of level l
+/// is what the B-spline has in the representation by level l on any active cell of level l in its support: the coarser
+/// functions have had it taken out (Giannelli, Jüttler and Speleers, "Strongly stable bases for adaptively refined
+/// multilevel spline spaces", 2014). So it is read off there. In the plain basis a function that is no longer selected is
+/// the sum of its children by the two-scale relation, which go on to the next level.
 
 /// Whether a space could have been refined from another, as far as options and places tell.
 static bool contains(const bat_hierarchical_space *space, const bat_hierarchical_space *refined)
@@ -111,7 +111,8 @@ static bat_status make_truncated(const bat_hierarchical_space *space, const bat_
     return made ? BAT_OK : error_memory(error, 2 * size * sizeof *room.rows + refined->function_count);
 }
 
-/// The children of function i of a level in one direction: from 2 i - degree on, degree + 2 of them, as far as they are of the grid.
+/// The children of function i of a level in one direction: from 2 i - degree on, degree + 2 of them, as far as they are of
+/// the grid.
 static uint32_t first_child(uint32_t i, uint32_t degree)
 {
     return 2 * i < degree ? 0 : 2 * i - degree;

@@ -151,10 +151,10 @@ static bat_spline_box extend(const bat_hierarchical_options *options, const bat_
     return wide;
 }
 
-/// Which coarser cells must be refined so that a box of cells can be, in a space of class m: of the truncated basis those that the
-/// support extension by functions of level l - m + 2 meets (Buffa and Giannelli 2016, section 3); of the plain basis the support
-/// extension by functions of level l - m + 1 (Bracco, Giannelli and Vázquez, "Refinement algorithms for adaptive isogeometric
-/// methods with hierarchical splines", 2018). False when there are none.
+/// Which coarser cells must be refined so that a box of cells can be, in a space of class m: of the truncated basis those
+/// that the support extension by functions of level l - m + 2 meets (Buffa and Giannelli 2016, section 3); of the plain
+/// basis the support extension by functions of level l - m + 1 (Bracco, Giannelli and Vázquez, "Refinement algorithms for
+/// adaptive isogeometric methods with hierarchical splines", 2018). False when there are none.
 static bool neighbourhood(const bat_hierarchical_options *options, const bat_spline_box *box, bat_spline_box *coarse)
 {
     uint32_t m = (uint32_t)options->admissible;
@@ -267,8 +267,8 @@ size_t bat_hierarchical_space_active(const bat_hierarchical_space *space, size_t
     return space->cells[cell].active;
 }
 
-/// The column (or row) of the finest grid that holds a parameter. The borders of column c are the doubles nearest c / count and
-/// (c + 1) / count, which a product may miss by a bit.
+/// The column (or row) of the finest grid that holds a parameter. The borders of column c are the doubles nearest c / count
+/// and (c + 1) / count, which a product may miss by a bit.
 static uint64_t finest_cell(const bat_hierarchical_space *space, int direction, double parameter)
 {
     uint64_t count = (uint64_t)space->options.spans[direction] << FINEST;

@@ -10,10 +10,12 @@
 /// @file
 /// What a space is made of, and its functions cell by cell.
 ///
-/// The box tree says the level of every place of the square: the finest whose region holds it. All else follows from it: the active
-/// cells, the functions, and on each cell the extraction, which says the functions of the basis that do not vanish there in the
-/// cell's local functions, the (p + 1)(q + 1) B-splines of the cell's own level. Local function b (p + 1) + a is that of column
-/// + a and row + b. On the cell, functions of the cell's level are local functions themselves; coarser ones are a row of numbers each.
+/// The box tree says the level of every place of the square: the finest whose region holds it. All else follows from it: the
+/// active cells, the functions, and on each cell the extraction, which says the functions of the basis that do not vanish
+/// there in the cell's local functions, the (p + 1)(q + 1) B-splines of the cell's own level. Local function b (p + 1) + a
+/// is that of column
+/// + a and row + b. On the cell, functions of the cell's level are local functions themselves; coarser ones are a row of
+/// numbers each.
 
 /// An active cell.
 typedef struct hierarchical_cell
@@ -83,7 +85,8 @@ bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_spline_b
 /// Make the lists of active functions and the extraction of all cells.
 bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error);
 
-/// Say rows of numbers, coefficients of a cell's local functions, in those of one of its four quarters, cells of the next level.
+/// Say rows of numbers, coefficients of a cell's local functions, in those of one of its four quarters, cells of the next
+/// level.
 /// @param level   of the cell
 /// @param column  of the quarter, in the next level's grid; `row` too
 /// @param rows    count x locals, replaced

@@ -4,8 +4,8 @@
 #include "batten/base.h"
 
 /// @file
-/// Sets of places of a grid, rows of columns, as runs: sorted by row and column, no two of a row touching. Once numbered, a place's
-/// number counts those before it.
+/// Sets of places of a grid, rows of columns, as runs: sorted by row and column, no two of a row touching. Once numbered, a
+/// place's number counts those before it.
 
 /// Columns begin to end - 1 of a row.
 typedef struct grid_run
@@ -44,8 +44,9 @@ bool run_set_subtract(const run_set *from, const run_set *what, run_set *rest);
 /// The places of a grid half as fine that a set is made of: its rows and columns come in pairs.
 bool run_set_halve(const run_set *set, run_set *coarse);
 
-/// Of the functions of a clamped grid of width x height cells and bidegree `degree` those whose support lies in a set of cells: the
-/// support of function (i, j) is columns i - degree[0] to i and rows j - degree[1] to j, as far as they are of the grid.
+/// Of the functions of a clamped grid of width x height cells and bidegree `degree` those whose support lies in a set of
+/// cells: the support of function (i, j) is columns i - degree[0] to i and rows j - degree[1] to j, as far as they are of
+/// the grid.
 bool run_set_supports(const run_set *cells, const uint32_t size[2], const int degree[2], run_set *functions);
 
 /// Past the last run; null for a set that never had any, as its first is.

@@ -8,8 +8,8 @@
 #include <string.h>
 
 /// @file
-/// A hierarchical surface as tensor-product pieces: over a box of active cells of one level the surface is one of that level's
-/// B-splines, whose coefficients the cells' extraction says.
+/// A hierarchical surface as tensor-product pieces: over a box of active cells of one level the surface is one of that
+/// level's B-splines, whose coefficients the cells' extraction says.
 
 /// Room for a piece in the B-splines of its level that do not vanish on its box.
 static bat_status make_piece(const bat_spline_surface *surface, const bat_spline_box *box, bat_tensor_surface *piece,

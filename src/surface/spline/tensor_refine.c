@@ -10,8 +10,8 @@
 #include <string.h>
 
 /// @file
-/// Other knot vectors of the same surface. Every new control point is a sum of up to degree + 1 old ones of its row (or column),
-/// the same for all rows: the blossom at the knots of the new one.
+/// Other knot vectors of the same surface. Every new control point is a sum of up to degree + 1 old ones of its row (or
+/// column), the same for all rows: the blossom at the knots of the new one.
 
 /// New functions of a direction in old ones: row i has degree + 1 weights of old functions first[i] on.
 typedef struct conversion

@@ -64,7 +64,8 @@ static bool in_domain(const bat_knot_vector *knots, double t)
     return t >= knots->knots[knots->degree] && t <= knots->knots[bat_knot_vector_functions(knots)];
 }
 
-/// Add what the functions of one parameter make of the control points, for derivative `u` by the first and `v` by the second.
+/// Add what the functions of one parameter make of the control points, for derivative `u` by the first and `v` by the
+/// second.
 static void add_products(const bat_tensor_surface *surface, const size_t span[2], const double *across, const double *along,
                          double *value)
 {

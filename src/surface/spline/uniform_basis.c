@@ -13,8 +13,8 @@ static size_t clamped_knot(size_t cells, size_t degree, size_t i)
     return 2 * (cell > cells ? cells : cell);
 }
 
-/// Insert the middles of all cells from left to right by Boehm's algorithm (The NURBS Book, A5.1). Between insertions the matrix
-/// says the coarse functions in those of the knots so far; its rows are 2 cells + degree long.
+/// Insert the middles of all cells from left to right by Boehm's algorithm (The NURBS Book, A5.1). Between insertions the
+/// matrix says the coarse functions in those of the knots so far; its rows are 2 cells + degree long.
 static void insert_middles(size_t cells, size_t degree, double *matrix)
 {
     size_t rows = cells + degree, stride = 2 * cells + degree;

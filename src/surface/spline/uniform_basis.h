@@ -5,8 +5,8 @@
 
 /// @file
 /// The B-splines of degree p of a clamped uniform knot vector, seen from one of its cells. Cell c of a grid of `cells` sees
-/// functions c to c + p. What they look like there depends only on how far the ends are, up to p - 1 cells away: a small grid that
-/// has the ends as near says the same, so that one short table serves grids of any size.
+/// functions c to c + p. What they look like there depends only on how far the ends are, up to p - 1 cells away: a small
+/// grid that has the ends as near says the same, so that one short table serves grids of any size.
 
 /// Two-scale relations of a degree. Release it with uniform_basis_free().
 typedef struct uniform_basis
@@ -26,8 +26,8 @@ typedef struct uniform_refinement
     size_t stride;
 } uniform_refinement;
 
-/// The functions of a cell in those of its lower (half 0) or upper (half 1) half, a cell of the grid twice as fine: row a says
-/// function cell + a in fine functions 2 cell + half to 2 cell + half + p.
+/// The functions of a cell in those of its lower (half 0) or upper (half 1) half, a cell of the grid twice as fine: row a
+/// says function cell + a in fine functions 2 cell + half to 2 cell + half + p.
 uniform_refinement uniform_basis_refinement(const uniform_basis *basis, size_t cells, size_t cell, size_t half);
 
 /// The coefficient of one fine function in one coarse function of a grid of `cells`.
