@@ -119,13 +119,13 @@ int main(void)
     bool fine = make_torus(true, &rounded) && make_torus(false, &exact);
     (void)printf("A torus of %d vertices and %d faces, one thread (floor for OBJ: %d MB/s)\n", AROUND * AROUND,
                  2 * AROUND * AROUND, FLOOR);
-    fine = fine && measure(&rounded, "OBJ, 6 decimals", BAT_MESH_FORMAT_OBJ, BAT_MESH_TEXT) &&
-           measure(&exact, "OBJ, all digits", BAT_MESH_FORMAT_OBJ, BAT_MESH_TEXT) &&
-           measure(&exact, "OFF", BAT_MESH_FORMAT_OFF, BAT_MESH_TEXT) &&
-           measure(&exact, "PLY, ascii", BAT_MESH_FORMAT_PLY, BAT_MESH_TEXT) &&
-           measure(&exact, "PLY, little-endian", BAT_MESH_FORMAT_PLY, BAT_MESH_BINARY) &&
-           measure(&exact, "PLY, big-endian", BAT_MESH_FORMAT_PLY, BAT_MESH_BIG_ENDIAN) &&
-           measure(&exact, "STL, binary", BAT_MESH_FORMAT_STL, BAT_MESH_BINARY);
+    fine = fine && measure(&rounded, "OBJ, 6 decimals", BAT_MESH_FORMAT_OBJ, BAT_MESH_ENCODING_TEXT) &&
+           measure(&exact, "OBJ, all digits", BAT_MESH_FORMAT_OBJ, BAT_MESH_ENCODING_TEXT) &&
+           measure(&exact, "OFF", BAT_MESH_FORMAT_OFF, BAT_MESH_ENCODING_TEXT) &&
+           measure(&exact, "PLY, ascii", BAT_MESH_FORMAT_PLY, BAT_MESH_ENCODING_TEXT) &&
+           measure(&exact, "PLY, little-endian", BAT_MESH_FORMAT_PLY, BAT_MESH_ENCODING_BINARY) &&
+           measure(&exact, "PLY, big-endian", BAT_MESH_FORMAT_PLY, BAT_MESH_ENCODING_BIG_ENDIAN) &&
+           measure(&exact, "STL, binary", BAT_MESH_FORMAT_STL, BAT_MESH_ENCODING_BINARY);
     bat_mesh_free(&rounded);
     bat_mesh_free(&exact);
     return !fine;

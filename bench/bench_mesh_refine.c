@@ -23,10 +23,10 @@ static const struct
     const char *name;
     bat_mesh_scheme scheme;
 } SCHEMES[] = {
-    {"midpoint", BAT_MESH_MIDPOINT},
-    {"loop", BAT_MESH_LOOP},
-    {"butterfly", BAT_MESH_BUTTERFLY},
-    {"sqrt3", BAT_MESH_SQRT3},
+    {"midpoint", BAT_MESH_SCHEME_MIDPOINT},
+    {"loop", BAT_MESH_SCHEME_LOOP},
+    {"butterfly", BAT_MESH_SCHEME_BUTTERFLY},
+    {"sqrt3", BAT_MESH_SCHEME_SQRT3},
 };
 
 static size_t result_bytes(const bat_mesh *mesh)

@@ -287,7 +287,7 @@ void check_openmesh(const std::string &name, const bat_mesh &mesh, bat_mesh_sche
 
 void check_opensubdiv(const std::string &name, const bat_mesh &mesh, size_t levels)
 {
-    bat_mesh ours = refine_batten(mesh, BAT_MESH_LOOP, levels);
+    bat_mesh ours = refine_batten(mesh, BAT_MESH_SCHEME_LOOP, levels);
     std::vector<Row> rows;
     auto refiner = refine_opensubdiv(mesh, levels, rows);
     check("OpenSubdiv Loop " + name, result_of(ours), result_of(*refiner, rows));
@@ -300,9 +300,9 @@ using Sqrt3 = OpenMesh::Subdivider::Uniform::Sqrt3T<PeerMesh, double>;
 
 void check_closed(const std::string &name, const bat_mesh &mesh)
 {
-    check_openmesh<Loop>("Loop, " + name, mesh, BAT_MESH_LOOP, 3);
-    check_openmesh<Butterfly>("butterfly, " + name, mesh, BAT_MESH_BUTTERFLY, 3);
-    check_openmesh<Sqrt3>("sqrt(3), " + name, mesh, BAT_MESH_SQRT3, 4);
+    check_openmesh<Loop>("Loop, " + name, mesh, BAT_MESH_SCHEME_LOOP, 3);
+    check_openmesh<Butterfly>("butterfly, " + name, mesh, BAT_MESH_SCHEME_BUTTERFLY, 3);
+    check_openmesh<Sqrt3>("sqrt(3), " + name, mesh, BAT_MESH_SCHEME_SQRT3, 4);
 }
 
 /// Give some edges and vertices sharpness. Of those around a vertex, a power of two fade at a time, as OpenSubdiv takes
@@ -464,9 +464,9 @@ int main(int argc, char **argv)
     if (failures > 0)
         std::printf("%d results differ\n", failures);
     std::printf("\nMedians of %d rounds in turn, neighbours from the list of faces included:\n", ROUNDS);
-    time_scheme<Loop>("Loop", large, BAT_MESH_LOOP, 3, true, 8);
-    time_scheme<Butterfly>("Butterfly", large, BAT_MESH_BUTTERFLY, 3, false, 8);
-    time_scheme<Sqrt3>("sqrt(3)", large, BAT_MESH_SQRT3, 4, false, 0);
+    time_scheme<Loop>("Loop", large, BAT_MESH_SCHEME_LOOP, 3, true, 8);
+    time_scheme<Butterfly>("Butterfly", large, BAT_MESH_SCHEME_BUTTERFLY, 3, false, 8);
+    time_scheme<Sqrt3>("sqrt(3)", large, BAT_MESH_SCHEME_SQRT3, 4, false, 0);
     bat_mesh_free(&irregular);
     bat_mesh_free(&grid);
     bat_mesh_free(&large);

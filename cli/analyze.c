@@ -48,7 +48,7 @@ typedef struct named_family
 
 static int check_linear(const arguments *given, const bat_curve_scheme *scheme)
 {
-    return scheme->kind == BAT_SCHEME_LINEAR
+    return scheme->kind == BAT_CURVE_SCHEME_LINEAR
                ? EXIT_DONE
                : usage_error(given, "'%s' is not linear: it has no mask", given->positional[0]);
 }
@@ -80,7 +80,7 @@ static bool read_number(const char *text, char **end, double *number)
 }
 
 /// NAME=A:B
-static bool read_sweep(const char *text, named_family *family, bat_sweep_options *options)
+static bool read_sweep(const char *text, named_family *family, bat_mask_sweep_options *options)
 {
     const char *equals = strchr(text, '=');
     if (equals == NULL || equals == text || equals - text >= PARAMETER_SIZE)
@@ -94,10 +94,10 @@ static bool read_sweep(const char *text, named_family *family, bat_sweep_options
 
 /// The options of a sweep, and both its ends tried.
 static int read_sweep_options(const arguments *given, const bat_analysis_options *analysis, named_family *family,
-                              bat_sweep_options *options)
+                              bat_mask_sweep_options *options)
 {
     long smoothness;
-    *options = bat_sweep_defaults();
+    *options = bat_mask_sweep_defaults();
     options->analysis = *analysis;
     family->scheme = given->positional[0];
     if (!read_sweep(argument(given, "sweep"), family, options))
@@ -123,11 +123,11 @@ static int read_sweep_options(const arguments *given, const bat_analysis_options
 static int run_sweep(const arguments *given, const bat_analysis_options *analysis)
 {
     named_family family;
-    bat_sweep_options options;
+    bat_mask_sweep_options options;
     int code = read_sweep_options(given, analysis, &family, &options);
     if (code != EXIT_DONE)
         return code;
-    bat_interval *intervals;
+    bat_mask_interval *intervals;
     size_t count;
     bat_error error;
     options.progress = report_progress("analyze");

@@ -11,7 +11,7 @@ typedef struct analyze_sweep
 {
     const char *parameter;
     size_t smoothness;
-    const bat_interval *intervals;
+    const bat_mask_interval *intervals;
     size_t count;
 } analyze_sweep;
 

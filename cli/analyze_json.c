@@ -36,7 +36,7 @@ static json_t *indexed(builder *b, const char *key, const double *values, size_t
     return inner.object;
 }
 
-static json_t *stencil(builder *b, const bat_stencil *s)
+static json_t *stencil(builder *b, const bat_mask_stencil *s)
 {
     return s->count > 0 ? indexed(b, "weights", s->weights, s->count, s->first) : json_null();
 }
@@ -70,7 +70,7 @@ static json_t *eigenvalues(builder *b, const bat_analysis *analysis)
     json_t *array = json_array();
     for (size_t e = 0; e < analysis->eigenvalue_count; e++)
     {
-        const bat_eigenvalue *value = &analysis->eigenvalues[e];
+        const bat_analysis_eigenvalue *value = &analysis->eigenvalues[e];
         builder inner = {.object = json_object()};
         put(&inner, "real", report_number(value->real));
         put(&inner, "imaginary", report_number(value->imaginary));
@@ -129,7 +129,7 @@ json_t *analyze_json(const char *scheme, const bat_analysis *analysis)
     put(&b, "matrix_first", json_integer(analysis->matrix_first));
     put(&b, "matrix", matrix(&b, analysis));
     put(&b, "eigenvalues", eigenvalues(&b, analysis));
-    put(&b, "converges", json_string(bat_verdict_name(analysis->converges)));
+    put(&b, "converges", json_string(bat_analysis_verdict_name(analysis->converges)));
     put(&b, "limit_stencil", stencil(&b, &analysis->limit));
     put(&b, "tangent_stencil", stencil(&b, &analysis->tangent));
     put(&b, "vertex_stencil", stencil(&b, &analysis->vertex));
@@ -143,7 +143,7 @@ json_t *analyze_json(const char *scheme, const bat_analysis *analysis)
     put(&b, "derivatives", derivatives(&b, analysis));
     put(&b, "smooth_proven", smoothness(analysis->smooth_proven));
     put(&b, "smooth_disproven", smoothness(analysis->smooth_disproven));
-    put(&b, "lipschitz", json_string(bat_verdict_name(analysis->lipschitz)));
+    put(&b, "lipschitz", json_string(bat_analysis_verdict_name(analysis->lipschitz)));
     return finish(&b);
 }
 
@@ -159,7 +159,7 @@ json_t *analyze_sweep_json(const char *scheme, const analyze_sweep *sweep)
         builder inner = {.object = json_object()};
         put(&inner, "begin", report_number(sweep->intervals[i].begin));
         put(&inner, "end", report_number(sweep->intervals[i].end));
-        put(&inner, "verdict", json_string(bat_verdict_name(sweep->intervals[i].verdict)));
+        put(&inner, "verdict", json_string(bat_analysis_verdict_name(sweep->intervals[i].verdict)));
         b.failed = json_array_append_new(array, inner.object) != 0 || inner.failed || b.failed;
     }
     put(&b, "intervals", array);

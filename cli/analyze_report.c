@@ -206,7 +206,7 @@ static void print_vector(FILE *out, const double *vector, size_t size)
     (void)fputc(']', out);
 }
 
-static void print_eigenvalue(FILE *out, const bat_eigenvalue *value)
+static void print_eigenvalue(FILE *out, const bat_analysis_eigenvalue *value)
 {
     char text[64];
     if (value->imaginary == 0)
@@ -238,7 +238,7 @@ static void report_matrix(FILE *out, const bat_analysis *analysis)
     (void)fprintf(out, "  eigenvalues%s\n", size <= LARGEST_MATRIX ? " and right eigenvectors" : "");
     for (size_t e = 0; e < analysis->eigenvalue_count; e++)
     {
-        const bat_eigenvalue *value = &analysis->eigenvalues[e];
+        const bat_analysis_eigenvalue *value = &analysis->eigenvalues[e];
         print_eigenvalue(out, value);
         for (size_t v = 0; v < value->vector_count && size <= LARGEST_MATRIX; v++)
         {
@@ -253,7 +253,7 @@ static void report_matrix(FILE *out, const bat_analysis *analysis)
     }
 }
 
-static void print_stencil(FILE *out, const char *label, const bat_stencil *stencil)
+static void print_stencil(FILE *out, const char *label, const bat_mask_stencil *stencil)
 {
     if (stencil->count == 0)
         return;
@@ -304,9 +304,9 @@ static void print_bounds(FILE *out, double lower, double upper)
 static void report_convergence(FILE *out, const bat_analysis *analysis)
 {
     (void)fprintf(out, "\nConvergence: %s\n",
-                  analysis->converges == BAT_PROVEN      ? "yes, proven"
-                  : analysis->converges == BAT_DISPROVEN ? "no, proven"
-                                                         : "undecided; try a larger --depth");
+                  analysis->converges == BAT_ANALYSIS_PROVEN      ? "yes, proven"
+                  : analysis->converges == BAT_ANALYSIS_DISPROVEN ? "no, proven"
+                                                                  : "undecided; try a larger --depth");
     (void)fprintf(out, "  differences of order %zu grow by a factor per level ", analysis->multiplicity);
     if (analysis->radius_lower == analysis->radius_upper)
         (void)fprintf(out, "of %.12g, both bounds\n", analysis->radius_lower);
@@ -326,9 +326,10 @@ static void report_convergence(FILE *out, const bat_analysis *analysis)
 
 static void print_lipschitz(FILE *out, const bat_analysis *analysis)
 {
-    if (analysis->lipschitz == BAT_PROVEN)
+    if (analysis->lipschitz == BAT_ANALYSIS_PROVEN)
         (void)fputs(", Lipschitz continuous", out);
-    else if (analysis->lipschitz == BAT_DISPROVEN && analysis->exponent_upper >= (double)(analysis->smooth_proven + 1))
+    else if (analysis->lipschitz == BAT_ANALYSIS_DISPROVEN &&
+             analysis->exponent_upper >= (double)(analysis->smooth_proven + 1))
         (void)fputs(", for every exponent below 1 but not 1 itself", out);
 }
 
@@ -358,7 +359,7 @@ static void print_derivatives(FILE *out, const bat_analysis *analysis)
 
 static void report_smoothness(FILE *out, const bat_analysis *analysis)
 {
-    if (analysis->converges == BAT_DISPROVEN)
+    if (analysis->converges == BAT_ANALYSIS_DISPROVEN)
         return;
     (void)fputs("\nSmoothness of the limit\n", out);
     if (analysis->smooth_proven >= 0)
@@ -391,17 +392,18 @@ void analyze_report(FILE *out, const char *scheme, const bat_analysis *analysis)
 void analyze_report_sweep(FILE *out, const char *scheme, const analyze_sweep *sweep)
 {
     (void)fprintf(out, "%s: where the limit is C^%zu, by %s\n\n", scheme, sweep->smoothness, sweep->parameter);
-    const bat_interval *widest = NULL;
+    const bat_mask_interval *widest = NULL;
     for (size_t i = 0; i < sweep->count; i++)
     {
-        const bat_interval *interval = &sweep->intervals[i];
+        const bat_mask_interval *interval = &sweep->intervals[i];
         if (interval->begin == interval->end)
-            (void)fprintf(out, "  %15.9g %-18s %s\n", interval->begin, "alone", bat_verdict_name(interval->verdict));
+            (void)fprintf(out, "  %15.9g %-18s %s\n", interval->begin, "alone",
+                          bat_analysis_verdict_name(interval->verdict));
         else
             (void)fprintf(out, "  %15.9g to %-15.9g %s\n", interval->begin, interval->end,
-                          bat_verdict_name(interval->verdict));
+                          bat_analysis_verdict_name(interval->verdict));
         bool is_wider = widest == NULL || interval->end - interval->begin > widest->end - widest->begin;
-        if (interval->verdict == BAT_PROVEN && is_wider)
+        if (interval->verdict == BAT_ANALYSIS_PROVEN && is_wider)
             widest = interval;
     }
     if (widest != NULL && widest->begin < widest->end)

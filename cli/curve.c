@@ -110,11 +110,11 @@ static bool read_choices(const arguments *given, curve_job *job)
     static const char *const END_RULES[] = {"reflect", "extrapolate", "free", NULL};
     static const char *const PROJECTIONS[] = {"globe", "map", "both", NULL};
     int ends, projection;
-    if (!argument_word(given, "ends", END_RULES, BAT_END_REFLECT, &ends) ||
-        !argument_word(given, "projection", PROJECTIONS, BAT_PROJECTION_GLOBE, &projection))
+    if (!argument_word(given, "ends", END_RULES, BAT_CURVE_END_REFLECT, &ends) ||
+        !argument_word(given, "projection", PROJECTIONS, BAT_CURVE_PROJECTION_GLOBE, &projection))
         return false;
     job->refine.ends = (bat_curve_end_rule)ends;
-    job->draw.projection = (bat_projection)projection;
+    job->draw.projection = (bat_curve_projection)projection;
     job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
     return read_format(given, "from", &job->read.format) && read_format(given, "to", &job->write.format);
 }
@@ -161,7 +161,7 @@ static bool same_file(const char *first, const char *second)
 /// Whether a scheme takes its angles from a tension.
 static bool has_tension(const bat_curve_scheme *scheme)
 {
-    return scheme->kind == BAT_SCHEME_ANGLE && scheme->rule == NULL;
+    return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
 }
 
 static bool check_exclusions(const arguments *given, const curve_job *job)
@@ -317,7 +317,7 @@ static int choose_tension(curve_job *job, const bat_curve_set *coarse, const bat
     if (status != BAT_OK)
         return report_failure(job->input, &error);
     (void)snprintf(job->best_name, sizeof job->best_name, "angle:mu=%.10g%s%s", scheme->tension,
-                   scheme->sign == BAT_ANGLE_PRINTED ? ",sign=printed" : "", scheme->adaptive ? ",adaptive=1" : "");
+                   scheme->sign == BAT_CURVE_ANGLE_PRINTED ? ",sign=printed" : "", scheme->adaptive ? ",adaptive=1" : "");
     job->scheme = job->best_name;
     return EXIT_DONE;
 }
@@ -371,7 +371,7 @@ static bool load_model(curve_job *job)
 static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
 {
     double points = 0;
-    bool plain = !job->refine.snap && job->refine.ends == BAT_END_REFLECT && !job->best_tension;
+    bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension;
     if (plain && curve_hermite_suits(coarse))
     {
         job->hermite = true;

@@ -7,18 +7,18 @@
 
 /// The layers of one panel: the control polygons, the truth when there is one, the refined curves unless the level is 0.
 static size_t make_layers(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth,
-                          const bat_curve_set *fine, size_t levels, bat_picture_layer *layers)
+                          const bat_curve_set *fine, size_t levels, bat_curve_picture_layer *layers)
 {
     size_t count = 0;
     for (size_t i = 0; i < coarse->count; i++)
-        layers[count++] =
-            (bat_picture_layer){.curve = &coarse->curves[i], .role = BAT_LAYER_CONTROL, .label = i == 0 ? "given" : NULL};
+        layers[count++] = (bat_curve_picture_layer){
+            .curve = &coarse->curves[i], .role = BAT_CURVE_LAYER_CONTROL, .label = i == 0 ? "given" : NULL};
     for (size_t i = 0; truth != NULL && i < truth->count; i++)
-        layers[count++] =
-            (bat_picture_layer){.curve = &truth->curves[i], .role = BAT_LAYER_TRUTH, .label = i == 0 ? "truth" : NULL};
+        layers[count++] = (bat_curve_picture_layer){
+            .curve = &truth->curves[i], .role = BAT_CURVE_LAYER_TRUTH, .label = i == 0 ? "truth" : NULL};
     for (size_t i = 0; levels > 0 && i < fine->count; i++)
-        layers[count++] = (bat_picture_layer){
-            .curve = &fine->curves[i], .role = BAT_LAYER_CURVE, .label = i == 0 ? job->scheme : NULL, .colour = 1};
+        layers[count++] = (bat_curve_picture_layer){
+            .curve = &fine->curves[i], .role = BAT_CURVE_LAYER_CURVE, .label = i == 0 ? job->scheme : NULL, .colour = 1};
     return count;
 }
 
@@ -27,9 +27,9 @@ typedef struct panel_set
 {
     size_t count;
     bat_curve_set fine[CURVE_MOST_PANELS]; ///< empty where the job's own result is shown
-    bat_picture_layer *layers[CURVE_MOST_PANELS];
+    bat_curve_picture_layer *layers[CURVE_MOST_PANELS];
     char titles[CURVE_MOST_PANELS][24];
-    bat_picture_panel panels[CURVE_MOST_PANELS];
+    bat_curve_picture_panel panels[CURVE_MOST_PANELS];
 } panel_set;
 
 static int make_panel(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth,
@@ -47,9 +47,9 @@ static int make_panel(const curve_job *job, const bat_curve_set *coarse, const b
     if (set->layers[p] == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
     (void)snprintf(set->titles[p], sizeof set->titles[p], "level %zu", levels);
-    set->panels[p] = (bat_picture_panel){.layers = set->layers[p],
-                                         .layer_count = make_layers(job, coarse, truth, fine, levels, set->layers[p]),
-                                         .title = job->panel_count > 0 ? set->titles[p] : NULL};
+    set->panels[p] = (bat_curve_picture_panel){.layers = set->layers[p],
+                                               .layer_count = make_layers(job, coarse, truth, fine, levels, set->layers[p]),
+                                               .title = job->panel_count > 0 ? set->titles[p] : NULL};
     return EXIT_DONE;
 }
 

@@ -27,7 +27,7 @@ static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_mea
                                    bat_error *error)
 {
     *sum = (totals){0};
-    bat_fairness *fairness = calloc(set->count, sizeof *fairness);
+    bat_curve_fairness_values *fairness = calloc(set->count, sizeof *fairness);
     if (fairness == NULL)
         return no_memory(error);
     bat_curve_measure_options how = *options;

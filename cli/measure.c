@@ -70,10 +70,10 @@ static const struct
     {"hausdorff_there", "greatest nearest neighbour, A to B", DISTANCE, offsetof(bat_curve_distance, hausdorff_there)},
     {"hausdorff_back", "greatest nearest neighbour, B to A", DISTANCE, offsetof(bat_curve_distance, hausdorff_back)},
     {"hausdorff", "Hausdorff distance", DISTANCE, offsetof(bat_curve_distance, hausdorff)},
-    {"bending", "bending energy of A", FAIRNESS_OF_A, offsetof(bat_fairness, bending)},
-    {"g1", "largest exterior angle of A", FAIRNESS_OF_A, offsetof(bat_fairness, g1)},
-    {"bending_b", "bending energy of B", FAIRNESS_OF_B, offsetof(bat_fairness, bending)},
-    {"g1_b", "largest exterior angle of B", FAIRNESS_OF_B, offsetof(bat_fairness, g1)},
+    {"bending", "bending energy of A", FAIRNESS_OF_A, offsetof(bat_curve_fairness_values, bending)},
+    {"g1", "largest exterior angle of A", FAIRNESS_OF_A, offsetof(bat_curve_fairness_values, g1)},
+    {"bending_b", "bending energy of B", FAIRNESS_OF_B, offsetof(bat_curve_fairness_values, bending)},
+    {"g1_b", "largest exterior angle of B", FAIRNESS_OF_B, offsetof(bat_curve_fairness_values, g1)},
 };
 
 /// What the command line asks for.
@@ -89,7 +89,7 @@ typedef struct measure_job
 typedef struct results
 {
     size_t count;
-    bat_fairness *fairness[2]; ///< of A and B
+    bat_curve_fairness_values *fairness[2]; ///< of A and B
     bat_curve_distance *distances;
 } results;
 
@@ -102,7 +102,7 @@ static double result_of(const results *all, size_t row, size_t curve)
     return value;
 }
 
-static void print_row(size_t row, const bat_summary *summary)
+static void print_row(size_t row, const bat_curve_summary *summary)
 {
     (void)printf("%-36s %14.8g", ROWS[row].name, summary->mean);
     if (summary->count > 1)
@@ -121,7 +121,7 @@ static bat_status summarize(const results *all, bool compared, json_t *object, b
             continue;
         for (size_t i = 0; i < all->count; i++)
             values[i] = result_of(all, row, i);
-        bat_summary summary;
+        bat_curve_summary summary;
         status = bat_curve_summarize(values, all->count, &summary, error);
         if (status != BAT_OK)
             break;
@@ -163,7 +163,7 @@ static int report_curve(const char *path, const bat_curve_set *set, size_t curve
 }
 
 static int measure_fairness(const char *path, const bat_curve_set *set, const bat_curve_measure_options *options,
-                            bat_fairness *fairness)
+                            bat_curve_fairness_values *fairness)
 {
     bat_error error;
     size_t failed = BAT_NO_INDEX;

@@ -262,7 +262,7 @@ static const char *file_name(const char *path)
 static int draw_distances(const mesh_job *job, const bat_mesh meshes[2], double diagonal)
 {
     bat_error error = {.text = "out of memory"};
-    bat_mesh_panel panels[2];
+    bat_mesh_picture_panel panels[2];
     double *shares[2] = {NULL, NULL};
     bat_status status = BAT_OK;
     for (size_t i = 0; i < 2 && status == BAT_OK; i++)
@@ -274,7 +274,7 @@ static int draw_distances(const mesh_job *job, const bat_mesh meshes[2], double 
                      : bat_mesh_vertex_distances(mesh, &meshes[1 - i], job->compare.threads, shares[i], &error);
         for (size_t v = 0; v < mesh->vertex_count && status == BAT_OK; v++)
             shares[i][v] *= 100 / diagonal;
-        panels[i] = (bat_mesh_panel){.mesh = mesh, .values = shares[i], .title = file_name(job->paths[i])};
+        panels[i] = (bat_mesh_picture_panel){.mesh = mesh, .values = shares[i], .title = file_name(job->paths[i])};
     }
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.threads = job->compare.threads;

@@ -81,8 +81,8 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
     int scheme, then;
     long levels, threads;
     double degrees;
-    if (!argument_word(given, "scheme", SCHEMES, BAT_MESH_LEARNED, &scheme) ||
-        !argument_word(given, "then", GOING_ON, BAT_MESH_LOOP, &then) ||
+    if (!argument_word(given, "scheme", SCHEMES, BAT_MESH_SCHEME_LEARNED, &scheme) ||
+        !argument_word(given, "then", GOING_ON, BAT_MESH_SCHEME_LOOP, &then) ||
         !argument_whole(given, "levels", 0, MOST_LEVELS, 2, &levels) ||
         !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
         !argument_number(given, "crease-angle", 0, &degrees))
@@ -100,7 +100,7 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
 static const char *find_fault(const arguments *given, const mesh_job *job)
 {
     bool piped = job->output != NULL && strcmp(job->output, "-") == 0;
-    bool learned = job->refine.scheme == BAT_MESH_LEARNED;
+    bool learned = job->refine.scheme == BAT_MESH_SCHEME_LEARNED;
     bat_mesh_scheme last = learned ? job->refine.then : job->refine.scheme;
     if (job->output == NULL && job->picture == NULL && !job->json && job->quiet)
         return "nothing is asked for: give -o OUT, --picture FILE or --json";
@@ -110,7 +110,7 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return "--model and --then need --scheme learned";
     if (job->beside >= 0 && job->picture == NULL)
         return "--beside needs --picture FILE";
-    if (last != BAT_MESH_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
+    if (last != BAT_MESH_SCHEME_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
         return "--limit and --crease-angle need Loop's scheme";
     if (job->refine.crease_angle < 0 || job->refine.crease_angle > 180 * DEGREE)
         return "--crease-angle takes 0 to 180 degrees";
@@ -170,7 +170,7 @@ static int read_coarse(const mesh_job *job, mesh_result *result)
         return report_failure(job->input, &error);
     result->boundary_edges = links.boundary_edge_count;
     bat_mesh_connectivity_free(&links);
-    if (job->refine.scheme == BAT_MESH_SQRT3)
+    if (job->refine.scheme == BAT_MESH_SCHEME_SQRT3)
         drop_texture(result);
     return EXIT_DONE;
 }
@@ -179,7 +179,7 @@ static int refine(const mesh_job *job, mesh_result *result)
 {
     bat_error error;
     bat_mesh_refine_options options = job->refine;
-    if (options.scheme == BAT_MESH_LEARNED)
+    if (options.scheme == BAT_MESH_SCHEME_LEARNED)
     {
         bat_status status = job->model != NULL ? bat_mesh_model_read(job->model, &result->model, &error)
                                                : bat_mesh_model_builtin(&result->model, &error);
@@ -203,7 +203,7 @@ static bat_status refine_beside(const mesh_job *job, const bat_mesh *coarse, bat
 {
     bat_mesh_refine_options options = job->refine;
     options.scheme = (bat_mesh_scheme)job->beside;
-    if (options.scheme != BAT_MESH_LOOP)
+    if (options.scheme != BAT_MESH_SCHEME_LOOP)
     {
         options.limit = false;
         options.crease_angle = 0;
@@ -220,7 +220,7 @@ static int draw(const mesh_job *job, const mesh_result *result)
         return report_failure(job->input, &error);
     make_title(job->refine.scheme, job->refine.levels, title);
     make_title((bat_mesh_scheme)(job->beside < 0 ? 0 : job->beside), job->refine.levels, beside_title);
-    bat_mesh_panel panels[3] = {
+    bat_mesh_picture_panel panels[3] = {
         {.mesh = &result->coarse, .title = "coarse", .wires = true, .flat = true},
         {.mesh = &result->fine, .title = title},
         {.mesh = &other, .title = beside_title},

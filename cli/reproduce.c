@@ -330,7 +330,7 @@ static int run(const arguments *given, size_t index)
         !argument_whole(given, "clouds", 1, MOST_NUMBER, 0, &clouds) ||
         !argument_whole(given, "corrections", 0, 100, 1, &corrections) ||
         !argument_list(given, "points", 1, 100000, true, &points) || !argument_list(given, "noise", 0, 10, false, &noises) ||
-        !argument_list(given, "degrees", 1, BAT_SPLINE_MOST_DEGREE, true, &degrees))
+        !argument_list(given, "degrees", 1, BAT_SPLINE_MAX_DEGREE, true, &degrees))
         return EXIT_BAD_USAGE;
     pictures drawn = RESULTS[index].drawn;
     const char *folder = folder_of(given, index);

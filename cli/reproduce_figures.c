@@ -68,7 +68,7 @@ static bat_status refine_outlines(figure *f, const bat_space *plane, size_t pane
 }
 
 /// The distances of outline `o`, into those of the figure where they are greater.
-static bat_status measure_outline(figure *f, size_t o, const bat_stencil *stencil, bat_error *error)
+static bat_status measure_outline(figure *f, size_t o, const bat_mask_stencil *stencil, bat_error *error)
 {
     const bat_curve *middle = &f->curves[MIDDLE][o], *last = &f->curves[LAST][o];
     bat_curve_measure_options how = bat_curve_measure_defaults();
@@ -87,7 +87,7 @@ static bat_status measure_outline(figure *f, size_t o, const bat_stencil *stenci
     return BAT_OK;
 }
 
-static bat_status figure_measure(figure *f, const bat_stencil *stencil, bat_error *error)
+static bat_status figure_measure(figure *f, const bat_mask_stencil *stencil, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t o = 0; o < f->shape->outline_count && status == BAT_OK; o++)
@@ -106,7 +106,7 @@ static bat_status figure_make(const bat_curve_shape *shape, const bat_shape_figu
     (void)snprintf(f->name, sizeof f->name, "curve-figures-%.*s-%s", (int)strcspn(study->scheme, ":"), study->scheme,
                    shape->name);
     bat_curve_scheme scheme;
-    bat_stencil stencil;
+    bat_mask_stencil stencil;
     bat_status status = bat_curve_scheme_by_name(study->scheme, &scheme, error);
     if (status == BAT_OK)
         status = bat_mask_limit_stencil(&scheme.mask, &stencil, error);
@@ -129,15 +129,15 @@ static void figure_free(figure *f)
 /// Write the five panels, as SVG and as PNG.
 static int figure_draw(const figure *f, const char *folder)
 {
-    bat_picture_layer layers[PANELS][MOST_OUTLINES];
-    bat_picture_panel panels[PANELS];
+    bat_curve_picture_layer layers[PANELS][MOST_OUTLINES];
+    bat_curve_picture_panel panels[PANELS];
     char titles[PANELS][NAME_SIZE], heading[2 * NAME_SIZE], path[PATH_SIZE];
     for (size_t panel = 0; panel < PANELS; panel++)
     {
         for (size_t o = 0; o < f->shape->outline_count; o++)
-            layers[panel][o] = (bat_picture_layer){.curve = &f->curves[panel][o], .colour = 1};
+            layers[panel][o] = (bat_curve_picture_layer){.curve = &f->curves[panel][o], .colour = 1};
         (void)snprintf(titles[panel], sizeof titles[panel], "level %zu", LEVELS[panel]);
-        panels[panel] = (bat_picture_panel){layers[panel], f->shape->outline_count, titles[panel]};
+        panels[panel] = (bat_curve_picture_panel){layers[panel], f->shape->outline_count, titles[panel]};
     }
     (void)snprintf(heading, sizeof heading, "%s, %s", f->shape->name, f->study->scheme);
     bat_curve_picture_options how = bat_curve_picture_defaults();

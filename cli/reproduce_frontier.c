@@ -62,12 +62,12 @@ static bat_chart chart_of(frontier *f, const char *space, bool bending)
     f->series[0] = (bat_chart_series){.x = f->learned_x,
                                       .y = f->learned_y,
                                       .count = f->learned,
-                                      .mark = BAT_SERIES_LINE_POINTS,
+                                      .mark = BAT_CHART_LINE_POINTS,
                                       .label = "learned, fairness 0 to 1"};
     f->series[1] = (bat_chart_series){.x = f->other_x,
                                       .y = f->other_y,
                                       .count = f->others,
-                                      .mark = BAT_SERIES_POINTS,
+                                      .mark = BAT_CHART_POINTS,
                                       .label = "other schemes",
                                       .point_labels = f->other_names};
     bat_chart chart = bat_chart_defaults();

@@ -18,14 +18,14 @@ enum
 
 // The figures
 
-static bat_picture_layer layer_of(const bat_hermite_panel *panel, size_t index)
+static bat_curve_picture_layer layer_of(const bat_hermite_panel *panel, size_t index)
 {
     static const char *const LABELS[] = {"refined", "given", "smooth curve"};
-    bat_layer_role role = panel->roles[index];
+    bat_curve_layer_role role = panel->roles[index];
     size_t first = 0;
     while (panel->roles[first] != role)
         first++;
-    return (bat_picture_layer){
+    return (bat_curve_picture_layer){
         .curve = &panel->curves[index], .role = role, .label = index == first ? LABELS[role] : NULL, .colour = 1};
 }
 
@@ -39,8 +39,8 @@ static void scheme_words(const bat_hermite_panel *panel, char *text, size_t size
 
 static int draw_figure(const bat_hermite_figure *figure, const char *folder)
 {
-    bat_picture_layer layers[PANELS][CURVES];
-    bat_picture_panel panels[PANELS];
+    bat_curve_picture_layer layers[PANELS][CURVES];
+    bat_curve_picture_panel panels[PANELS];
     char titles[PANELS][TITLE_SIZE], path[PATH_SIZE];
     for (size_t p = 0; p < figure->panel_count; p++)
     {
@@ -50,7 +50,7 @@ static int draw_figure(const bat_hermite_figure *figure, const char *folder)
             layers[p][i] = layer_of(panel, i);
         scheme_words(panel, words, sizeof words);
         (void)snprintf(titles[p], sizeof titles[p], "%s, %zu points: error %.2g", words, panel->samples, panel->error);
-        panels[p] = (bat_picture_panel){layers[p], panel->curve_count, titles[p]};
+        panels[p] = (bat_curve_picture_panel){layers[p], panel->curve_count, titles[p]};
     }
     bat_curve_picture_options how = bat_curve_picture_defaults();
     how.title = figure->title;

@@ -318,7 +318,7 @@ static int add_learned(table *t, const char *name, const char *path, bat_mesh_mo
     bat_status status = path != NULL ? bat_mesh_model_read(path, model, &error) : bat_mesh_model_builtin(model, &error);
     if (status != BAT_OK)
         return report_failure(path, &error);
-    t->methods[t->method_count++] = (bat_mesh_method){name, BAT_MESH_LEARNED, bat_mesh_model_rule(*model)};
+    t->methods[t->method_count++] = (bat_mesh_method){name, BAT_MESH_SCHEME_LEARNED, bat_mesh_model_rule(*model)};
     return EXIT_DONE;
 }
 
@@ -326,7 +326,7 @@ int reproduce_mesh_table2(const reproduce_job *job)
 {
     table t = {.job = job,
                .options = bat_mesh_study_defaults(),
-               .methods = {{"loop", BAT_MESH_LOOP, NULL}, {"butterfly", BAT_MESH_BUTTERFLY, NULL}},
+               .methods = {{"loop", BAT_MESH_SCHEME_LOOP, NULL}, {"butterfly", BAT_MESH_SCHEME_BUTTERFLY, NULL}},
                .method_count = 2};
     file_list files = {.count = 0};
     bat_mesh_model *learned = NULL, *given = NULL;

@@ -102,7 +102,7 @@ int reproduce_surface_ablation(const reproduce_job *job)
     {
         bat_surface_method methods[2];
         for (size_t m = 0; m < 2; m++)
-            methods[m] = (bat_surface_method){NETWORKS[m].name, BAT_SURFACE_LEARNED, false, models[m], false};
+            methods[m] = (bat_surface_method){NETWORKS[m].name, BAT_SURFACE_PARAMETERS_LEARNED, false, models[m], false};
         bat_surface_study_options options = bat_surface_study_defaults();
         options.seed = job->seed;
         options.clouds = clouds_of(job);

@@ -34,14 +34,14 @@ static json_t *score_json(const bat_surface_case *what, const char *method, cons
 
 /// The methods of the figures, then ours.
 static const bat_surface_method METHODS[] = {
-    {"uniform", BAT_SURFACE_UNIFORM, true, NULL, false},
-    {"inverse-distance", BAT_SURFACE_INVERSE_DISTANCE, true, NULL, false},
-    {"shape-preserving", BAT_SURFACE_SHAPE_PRESERVING, true, NULL, false},
-    {"learned", BAT_SURFACE_LEARNED, false, NULL, false},
-    {"uniform-own", BAT_SURFACE_UNIFORM, false, NULL, false},
-    {"inverse-distance-own", BAT_SURFACE_INVERSE_DISTANCE, false, NULL, false},
-    {"shape-preserving-own", BAT_SURFACE_SHAPE_PRESERVING, false, NULL, false},
-    {"stretch-minimizing", BAT_SURFACE_STRETCH_MINIMIZING, false, NULL, false},
+    {"uniform", BAT_SURFACE_PARAMETERS_UNIFORM, true, NULL, false},
+    {"inverse-distance", BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE, true, NULL, false},
+    {"shape-preserving", BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, true, NULL, false},
+    {"learned", BAT_SURFACE_PARAMETERS_LEARNED, false, NULL, false},
+    {"uniform-own", BAT_SURFACE_PARAMETERS_UNIFORM, false, NULL, false},
+    {"inverse-distance-own", BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE, false, NULL, false},
+    {"shape-preserving-own", BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, false, NULL, false},
+    {"stretch-minimizing", BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING, false, NULL, false},
 };
 enum
 {

@@ -16,12 +16,12 @@ enum
 
 /// Those of the figures.
 static const bat_surface_method METHODS[] = {
-    {"uniform", BAT_SURFACE_UNIFORM, true, NULL, false},
-    {"inverse-distance", BAT_SURFACE_INVERSE_DISTANCE, true, NULL, false},
-    {"shape-preserving", BAT_SURFACE_SHAPE_PRESERVING, true, NULL, false},
-    {"shape-preserving-own", BAT_SURFACE_SHAPE_PRESERVING, false, NULL, false},
-    {"stretch-minimizing", BAT_SURFACE_STRETCH_MINIMIZING, false, NULL, false},
-    {"learned", BAT_SURFACE_LEARNED, false, NULL, false},
+    {"uniform", BAT_SURFACE_PARAMETERS_UNIFORM, true, NULL, false},
+    {"inverse-distance", BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE, true, NULL, false},
+    {"shape-preserving", BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, true, NULL, false},
+    {"shape-preserving-own", BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, false, NULL, false},
+    {"stretch-minimizing", BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING, false, NULL, false},
+    {"learned", BAT_SURFACE_PARAMETERS_LEARNED, false, NULL, false},
 };
 enum
 {
@@ -197,7 +197,7 @@ static int study_fits(const scan_study *study, const published_fit *what, const 
     const double published[FITTED] = {what->shape_preserving, what->learned, 0, 0};
     bat_surface_method methods[FITTED] = {METHODS[SHAPE_PRESERVING],
                                           METHODS[LEARNED],
-                                          {"learned-unfolded", BAT_SURFACE_LEARNED, false, NULL, true},
+                                          {"learned-unfolded", BAT_SURFACE_PARAMETERS_LEARNED, false, NULL, true},
                                           METHODS[STRETCH_MINIMIZING]};
     bat_surface_trial trials[FITTED] = {0};
     bat_surface_fit_options fit = bat_surface_fit_defaults();

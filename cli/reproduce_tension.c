@@ -186,14 +186,14 @@ static int draw_iss(const char *folder)
     bat_status status = bat_curve_refine(&control, NULL, &fine, &error);
     if (status == BAT_OK)
     {
-        bat_picture_layer layers[] = {
-            {.curve = &control, .role = BAT_LAYER_CONTROL, .label = "16 control points"},
-            {.curve = &truth, .role = BAT_LAYER_TRUTH, .label = "ground track"},
-            {.curve = &fine, .role = BAT_LAYER_CURVE, .label = "four-point, outward"},
+        bat_curve_picture_layer layers[] = {
+            {.curve = &control, .role = BAT_CURVE_LAYER_CONTROL, .label = "16 control points"},
+            {.curve = &truth, .role = BAT_CURVE_LAYER_TRUTH, .label = "ground track"},
+            {.curve = &fine, .role = BAT_CURVE_LAYER_CURVE, .label = "four-point, outward"},
         };
-        bat_picture_panel panel = {.layers = layers, .layer_count = 3};
+        bat_curve_picture_panel panel = {.layers = layers, .layer_count = 3};
         bat_curve_picture_options draw = bat_curve_picture_defaults();
-        draw.projection = BAT_PROJECTION_BOTH;
+        draw.projection = BAT_CURVE_PROJECTION_BOTH;
         status = bat_curve_picture_write(path, &panel, 1, &draw, &error);
     }
     bat_curve_free(&truth);

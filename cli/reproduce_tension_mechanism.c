@@ -45,7 +45,7 @@ static int draw(const char *folder, const bat_tension_mechanism_report *report)
         fill_bars(printed ? &space->printed : &space->outward, x[i], y[i]);
         (void)snprintf(titles[i], sizeof titles[i], "%s, %s sign", NAMES[i % SPACES], printed ? "printed" : "outward");
         series[i] =
-            (bat_chart_series){.x = x[i], .y = y[i], .count = BINS, .mark = BAT_SERIES_BARS, .colour = printed ? 1 : 2};
+            (bat_chart_series){.x = x[i], .y = y[i], .count = BINS, .mark = BAT_CHART_BARS, .colour = printed ? 1 : 2};
         charts[i] = bat_chart_defaults();
         charts[i].series = &series[i];
         charts[i].series_count = 1;

@@ -104,7 +104,7 @@ static bool read_job(const arguments *given, shape_job *job)
 static int write_mesh(const shape_job *job, const bat_mesh *mesh)
 {
     bat_error error;
-    bat_mesh_panel panel = {.mesh = mesh, .title = job->kind};
+    bat_mesh_picture_panel panel = {.mesh = mesh, .title = job->kind};
     if (job->picture != NULL && bat_mesh_picture_write(job->picture, &panel, 1, NULL, &error) != BAT_OK)
         return report_failure(job->picture, &error);
     if (job->output != NULL && bat_mesh_write(job->output, mesh, &job->write, &error) != BAT_OK)
@@ -138,7 +138,7 @@ static int make_mesh(const shape_job *job)
 static int write_cloud(const shape_job *job, const bat_cloud *cloud, const double *parameters)
 {
     bat_error error;
-    bat_surface_panel panel = {.cloud = cloud, .title = job->kind, .parameters = parameters};
+    bat_surface_picture_row panel = {.cloud = cloud, .title = job->kind, .parameters = parameters};
     if (job->picture != NULL && bat_surface_picture_write(job->picture, &panel, 1, NULL, &error) != BAT_OK)
         return report_failure(job->picture, &error);
     if (job->output != NULL && bat_cloud_write(job->output, cloud, &error) != BAT_OK)

@@ -88,10 +88,10 @@ static bool read_degrees(const arguments *given, int degree[2])
         second = strtol(text, &end, 10);
         good = end != text;
     }
-    good = good && *end == '\0' && first >= 1 && first <= BAT_SPLINE_MOST_DEGREE && second >= 1 &&
-           second <= BAT_SPLINE_MOST_DEGREE;
+    good = good && *end == '\0' && first >= 1 && first <= BAT_SPLINE_MAX_DEGREE && second >= 1 &&
+           second <= BAT_SPLINE_MAX_DEGREE;
     if (!good)
-        (void)usage_error(given, "--degree takes a number from 1 to %d, or two like 3,2, not '%s'", BAT_SPLINE_MOST_DEGREE,
+        (void)usage_error(given, "--degree takes a number from 1 to %d, or two like 3,2, not '%s'", BAT_SPLINE_MAX_DEGREE,
                           argument(given, "degree"));
     degree[0] = (int)first;
     degree[1] = (int)second;
@@ -135,13 +135,13 @@ static bool read_parameterization(const arguments *given, surface_job *job)
     const char *text = argument(given, "parameterization");
     if (text == NULL)
         return true;
-    for (int i = BAT_SURFACE_AUTO; i < BAT_SURFACE_GIVEN; i++)
+    for (int i = BAT_SURFACE_PARAMETERS_AUTO; i < BAT_SURFACE_PARAMETERS_GIVEN; i++)
         if (strcmp(text, bat_surface_parameters_name((bat_surface_parameters)i)) == 0)
         {
             job->options.parameters = (bat_surface_parameters)i;
             return true;
         }
-    job->options.parameters = BAT_SURFACE_GIVEN;
+    job->options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
     job->given = text;
     if (strpbrk(text, "./") != NULL)
         return true;
@@ -170,7 +170,7 @@ static const char *find_fault(const arguments *given, const surface_job *job)
         return "--noise and --smoothing exclude each other";
     if (argument(given, "share") != NULL && argument(given, "tolerance") == NULL)
         return "--share needs --tolerance";
-    if (job->model != NULL && job->options.parameters > BAT_SURFACE_LEARNED)
+    if (job->model != NULL && job->options.parameters > BAT_SURFACE_PARAMETERS_LEARNED)
         return "--model goes with auto and learned parameters";
     if (job->output == NULL && job->picture == NULL && job->parameters == NULL && job->quiet)
         return "nothing is asked for: give -o OUT, --picture FILE or --parameters FILE";
@@ -195,10 +195,10 @@ static bool read_job(const arguments *given, surface_job *job)
                          .json = argument_flag(given, "json"),
                          .quiet = argument_flag(given, "quiet")};
     if (!surface_input_arguments(given, &job->input) || !read_fit(given, &job->options.fit) ||
-        !read_parameterization(given, job) || !argument_word(given, "sides", SIDES, BAT_SIDE_CHORD_LENGTH, &sides) ||
+        !read_parameterization(given, job) || !argument_word(given, "sides", SIDES, BAT_CLOUD_SIDES_CHORD_LENGTH, &sides) ||
         !argument_whole(given, "samples", 1, MOST_ROUNDS, 0, &samples))
         return false;
-    job->options.sides = (bat_side_parameters)sides;
+    job->options.sides = (bat_cloud_sides)sides;
     job->options.published = argument_flag(given, "published");
     job->options.no_repair = argument_flag(given, "no-repair");
     job->options.slide_boundary = argument_flag(given, "slide-boundary");
@@ -207,7 +207,7 @@ static bool read_job(const arguments *given, surface_job *job)
     if (fault == NULL && to != NULL && bat_surface_format_by_name(to, &job->write.format, &error) != BAT_OK)
         fault = error.text;
     if (fault == NULL && to == NULL && job->output != NULL &&
-        bat_surface_format_of_path(job->output) == BAT_SURFACE_FROM_NAME)
+        bat_surface_format_of_path(job->output) == BAT_SURFACE_FORMAT_AUTO)
         fault = "OUT's ending tells no format (.step, .xml, .vtk, .obj, .json): --to does";
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
@@ -257,11 +257,11 @@ static int draw(const surface_job *job, const bat_cloud *cloud, const bat_surfac
     const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
     (void)snprintf(title, sizeof title, "%s parameters, %zu functions: mean squared distance %.3g",
                    bat_surface_parameters_name(result->chosen), last->functions, last->mean_squared);
-    bat_surface_panel panel = {.title = title,
-                               .cloud = cloud,
-                               .surface = &result->surface,
-                               .distances = result->report.distances,
-                               .parameters = result->parameters};
+    bat_surface_picture_row panel = {.title = title,
+                                     .cloud = cloud,
+                                     .surface = &result->surface,
+                                     .distances = result->report.distances,
+                                     .parameters = result->parameters};
     return bat_surface_picture_write(job->picture, &panel, 1, NULL, &error) == BAT_OK ? EXIT_DONE
                                                                                       : report_failure(job->picture, &error);
 }
@@ -323,7 +323,7 @@ static const char *find_fit_option(const arguments *given)
 static int write_converted(const surface_job *job, const bat_spline_surface *surface)
 {
     bat_error error;
-    bat_surface_panel panel = {.title = job->input.path, .surface = surface};
+    bat_surface_picture_row panel = {.title = job->input.path, .surface = surface};
     if (job->picture != NULL && bat_surface_picture_write(job->picture, &panel, 1, NULL, &error) != BAT_OK)
         return report_failure(job->picture, &error);
     if (job->output != NULL && bat_surface_write(job->output, surface, &job->write, &error) != BAT_OK)

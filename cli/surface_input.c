@@ -85,5 +85,5 @@ int surface_input_read(const surface_input *input, bat_cloud *cloud)
 bool surface_input_is_surface(const char *path)
 {
     bat_surface_format format = bat_surface_format_of_path(path);
-    return format == BAT_SURFACE_XML || format == BAT_SURFACE_JSON || format == BAT_SURFACE_STEP;
+    return format == BAT_SURFACE_FORMAT_XML || format == BAT_SURFACE_FORMAT_JSON || format == BAT_SURFACE_FORMAT_STEP;
 }

@@ -37,7 +37,7 @@ void surface_report_reason(const surface_findings *findings, char *text, size_t 
 {
     const bat_surface_candidate *first = chosen_one(findings->result), *second = runner_up(findings->result);
     bool tolerant = findings->options->fit.tolerance > 0;
-    if (findings->options->parameters != BAT_SURFACE_AUTO)
+    if (findings->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         (void)snprintf(text, size, "asked for");
     else if (second == NULL)
         (void)snprintf(text, size, "the only ones that neither fail nor stray");
@@ -133,7 +133,7 @@ void surface_report_print(const surface_findings *findings)
 
 // JSON
 
-static json_t *folds_json(const bat_cloud *cloud, const bat_parameters_report *folds)
+static json_t *folds_json(const bat_cloud *cloud, const bat_cloud_parameters_report *folds)
 {
     return json_pack("{s:I, s:o, s:I, s:I, s:o}", "folded", (json_int_t)folds->folded, "first",
                      folds->folded > 0 ? json_integer((json_int_t)place_of(cloud, folds->first)) : json_null(), "outside",

@@ -29,7 +29,7 @@ static void print_analysis(const bat_analysis *analysis)
             printf(" %.6g", analysis->eigenvalues[k].real);
         else
             printf(" %.6g%+.6gi", analysis->eigenvalues[k].real, analysis->eigenvalues[k].imaginary);
-    printf("\n%-18s %s\n", "converges", bat_verdict_name(analysis->converges));
+    printf("\n%-18s %s\n", "converges", bat_analysis_verdict_name(analysis->converges));
     printf("%-18s %zu\n", "reproduces degree", analysis->reproduction_degree);
     if (analysis->smooth_proven >= 0)
         printf("%-18s C%d, Hölder exponent from %.9g to %.9g\n", "limits", analysis->smooth_proven, analysis->exponent_lower,
@@ -39,7 +39,7 @@ static void print_analysis(const bat_analysis *analysis)
 /// Chaikin's limits are piecewise quadratic: C1, and their first derivative is Lipschitz continuous but no better.
 static bool is_right_for_chaikin(const bat_analysis *analysis)
 {
-    return analysis->converges == BAT_PROVEN && analysis->smooth_proven == 1 && analysis->smooth_disproven == 2 &&
+    return analysis->converges == BAT_ANALYSIS_PROVEN && analysis->smooth_proven == 1 && analysis->smooth_disproven == 2 &&
            fabs(analysis->exponent_lower - 2) < 1e-9 && fabs(analysis->exponent_upper - 2) < 1e-9;
 }
 
@@ -53,7 +53,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "analyze_mask: %s\n", error.text);
         return EXIT_FAILURE;
     }
-    if (scheme.kind != BAT_SCHEME_LINEAR)
+    if (scheme.kind != BAT_CURVE_SCHEME_LINEAR)
     {
         fputs("analyze_mask: only a linear scheme has a mask to analyze\n", stderr);
         return EXIT_FAILURE;

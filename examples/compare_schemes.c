@@ -31,7 +31,7 @@ static bat_status measure(const bat_curve *coarse, const char *name, double *dis
     bat_curve_refine_options options = bat_curve_refine_defaults();
     options.levels = LEVELS;
     bat_curve fine = {0};
-    bat_fairness fairness;
+    bat_curve_fairness_values fairness;
     bat_status status = bat_curve_scheme_by_name(name, &options.scheme, error);
     if (status == BAT_OK)
         status = bat_curve_refine(coarse, &options, &fine, error);

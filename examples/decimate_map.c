@@ -86,7 +86,7 @@ int main(int argc, char **argv)
     bat_mesh_decimate_options decimate = bat_mesh_decimate_defaults();
     decimate.vertices = COARSE_VERTICES;
     bat_mesh_refine_options refine = bat_mesh_refine_defaults();
-    refine.scheme = BAT_MESH_BUTTERFLY;
+    refine.scheme = BAT_MESH_SCHEME_BUTTERFLY;
     refine.levels = LEVELS;
     bat_status status = bat_mesh_shape("creature", VERTICES, 3, &fine, &error);
     if (status == BAT_OK)

@@ -35,10 +35,10 @@ static void print_report(const bat_cloud *cloud, const bat_surface_result *resul
 
 static bat_status draw(const char *path, const bat_cloud *cloud, const bat_surface_result *result, bat_error *error)
 {
-    bat_surface_panel panel = {.cloud = cloud,
-                               .surface = &result->surface,
-                               .distances = result->report.distances,
-                               .parameters = result->parameters};
+    bat_surface_picture_row panel = {.cloud = cloud,
+                                     .surface = &result->surface,
+                                     .distances = result->report.distances,
+                                     .parameters = result->parameters};
     return bat_surface_picture_write(path, &panel, 1, NULL, error);
 }
 

@@ -44,11 +44,11 @@ static double length_in_miles(const bat_curve *curve)
 
 static bat_status draw(const bat_curve *coarse, const bat_curve *fine, const char *path, bat_error *error)
 {
-    const bat_picture_layer layers[] = {
-        {.curve = coarse, .role = BAT_LAYER_CONTROL, .label = "positions"},
-        {.curve = fine, .role = BAT_LAYER_CURVE, .label = "track"},
+    const bat_curve_picture_layer layers[] = {
+        {.curve = coarse, .role = BAT_CURVE_LAYER_CONTROL, .label = "positions"},
+        {.curve = fine, .role = BAT_CURVE_LAYER_CURVE, .label = "track"},
     };
-    const bat_picture_panel panel = {.layers = layers, .layer_count = 2};
+    const bat_curve_picture_panel panel = {.layers = layers, .layer_count = 2};
     return bat_curve_picture_write(path, &panel, 1, NULL, error);
 }
 
@@ -66,7 +66,7 @@ int main(int argc, char **argv)
 
     bat_curve fine = {0};
     bat_error error;
-    bat_fairness before, after;
+    bat_curve_fairness_values before, after;
     if (bat_curve_refine(&coarse, &options, &fine, &error) != BAT_OK ||
         bat_curve_fairness(&coarse, NULL, &before, &error) != BAT_OK ||
         bat_curve_fairness(&fine, NULL, &after, &error) != BAT_OK ||

@@ -30,7 +30,7 @@ static double farthest_move(const bat_mesh *coarse, const bat_mesh *fine)
 static bat_status draw(const char *path, const bat_mesh *coarse, const bat_mesh *loop, const bat_mesh *butterfly,
                        bat_error *error)
 {
-    const bat_mesh_panel panels[] = {
+    const bat_mesh_picture_panel panels[] = {
         {.mesh = coarse, .title = "given", .wires = true, .flat = true},
         {.mesh = loop, .title = "Loop"},
         {.mesh = butterfly, .title = "butterfly"},
@@ -44,12 +44,12 @@ int main(int argc, char **argv)
     bat_error error;
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.levels = LEVELS;
-    options.scheme = BAT_MESH_LOOP;
+    options.scheme = BAT_MESH_SCHEME_LOOP;
     bat_status status =
         argc > 1 ? bat_mesh_read(argv[1], NULL, &coarse, &error) : bat_mesh_shape("cage", 200, 1, &coarse, &error);
     if (status == BAT_OK)
         status = bat_mesh_refine(&coarse, &options, &loop, NULL, &error);
-    options.scheme = BAT_MESH_BUTTERFLY;
+    options.scheme = BAT_MESH_SCHEME_BUTTERFLY;
     if (status == BAT_OK)
         status = bat_mesh_refine(&coarse, &options, &butterfly, NULL, &error);
     if (status == BAT_OK && argc > 2)

@@ -35,7 +35,7 @@ int main(void)
 
     bat_curve_refine_options options = bat_curve_refine_defaults();
     options.scheme = bat_curve_scheme_for_space(&plane);
-    options.ends = BAT_END_EXTRAPOLATE;
+    options.ends = BAT_CURVE_END_EXTRAPOLATE;
     options.levels = LEVELS;
 
     bat_curve fine = {0};

@@ -22,7 +22,7 @@ enum
 /// What was read can be written in every format, and read again as it was.
 static void write_and_read(const bat_cloud *cloud)
 {
-    for (int format = BAT_CLOUD_XYZ; format <= BAT_CLOUD_OBJ; format++)
+    for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_OBJ; format++)
     {
         const bat_cloud_read_options options = {0};
         text_buffer buffer = {0};
@@ -30,7 +30,8 @@ static void write_and_read(const bat_cloud *cloud)
         bat_cloud back = {0};
         PROMISE(cloud_write(cloud, (bat_cloud_format)format, &sink, NULL) == BAT_OK);
         const file_text text = {buffer.data, buffer.size};
-        PROMISE(cloud_text_read(&text, (bat_cloud_format)format, NULL, BAT_CLOUD_XYZ, &options, &back, NULL) == BAT_OK);
+        PROMISE(cloud_text_read(&text, (bat_cloud_format)format, NULL, BAT_CLOUD_FORMAT_XYZ, &options, &back, NULL) ==
+                BAT_OK);
         PROMISE(back.count == cloud->count && back.boundary_count == cloud->boundary_count);
         PROMISE(back.has_corners == cloud->has_corners);
         for (size_t i = 0; i < 3 * cloud->count; i++)
@@ -54,7 +55,8 @@ static void search(bat_cloud *cloud)
     PROMISE(status == BAT_OK || status == BAT_INVALID_ARGUMENT);
     PROMISE(bat_cloud_check(cloud, NULL) == BAT_OK);
     double *parameters = malloc(2 * cloud->boundary_count * sizeof *parameters);
-    PROMISE(status != BAT_OK || bat_cloud_boundary_parameters(cloud, BAT_SIDE_CHORD_LENGTH, parameters, NULL) == BAT_OK);
+    PROMISE(status != BAT_OK ||
+            bat_cloud_boundary_parameters(cloud, BAT_CLOUD_SIDES_CHORD_LENGTH, parameters, NULL) == BAT_OK);
     for (size_t i = 0; status == BAT_OK && i < 2 * cloud->boundary_count; i++)
         PROMISE(parameters[i] >= 0 && parameters[i] <= 1);
     free(parameters);
@@ -65,7 +67,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     file_text text;
     PROMISE(file_text_copy((const char *)data, size, &text, NULL) == BAT_OK);
     (void)cloud_format_of_text(&text);
-    for (int format = BAT_CLOUD_XYZ; format <= BAT_CLOUD_OBJ; format++)
+    for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_OBJ; format++)
         for (int choice = 0; choice < 3; choice++)
         {
             const bat_cloud_read_options options = {.drop_duplicates = choice > 0};

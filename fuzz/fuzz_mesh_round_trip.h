@@ -32,7 +32,7 @@ static inline void compare_meshes(const bat_mesh *before, const bat_mesh *after,
 static inline void write_and_read(const bat_mesh *mesh)
 {
     for (int i = BAT_MESH_FORMAT_OBJ; i <= BAT_MESH_FORMAT_STL; i++)
-        for (int encoding = BAT_MESH_BINARY; encoding <= BAT_MESH_TEXT; encoding += 2)
+        for (int encoding = BAT_MESH_ENCODING_BINARY; encoding <= BAT_MESH_ENCODING_TEXT; encoding += 2)
         {
             bat_mesh_write_options writing = bat_mesh_write_defaults();
             bat_mesh_read_options reading = bat_mesh_read_defaults();

@@ -41,10 +41,10 @@ static inline void write_and_read(const bat_spline_surface *surface)
         MOST_CELLS = 2000 // so that an input takes no longer than a moment
     };
     bool small = bat_hierarchical_space_cells(surface->space) <= MOST_CELLS;
-    for (int i = BAT_SURFACE_XML; i <= BAT_SURFACE_JSON; i++)
+    for (int i = BAT_SURFACE_FORMAT_XML; i <= BAT_SURFACE_FORMAT_JSON; i++)
     {
         text_buffer text = {0};
-        bool exact = i == BAT_SURFACE_XML || i == BAT_SURFACE_JSON;
+        bool exact = i == BAT_SURFACE_FORMAT_XML || i == BAT_SURFACE_FORMAT_JSON;
         if (!exact && !small)
             continue;
         bat_status status = write_format(surface, (bat_surface_format)i, &text);

@@ -62,17 +62,17 @@ BAT_API bat_status bat_cloud_find_corners(bat_cloud *cloud, bat_error *error);
 BAT_API bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_error *error);
 
 /// How points of a side get their parameters.
-typedef enum bat_side_parameters
+typedef enum bat_cloud_sides
 {
-    BAT_SIDE_CHORD_LENGTH, ///< in proportion to distance (default)
-    BAT_SIDE_CENTRIPETAL,  ///< to its root: Lee (1989)
-    BAT_SIDE_UNIFORM       ///< to their number
-} bat_side_parameters;
+    BAT_CLOUD_SIDES_CHORD_LENGTH, ///< in proportion to distance (default)
+    BAT_CLOUD_SIDES_CENTRIPETAL,  ///< to its root: Lee (1989)
+    BAT_CLOUD_SIDES_UNIFORM       ///< to their number
+} bat_cloud_sides;
 
 /// Parameters of the boundary points: corners go to the corners of [0, 1]^2, sides to its sides. Corners are found where the
 /// cloud has none.
 /// @param parameters receives boundary_count x 2
-BAT_API bat_status bat_cloud_boundary_parameters(const bat_cloud *cloud, bat_side_parameters method, double *parameters,
+BAT_API bat_status bat_cloud_boundary_parameters(const bat_cloud *cloud, bat_cloud_sides method, double *parameters,
                                                  bat_error *error);
 
 BAT_C_END

@@ -11,11 +11,11 @@ BAT_C_BEGIN
 /// Formats of clouds.
 typedef enum bat_cloud_format
 {
-    BAT_CLOUD_FROM_NAME, ///< by the file's ending: .xyz, .txt or .asc, .csv, .ply, .obj; failing that by the content
-    BAT_CLOUD_XYZ,       ///< three numbers a line, blanks between; '#' begins a remark; further columns are left out
-    BAT_CLOUD_CSV,       ///< with or without a line of names; x, y, z by name or the first three
-    BAT_CLOUD_PLY,       ///< vertices, ASCII or binary; faces, if there are, make it a mesh
-    BAT_CLOUD_OBJ        ///< vertices; faces, if there are, make it a mesh
+    BAT_CLOUD_FORMAT_AUTO, ///< by the file's ending: .xyz, .txt or .asc, .csv, .ply, .obj; failing that by the content
+    BAT_CLOUD_FORMAT_XYZ,  ///< three numbers a line, blanks between; '#' begins a remark; further columns are left out
+    BAT_CLOUD_FORMAT_CSV,  ///< with or without a line of names; x, y, z by name or the first three
+    BAT_CLOUD_FORMAT_PLY,  ///< vertices, ASCII or binary; faces, if there are, make it a mesh
+    BAT_CLOUD_FORMAT_OBJ   ///< vertices; faces, if there are, make it a mesh
 } bat_cloud_format;
 
 /// The format of a name: xyz, csv, ply or obj.

@@ -12,12 +12,12 @@ BAT_C_BEGIN
 /// The weights of the combination.
 typedef enum bat_cloud_parameterization
 {
-    BAT_PARAMETERIZE_UNIFORM,            ///< all neighbours the same
-    BAT_PARAMETERIZE_INVERSE_DISTANCE,   ///< 1 / distance
-    BAT_PARAMETERIZE_SHAPE_PRESERVING,   ///< Floater (1997), on the Delaunay neighbours in the local plane
-    BAT_PARAMETERIZE_MEAN_VALUE,         ///< Floater (2003), for clouds that were meshes
-    BAT_PARAMETERIZE_STRETCH_MINIMIZING, ///< shape-preserving, then evened out: Yoshizawa, Belyaev and Seidel (2004)
-    BAT_PARAMETERIZATIONS                ///< how many there are
+    BAT_CLOUD_PARAMETERIZE_UNIFORM,            ///< all neighbours the same
+    BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE,   ///< 1 / distance
+    BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,   ///< Floater (1997), on the Delaunay neighbours in the local plane
+    BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,         ///< Floater (2003), for clouds that were meshes
+    BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, ///< shape-preserving, then evened out: Yoshizawa, Belyaev and Seidel (2004)
+    BAT_CLOUD_PARAMETERIZE_COUNT               ///< how many there are
 } bat_cloud_parameterization;
 
 /// The name, for example "shape-preserving". Never null.
@@ -56,14 +56,14 @@ BAT_API bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *
                                           bat_error *error);
 
 /// How well parameters unfold a cloud.
-typedef struct bat_parameters_report
+typedef struct bat_cloud_parameters_report
 {
     size_t folded;     ///< interior points around which the map from local plane to parameters turns over
     size_t first;      ///< the first of them; BAT_NO_INDEX
     size_t outside;    ///< parameters not in the square, or not numbers; on the boundary too
     size_t coincident; ///< interior points that share their parameter with another point, to 12 digits after the point
     double stretch;    ///< the median over interior points of the ratio of the local map's singular values, at least 1
-} bat_parameters_report;
+} bat_cloud_parameters_report;
 
 /// Look for folds. Around each interior point the affine map from the local plane to parameters is fitted to a neighbourhood
 /// that is wide against its thickness; its orientation must be that of the boundary, whose loop has the patch to its left.
@@ -74,7 +74,7 @@ typedef struct bat_parameters_report
 /// @param parameters count x 2
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for a cloud without boundary; what bat_cloud_check() returns; BAT_NO_MEMORY
 BAT_API bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *parameters,
-                                              bat_parameters_report *report, bat_error *error);
+                                              bat_cloud_parameters_report *report, bat_error *error);
 /// Unfold: points with faults of any kind and rings around them, which double each round, become averages with
 /// shape-preserving weights (of triangles where there are some), until no fault is left. Where the whole interior is an
 /// average and folds are left, it moves in steps to averages with uniform weights. The parameters with the fewest folds are
@@ -82,8 +82,8 @@ BAT_API bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const doub
 /// @param parameters count x 2, repaired in place
 /// @param report     how they are afterwards; may be null
 /// @return as bat_cloud_parameters_check(); BAT_INVALID_ARGUMENT for boundary parameters that are not finite too
-BAT_API bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameters, bat_parameters_report *report,
-                                               bat_error *error);
+BAT_API bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameters,
+                                               bat_cloud_parameters_report *report, bat_error *error);
 
 // Learned parameters of scattered points: Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN: Boundary informed dynamic
 // graph convolutional network for adaptive spline fitting of scattered data" (2023), and our own network.

@@ -39,14 +39,14 @@ typedef enum bat_curve_end_rule
 {
     /// By geodesic point reflection in the end point: the end has no curvature, the curve passes through the end point for
     /// every symmetric mask. Works in every space. The default.
-    BAT_END_REFLECT,
+    BAT_CURVE_END_REFLECT,
     /// By the extrapolation that keeps what the scheme reproduces: the cubic through the last four points (in the tangent
     /// space of the end point where the space is curved) for interpolatory linear and log-exp schemes, the straight line for
     /// other linear ones, the mirror image in the perpendicular bisector of the end edge for angle-based ones, so that an
     /// evenly sampled arc of a circle stays one.
-    BAT_END_EXTRAPOLATE,
+    BAT_CURVE_END_EXTRAPOLATE,
     /// Not at all: only points whose whole stencil lies inside are made, so that the curve shrinks. Linear schemes only.
-    BAT_END_FREE
+    BAT_CURVE_END_FREE
 } bat_curve_end_rule;
 
 /// How to refine. Begin with bat_curve_refine_defaults().
@@ -54,7 +54,7 @@ typedef struct bat_curve_refine_options
 {
     bat_curve_scheme scheme; ///< default: the angle-based four-point scheme, outward, for the plane, sphere and disk
     size_t levels;           ///< default 5
-    bat_curve_end_rule ends; ///< open curves; default BAT_END_REFLECT
+    bat_curve_end_rule ends; ///< open curves; default BAT_CURVE_END_REFLECT
     bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
     size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
     int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it;
@@ -67,7 +67,7 @@ BAT_API bat_curve_refine_options bat_curve_refine_defaults(void);
 
 /// The number of points that refining gives: count * 2^levels for a closed curve; for an open one
 /// (count - 1) * 2^levels + 1 where the refined curve has a vertex at the ends' parameters (masks of odd length, all
-/// interpolatory schemes), else (count - 1) * 2^levels + 2, the ends themselves included. With BAT_END_FREE fewer.
+/// interpolatory schemes), else (count - 1) * 2^levels + 2, the ends themselves included. With BAT_CURVE_END_FREE fewer.
 /// @return as bat_curve_refine(), but for BAT_NO_MEMORY and BAT_CANCELLED
 BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                            bat_error *error);

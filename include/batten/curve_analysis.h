@@ -22,15 +22,15 @@ BAT_C_BEGIN
 #define BAT_ANALYSIS_EQUALITY 1e-12
 
 /// Whether a statement holds.
-typedef enum bat_verdict
+typedef enum bat_analysis_verdict
 {
-    BAT_UNDECIDED, ///< a deeper search may tell
-    BAT_PROVEN,
-    BAT_DISPROVEN
-} bat_verdict;
+    BAT_ANALYSIS_UNDECIDED, ///< a deeper search may tell
+    BAT_ANALYSIS_PROVEN,
+    BAT_ANALYSIS_DISPROVEN
+} bat_analysis_verdict;
 
 /// "undecided", "proven" or "disproven". Never null.
-BAT_API const char *bat_verdict_name(bat_verdict verdict);
+BAT_API const char *bat_analysis_verdict_name(bat_analysis_verdict verdict);
 
 /// How hard to look.
 typedef struct bat_analysis_options
@@ -43,22 +43,22 @@ typedef struct bat_analysis_options
 BAT_API bat_analysis_options bat_analysis_defaults(void);
 
 /// Weights of neighbouring points: the sum over k of weights[k] p(i + first + k).
-typedef struct bat_stencil
+typedef struct bat_mask_stencil
 {
     double weights[BAT_MASK_MAX];
     size_t count; ///< 0 when there is no such stencil
     int first;    ///< offset of the first point, may be negative
-} bat_stencil;
+} bat_mask_stencil;
 
 /// An eigenvalue of the local subdivision matrix, with all its eigenvectors.
-typedef struct bat_eigenvalue
+typedef struct bat_analysis_eigenvalue
 {
     double real;
     double imaginary;
     size_t multiplicity; ///< as a zero of the characteristic polynomial
     size_t vector; ///< its right eigenvectors are rows vector … vector + vector_count - 1 of bat_analysis::eigenvectors
     size_t vector_count; ///< dimension of the eigenspace; below the multiplicity when the matrix cannot be diagonalized
-} bat_eigenvalue;
+} bat_analysis_eigenvalue;
 
 /// What bat_mask_analyze() finds.
 typedef struct bat_analysis
@@ -83,19 +83,19 @@ typedef struct bat_analysis
     /// @{
     int matrix_first;
     size_t matrix_size;
-    double *matrix;              ///< matrix_size x matrix_size, row-major
-    bat_eigenvalue *eigenvalues; ///< of falling modulus
-    size_t eigenvalue_count;     ///< distinct ones
-    double *eigenvectors;        ///< rows of matrix_size complex numbers (real part, imaginary part), largest entry 1
+    double *matrix;                       ///< matrix_size x matrix_size, row-major
+    bat_analysis_eigenvalue *eigenvalues; ///< of falling modulus
+    size_t eigenvalue_count;              ///< distinct ones
+    double *eigenvectors; ///< rows of matrix_size complex numbers (real part, imaginary part), largest entry 1
     /// @}
 
-    bat_verdict converges; ///< to a continuous limit, for every data
+    bat_analysis_verdict converges; ///< to a continuous limit, for every data
 
     /// @name Stencils; their count is 0 unless the scheme is proven to converge
     /// @{
-    bat_stencil limit;   ///< limit point at 0 of the index parametrization
-    bat_stencil tangent; ///< derivative there with respect to the parameter; count 0 where the matrix does not give one
-    bat_stencil vertex;  ///< limit point at the parameter of point 0: bat_mask_limit_stencil()
+    bat_mask_stencil limit;   ///< limit point at 0 of the index parametrization
+    bat_mask_stencil tangent; ///< derivative there with respect to the parameter; count 0 where the matrix does not give one
+    bat_mask_stencil vertex;  ///< limit point at the parameter of point 0: bat_mask_limit_stencil()
     /// @}
 
     /// @name Smoothness
@@ -112,7 +112,7 @@ typedef struct bat_analysis
     int smooth_proven;     ///< the largest k with limits proven C^k; -1 for none
     int smooth_disproven;  ///< the smallest k with limits proven not to be C^k in general; -1 for none
     /// Whether the derivative of order smooth_proven is Lipschitz continuous, which an exponent of 1 does not tell.
-    bat_verdict lipschitz;
+    bat_analysis_verdict lipschitz;
     /// @}
 } bat_analysis;
 
@@ -140,7 +140,7 @@ BAT_API bat_status bat_mask_difference(const bat_mask *mask, size_t order, bat_m
 /// shift to 40 binary digits, whatever the shift is.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT for a malformed mask, BAT_NO_CONVERGENCE when the scheme is not proven to converge
 ///         (by the default options), or BAT_NO_MEMORY
-BAT_API bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_stencil *stencil, bat_error *error);
+BAT_API bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_mask_stencil *stencil, bat_error *error);
 
 /// Values of the basic limit function, the limit of the data 1 at point 0 and 0 elsewhere, in the index parametrization.
 typedef struct bat_basis
@@ -160,7 +160,7 @@ BAT_API void bat_basis_free(bat_basis *basis);
 /// A family of masks with one parameter. Coefficients must depend on it affinely, as a + parameter b.
 typedef bat_mask (*bat_mask_family)(void *context, double parameter);
 
-typedef struct bat_sweep_options
+typedef struct bat_mask_sweep_options
 {
     double begin;
     double end;
@@ -168,18 +168,18 @@ typedef struct bat_sweep_options
     double tolerance;              ///< undecided intervals are halved down to this length; 0 stands for (end - begin) / 2^15
     bat_analysis_options analysis; ///< of each interval
     bat_progress progress;
-} bat_sweep_options;
+} bat_mask_sweep_options;
 
-BAT_API bat_sweep_options bat_sweep_defaults(void);
+BAT_API bat_mask_sweep_options bat_mask_sweep_defaults(void);
 
 /// Parameters from begin to end, both included, with one verdict for all of them. A single parameter has begin = end, and
 /// then its verdict goes before those of the intervals beside it.
-typedef struct bat_interval
+typedef struct bat_mask_interval
 {
     double begin;
     double end;
-    bat_verdict verdict; ///< whether limits are C^k
-} bat_interval;
+    bat_analysis_verdict verdict; ///< whether limits are C^k
+} bat_mask_interval;
 
 /// For which parameters of a family the limits are C^k, proven for whole intervals, not samples: a polytope that maps into
 /// itself under the matrices of both ends of an interval does so under all between.
@@ -187,8 +187,8 @@ typedef struct bat_interval
 /// @param intervals receives an array in rising order that covers the range; release it with free()
 /// @return BAT_OK, BAT_INVALID_ARGUMENT for a range or a mask that makes no sense, BAT_UNSUPPORTED for a family that is not
 ///         affine or changes its support, BAT_CANCELLED, BAT_NO_CONVERGENCE or BAT_NO_MEMORY
-BAT_API bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_sweep_options *options,
-                                  bat_interval **intervals, size_t *count, bat_error *error);
+BAT_API bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_mask_sweep_options *options,
+                                  bat_mask_interval **intervals, size_t *count, bat_error *error);
 
 BAT_C_END
 

@@ -11,7 +11,7 @@ BAT_C_BEGIN
 /// sections 3.2 and 3.5.
 
 /// What the published bending energies add to a mean edge length before dividing by it. (The paper prints only "epsilon".)
-#define BAT_BENDING_OFFSET 1e-7
+#define BAT_CURVE_BENDING_OFFSET 1e-7
 
 /// How to measure. Begin with bat_curve_measure_defaults().
 typedef struct bat_curve_measure_options
@@ -22,7 +22,8 @@ typedef struct bat_curve_measure_options
     /// Distances to the other curve's edges, as chords, instead of its vertices, so that they do not depend on how densely
     /// it is sampled. Chordal only. Default false, as in the paper.
     bool to_segments;
-    /// Added to the mean edge length in the bending energy, in the unit of the space; 0 or more. Default BAT_BENDING_OFFSET.
+    /// Added to the mean edge length in the bending energy, in the unit of the space; 0 or more. Default
+    /// BAT_CURVE_BENDING_OFFSET.
     double bending_offset;
     int threads;           ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress; ///< of comparisons and of sets; default: none
@@ -68,12 +69,12 @@ BAT_API bat_status bat_curves_compare(const bat_curve *first, const bat_curve *s
                                       size_t *failed_curve, bat_error *error);
 
 /// How fair a curve is.
-typedef struct bat_fairness
+typedef struct bat_curve_fairness_values
 {
     double bending; ///< mean over the vertices of (exterior angle / (mean length of the two edges + offset))^2 (eq. 5)
     double g1;      ///< largest absolute exterior angle, radians (eq. 4)
     double length;  ///< sum of the edges' lengths
-} bat_fairness;
+} bat_curve_fairness_values;
 
 /// Measure the fairness of a curve. Angles and lengths are the space's own; where it has no signed angles (above dimension
 /// 2) they are the angles between the edges, in 0 … pi. The ends of an open curve have no angle and do not enter the mean. A
@@ -86,14 +87,14 @@ typedef struct bat_fairness
 /// energy) or
 ///         BAT_CUT_LOCUS (antipodal neighbours), with the index of the point; `fairness` is untouched on failure
 BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_options *options,
-                                      bat_fairness *fairness, bat_error *error);
+                                      bat_curve_fairness_values *fairness, bat_error *error);
 
 /// bat_curve_fairness() for many curves, which the threads share.
 /// @param fairness     receives `count` results; some of them on failure
 /// @param failed_curve receives the first curve at fault on failure, and is untouched when cancelled; may be null
 /// @return as bat_curve_fairness(), and BAT_CANCELLED
 BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
-                                       bat_fairness *fairness, size_t *failed_curve, bat_error *error);
+                                       bat_curve_fairness_values *fairness, size_t *failed_curve, bat_error *error);
 
 /// @name Convergence of refinement
 /// How far a refined polygon still is from what it tends to, by chordal distance; O(n), also for tens of millions of points.
@@ -113,24 +114,24 @@ BAT_API bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_c
 /// stencil reaches its ends are left out; 0 when none is left.
 /// @param curve   at least 1 point, in a Euclidean space (else BAT_UNSUPPORTED)
 /// @param stencil the scheme's limit stencil, as bat_mask_limit_stencil() gives it; its weights add up to 1
-BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_stencil *stencil,
+BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stencil *stencil,
                                             const bat_curve_measure_options *options, double *distance, bat_error *error);
 /// @}
 
 /// A set of numbers in a few.
-typedef struct bat_summary
+typedef struct bat_curve_summary
 {
     size_t count;
     double mean;
     double deviation; ///< standard deviation of the set itself (divisor `count`)
     double median;    ///< half the sum of the middle two when the count is even
     double least, greatest;
-} bat_summary;
+} bat_curve_summary;
 
 /// Summarize a set of numbers. Finite numbers have a finite mean, deviation and median, however large they are.
 /// @param values at least one, none of them NaN
 /// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY
-BAT_API bat_status bat_curve_summarize(const double *values, size_t count, bat_summary *summary, bat_error *error);
+BAT_API bat_status bat_curve_summarize(const double *values, size_t count, bat_curve_summary *summary, bat_error *error);
 
 BAT_C_END
 

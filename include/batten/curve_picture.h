@@ -16,55 +16,56 @@ BAT_C_BEGIN
 /// matrices as a row of ellipses or ellipsoids for every curve, hyperboloids of dimension 2 as the disk.
 
 /// How the sphere is laid flat.
-typedef enum bat_projection
+typedef enum bat_curve_projection
 {
-    BAT_PROJECTION_GLOBE, ///< orthographic, seen from far away; what lies behind shows faintly. The default.
-    BAT_PROJECTION_MAP,   ///< equirectangular: longitude to the right, latitude upwards, cut at the antimeridian
-    BAT_PROJECTION_BOTH   ///< the globe, and the map to its right
-} bat_projection;
+    BAT_CURVE_PROJECTION_GLOBE, ///< orthographic, seen from far away; what lies behind shows faintly. The default.
+    BAT_CURVE_PROJECTION_MAP,   ///< equirectangular: longitude to the right, latitude upwards, cut at the antimeridian
+    BAT_CURVE_PROJECTION_BOTH   ///< the globe, and the map to its right
+} bat_curve_projection;
 
 /// What a curve is in its panel; it decides how the curve is drawn.
-typedef enum bat_layer_role
+typedef enum bat_curve_layer_role
 {
-    BAT_LAYER_CURVE,   ///< a result: a solid line in a strong colour
-    BAT_LAYER_CONTROL, ///< what was given: a thin dashed line through small open circles
-    BAT_LAYER_TRUTH    ///< what ought to come out: a dashed grey line
-} bat_layer_role;
+    BAT_CURVE_LAYER_CURVE,   ///< a result: a solid line in a strong colour
+    BAT_CURVE_LAYER_CONTROL, ///< what was given: a thin dashed line through small open circles
+    BAT_CURVE_LAYER_TRUTH    ///< what ought to come out: a dashed grey line
+} bat_curve_layer_role;
 
 /// The number of distinct colours; further curves repeat them with long dashes, then with short ones.
-#define BAT_PICTURE_COLOURS 7
+#define BAT_CURVE_PICTURE_COLOURS 7
 
 /// One curve of a panel. All zero but `curve` is a sensible layer.
-typedef struct bat_picture_layer
+typedef struct bat_curve_picture_layer
 {
     const bat_curve *curve; ///< at least one point, every one finite and in its space; never null
-    bat_layer_role role;
+    bat_curve_layer_role role;
     const char *label; ///< UTF-8, for the legend; null or "" for none
     int colour;        ///< 1, 2, …: that colour of the fixed order; 0: the place among the panel's curves
-} bat_picture_layer;
+} bat_curve_picture_layer;
 
 /// One panel of a picture.
-typedef struct bat_picture_panel
+typedef struct bat_curve_picture_panel
 {
-    const bat_picture_layer *layers; ///< at least one, all in the same space; drawn from the first to the last within a role
+    const bat_curve_picture_layer
+        *layers; ///< at least one, all in the same space; drawn from the first to the last within a role
     size_t layer_count;
     const char *title; ///< UTF-8, drawn beneath the panel; null or "" for none
-} bat_picture_panel;
+} bat_curve_picture_panel;
 
 /// How to draw. Begin with bat_curve_picture_defaults().
 typedef struct bat_curve_picture_options
 {
-    double width;              ///< in points, up to 10000; 0: from the number of columns and the content; default 0
-    double height;             ///< in points, up to 10000; 0: from the content; default 0
-    double pixels_per_point;   ///< PNG only, 0.1 to 20; default 2
-    size_t columns;            ///< panels in a row; 0: up to five as `width` allows, evenly filled; default 0
-    bool own_frames;           ///< every panel has its own scale and view, else a row shares them; default false
-    bat_projection projection; ///< default BAT_PROJECTION_GLOBE
-    double longitude;          ///< of the middle of the globe, radians; NaN: automatic; default NaN
+    double width;                    ///< in points, up to 10000; 0: from the number of columns and the content; default 0
+    double height;                   ///< in points, up to 10000; 0: from the content; default 0
+    double pixels_per_point;         ///< PNG only, 0.1 to 20; default 2
+    size_t columns;                  ///< panels in a row; 0: up to five as `width` allows, evenly filled; default 0
+    bool own_frames;                 ///< every panel has its own scale and view, else a row shares them; default false
+    bat_curve_projection projection; ///< default BAT_CURVE_PROJECTION_GLOBE
+    double longitude;                ///< of the middle of the globe, radians; NaN: automatic; default NaN
     double latitude; ///< the same, -pi/2 to pi/2; automatic when either is NaN: see bat_curve_picture_view(); default NaN
-    bool control_polygon; ///< draw the edges of BAT_LAYER_CONTROL; default true
-    bool control_points;  ///< draw the points of BAT_LAYER_CONTROL, if there are at most 5000; default true
-    bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_LAYER_CURVE; default false
+    bool control_polygon; ///< draw the edges of BAT_CURVE_LAYER_CONTROL; default true
+    bool control_points;  ///< draw the points of BAT_CURVE_LAYER_CONTROL, if there are at most 5000; default true
+    bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_CURVE_LAYER_CURVE; default false
     double comb_scale;    ///< length of a tooth per curvature, in the space's unit squared; 0: automatic; default 0
     bool grid;         ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
     bool axes;         ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false
@@ -89,7 +90,7 @@ BAT_API bat_curve_picture_options bat_curve_picture_defaults(void);
 ///         index of the panel or layer); BAT_INVALID_POINT or BAT_CUT_LOCUS with the index of the point; BAT_UNSUPPORTED
 ///         for a space that has no picture; BAT_TOO_LARGE for more than 10000 points of height or 32767 pixels;
 ///         BAT_NO_MEMORY; BAT_FILE_ACCESS
-BAT_API bat_status bat_curve_picture_write(const char *path, const bat_picture_panel *panels, size_t count,
+BAT_API bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_panel *panels, size_t count,
                                            const bat_curve_picture_options *options, bat_error *error);
 
 /// The automatic middle of the globe for curves on S^2: the direction of the mean of all points, weighted by length. Where
@@ -101,13 +102,13 @@ BAT_API bat_status bat_curve_picture_view(const bat_curve *const *curves, size_t
                                           bat_error *error);
 
 /// How the numbers of a series are drawn.
-typedef enum bat_series_mark
+typedef enum bat_chart_mark
 {
-    BAT_SERIES_LINE,        ///< joined in their order. The default.
-    BAT_SERIES_POINTS,      ///< dots
-    BAT_SERIES_LINE_POINTS, ///< both
-    BAT_SERIES_BARS         ///< bars from 0 to y that touch half-way between neighbouring x; x increases; no logarithmic y
-} bat_series_mark;
+    BAT_CHART_LINE,        ///< joined in their order. The default.
+    BAT_CHART_POINTS,      ///< dots
+    BAT_CHART_LINE_POINTS, ///< both
+    BAT_CHART_BARS         ///< bars from 0 to y that touch half-way between neighbouring x; x increases; no logarithmic y
+} bat_chart_mark;
 
 /// One series of a chart.
 typedef struct bat_chart_series
@@ -115,7 +116,7 @@ typedef struct bat_chart_series
     const double *x; ///< `count` finite numbers, positive on a logarithmic axis
     const double *y; ///< the same
     size_t count;    ///< at least 1; at least 2 for bars
-    bat_series_mark mark;
+    bat_chart_mark mark;
     const char *label;               ///< UTF-8, for the legend; null or "" for none
     const char *const *point_labels; ///< `count` texts written beside the points, entries may be null; null for none
     int colour;                      ///< 1, 2, …: that colour of the fixed order; 0: the place in the chart

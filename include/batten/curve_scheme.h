@@ -36,97 +36,97 @@ BAT_API bat_mask bat_mask_six_point(double w);
 BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 
 /// The largest insertion angle of the angle-based schemes, pi/4 - 0.02 (Ugail and Howard 2026, Theorem 1).
-#define BAT_ANGLE_LIMIT 0.76539816339744830962
+#define BAT_CURVE_ANGLE_LIMIT 0.76539816339744830962
 /// The weight of the four-point scheme that reproduces cubic polynomials.
-#define BAT_FOUR_POINT_WEIGHT (1.0 / 16.0)
+#define BAT_MASK_FOUR_POINT_WEIGHT (1.0 / 16.0)
 /// Weissman's weight of the six-point scheme that reproduces quintic polynomials.
-#define BAT_SIX_POINT_WEIGHT (3.0 / 256.0)
+#define BAT_MASK_SIX_POINT_WEIGHT (3.0 / 256.0)
 /// The tension of the angle-based four-point and six-point schemes (Ugail and Howard 2026, section 3.4).
-#define BAT_TENSION_FOUR_POINT 0.0
-#define BAT_TENSION_SIX_POINT (-0.25)
+#define BAT_CURVE_TENSION_FOUR_POINT 0.0
+#define BAT_CURVE_TENSION_SIX_POINT (-0.25)
 
 /// The families of rules.
 typedef enum bat_curve_scheme_kind
 {
-    BAT_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
-    BAT_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
-    BAT_SCHEME_LOG_EXP, ///< a mask applied in the tangent space of one point; any space
-    BAT_SCHEME_GEODESIC ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means; any space
+    BAT_CURVE_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
+    BAT_CURVE_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
+    BAT_CURVE_SCHEME_LOG_EXP, ///< a mask applied in the tangent space of one point; any space
+    BAT_CURVE_SCHEME_GEODESIC ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means; any space
 } bat_curve_scheme_kind;
 
 /// On which side of the edge an angle-based scheme inserts.
-typedef enum bat_angle_sign
+typedef enum bat_curve_angle_sign
 {
-    BAT_ANGLE_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the default
-    BAT_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
-} bat_angle_sign;
+    BAT_CURVE_ANGLE_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the default
+    BAT_CURVE_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
+} bat_curve_angle_sign;
 
 /// The farthest reach of an angle rule.
-#define BAT_ANGLE_RULE_REACH 64
+#define BAT_CURVE_ANGLE_RULE_REACH 64
 /// The most edges that an angle rule is given at a time.
-#define BAT_ANGLE_RULE_EDGES 512
+#define BAT_CURVE_ANGLE_RULE_EDGES 512
 
 /// A run of consecutive edges of a polygon, numbered from 0, as an angle rule sees them. Edge j goes from vertex j to vertex
 /// j + 1. Everything here is invariant under orientation-preserving isometries, and so is a scheme that uses nothing else.
-typedef struct bat_angle_rule_view
+typedef struct bat_curve_angle_rule_view
 {
     const bat_space *space;
-    size_t count;          ///< edges that want an angle, 1 … BAT_ANGLE_RULE_EDGES
+    size_t count;          ///< edges that want an angle, 1 … BAT_CURVE_ANGLE_RULE_EDGES
     const double *angles;  ///< exterior angles, positive for left turns, of the vertices 1 - reach … count - 1 + reach
     const double *lengths; ///< geodesic lengths of the edges -reach … count - 1 + reach
     double mean_length;    ///< of all edges of the polygon, where the rule wants it; else 0
     double fairness;       ///< the scheme's
-} bat_angle_rule_view;
+} bat_curve_angle_rule_view;
 
-typedef struct bat_angle_rule bat_angle_rule;
+typedef struct bat_curve_angle_rule bat_curve_angle_rule;
 
 /// Where an angle-based scheme takes its insertion angles from, when not from eq. (9) of Ugail and Howard: a function of
 /// what each edge sees around it. The library's learned schemes are such rules; a user makes another by filling a
-/// bat_angle_rule. Open curves are continued beyond their ends before they are measured, as bat_curve_end_rule says.
-struct bat_angle_rule
+/// bat_curve_angle_rule. Open curves are continued beyond their ends before they are measured, as bat_curve_end_rule says.
+struct bat_curve_angle_rule
 {
     const char *name;       ///< a word for messages
-    size_t reach;           ///< edges and vertices that an edge sees on either side, 1 … BAT_ANGLE_RULE_REACH
+    size_t reach;           ///< edges and vertices that an edge sees on either side, 1 … BAT_CURVE_ANGLE_RULE_REACH
     bool wants_mean_length; ///< then levels are made one after the other; else all at once, in chunks that threads share
     size_t scratch_size;    ///< bytes that one call of angles() needs
     const void *parameters; ///< whatever the maker needs; the library does not touch it
 
     /// Optional: null when the rule is made for the space, else a few words that say why not.
-    const char *(*fault)(const bat_angle_rule *rule, const bat_space *space);
-    /// Write view->count insertion angles, positive to the left of the edge. They are clipped to +-BAT_ANGLE_LIMIT; one that
-    /// is not a number fails with BAT_INVALID_POINT. Called from several threads at once, and on runs of any length: an
-    /// edge's angle may depend on nothing but the edge's own surroundings.
+    const char *(*fault)(const bat_curve_angle_rule *rule, const bat_space *space);
+    /// Write view->count insertion angles, positive to the left of the edge. They are clipped to +-BAT_CURVE_ANGLE_LIMIT;
+    /// one that is not a number fails with BAT_INVALID_POINT. Called from several threads at once, and on runs of any
+    /// length: an edge's angle may depend on nothing but the edge's own surroundings.
     /// @param scratch scratch_size bytes, aligned to 64
-    void (*angles)(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch);
+    void (*angles)(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles, void *scratch);
 };
 
 /// In which tangent space a log-exp scheme averages.
-typedef enum bat_log_exp_base
+typedef enum bat_curve_base
 {
-    BAT_BASE_VERTEX,  ///< at the vertex that begins the edge (Ugail and Howard, section 7.1; Wallner and Dyn 2005)
-    BAT_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
-} bat_log_exp_base;
+    BAT_CURVE_BASE_VERTEX,  ///< at the vertex that begins the edge (Ugail and Howard, section 7.1; Wallner and Dyn 2005)
+    BAT_CURVE_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
+} bat_curve_base;
 
 /// A rule that refines a curve once. Make one with the functions below, then change what you want.
 typedef struct bat_curve_scheme
 {
     bat_curve_scheme_kind kind;
-    bat_mask mask;       ///< LINEAR: the mask; LOG_EXP: a mask that sums to 1 over its even indices and over its odd ones;
-                         ///< GEODESIC: that of bat_mask_lane_riesenfeld(), whose order it tells
-    double tension;      ///< ANGLE: mu of eq. (9)
-    bat_angle_sign sign; ///< ANGLE
-    bool adaptive;       ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
-    const bat_angle_rule
-        *rule;       ///< ANGLE: makes the angles instead of eq. (9), so that the three above do not matter; or null
-    double fairness; ///< ANGLE with a rule: handed to it; for the learned rule 0 (nearest to the data) … 1 (smoothest)
-    bat_log_exp_base base; ///< LOG_EXP
+    bat_mask mask;  ///< LINEAR: the mask; LOG_EXP: a mask that sums to 1 over its even indices and over its odd ones;
+                    ///< GEODESIC: that of bat_mask_lane_riesenfeld(), whose order it tells
+    double tension; ///< ANGLE: mu of eq. (9)
+    bat_curve_angle_sign sign; ///< ANGLE
+    bool adaptive;             ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
+    const bat_curve_angle_rule
+        *rule;           ///< ANGLE: makes the angles instead of eq. (9), so that the three above do not matter; or null
+    double fairness;     ///< ANGLE with a rule: handed to it; for the learned rule 0 (nearest to the data) … 1 (smoothest)
+    bat_curve_base base; ///< LOG_EXP
 } bat_curve_scheme;
 
 BAT_API bat_curve_scheme bat_curve_scheme_linear(bat_mask mask);
-/// Angle-based with tension `mu`: BAT_TENSION_FOUR_POINT, BAT_TENSION_SIX_POINT or any other; outward sign.
+/// Angle-based with tension `mu`: BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_TENSION_SIX_POINT or any other; outward sign.
 BAT_API bat_curve_scheme bat_curve_scheme_angle(double mu);
 /// Angle-based with the angles of a rule, which must outlive the scheme.
-BAT_API bat_curve_scheme bat_curve_scheme_angle_rule(const bat_angle_rule *rule);
+BAT_API bat_curve_scheme bat_curve_scheme_angle_rule(const bat_curve_angle_rule *rule);
 /// Log-exp with a mask that sums to 1 over its even indices and over its odd ones, base at the vertex. Interpolatory masks
 /// keep the given points.
 BAT_API bat_curve_scheme bat_curve_scheme_log_exp(bat_mask mask);
@@ -160,8 +160,8 @@ BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
 /// The learned scheme that the library comes with: for the plane, the sphere S^2 and the disk, closed and open curves of any
 /// scale and spacing. A network adds to the angle of the six-point rule what 8 exterior angles and 9 edge lengths around the
 /// edge suggest. It keeps the given points; it commutes with isometries, mirror images, reversal and, on the plane, scaling;
-/// no angle reaches BAT_ANGLE_LIMIT whatever the weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md describes it;
-/// `batten train tension --recipe batten` makes its weights.
+/// no angle reaches BAT_CURVE_ANGLE_LIMIT whatever the weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md
+/// describes it; `batten train tension --recipe batten` makes its weights.
 ///
 /// @param fairness 0 follows the data most closely, 1 gives the smoothest curve; clipped to that range, NaN is 1/2
 BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
@@ -190,7 +190,7 @@ BAT_API void bat_curve_model_free(bat_curve_model *model);
 /// The scheme that takes its insertion angles from a model, which must outlive it: for the plane, the sphere S^2 and the
 /// disk. The published network looks at four exterior angles and two edge lengths around an edge (eq. 17), the lengths
 /// relative to the mean of the polygon. New vertices are safe whatever the weights (Theorem 1): no angle reaches
-/// BAT_ANGLE_LIMIT. `scheme.fairness`, 1/2 at first, only means something to a model of the library's own recipe.
+/// BAT_CURVE_ANGLE_LIMIT. `scheme.fairness`, 1/2 at first, only means something to a model of the library's own recipe.
 BAT_API bat_curve_scheme bat_curve_scheme_of_model(const bat_curve_model *model);
 
 BAT_C_END

@@ -16,7 +16,7 @@ BAT_C_BEGIN
 #define BAT_MESH_NONE UINT32_MAX
 
 /// The most faces a mesh may have: half-edges must have 32-bit indices.
-#define BAT_MESH_MOST_FACES ((size_t)1431655764)
+#define BAT_MESH_MAX_FACES ((size_t)1431655764)
 
 /// A sharpness that no refinement wears off (OpenSubdiv's value).
 #define BAT_MESH_SHARP 10.0
@@ -98,7 +98,7 @@ typedef struct bat_mesh_connectivity
 /// Find the neighbours of all faces. Takes time in proportion to the mesh.
 ///
 /// @param connectivity release it with bat_mesh_connectivity_free()
-/// @return BAT_OK; BAT_TOO_LARGE (above BAT_MESH_MOST_FACES); BAT_INVALID_POINT with the face whose corner is not a vertex
+/// @return BAT_OK; BAT_TOO_LARGE (above BAT_MESH_MAX_FACES); BAT_INVALID_POINT with the face whose corner is not a vertex
 /// or
 ///         that has the same vertex twice; BAT_NOT_MANIFOLD with the face where an edge of more than two faces, an edge that
 ///         two faces run through in the same direction, or a vertex with several fans of faces shows first, the text naming

@@ -57,16 +57,16 @@ BAT_API bat_status bat_mesh_read_memory(const void *bytes, size_t size, const ba
 /// How PLY and STL hold numbers; OBJ and OFF are always text.
 typedef enum bat_mesh_encoding
 {
-    BAT_MESH_BINARY,     ///< little-endian: doubles in PLY, single precision in STL
-    BAT_MESH_BIG_ENDIAN, ///< the same with the greater bytes first; PLY only
-    BAT_MESH_TEXT        ///< decimal numbers that bring back the same doubles
+    BAT_MESH_ENCODING_BINARY,     ///< little-endian: doubles in PLY, single precision in STL
+    BAT_MESH_ENCODING_BIG_ENDIAN, ///< the same with the greater bytes first; PLY only
+    BAT_MESH_ENCODING_TEXT        ///< decimal numbers that bring back the same doubles
 } bat_mesh_encoding;
 
 /// How to write. Begin with bat_mesh_write_defaults().
 typedef struct bat_mesh_write_options
 {
     bat_mesh_format format;     ///< default BAT_MESH_FORMAT_AUTO
-    bat_mesh_encoding encoding; ///< default BAT_MESH_BINARY
+    bat_mesh_encoding encoding; ///< default BAT_MESH_ENCODING_BINARY
     int threads;                ///< 0: as many as OpenMP gives; the bytes do not depend on it; default 0
 } bat_mesh_write_options;
 

@@ -12,14 +12,14 @@ BAT_C_BEGIN
 /// darker. PNG is the natural format; SVG and PDF hold the same pixels with sharp letters.
 
 /// One mesh of a picture. All zero but `mesh` is a sensible panel: smooth, without wires.
-typedef struct bat_mesh_panel
+typedef struct bat_mesh_picture_panel
 {
     const bat_mesh *mesh; ///< finite, at least one face; need not be manifold; never null
     const char *title;    ///< UTF-8, beneath the panel; null or "" for none
     const double *values; ///< vertex_count numbers, shown as colours; NaN for none at a vertex; null: clay
     bool wires;           ///< draw the edges
     bool flat; ///< every face by its own normal, else smooth where neighbours' normals differ by less than 40 degrees
-} bat_mesh_panel;
+} bat_mesh_picture_panel;
 
 /// The axis of space that points upwards.
 typedef enum bat_mesh_up
@@ -66,7 +66,7 @@ BAT_API bat_mesh_picture_options bat_mesh_picture_defaults(void);
 ///         what bat_mesh_check() returns, with the panel named; BAT_INVALID_POINT with the index of a value that is
 ///         infinite; BAT_TOO_LARGE for more than 10000 points of height, 32767 pixels across or 2^28 samples of a panel;
 ///         BAT_NO_MEMORY; BAT_FILE_ACCESS
-BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_panel *panels, size_t count,
+BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel *panels, size_t count,
                                           const bat_mesh_picture_options *options, bat_error *error);
 
 BAT_C_END

@@ -17,11 +17,11 @@ BAT_C_BEGIN
 /// The schemes.
 typedef enum bat_mesh_scheme
 {
-    BAT_MESH_MIDPOINT,  ///< new vertices halve the edges; the surface stays as it is
-    BAT_MESH_LOOP,      ///< Loop (1987), with Hoppe's creases and corners (1994) and semi-sharp ones (DeRose et al., 1998)
-    BAT_MESH_BUTTERFLY, ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
-    BAT_MESH_SQRT3,     ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
-    BAT_MESH_LEARNED    ///< by `rule`
+    BAT_MESH_SCHEME_MIDPOINT, ///< new vertices halve the edges; the surface stays as it is
+    BAT_MESH_SCHEME_LOOP, ///< Loop (1987), with Hoppe's creases and corners (1994) and semi-sharp ones (DeRose et al., 1998)
+    BAT_MESH_SCHEME_BUTTERFLY, ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
+    BAT_MESH_SCHEME_SQRT3,     ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
+    BAT_MESH_SCHEME_LEARNED    ///< by `rule`
 } bat_mesh_scheme;
 
 typedef struct bat_mesh_rule bat_mesh_rule;
@@ -44,9 +44,9 @@ struct bat_mesh_rule
 /// How to refine. Begin with bat_mesh_refine_defaults().
 typedef struct bat_mesh_refine_options
 {
-    bat_mesh_scheme scheme;    ///< default BAT_MESH_LOOP
-    const bat_mesh_rule *rule; ///< of BAT_MESH_LEARNED; default null
-    bat_mesh_scheme then;      ///< the scheme of the levels beyond the rule's; default BAT_MESH_LOOP
+    bat_mesh_scheme scheme;    ///< default BAT_MESH_SCHEME_LOOP
+    const bat_mesh_rule *rule; ///< of BAT_MESH_SCHEME_LEARNED; default null
+    bat_mesh_scheme then;      ///< the scheme of the levels beyond the rule's; default BAT_MESH_SCHEME_LOOP
     size_t levels;             ///< default 2
     /// Move the vertices at the end to where the scheme, or after a learned one `then`, would take them in infinitely many
     /// levels. What is semi-sharp still counts as sharp for ever. Default false.
@@ -112,7 +112,7 @@ BAT_API bat_status bat_mesh_model_builtin(bat_mesh_model **model, bat_error *err
 /// Does nothing to null.
 BAT_API void bat_mesh_model_free(bat_mesh_model *model);
 
-/// The rule of BAT_MESH_LEARNED that takes its vertices from a model, which must outlive it.
+/// The rule of BAT_MESH_SCHEME_LEARNED that takes its vertices from a model, which must outlive it.
 ///
 /// The published network (Liu et al., "Neural Subdivision", 2020) sees a mesh scaled into the unit box, (v - min) / max: it
 /// follows turns about the box's middle and even scaling no more than that box does. It moves given vertices as well. An

@@ -99,7 +99,7 @@ typedef struct bat_hermite_options
     bat_hermite_kind kind; ///< default BAT_HERMITE_LANE_RIESENFELD
     size_t order; ///< LANE_RIESENFELD: 1 … BAT_HERMITE_MAX_ORDER; 1 keeps the given points and tangents; default 1
     bat_hermite_mask mask; ///< TRANSPORT; default bat_hermite_mask_merrien(-1/8, -1/2)
-    bat_log_exp_base base; ///< TRANSPORT: in whose tangent space to sum; default BAT_BASE_VERTEX
+    bat_curve_base base;   ///< TRANSPORT: in whose tangent space to sum; default BAT_CURVE_BASE_VERTEX
     size_t levels;         ///< each doubles the number of edges; default 5
     size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
     int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it;

@@ -137,24 +137,26 @@ BAT_API void bat_rotation_to_vector(const double *quaternion, double *vector);
 ///
 /// Points are the n (n + 1) / 2 numbers of the upper triangle, row by row: xx, xy, xz, yy, yz, zz. Tangent vectors at A = L
 /// L^T (L lower triangular, Cholesky) are as many numbers: the upper triangle of S = L^-1 V L^-T, entries off the diagonal
-/// times sqrt 2, so that inner products are Euclidean; bat_tensor_tangent() and bat_tensor_velocity() convert from and to
-/// the symmetric matrix V.
+/// times sqrt 2, so that inner products are Euclidean; bat_positive_definite_tangent() and bat_positive_definite_velocity()
+/// convert from and to the symmetric matrix V.
 ///
 /// The space has no cut locus. A point is not positive definite when a pivot of its Cholesky factor rounds to zero; what
 /// lies outside has no nearest point inside. exp() gives BAT_INVALID_POINT where the result is not positive definite in
 /// rounding, distances above 300 are BAT_INVALID_POINT in log(). Random points are exponentials at the identity of normal
-/// vectors of variance 1/n a number. `n` is clipped to 1 … BAT_TENSOR_MAX_SIDE.
+/// vectors of variance 1/n a number. `n` is clipped to 1 … BAT_POSITIVE_DEFINITE_MAX_SIDE.
 BAT_API bat_space bat_positive_definite(size_t n);
 
 /// The largest matrices of bat_positive_definite().
-#define BAT_TENSOR_MAX_SIDE 32
+#define BAT_POSITIVE_DEFINITE_MAX_SIDE 32
 
 /// The tangent vector at a point of a bat_positive_definite() of a symmetric matrix, both by their upper triangle.
 /// @return BAT_OK, or BAT_INVALID_POINT when `point` is not positive definite
-BAT_API bat_status bat_tensor_tangent(const bat_space *space, const double *point, const double *velocity, double *tangent);
+BAT_API bat_status bat_positive_definite_tangent(const bat_space *space, const double *point, const double *velocity,
+                                                 double *tangent);
 /// The symmetric matrix, by its upper triangle, of a tangent vector.
 /// @return BAT_OK, or BAT_INVALID_POINT when `point` is not positive definite
-BAT_API bat_status bat_tensor_velocity(const bat_space *space, const double *point, const double *tangent, double *velocity);
+BAT_API bat_status bat_positive_definite_velocity(const bat_space *space, const double *point, const double *tangent,
+                                                  double *velocity);
 
 /// Hyperbolic space of dimension n, curvature -1, as the hyperboloid in R^(n+1): x0 = sqrt(1 + |x|^2).
 ///

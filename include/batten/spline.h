@@ -12,14 +12,14 @@ BAT_C_BEGIN
 /// functions; function i lives on [knots[i], knots[i + p + 1]].
 
 /// The highest degree that any call takes.
-#define BAT_SPLINE_MOST_DEGREE 15
+#define BAT_SPLINE_MAX_DEGREE 15
 
 /// A knot vector. All zero: none. Release it with bat_knot_vector_free().
 typedef struct bat_knot_vector
 {
     double *knots; ///< count numbers, nondecreasing, owned
     size_t count;  ///< at least 2 degree + 2
-    int degree;    ///< 0 to BAT_SPLINE_MOST_DEGREE
+    int degree;    ///< 0 to BAT_SPLINE_MAX_DEGREE
 } bat_knot_vector;
 
 /// The clamped knot vector of [0, 1] with `spans` equal spans.

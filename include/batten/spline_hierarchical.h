@@ -15,16 +15,16 @@ BAT_C_BEGIN
 /// The truncated basis takes out of each function what finer selected ones can say; it is nonnegative and adds up to one.
 
 /// The most levels.
-#define BAT_HIERARCHICAL_MOST_LEVELS 20
+#define BAT_HIERARCHICAL_MAX_LEVELS 20
 
 /// A space of hierarchical splines. Spaces only change by bat_hierarchical_space_refine(); reading one from several threads
 /// is safe.
 typedef struct bat_hierarchical_space bat_hierarchical_space;
 
-/// What a space begins as. Begin with bat_hierarchical_space_defaults().
+/// What a space begins as. Begin with bat_hierarchical_defaults().
 typedef struct bat_hierarchical_options
 {
-    int degree[2];   ///< 1 to BAT_SPLINE_MOST_DEGREE; default 2, 2
+    int degree[2];   ///< 1 to BAT_SPLINE_MAX_DEGREE; default 2, 2
     size_t spans[2]; ///< cells of level 0 in each direction, at least 1; default 1, 1
     bool truncated;  ///< default true; false: the plain hierarchical basis, which does not add up to one
     /// Refinement keeps the space admissible of this class m: on every cell, functions of at most m successive levels do not
@@ -33,7 +33,7 @@ typedef struct bat_hierarchical_options
     int admissible;
 } bat_hierarchical_options;
 
-BAT_API bat_hierarchical_options bat_hierarchical_space_defaults(void);
+BAT_API bat_hierarchical_options bat_hierarchical_defaults(void);
 
 /// Cells of one level: those of columns low[0] to high[0] - 1 and rows low[1] to high[1] - 1 of the level's grid.
 typedef struct bat_spline_box
@@ -74,7 +74,7 @@ BAT_API size_t bat_hierarchical_space_functions(const bat_hierarchical_space *sp
 /// The number of levels in use, at least 1.
 BAT_API size_t bat_hierarchical_space_levels(const bat_hierarchical_space *space);
 /// The most functions that do not vanish on one cell.
-BAT_API size_t bat_hierarchical_space_most_active(const bat_hierarchical_space *space);
+BAT_API size_t bat_hierarchical_space_max_active(const bat_hierarchical_space *space);
 /// Function number `index`. Functions are numbered by level, then by j, then by i.
 BAT_API bat_spline_function bat_hierarchical_space_function(const bat_hierarchical_space *space, size_t index);
 /// The number of a function; BAT_NO_INDEX if the basis does not have it.

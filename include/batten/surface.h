@@ -12,15 +12,16 @@ BAT_C_BEGIN
 /// Where parameters come from.
 typedef enum bat_surface_parameters
 {
-    BAT_SURFACE_AUTO,    ///< learned and classical ones are tried; those that fit best by measure are taken (default)
-    BAT_SURFACE_LEARNED, ///< the network
-    BAT_SURFACE_UNIFORM,
-    BAT_SURFACE_INVERSE_DISTANCE,
-    BAT_SURFACE_SHAPE_PRESERVING,
-    BAT_SURFACE_MEAN_VALUE, ///< for clouds that were meshes
-    BAT_SURFACE_STRETCH_MINIMIZING,
-    BAT_SURFACE_GIVEN,     ///< brought by the caller
-    BAT_SURFACE_PARAMETERS ///< how many there are
+    BAT_SURFACE_PARAMETERS_AUTO,    ///< learned and classical ones are tried; those that fit best by measure are taken
+                                    ///< (default)
+    BAT_SURFACE_PARAMETERS_LEARNED, ///< the network
+    BAT_SURFACE_PARAMETERS_UNIFORM,
+    BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE,
+    BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING,
+    BAT_SURFACE_PARAMETERS_MEAN_VALUE, ///< for clouds that were meshes
+    BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING,
+    BAT_SURFACE_PARAMETERS_GIVEN, ///< brought by the caller
+    BAT_SURFACE_PARAMETERS_COUNT  ///< how many there are
 } bat_surface_parameters;
 
 /// The name, for example "shape-preserving". Never null.
@@ -30,26 +31,27 @@ BAT_API const char *bat_surface_parameters_name(bat_surface_parameters parameter
 typedef struct bat_surface_options
 {
     bat_surface_fit_options fit;
-    bat_surface_parameters parameters; ///< default BAT_SURFACE_AUTO
-    bat_side_parameters sides;         ///< default chord length
+    bat_surface_parameters parameters; ///< default BAT_SURFACE_PARAMETERS_AUTO
+    bat_cloud_sides sides;             ///< default chord length
     bool published;                    ///< classical neighbourhoods as published, which may fail; default false
     const bat_surface_model *model;    ///< null: the built-in one
-    const double *given; ///< count x 2 for BAT_SURFACE_GIVEN, each in [0, 1]^2, in the cloud's order; they are not unfolded
+    const double *
+        given; ///< count x 2 for BAT_SURFACE_PARAMETERS_GIVEN, each in [0, 1]^2, in the cloud's order; they are not unfolded
     bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_surface_fit_data); default false
     bool no_repair;      ///< leave folds, only report them; default false
 } bat_surface_options;
 
 BAT_API bat_surface_options bat_surface_defaults(void);
 
-/// One candidate of BAT_SURFACE_AUTO, or the one that was asked for.
+/// One candidate of BAT_SURFACE_PARAMETERS_AUTO, or the one that was asked for.
 typedef struct bat_surface_candidate
 {
     bat_surface_parameters parameters;
-    bat_error failure;              ///< status BAT_OK when there was none
-    double seconds;                 ///< of parameterizing
-    bat_parameters_report folds;    ///< before repair
-    bat_parameters_report repaired; ///< after it; the same as `folds` where there was nothing to repair
-    size_t functions;               ///< of the fit on trial
+    bat_error failure;                    ///< status BAT_OK when there was none
+    double seconds;                       ///< of parameterizing
+    bat_cloud_parameters_report folds;    ///< before repair
+    bat_cloud_parameters_report repaired; ///< after it; the same as `folds` where there was nothing to repair
+    size_t functions;                     ///< of the fit on trial
     double mean_squared; ///< of its distances; with robust weights the median of their squares; NaN when it failed
     bool reached;        ///< as bat_surface_fit_report says of it
     double stray; ///< the largest distance of that surface, in corners and middles of its cells, from the nearest point
@@ -57,7 +59,7 @@ typedef struct bat_surface_candidate
     double fit_seconds; ///< of the fit on trial
 } bat_surface_candidate;
 
-#define BAT_SURFACE_MOST_CANDIDATES 6
+#define BAT_SURFACE_MAX_CANDIDATES 6
 
 /// What came of it. Release it with bat_surface_result_free().
 typedef struct bat_surface_result
@@ -66,10 +68,10 @@ typedef struct bat_surface_result
     bat_surface_fit_report report;
     double *parameters; ///< count x 2 in the cloud's order, after correction
     bat_surface_parameters chosen;
-    bat_surface_candidate candidates[BAT_SURFACE_MOST_CANDIDATES];
+    bat_surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
     size_t candidate_count;
     size_t trial_points; ///< that the fits on trial went through: all of them, or a part of a large cloud
-    bat_parameters_report
+    bat_cloud_parameters_report
         folds;           ///< of `parameters`; of given ones without a boundary it is all zero but for what lies outside
     bool boundary_found; ///< whether the boundary was not known
     bool corners_found;  ///< whether the corners were not known
@@ -79,11 +81,12 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 
 /// Fit a surface to a cloud: find the boundary and corners if they are not known, parameterize, unfold, fit adaptively.
 ///
-/// With BAT_SURFACE_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch and, for a
-/// mesh, mean values. Each is unfolded and fitted as it would be in the end. A surface that strays twice as far from the
-/// points as another one is out. Of two that reach the tolerance the one with fewer functions is better, else the one with
-/// the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most a quarter
-/// as many functions. A candidate that fails, or folds at more than a quarter of the points, only leaves the competition.
+/// With BAT_SURFACE_PARAMETERS_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch
+/// and, for a mesh, mean values. Each is unfolded and fitted as it would be in the end. A surface that strays twice as far
+/// from the points as another one is out. Of two that reach the tolerance the one with fewer functions is better, else the
+/// one with the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most
+/// a quarter as many functions. A candidate that fails, or folds at more than a quarter of the points, only leaves the
+/// competition.
 ///
 /// @param cloud  boundary points are brought to the front where they have to be found, and corners are marked; given
 /// parameters need neither

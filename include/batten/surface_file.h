@@ -11,18 +11,18 @@ BAT_C_BEGIN
 /// Formats of surfaces.
 typedef enum bat_surface_format
 {
-    BAT_SURFACE_FROM_NAME, ///< by the file's ending: .xml, .step or .stp, .vtk, .obj, .json
-    BAT_SURFACE_XML,       ///< G+Smo: THBSpline2, of the plain basis HBSpline2, of one level TensorBSpline2; exact
-    BAT_SURFACE_STEP,      ///< ISO 10303-21, B_SPLINE_SURFACE_WITH_KNOTS, one shell of tensor-product patches; exact
-    BAT_SURFACE_VTK,       ///< legacy, a quadrilateral grid of each cell, with level, and the data points with their errors
-    BAT_SURFACE_OBJ,       ///< triangles
-    BAT_SURFACE_JSON       ///< degrees, boxes, functions, control points; exact
+    BAT_SURFACE_FORMAT_AUTO, ///< by the file's ending: .xml, .step or .stp, .vtk, .obj, .json
+    BAT_SURFACE_FORMAT_XML,  ///< G+Smo: THBSpline2, of the plain basis HBSpline2, of one level TensorBSpline2; exact
+    BAT_SURFACE_FORMAT_STEP, ///< ISO 10303-21, B_SPLINE_SURFACE_WITH_KNOTS, one shell of tensor-product patches; exact
+    BAT_SURFACE_FORMAT_VTK, ///< legacy, a quadrilateral grid of each cell, with level, and the data points with their errors
+    BAT_SURFACE_FORMAT_OBJ, ///< triangles
+    BAT_SURFACE_FORMAT_JSON ///< degrees, boxes, functions, control points; exact
 } bat_surface_format;
 
 /// The format of a name: xml, step, vtk, obj or json.
 /// @return BAT_OK or BAT_INVALID_ARGUMENT, `format` being untouched
 BAT_API bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error);
-/// The format that a path's ending stands for, in either case; else BAT_SURFACE_FROM_NAME.
+/// The format that a path's ending stands for, in either case; else BAT_SURFACE_FORMAT_AUTO.
 BAT_API bat_surface_format bat_surface_format_of_path(const char *path);
 
 /// How to write. All zero: the defaults.

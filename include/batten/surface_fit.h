@@ -23,7 +23,7 @@ typedef struct bat_surface_fit_data
 } bat_surface_fit_data;
 
 /// The most rings of cells that are refined around a marked one.
-#define BAT_SURFACE_FIT_MOST_NEIGHBOURS 64
+#define BAT_SURFACE_FIT_MAX_NEIGHBOURS 64
 
 /// How the smoothing weight is found.
 typedef enum bat_surface_smoothing
@@ -44,7 +44,7 @@ typedef struct bat_surface_fit_options
     size_t functions; ///< the most functions: the loop stops before more, and fills the budget with the worst cells; 0: none
                       ///< set; default 0. Without a tolerance and a budget the loop stops at a quarter of the points
     int iterations;   ///< the most refinements, 0 or more; default 30
-    int neighbours; ///< rings of cells of its level refined around a marked one; to BAT_SURFACE_FIT_MOST_NEIGHBOURS; default
+    int neighbours; ///< rings of cells of its level refined around a marked one; to BAT_SURFACE_FIT_MAX_NEIGHBOURS; default
                     ///< 1
     bat_surface_smoothing smoothing; ///< default likelihood, which corrected parameters do not mislead
     double weight; ///< lambda of eq. (5) for BAT_SURFACE_SMOOTHING_GIVEN, at least 0; it does not depend on the points' unit

@@ -10,14 +10,14 @@ BAT_C_BEGIN
 /// Pictures of fitted surfaces, as figure 14 of Giannelli et al., "BIDGCN" (2023).
 
 /// What a row of panels shows. Panels whose data is null are left out.
-typedef struct bat_surface_panel
+typedef struct bat_surface_picture_row
 {
     const char *title;                 ///< of the row; may be null
     const bat_cloud *cloud;            ///< the points
     const bat_spline_surface *surface; ///< of dimension 3
     const double *distances;           ///< of the cloud's points, for error colours
     const double *parameters;          ///< of the cloud's points, for the parameter plane
-} bat_surface_panel;
+} bat_surface_picture_row;
 
 /// How. All zero: the defaults.
 typedef struct bat_surface_picture_options
@@ -38,7 +38,7 @@ typedef struct bat_surface_picture_options
 ///         parameters but no cloud, with a surface that is not in space; BAT_INVALID_POINT with the point or control point
 ///         that is not finite, whose distance is not a finite length or whose parameters are not in the square;
 ///         BAT_NO_MEMORY; BAT_FILE_ACCESS
-BAT_API bat_status bat_surface_picture_write(const char *path, const bat_surface_panel *rows, size_t count,
+BAT_API bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
                                              const bat_surface_picture_options *options, bat_error *error);
 
 BAT_C_END

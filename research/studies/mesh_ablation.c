@@ -147,7 +147,7 @@ static bat_status trial_measure(const probe *p, size_t index, size_t levels, con
     bat_status status = loop ? bat_mesh_refine(&p->trials[index], &how, &target, NULL, error) : BAT_OK;
     if (status != BAT_OK)
         return status;
-    how.scheme = BAT_MESH_LEARNED;
+    how.scheme = BAT_MESH_SCHEME_LEARNED;
     how.rule = rule;
     status = bat_mesh_refine(&p->trials[index], &how, &fine, NULL, error);
     if (status == BAT_OK)
@@ -180,7 +180,7 @@ static bat_status measure_trials(const probe *p, const bat_mesh_rule *rule, bool
 static bat_status measure_network(const probe *p, const bat_mesh_model *model, bat_mesh_variant variant,
                                   const bat_mesh_study_options *options, bat_mesh_ablation_row *row, bat_error *error)
 {
-    const bat_mesh_method method = {NAMES[variant], BAT_MESH_LEARNED, bat_mesh_model_rule(model)};
+    const bat_mesh_method method = {NAMES[variant], BAT_MESH_SCHEME_LEARNED, bat_mesh_model_rule(model)};
     const bat_progress silent = {0};
     bat_status status = measure_trials(p, method.rule, variant == BAT_MESH_LEARN_LOOP, options->threads, row->errors, error);
     if (status == BAT_OK)

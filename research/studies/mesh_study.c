@@ -203,8 +203,8 @@ static bat_status measure_vertices(const bat_mesh *shape, const bat_mesh *mesh, 
     return status;
 }
 
-static bat_status draw_panels(const char *path, const char *title, const bat_mesh_panel *panels, size_t count, double high,
-                              int threads, bat_error *error)
+static bat_status draw_panels(const char *path, const char *title, const bat_mesh_picture_panel *panels, size_t count,
+                              double high, int threads, bat_error *error)
 {
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.title = title;
@@ -226,7 +226,7 @@ bat_status bat_mesh_study_draw(const char *path, const char *title, const bat_me
     };
     // Five times the greatest mean distance: single far vertices would leave one colour for all others.
     const double SCALE = 5;
-    bat_mesh_panel panels[MOST + 2] = {{.mesh = coarse, .title = "coarse", .wires = true, .flat = true}};
+    bat_mesh_picture_panel panels[MOST + 2] = {{.mesh = coarse, .title = "coarse", .wires = true, .flat = true}};
     char titles[MOST][TITLE_SIZE];
     double *values[MOST] = {NULL}, high = 0;
     if (count > MOST)
@@ -239,9 +239,9 @@ bat_status bat_mesh_study_draw(const char *path, const char *title, const bat_me
         (void)snprintf(titles[i], TITLE_SIZE, "%s: mean %.3f %%", methods[i].name, scores[i].mean * percent);
         high = fmax(high, SCALE * scores[i].mean * percent);
         status = measure_vertices(shape, &fine[i], scores[i].diagonal, threads, &values[i], error);
-        panels[i + 1] = (bat_mesh_panel){.mesh = &fine[i], .title = titles[i], .values = values[i]};
+        panels[i + 1] = (bat_mesh_picture_panel){.mesh = &fine[i], .title = titles[i], .values = values[i]};
     }
-    panels[count + 1] = (bat_mesh_panel){.mesh = shape, .title = "original"};
+    panels[count + 1] = (bat_mesh_picture_panel){.mesh = shape, .title = "original"};
     if (status == BAT_OK)
         status = draw_panels(path, title, panels, count + 2, high > 0 ? high : 1, threads, error);
     for (size_t i = 0; i < count; i++)

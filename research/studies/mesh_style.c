@@ -84,7 +84,7 @@ static bat_status subdivide(const bat_mesh *shape, const char *name, const bat_m
     if (status == BAT_OK)
     {
         bat_mesh_refine_options how = bat_mesh_refine_defaults();
-        how.scheme = BAT_MESH_LEARNED;
+        how.scheme = BAT_MESH_SCHEME_LEARNED;
         how.rule = bat_mesh_model_rule(model);
         how.levels = options->levels;
         how.threads = options->threads;
@@ -121,7 +121,8 @@ bat_status bat_mesh_style_make(const bat_mesh *smooth, const bat_mesh *sharp, co
     return status;
 }
 
-static bat_status draw_row(const char *path, const bat_mesh_panel *panels, size_t count, int threads, bat_error *error)
+static bat_status draw_row(const char *path, const bat_mesh_picture_panel *panels, size_t count, int threads,
+                           bat_error *error)
 {
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.columns = count;
@@ -133,7 +134,7 @@ static bat_status draw_row(const char *path, const bat_mesh_panel *panels, size_
 
 bat_status bat_mesh_style_draw(const char *path, const bat_mesh_style *style, int threads, bat_error *error)
 {
-    const bat_mesh_panel panels[] = {
+    const bat_mesh_picture_panel panels[] = {
         {.mesh = &style->cage, .title = "cage", .wires = true, .flat = true},
         {.mesh = &style->by_smooth, .title = "learned from the smooth shape"},
         {.mesh = &style->by_sharp, .title = "learned from the sharp shape"},

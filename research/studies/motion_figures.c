@@ -93,7 +93,8 @@ static double parameter_of(const figure_data *data, size_t i, size_t count)
 // The panels
 
 /// Room for one more curve of a panel.
-static double *add_curve(bat_hermite_panel *panel, const bat_space *space, size_t count, bool closed, bat_layer_role role)
+static double *add_curve(bat_hermite_panel *panel, const bat_space *space, size_t count, bool closed,
+                         bat_curve_layer_role role)
 {
     double *points = memory_array(count, space->point_dim * sizeof *points);
     if (points == NULL)
@@ -106,7 +107,7 @@ static double *add_curve(bat_hermite_panel *panel, const bat_space *space, size_
 static bat_status add_truth(const figure_data *data, size_t count, bat_hermite_panel *panel, bat_error *error)
 {
     const bat_space *space = data->curve.space;
-    double *points = add_curve(panel, space, count, data->closed, BAT_LAYER_TRUTH);
+    double *points = add_curve(panel, space, count, data->closed, BAT_CURVE_LAYER_TRUTH);
     if (points == NULL)
         return error_memory(error, count * space->point_dim * sizeof *points);
     bat_status status = BAT_OK;
@@ -115,7 +116,8 @@ static bat_status add_truth(const figure_data *data, size_t count, bat_hermite_p
     return status == BAT_OK ? BAT_OK : error_set(error, status, BAT_NO_INDEX, 0, "the smooth curve has no point");
 }
 
-static bat_status add_copy(const bat_hermite_curve *curve, bat_layer_role role, bat_hermite_panel *panel, bat_error *error)
+static bat_status add_copy(const bat_hermite_curve *curve, bat_curve_layer_role role, bat_hermite_panel *panel,
+                           bat_error *error)
 {
     size_t size = curve->count * curve->space->point_dim * sizeof(double);
     double *points = add_curve(panel, curve->space, curve->count, curve->closed, role);
@@ -184,10 +186,10 @@ static bat_status draw_curves(const figure_data *data, const bat_hermite_curve *
                               bat_hermite_panel *panel, bat_error *error)
 {
     bool tensors = strcmp(data->curve.space->name, "spd") == 0;
-    bat_status status = add_copy(samples, BAT_LAYER_CONTROL, panel, error);
+    bat_status status = add_copy(samples, BAT_CURVE_LAYER_CONTROL, panel, error);
     if (status == BAT_OK)
         status = add_truth(data, tensors ? AVERAGES + 1 : TRUTH_POINTS, panel, error);
-    return status == BAT_OK ? add_copy(fine, BAT_LAYER_CURVE, panel, error) : status;
+    return status == BAT_OK ? add_copy(fine, BAT_CURVE_LAYER_CURVE, panel, error) : status;
 }
 
 /// Figure 4: the corners of a triangle about (0, 1, 0), in turn.
@@ -213,7 +215,7 @@ static bat_status add_corner_ways(const figure_data *data, const bat_space *sphe
     for (size_t corner = 0; corner < 3; corner++)
     {
         double direction[3], quaternion[4];
-        double *points = add_curve(panel, sphere, TRUTH_POINTS, data->closed, BAT_LAYER_TRUTH);
+        double *points = add_curve(panel, sphere, TRUTH_POINTS, data->closed, BAT_CURVE_LAYER_TRUTH);
         if (points == NULL)
             return error_memory(error, TRUTH_POINTS * 3 * sizeof *points);
         corner_of(corner, direction);
@@ -230,7 +232,7 @@ static bat_status add_corner_ways(const figure_data *data, const bat_space *sphe
 
 /// A triangle for every rotation whose index is a multiple of `stride`.
 static bat_status add_triangles(const bat_hermite_curve *rotations, size_t stride, const bat_space *sphere,
-                                bat_layer_role role, bat_hermite_panel *panel, bat_error *error)
+                                bat_curve_layer_role role, bat_hermite_panel *panel, bat_error *error)
 {
     for (size_t i = 0; i < rotations->count; i += stride)
     {
@@ -252,8 +254,8 @@ static bat_status draw_triangles(const figure_data *data, const bat_space *spher
 {
     bat_status status = add_corner_ways(data, sphere, panel, error);
     if (status == BAT_OK)
-        status = add_triangles(fine, (size_t)1 << (LEVELS - TRIANGLE_LEVEL), sphere, BAT_LAYER_CURVE, panel, error);
-    return status == BAT_OK ? add_triangles(samples, 1, sphere, BAT_LAYER_CONTROL, panel, error) : status;
+        status = add_triangles(fine, (size_t)1 << (LEVELS - TRIANGLE_LEVEL), sphere, BAT_CURVE_LAYER_CURVE, panel, error);
+    return status == BAT_OK ? add_triangles(samples, 1, sphere, BAT_CURVE_LAYER_CONTROL, panel, error) : status;
 }
 
 /// Add a panel: sample, refine, measure, and keep what is drawn.

@@ -59,7 +59,7 @@ typedef struct study_scheme
     bat_hermite_kind kind;
     size_t order;
     bool smooth; ///< the C2 mask
-    bat_log_exp_base base;
+    bat_curve_base base;
 } study_scheme;
 
 static const study_scheme SCHEMES[] = {
@@ -67,7 +67,10 @@ static const study_scheme SCHEMES[] = {
     {.name = "hermite:order=2", .order = 2},
     {.name = "hermite:order=3", .order = 3},
     {.name = "transport:mask=merrien", .kind = BAT_HERMITE_TRANSPORT, .order = 1},
-    {.name = "transport:mask=merrien,base=midpoint", .kind = BAT_HERMITE_TRANSPORT, .order = 1, .base = BAT_BASE_MIDPOINT},
+    {.name = "transport:mask=merrien,base=midpoint",
+     .kind = BAT_HERMITE_TRANSPORT,
+     .order = 1,
+     .base = BAT_CURVE_BASE_MIDPOINT},
     {.name = "transport:mask=de-rham", .kind = BAT_HERMITE_TRANSPORT, .order = 1, .smooth = true},
     {.name = "hermite:order=1,tangents=estimated", .estimated = true, .order = 1},
     {.name = "log-exp-4", .points_alone = true},

@@ -30,7 +30,7 @@ static double thread_seconds(void)
 static bat_status check_methods(const bat_surface_method *methods, size_t count, bat_error *error)
 {
     for (size_t i = 0; i < count; i++)
-        if (methods[i].parameters <= BAT_SURFACE_AUTO || methods[i].parameters >= BAT_SURFACE_GIVEN)
+        if (methods[i].parameters <= BAT_SURFACE_PARAMETERS_AUTO || methods[i].parameters >= BAT_SURFACE_PARAMETERS_GIVEN)
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "method %zu is none that a study can try", i);
     return BAT_OK;
 }
@@ -79,14 +79,14 @@ static bat_status fit_patch(study_cloud *study, const double *parameters, bat_er
 static bat_status parameterize(const bat_cloud *cloud, const double *boundary, const bat_surface_method *method,
                                double *parameters, bat_error *error)
 {
-    static const bat_cloud_parameterization CLASSICAL[BAT_SURFACE_PARAMETERS] = {
-        [BAT_SURFACE_UNIFORM] = BAT_PARAMETERIZE_UNIFORM,
-        [BAT_SURFACE_INVERSE_DISTANCE] = BAT_PARAMETERIZE_INVERSE_DISTANCE,
-        [BAT_SURFACE_SHAPE_PRESERVING] = BAT_PARAMETERIZE_SHAPE_PRESERVING,
-        [BAT_SURFACE_MEAN_VALUE] = BAT_PARAMETERIZE_MEAN_VALUE,
-        [BAT_SURFACE_STRETCH_MINIMIZING] = BAT_PARAMETERIZE_STRETCH_MINIMIZING,
+    static const bat_cloud_parameterization CLASSICAL[BAT_SURFACE_PARAMETERS_COUNT] = {
+        [BAT_SURFACE_PARAMETERS_UNIFORM] = BAT_CLOUD_PARAMETERIZE_UNIFORM,
+        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE,
+        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,
+        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,
+        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
     };
-    if (method->parameters == BAT_SURFACE_LEARNED)
+    if (method->parameters == BAT_SURFACE_PARAMETERS_LEARNED)
         return bat_surface_model_parameterize(method->model, cloud, boundary, 1, parameters, error);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
     options.method = CLASSICAL[method->parameters];
@@ -225,7 +225,7 @@ static bat_status ready_make(const bat_surface_method *methods, size_t count, re
     for (size_t m = 0; m < count && status == BAT_OK; m++)
     {
         ready->methods[m] = methods[m];
-        if (methods[m].parameters != BAT_SURFACE_LEARNED || methods[m].model != NULL)
+        if (methods[m].parameters != BAT_SURFACE_PARAMETERS_LEARNED || methods[m].model != NULL)
             continue;
         if (ready->builtin == NULL)
             status = bat_surface_model_builtin(&ready->builtin, error);
@@ -266,7 +266,7 @@ static bat_status run_scan(const bat_cloud *cloud, int degree, const bat_surface
     double *boundary = memory_array(cloud->boundary_count, 2 * sizeof *boundary);
     if (boundary == NULL)
         return error_memory(error, cloud->boundary_count * 2 * sizeof *boundary);
-    bat_status status = bat_cloud_boundary_parameters(cloud, BAT_SIDE_CHORD_LENGTH, boundary, error);
+    bat_status status = bat_cloud_boundary_parameters(cloud, BAT_CLOUD_SIDES_CHORD_LENGTH, boundary, error);
     if (status == BAT_OK)
         status = study_cloud_make(cloud, degree, &study, error);
     if (status != BAT_OK)

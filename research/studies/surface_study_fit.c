@@ -48,7 +48,7 @@ bat_status bat_surface_study_fit(const bat_cloud *cloud, const bat_surface_metho
 bat_status bat_surface_study_draw(const char *path, const bat_cloud *cloud, const bat_surface_method *methods,
                                   const bat_surface_trial *trials, size_t count, bat_error *error)
 {
-    bat_surface_panel *rows = memory_array(count, sizeof *rows);
+    bat_surface_picture_row *rows = memory_array(count, sizeof *rows);
     char(*titles)[TITLE_SIZE] = memory_array(count, sizeof *titles);
     if (rows == NULL || titles == NULL)
     {
@@ -60,11 +60,11 @@ bat_status bat_surface_study_draw(const char *path, const bat_cloud *cloud, cons
     {
         const bat_surface_result *result = &trials[i].result;
         (void)snprintf(titles[i], TITLE_SIZE, "%s parameters", methods[i].name);
-        rows[i] = (bat_surface_panel){.title = titles[i],
-                                      .cloud = cloud,
-                                      .surface = &result->surface,
-                                      .distances = result->report.distances,
-                                      .parameters = result->parameters};
+        rows[i] = (bat_surface_picture_row){.title = titles[i],
+                                            .cloud = cloud,
+                                            .surface = &result->surface,
+                                            .distances = result->report.distances,
+                                            .parameters = result->parameters};
     }
     bat_status status = bat_surface_picture_write(path, rows, count, NULL, error);
     free(rows);

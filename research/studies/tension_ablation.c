@@ -59,8 +59,8 @@ static bat_status count_weights(bat_tension_embedding embedding, size_t *weights
 static bat_status measure_four_point(double bending[SPACES], int threads, bat_error *error)
 {
     bat_tension_row rows[SPACES];
-    bat_curve_scheme scheme = bat_curve_scheme_angle(BAT_TENSION_FOUR_POINT);
-    scheme.sign = BAT_ANGLE_PRINTED;
+    bat_curve_scheme scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT);
+    scheme.sign = BAT_CURVE_ANGLE_PRINTED;
     const bat_tension_method method = {"four-point-printed", NAN, scheme};
     bat_status status =
         bat_tension_table1_methods(BAT_TENSION_PUBLISHED, &method, 1, rows, threads, (bat_progress){0}, error);

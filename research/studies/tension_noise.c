@@ -56,7 +56,7 @@ typedef struct noise_state
     bat_curve *control, *truth, *noisy, *fine; ///< `count` each; the points of the first three are not theirs
     double *offsets;                           ///< for noise of strength 1, shaped as the polygons
     double *points;                            ///< of the disturbed polygons
-    bat_fairness *fairness;
+    bat_curve_fairness_values *fairness;
     double *g1;
     const bat_tension_noise_options *options;
     bat_error *error;
@@ -159,7 +159,7 @@ static void disturb(noise_state *state, double noise)
 // A row
 
 /// Refine the disturbed polygons and summarize their largest angles.
-static bat_status measure(noise_state *state, const bat_curve_scheme *scheme, bat_summary *g1)
+static bat_status measure(noise_state *state, const bat_curve_scheme *scheme, bat_curve_summary *g1)
 {
     bat_curve_refine_options refine = bat_curve_refine_defaults();
     refine.scheme = *scheme;
@@ -186,7 +186,7 @@ static bat_status measure(noise_state *state, const bat_curve_scheme *scheme, ba
 static bat_status fill_row(noise_state *state, const char *method, const bat_curve_scheme *scheme, bat_progress progress,
                            bat_tension_noise_row *row)
 {
-    bool has_tension = scheme->kind == BAT_SCHEME_ANGLE && scheme->rule == NULL;
+    bool has_tension = scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
     *row = (bat_tension_noise_row){.method = method, .tension = has_tension ? scheme->tension : NAN};
     set_published(state->options, row);
     bat_status status = BAT_OK;
@@ -201,7 +201,7 @@ static bat_status fill_row(noise_state *state, const char *method, const bat_cur
     return status;
 }
 
-static bat_curve_scheme angle(double tension, bat_angle_sign sign, bool adaptive)
+static bat_curve_scheme angle(double tension, bat_curve_angle_sign sign, bool adaptive)
 {
     bat_curve_scheme scheme = bat_curve_scheme_angle(tension);
     scheme.sign = sign;
@@ -210,7 +210,7 @@ static bat_curve_scheme angle(double tension, bat_angle_sign sign, bool adaptive
 }
 
 /// mu* of table 1.
-static bat_status search(noise_state *state, bat_angle_sign sign, double *tension)
+static bat_status search(noise_state *state, bat_curve_angle_sign sign, double *tension)
 {
     bat_tension_search_options options = bat_tension_search_defaults();
     options.scheme.sign = sign;
@@ -221,20 +221,20 @@ static bat_status search(noise_state *state, bat_angle_sign sign, double *tensio
 static bat_status fill_rows(noise_state *state, bat_tension_noise_row *rows)
 {
     double best_printed = 0, best_outward = 0;
-    bat_status status = search(state, BAT_ANGLE_PRINTED, &best_printed);
+    bat_status status = search(state, BAT_CURVE_ANGLE_PRINTED, &best_printed);
     if (status == BAT_OK)
-        status = search(state, BAT_ANGLE_OUTWARD, &best_outward);
+        status = search(state, BAT_CURVE_ANGLE_OUTWARD, &best_outward);
     const struct
     {
         const char *method;
         bat_curve_scheme scheme;
     } methods[BAT_TENSION_NOISE_METHODS] = {
-        {"four-point-printed", angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_PRINTED, false)},
-        {"six-point-printed", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_PRINTED, false)},
-        {"adaptive-heuristic-printed", angle(best_printed, BAT_ANGLE_PRINTED, true)},
-        {"four-point-outward", angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_OUTWARD, false)},
-        {"six-point-outward", angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_OUTWARD, false)},
-        {"adaptive-heuristic", angle(best_outward, BAT_ANGLE_OUTWARD, true)},
+        {"four-point-printed", angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
+        {"six-point-printed", angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
+        {"adaptive-heuristic-printed", angle(best_printed, BAT_CURVE_ANGLE_PRINTED, true)},
+        {"four-point-outward", angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
+        {"six-point-outward", angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
+        {"adaptive-heuristic", angle(best_outward, BAT_CURVE_ANGLE_OUTWARD, true)},
     };
     const double share = 1.0 / BAT_TENSION_NOISE_METHODS;
     for (size_t m = 0; m < BAT_TENSION_NOISE_METHODS && status == BAT_OK; m++)

@@ -48,7 +48,7 @@ static bat_status measure_one(const case_set *set, size_t i, const bat_curve_sch
     measure.threads = 1;
     bat_curve fine;
     bat_curve_distance distance;
-    bat_fairness fairness;
+    bat_curve_fairness_values fairness;
     bat_status status = bat_curve_refine(&set->control[i], &refine, &fine, error);
     if (status != BAT_OK)
         return status;
@@ -110,7 +110,7 @@ static bat_status step(table_state *state, const case_set *set, const bat_curve_
 /// Whether its angles are those of eq. (9).
 static bool has_tension(const bat_curve_scheme *scheme)
 {
-    return scheme->kind == BAT_SCHEME_ANGLE && scheme->rule == NULL;
+    return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
 }
 
 static bat_status fill_row(table_state *state, const case_set *set, const bat_tension_method *method, bat_tension_row *row)
@@ -124,13 +124,13 @@ static bat_status fill_row(table_state *state, const case_set *set, const bat_te
                              .published_mean_nn = NAN,
                              .published_bending = NAN,
                              .published_g1 = NAN};
-    bat_summary *summaries[MEASURES] = {&row->mean_nn, &row->hausdorff, &row->bending, &row->g1};
+    bat_curve_summary *summaries[MEASURES] = {&row->mean_nn, &row->hausdorff, &row->bending, &row->g1};
     for (size_t m = 0; m < MEASURES && status == BAT_OK; m++)
         status = bat_curve_summarize(state->numbers + m * set->count, set->count, summaries[m], state->error);
     return status;
 }
 
-static bat_curve_scheme angle(double tension, bat_angle_sign sign, bool adaptive)
+static bat_curve_scheme angle(double tension, bat_curve_angle_sign sign, bool adaptive)
 {
     bat_curve_scheme scheme = bat_curve_scheme_angle(tension);
     scheme.sign = sign;
@@ -148,7 +148,7 @@ static bat_status search_tension(table_state *state, const case_set *set, const 
     {
         bat_curve_scheme scheme = options->scheme;
         scheme.tension = options->low + (double)i * spacing;
-        bat_summary mean_nn;
+        bat_curve_summary mean_nn;
         bat_status status = step(state, set, &scheme);
         if (status == BAT_OK)
             status = bat_curve_summarize(state->numbers + MEAN_NN * set->count, set->count, &mean_nn, state->error);
@@ -163,7 +163,7 @@ static bat_status search_tension(table_state *state, const case_set *set, const 
     return BAT_OK;
 }
 
-static bat_status search_published(table_state *state, const case_set *set, bat_angle_sign sign, double *best)
+static bat_status search_published(table_state *state, const case_set *set, bat_curve_angle_sign sign, double *best)
 {
     bat_tension_search_options options = bat_tension_search_defaults();
     options.scheme.sign = sign;
@@ -197,22 +197,22 @@ static bat_status fill_method_rows(table_state *state, const case_set *set, cons
 static bat_status fill_built_in_rows(table_state *state, const case_set *set, bat_tension_row *rows)
 {
     double best_printed = 0, best_outward = 0;
-    bat_status status = search_published(state, set, BAT_ANGLE_PRINTED, &best_printed);
+    bat_status status = search_published(state, set, BAT_CURVE_ANGLE_PRINTED, &best_printed);
     if (status == BAT_OK)
-        status = search_published(state, set, BAT_ANGLE_OUTWARD, &best_outward);
+        status = search_published(state, set, BAT_CURVE_ANGLE_OUTWARD, &best_outward);
     if (status != BAT_OK)
         return status;
     const bat_tension_method methods[BAT_TENSION_METHODS] = {
-        {"four-point-printed", NAN, angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_PRINTED, false)},
-        {"six-point-printed", NAN, angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_PRINTED, false)},
-        {"four-point-outward", NAN, angle(BAT_TENSION_FOUR_POINT, BAT_ANGLE_OUTWARD, false)},
-        {"six-point-outward", NAN, angle(BAT_TENSION_SIX_POINT, BAT_ANGLE_OUTWARD, false)},
-        {"log-exp-4", NAN, bat_curve_scheme_log_exp(bat_mask_four_point(BAT_FOUR_POINT_WEIGHT))},
-        {"log-exp-6", NAN, bat_curve_scheme_log_exp(bat_mask_six_point(BAT_SIX_POINT_WEIGHT))},
-        {"oracle-printed", NAN, angle(best_printed, BAT_ANGLE_PRINTED, false)},
-        {"oracle-outward", NAN, angle(best_outward, BAT_ANGLE_OUTWARD, false)},
-        {"adaptive-heuristic-printed", NAN, angle(best_printed, BAT_ANGLE_PRINTED, true)},
-        {"adaptive-heuristic", NAN, angle(best_outward, BAT_ANGLE_OUTWARD, true)},
+        {"four-point-printed", NAN, angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
+        {"six-point-printed", NAN, angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
+        {"four-point-outward", NAN, angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
+        {"six-point-outward", NAN, angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
+        {"log-exp-4", NAN, bat_curve_scheme_log_exp(bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT))},
+        {"log-exp-6", NAN, bat_curve_scheme_log_exp(bat_mask_six_point(BAT_MASK_SIX_POINT_WEIGHT))},
+        {"oracle-printed", NAN, angle(best_printed, BAT_CURVE_ANGLE_PRINTED, false)},
+        {"oracle-outward", NAN, angle(best_outward, BAT_CURVE_ANGLE_OUTWARD, false)},
+        {"adaptive-heuristic-printed", NAN, angle(best_printed, BAT_CURVE_ANGLE_PRINTED, true)},
+        {"adaptive-heuristic", NAN, angle(best_outward, BAT_CURVE_ANGLE_OUTWARD, true)},
     };
     return fill_method_rows(state, set, methods, BAT_TENSION_METHODS, rows);
 }

@@ -300,27 +300,27 @@ static double tension_angle(const geometry_polygon *polygon, geometry_profile pr
     return 0.125 * (tension * outer + (1 - tension) * inner);
 }
 
-void geometry_tension_angles(const geometry_polygon *polygon, geometry_profile profile, double tension, bat_angle_sign sign,
-                             double *insertion_angles)
+void geometry_tension_angles(const geometry_polygon *polygon, geometry_profile profile, double tension,
+                             bat_curve_angle_sign sign, double *insertion_angles)
 {
     size_t edges = geometry_edges(polygon);
     for (size_t j = 0; j < edges; j++)
     {
         double angle = tension_angle(polygon, profile, tension, j);
-        angle = fmin(fmax(angle, -BAT_ANGLE_LIMIT), BAT_ANGLE_LIMIT);
-        insertion_angles[j] = sign == BAT_ANGLE_OUTWARD ? -angle : angle;
+        angle = fmin(fmax(angle, -BAT_CURVE_ANGLE_LIMIT), BAT_CURVE_ANGLE_LIMIT);
+        insertion_angles[j] = sign == BAT_CURVE_ANGLE_OUTWARD ? -angle : angle;
     }
 }
 
 void geometry_tension_angles_back(const geometry_polygon *polygon, geometry_profile profile, double tension,
-                                  bat_angle_sign sign, const double *insertion_gradients, geometry_profile gradient)
+                                  bat_curve_angle_sign sign, const double *insertion_gradients, geometry_profile gradient)
 {
     size_t count = polygon->count, edges = geometry_edges(polygon);
     for (size_t j = 0; j < edges; j++)
     {
-        if (fabs(tension_angle(polygon, profile, tension, j)) > BAT_ANGLE_LIMIT)
+        if (fabs(tension_angle(polygon, profile, tension, j)) > BAT_CURVE_ANGLE_LIMIT)
             continue;
-        double share = (sign == BAT_ANGLE_OUTWARD ? -0.125 : 0.125) * insertion_gradients[j];
+        double share = (sign == BAT_CURVE_ANGLE_OUTWARD ? -0.125 : 0.125) * insertion_gradients[j];
         for (size_t offset = 0; offset < 4; offset++)
         {
             bool inner = offset == 1 || offset == 2;

@@ -13,7 +13,7 @@ void geometry_smoothness_back(const geometry_polygon *polygon, geometry_profile 
                               geometry_profile gradient);
 
 /// Mean of the squares of angle / (mean length of its two edges + offset): eq. (21). The published program's offset is
-/// BAT_BENDING_OFFSET.
+/// BAT_CURVE_BENDING_OFFSET.
 double geometry_bending(const geometry_polygon *polygon, geometry_profile profile, double offset);
 void geometry_bending_back(const geometry_polygon *polygon, geometry_profile profile, double offset, double loss_gradient,
                            geometry_profile gradient);

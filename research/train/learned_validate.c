@@ -9,8 +9,8 @@
 #include <stdlib.h>
 
 /// The refined control polygons of one set.
-static bat_status refine(const bat_tension_set *set, const bat_space *space, const bat_angle_rule *rule, double fairness,
-                         int threads, bat_curve *coarse, bat_curve *fine, bat_error *error)
+static bat_status refine(const bat_tension_set *set, const bat_space *space, const bat_curve_angle_rule *rule,
+                         double fairness, int threads, bat_curve *coarse, bat_curve *fine, bat_error *error)
 {
     bat_curve_refine_options options = bat_curve_refine_defaults();
     options.scheme = bat_curve_scheme_angle_rule(rule);
@@ -31,7 +31,7 @@ static bat_status measure(const bat_tension_set *set, const bat_space *space, co
     {
         bat_curve truth = bat_tension_truth(set, i, space);
         bat_curve_distance distance;
-        bat_fairness fairness;
+        bat_curve_fairness_values fairness;
         status = bat_curve_compare(&fine[i], &truth, NULL, &distance, error);
         if (status == BAT_OK)
             status = bat_curve_fairness(&fine[i], NULL, &fairness, error);
@@ -55,7 +55,7 @@ bat_status learned_validate(const learn_parameters *parameters, const bat_tensio
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
     {
         size_t count = sets[s].count;
-        const bat_angle_rule rule = learned_rule(parameters->values);
+        const bat_curve_angle_rule rule = learned_rule(parameters->values);
         bat_curve *curves = calloc(2 * count, sizeof *curves);
         if (curves == NULL)
             return error_memory(error, 2 * count * sizeof *curves);

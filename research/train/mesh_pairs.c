@@ -47,7 +47,7 @@ static bat_status loop_targets(mesh_pair *pair, bat_error *error)
         return error_memory(error, total * sizeof *pair->memory);
     double *to = pair->memory;
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
-    options.scheme = BAT_MESH_LOOP;
+    options.scheme = BAT_MESH_SCHEME_LOOP;
     options.threads = 1;
     for (size_t level = 0; level <= levels; level++)
     {

@@ -119,7 +119,7 @@ static void angles_back(void *context)
     {
         double share = (double)real_tanh(c->said->value[j]), gradient = (double)c->angles->gradient[j];
         learned_features sight = c->sight->sights[j];
-        if (fabs(sight.base + sight.scale * share) > BAT_ANGLE_LIMIT)
+        if (fabs(sight.base + sight.scale * share) > BAT_CURVE_ANGLE_LIMIT)
             continue;
         c->sight->gradient[j].base += gradient;
         c->sight->gradient[j].scale += gradient * share;
@@ -141,7 +141,7 @@ learn_array *tape_fairing_angles(learn_tape *tape, tape_fairing *sight, learn_ar
     {
         learned_features seen = sight->sights[j];
         double angle = seen.base + seen.scale * (double)real_tanh(said->value[j]);
-        angles->value[j] = (real)fmin(fmax(angle, -BAT_ANGLE_LIMIT), BAT_ANGLE_LIMIT);
+        angles->value[j] = (real)fmin(fmax(angle, -BAT_CURVE_ANGLE_LIMIT), BAT_CURVE_ANGLE_LIMIT);
     }
     *c = (choice){sight, said, angles};
     learn_tape_record(tape, angles, angles_back, c);

@@ -19,9 +19,9 @@ typedef struct tape_fairing
         *lengths; ///< of the polygon continued beyond its ends; entry LEARNED_REACH + i is that of the polygon's i
 } tape_fairing;
 
-/// Look at a polygon. An open one is continued by point reflection in its ends (BAT_END_REFLECT).
+/// Look at a polygon. An open one is continued by point reflection in its ends (BAT_CURVE_END_REFLECT).
 tape_fairing *tape_fairing_see(learn_tape *tape, tape_polygon *polygon, double fairness);
-/// The insertion angles base + scale tanh(said), clipped to BAT_ANGLE_LIMIT.
+/// The insertion angles base + scale tanh(said), clipped to BAT_CURVE_ANGLE_LIMIT.
 /// @param said edges x 1
 learn_array *tape_fairing_angles(learn_tape *tape, tape_fairing *sight, learn_array *said);
 

@@ -217,7 +217,7 @@ learn_array *tape_polygon_smoothness(learn_tape *tape, tape_polygon *polygon)
 static void bending_back(void *context)
 {
     const judgement *j = context;
-    geometry_bending_back(&j->polygon->shape, j->polygon->profile, BAT_BENDING_OFFSET, (double)*j->loss->gradient,
+    geometry_bending_back(&j->polygon->shape, j->polygon->profile, BAT_CURVE_BENDING_OFFSET, (double)*j->loss->gradient,
                           j->polygon->profile_gradient);
 }
 
@@ -226,7 +226,7 @@ learn_array *tape_polygon_bending(learn_tape *tape, tape_polygon *polygon)
     judgement *j = judge(tape, polygon, bending_back);
     if (j == NULL)
         return &tape->nothing;
-    *j->loss->value = (real)geometry_bending(&polygon->shape, polygon->profile, BAT_BENDING_OFFSET);
+    *j->loss->value = (real)geometry_bending(&polygon->shape, polygon->profile, BAT_CURVE_BENDING_OFFSET);
     return j->loss;
 }
 

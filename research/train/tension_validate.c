@@ -60,7 +60,7 @@ static bat_status score_curve(const validation *v, learn_tape *tape, const tensi
     if (tape->status != BAT_OK)
         return tape->status;
     score->mean_nn = mean_nearest(&polygon->shape, sample->truth, sample->truth_count);
-    score->bending = geometry_bending(&polygon->shape, polygon->profile, BAT_BENDING_OFFSET);
+    score->bending = geometry_bending(&polygon->shape, polygon->profile, BAT_CURVE_BENDING_OFFSET);
     score->g1 = largest_angle(polygon);
     return BAT_OK;
 }

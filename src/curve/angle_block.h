@@ -34,8 +34,8 @@ typedef struct angle_block
 /// The tangent of an insertion angle, limited to the admissible interval (Ugail and Howard 2026, Theorem 1).
 static inline double angle_slope(double insertion)
 {
-    insertion = insertion > BAT_ANGLE_LIMIT ? BAT_ANGLE_LIMIT : insertion;
-    insertion = insertion < -BAT_ANGLE_LIMIT ? -BAT_ANGLE_LIMIT : insertion;
+    insertion = insertion > BAT_CURVE_ANGLE_LIMIT ? BAT_CURVE_ANGLE_LIMIT : insertion;
+    insertion = insertion < -BAT_CURVE_ANGLE_LIMIT ? -BAT_CURVE_ANGLE_LIMIT : insertion;
     return lane_tan(insertion);
 }
 

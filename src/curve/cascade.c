@@ -39,7 +39,7 @@ static index_range range_before(const refine_kernel *kernel, index_range range)
     return (index_range){floor_half(pairs.begin - kernel->last + 1), floor_half(pairs.end - 1 - kernel->first) + 1};
 }
 
-static index_range with_snap(const bat_stencil *snap, index_range range)
+static index_range with_snap(const bat_mask_stencil *snap, index_range range)
 {
     if (snap->count == 0)
         return range;
@@ -91,7 +91,7 @@ static void scratch_free(scratch *s)
     free(s->kernel);
 }
 
-static void snap_rows(const bat_stencil *snap, const double *points, size_t rows, size_t dim, double *fine)
+static void snap_rows(const bat_mask_stencil *snap, const double *points, size_t rows, size_t dim, double *fine)
 {
     memset(fine, 0, rows * dim * sizeof *fine);
     for (size_t k = 0; k < snap->count; k++)

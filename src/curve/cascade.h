@@ -28,9 +28,9 @@ typedef struct cascade
     size_t levels;
     size_t count; ///< points of level 0, to name the one at fault
     bool closed;
-    index_range result; ///< indices wanted of the last level
-    bat_stencil snap;   ///< moves the points of the last level onto the limit curve; count 0: not at all
-    int threads;        ///< 0: as many as OpenMP gives
+    index_range result;    ///< indices wanted of the last level
+    bat_mask_stencil snap; ///< moves the points of the last level onto the limit curve; count 0: not at all
+    int threads;           ///< 0: as many as OpenMP gives
     bat_progress progress;
 } cascade;
 

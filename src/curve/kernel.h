@@ -29,7 +29,7 @@ struct refine_kernel
     row_average *average; ///< Lane-Riesenfeld: what takes the place of the arithmetic mean
     size_t order;         ///< Lane-Riesenfeld: rounds of averaging
     const struct bat_hermite_mask *hermite_mask; ///< linear Hermite schemes
-    bat_log_exp_base hermite_base;               ///< likewise
+    bat_curve_base hermite_base;                 ///< likewise
     size_t scratch_size;                         ///< bytes that one call of run() needs
     size_t chunk;                                ///< points worth a thread's while; 0 where they cost next to nothing
 

@@ -46,7 +46,7 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
     const bat_curve_scheme *scheme = kernel->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
-    double sign = scheme->sign == BAT_ANGLE_OUTWARD ? -1 : 1;
+    double sign = scheme->sign == BAT_CURVE_ANGLE_OUTWARD ? -1 : 1;
     angle_block block;
     for (size_t done = 0; done < pairs; done += ANGLE_BLOCK_EDGES)
     {
@@ -78,7 +78,7 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
     const bat_curve_scheme *scheme = kernel->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
-    double sign = scheme->sign == BAT_ANGLE_OUTWARD ? -1 : 1;
+    double sign = scheme->sign == BAT_CURVE_ANGLE_OUTWARD ? -1 : 1;
     for (size_t j = 0; j < pairs; j++)
     {
         const double *p = points + j * dim;

@@ -18,13 +18,13 @@ static const double SQUARED_PI = 9.8696044010893586188;
 /// One new point in any space: the weighted mean of logarithms in the tangent space of the base point, which is the first
 /// point of the edge from p_0 to p_1 or its middle. The new vertex over the edge averages with the odd coefficients of the
 /// mask.
-static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_log_exp_base where, const double *p,
+static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_curve_base where, const double *p,
                              double *fine)
 {
     size_t dim = space->point_dim, tangent_dim = space->tangent_dim;
     double middle[BAT_SPACE_MAX_DIM], tangent[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
     const double *base = p;
-    if (where == BAT_BASE_MIDPOINT)
+    if (where == BAT_CURVE_BASE_MIDPOINT)
     {
         bat_status status = bat_space_geodesic(space, p, p + dim, 0.5, middle);
         if (status != BAT_OK)
@@ -72,7 +72,7 @@ static bat_status run_smoothing(const refine_kernel *kernel, const double *point
     (void)scratch;
     size_t dim = kernel->dim;
     bool has_vertices = ((kernel->first + kernel->last) & 1) == 0;
-    bat_log_exp_base odd_base = kernel->scheme->base, even_base = has_vertices ? BAT_BASE_VERTEX : odd_base;
+    bat_curve_base odd_base = kernel->scheme->base, even_base = has_vertices ? BAT_CURVE_BASE_VERTEX : odd_base;
     for (size_t j = 0; j < pairs; j++)
     {
         const double *p = points + j * dim;
@@ -268,7 +268,7 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
 {
     (void)scratch;
     const mask_taps *taps = &kernel->odd;
-    bool midpoint = kernel->scheme->base == BAT_BASE_MIDPOINT;
+    bool midpoint = kernel->scheme->base == BAT_CURVE_BASE_MIDPOINT;
     ptrdiff_t low = (1 - kernel->last) / 2, high = (1 - kernel->first) / 2;
     size_t first = (size_t)-low;
     sphere_block block;

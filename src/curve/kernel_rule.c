@@ -8,9 +8,9 @@
 enum
 {
     /// Exterior angles, and edge lengths, that a run of edges may see.
-    MEASURES = BAT_ANGLE_RULE_EDGES + 2 * BAT_ANGLE_RULE_REACH,
+    MEASURES = BAT_CURVE_ANGLE_RULE_EDGES + 2 * BAT_CURVE_ANGLE_RULE_REACH,
     /// Rules take a microsecond an edge or more: so many points are worth a thread's while.
-    CHUNK_POINTS = 4 * BAT_ANGLE_RULE_EDGES,
+    CHUNK_POINTS = 4 * BAT_CURVE_ANGLE_RULE_EDGES,
 };
 
 /// One thread's memory: what the kernel measures, and what it gets.
@@ -18,7 +18,7 @@ typedef struct rule_run
 {
     double angles[MEASURES];
     double lengths[MEASURES];
-    double insertion[BAT_ANGLE_RULE_EDGES];
+    double insertion[BAT_CURVE_ANGLE_RULE_EDGES];
     _Alignas(64) unsigned char scratch[]; ///< the rule's own
 } rule_run;
 
@@ -93,20 +93,20 @@ static bat_status insert_block(const refine_kernel *kernel, const double *points
 static bat_status run_rule(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                            size_t *fault)
 {
-    const bat_angle_rule *rule = kernel->scheme->rule;
+    const bat_curve_angle_rule *rule = kernel->scheme->rule;
     size_t dim = kernel->dim, reach = rule->reach;
     rule_run *run = scratch;
-    for (size_t done = 0; done < pairs; done += BAT_ANGLE_RULE_EDGES)
+    for (size_t done = 0; done < pairs; done += BAT_CURVE_ANGLE_RULE_EDGES)
     {
-        size_t edges = pairs - done < BAT_ANGLE_RULE_EDGES ? pairs - done : BAT_ANGLE_RULE_EDGES;
+        size_t edges = pairs - done < BAT_CURVE_ANGLE_RULE_EDGES ? pairs - done : BAT_CURVE_ANGLE_RULE_EDGES;
         const double *here = points + done * dim;
         measure(kernel, here - reach * dim, edges + 2 * reach, run->angles, run->lengths);
-        bat_angle_rule_view view = {.space = kernel->space,
-                                    .count = edges,
-                                    .angles = run->angles + reach - 1,
-                                    .lengths = run->lengths + reach,
-                                    .mean_length = kernel->mean_length,
-                                    .fairness = kernel->scheme->fairness};
+        bat_curve_angle_rule_view view = {.space = kernel->space,
+                                          .count = edges,
+                                          .angles = run->angles + reach - 1,
+                                          .lengths = run->lengths + reach,
+                                          .mean_length = kernel->mean_length,
+                                          .fairness = kernel->scheme->fairness};
         rule->angles(rule, &view, run->insertion, run->scratch);
         for (size_t j = 0; j < edges; j += ANGLE_BLOCK_EDGES)
         {

@@ -20,17 +20,17 @@ const char *scheme_classical_name(const bat_space *space)
 bat_curve_scheme scheme_classical(const bat_space *space)
 {
     if (space->exterior_angle != NULL && space->apex != NULL)
-        return bat_curve_scheme_angle(BAT_TENSION_FOUR_POINT);
-    bat_mask mask = bat_mask_four_point(BAT_FOUR_POINT_WEIGHT);
+        return bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT);
+    bat_mask mask = bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT);
     return space_is_euclidean(space) ? bat_curve_scheme_linear(mask) : bat_curve_scheme_log_exp(mask);
 }
 
 bat_curve_refine_options bat_curve_refine_defaults(void)
 {
     return (bat_curve_refine_options){
-        .scheme = bat_curve_scheme_angle(BAT_TENSION_FOUR_POINT),
+        .scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT),
         .levels = 5,
-        .ends = BAT_END_REFLECT,
+        .ends = BAT_CURVE_END_REFLECT,
         .max_points = SIZE_MAX >> 24,
     };
 }
@@ -39,13 +39,13 @@ refine_kernel kernel_for(const bat_space *space, const bat_curve_scheme *scheme)
 {
     switch (scheme->kind)
     {
-    case BAT_SCHEME_ANGLE:
+    case BAT_CURVE_SCHEME_ANGLE:
         return scheme->rule != NULL ? kernel_rule(space, scheme) : kernel_angle(space, scheme);
-    case BAT_SCHEME_LOG_EXP:
+    case BAT_CURVE_SCHEME_LOG_EXP:
         return kernel_log_exp(space, scheme);
-    case BAT_SCHEME_GEODESIC:
+    case BAT_CURVE_SCHEME_GEODESIC:
         return kernel_geodesic(space, scheme);
-    case BAT_SCHEME_LINEAR:
+    case BAT_CURVE_SCHEME_LINEAR:
     default:
         return kernel_linear(scheme, space->point_dim);
     }
@@ -86,13 +86,14 @@ static bat_status check_lane_riesenfeld(const bat_mask *mask, bat_error *error)
 
 static bat_status check_rule(const bat_space *space, const bat_curve_scheme *scheme, bat_error *error)
 {
-    const bat_angle_rule *rule = scheme->rule;
+    const bat_curve_angle_rule *rule = scheme->rule;
     if (!isfinite(scheme->fairness))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fairness is not a number");
-    if (rule->angles == NULL || rule->reach < 1 || rule->reach > BAT_ANGLE_RULE_REACH || rule->scratch_size > SIZE_MAX / 2)
+    if (rule->angles == NULL || rule->reach < 1 || rule->reach > BAT_CURVE_ANGLE_RULE_REACH ||
+        rule->scratch_size > SIZE_MAX / 2)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
-                         BAT_ANGLE_RULE_REACH);
+                         BAT_CURVE_ANGLE_RULE_REACH);
     const char *fault = rule->fault != NULL ? rule->fault(rule, space) : NULL;
     if (fault != NULL)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the rule %s is not made for this %s: %s", rule->name,
@@ -103,19 +104,19 @@ static bat_status check_rule(const bat_space *space, const bat_curve_scheme *sch
 static bat_status check_options(const bat_space *space, const bat_curve_refine_options *options, bat_error *error)
 {
     const bat_curve_scheme *scheme = &options->scheme;
-    if (options->ends < BAT_END_REFLECT || options->ends > BAT_END_FREE)
+    if (options->ends < BAT_CURVE_END_REFLECT || options->ends > BAT_CURVE_END_FREE)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no end rule %d", (int)options->ends);
-    if (scheme->kind != BAT_SCHEME_LINEAR && (options->snap || options->ends == BAT_END_FREE))
+    if (scheme->kind != BAT_CURVE_SCHEME_LINEAR && (options->snap || options->ends == BAT_CURVE_END_FREE))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
                          options->snap ? "be moved to their limit" : "leave the ends free");
     switch (scheme->kind)
     {
-    case BAT_SCHEME_LINEAR:
+    case BAT_CURVE_SCHEME_LINEAR:
         if (!space_is_euclidean(space))
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                              "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4", space->name);
         return check_mask(&scheme->mask, false, error);
-    case BAT_SCHEME_ANGLE:
+    case BAT_CURVE_SCHEME_ANGLE:
         if (space->exterior_angle == NULL || space->apex == NULL)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                              "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
@@ -126,14 +127,14 @@ static bat_status check_options(const bat_space *space, const bat_curve_refine_o
         if (!(fabs(scheme->tension) <= TENSION_LIMIT))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the tension %g is not within %g of 0",
                              scheme->tension, TENSION_LIMIT);
-        if (scheme->sign != BAT_ANGLE_OUTWARD && scheme->sign != BAT_ANGLE_PRINTED)
+        if (scheme->sign != BAT_CURVE_ANGLE_OUTWARD && scheme->sign != BAT_CURVE_ANGLE_PRINTED)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no sign %d", (int)scheme->sign);
         return BAT_OK;
-    case BAT_SCHEME_LOG_EXP:
-        if (scheme->base != BAT_BASE_VERTEX && scheme->base != BAT_BASE_MIDPOINT)
+    case BAT_CURVE_SCHEME_LOG_EXP:
+        if (scheme->base != BAT_CURVE_BASE_VERTEX && scheme->base != BAT_CURVE_BASE_MIDPOINT)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no base %d", (int)scheme->base);
         return check_mask(&scheme->mask, true, error);
-    case BAT_SCHEME_GEODESIC:
+    case BAT_CURVE_SCHEME_GEODESIC:
         return check_lane_riesenfeld(&scheme->mask, error);
     }
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no scheme of kind %d", (int)scheme->kind);
@@ -147,7 +148,7 @@ static int doubled_centre(const refine_kernel *kernel)
 }
 
 /// The points of the last level whose whole stencils lie inside 0 … count - 1, that of the limit included.
-static index_range free_range(const refine_kernel *kernel, const bat_stencil *snap, size_t levels, size_t count)
+static index_range free_range(const refine_kernel *kernel, const bat_mask_stencil *snap, size_t levels, size_t count)
 {
     ptrdiff_t low = 0, high = (ptrdiff_t)count - 1;
     for (size_t level = 0; level < levels && low <= high; level++)
@@ -188,7 +189,7 @@ static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, 
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
                          "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
     plan->points = (index_range){0, (ptrdiff_t)(count << levels)};
-    if (!coarse->closed && options->ends == BAT_END_FREE)
+    if (!coarse->closed && options->ends == BAT_CURVE_END_FREE)
         plan->points = free_range(kernel, &plan->snap, levels, count);
     else if (!coarse->closed)
     {

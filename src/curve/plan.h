@@ -7,10 +7,10 @@
 typedef struct refine_plan
 {
     bat_curve_refine_options options;
-    bat_stencil snap;   ///< count 0 when points stay where they are
-    index_range points; ///< the indices of the last level that make the refined curve
-    bool ends_added;    ///< the coarse end points are put around them
-    size_t count;       ///< rows of the refined curve
+    bat_mask_stencil snap; ///< count 0 when points stay where they are
+    index_range points;    ///< the indices of the last level that make the refined curve
+    bool ends_added;       ///< the coarse end points are put around them
+    size_t count;          ///< rows of the refined curve
 } refine_plan;
 
 /// Check a curve and the options (null for the defaults with scheme_classical()) and lay out the result.

@@ -13,9 +13,9 @@
 
 static polygon_end end_of(const bat_curve_scheme *scheme, bat_curve_end_rule rule)
 {
-    if (rule != BAT_END_EXTRAPOLATE)
+    if (rule != BAT_CURVE_END_EXTRAPOLATE)
         return POLYGON_END_REFLECT;
-    if (scheme->kind == BAT_SCHEME_ANGLE)
+    if (scheme->kind == BAT_CURVE_SCHEME_ANGLE)
         return POLYGON_END_MIRROR;
     return bat_mask_is_interpolatory(&scheme->mask) ? POLYGON_END_CUBIC : POLYGON_END_LINE;
 }
@@ -23,8 +23,8 @@ static polygon_end end_of(const bat_curve_scheme *scheme, bat_curve_end_rule rul
 /// What a curve's channels are refined by: the scheme's own mask, or the four-point mask beside an angle-based scheme.
 static bat_curve_scheme channel_scheme(const bat_curve_scheme *scheme)
 {
-    return bat_curve_scheme_linear(scheme->kind == BAT_SCHEME_ANGLE ? bat_mask_four_point(BAT_FOUR_POINT_WEIGHT)
-                                                                    : scheme->mask);
+    return bat_curve_scheme_linear(scheme->kind == BAT_CURVE_SCHEME_ANGLE ? bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT)
+                                                                          : scheme->mask);
 }
 
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
@@ -92,7 +92,7 @@ static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_cu
                                        coarse->before, coarse->after, error);
     if (status != BAT_OK)
         return status;
-    if (scheme->kind == BAT_SCHEME_ANGLE)
+    if (scheme->kind == BAT_CURVE_SCHEME_ANGLE)
         inform_kernel(coarse, scheme, &task->kernel);
     return cascade_run(task, coarse->rows, fine, error);
 }
@@ -122,7 +122,7 @@ static bat_status check_overflow(const padded_rows *coarse, const bat_curve_sche
                                  const double *fine, bat_error *error)
 {
     size_t dim = coarse->space->point_dim, rows = coarse->before + coarse->count + coarse->after;
-    if (scheme->kind != BAT_SCHEME_LINEAR ||
+    if (scheme->kind != BAT_CURVE_SCHEME_LINEAR ||
         !may_overflow(&scheme->mask, plan->options.levels, largest_of(coarse->buffer, rows * dim)))
         return BAT_OK;
     for (size_t i = 0; i < plan->count; i++)
@@ -156,7 +156,7 @@ static bat_status refine_rows(const bat_space *space, const double *rows, const 
         status = refine_padded(&padded, &task, scheme, options->ends, fine + (plan->ends_added ? dim : 0), error);
     }
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
-    bool keep_ends = !coarse->closed && options->ends == BAT_END_REFLECT && scheme->kind == BAT_SCHEME_LINEAR &&
+    bool keep_ends = !coarse->closed && options->ends == BAT_CURVE_END_REFLECT && scheme->kind == BAT_CURVE_SCHEME_LINEAR &&
                      bat_mask_is_symmetric(&scheme->mask);
     if (status == BAT_OK && (plan->ends_added || keep_ends))
     {
@@ -212,7 +212,7 @@ static bat_status refine_level_by_level(const bat_curve *coarse, const refine_pl
 /// Whether each level must be there as a whole before the next begins.
 static bool needs_whole_polygons(const bat_curve_scheme *scheme)
 {
-    if (scheme->kind != BAT_SCHEME_ANGLE)
+    if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
         return false;
     return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
 }

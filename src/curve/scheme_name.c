@@ -15,8 +15,8 @@ typedef struct settings
 {
     double w, r, s, mu, order, fairness;
     bool adaptive;
-    bat_angle_sign sign;
-    bat_log_exp_base base;
+    bat_curve_angle_sign sign;
+    bat_curve_base base;
 } settings;
 
 /// One name: what it takes, and how the settings become a scheme.
@@ -95,8 +95,16 @@ static bat_curve_scheme make_learned(const settings *s)
 static const entry ENTRIES[] = {
     {"chaikin", "", "corner cutting at 1/4 and 3/4, the quadratic B-spline; R^n", {.w = 0}, make_chaikin},
     {"corner-cutting", "r=0.25,s=0.75", "corner cutting at r and s; R^n", {.r = 0.25, .s = 0.75}, make_corner_cutting},
-    {"four-point", "w=0.0625", "interpolates, C1, reproduces cubics; R^n", {.w = BAT_FOUR_POINT_WEIGHT}, make_four_point},
-    {"six-point", "w=0.01171875", "interpolates, C2, reproduces quintics; R^n", {.w = BAT_SIX_POINT_WEIGHT}, make_six_point},
+    {"four-point",
+     "w=0.0625",
+     "interpolates, C1, reproduces cubics; R^n",
+     {.w = BAT_MASK_FOUR_POINT_WEIGHT},
+     make_four_point},
+    {"six-point",
+     "w=0.01171875",
+     "interpolates, C2, reproduces quintics; R^n",
+     {.w = BAT_MASK_SIX_POINT_WEIGHT},
+     make_six_point},
     {"lane-riesenfeld", "order=3", "the B-spline of degree `order`; R^n", {.order = 3}, make_lane_riesenfeld},
     {"mask", "a,b,c,…@first", "any mask, coefficients as numbers or fractions; R^n", {.w = 0}, NULL},
     {"angle-4",
@@ -107,7 +115,7 @@ static const entry ENTRIES[] = {
     {"angle-6",
      "sign=outward,adaptive=0",
      "interpolates by exterior angles, tension -1/4; plane, sphere, disk",
-     {.mu = BAT_TENSION_SIX_POINT},
+     {.mu = BAT_CURVE_TENSION_SIX_POINT},
      make_angle},
     {"angle",
      "mu=0,sign=outward,adaptive=0",
@@ -117,12 +125,12 @@ static const entry ENTRIES[] = {
     {"log-exp-4",
      "w=0.0625,base=vertex",
      "the four-point scheme in tangent spaces; any space",
-     {.w = BAT_FOUR_POINT_WEIGHT},
+     {.w = BAT_MASK_FOUR_POINT_WEIGHT},
      make_log_exp_4},
     {"log-exp-6",
      "w=0.01171875,base=vertex",
      "the six-point scheme in tangent spaces; any space",
-     {.w = BAT_SIX_POINT_WEIGHT},
+     {.w = BAT_MASK_SIX_POINT_WEIGHT},
      make_log_exp_6},
     {"log-exp-lane-riesenfeld",
      "order=3,base=vertex",
@@ -236,13 +244,13 @@ static bool read_setting(const char *key, size_t key_length, const char *value, 
     if (is_word(key, key_length, "sign"))
     {
         chosen = read_word(value, length, "outward", "printed");
-        s->sign = chosen == 1 ? BAT_ANGLE_PRINTED : BAT_ANGLE_OUTWARD;
+        s->sign = chosen == 1 ? BAT_CURVE_ANGLE_PRINTED : BAT_CURVE_ANGLE_OUTWARD;
         return chosen >= 0;
     }
     if (is_word(key, key_length, "base"))
     {
         chosen = read_word(value, length, "vertex", "midpoint");
-        s->base = chosen == 1 ? BAT_BASE_MIDPOINT : BAT_BASE_VERTEX;
+        s->base = chosen == 1 ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
         return chosen >= 0;
     }
     if (is_word(key, key_length, "adaptive"))

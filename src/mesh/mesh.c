@@ -95,9 +95,9 @@ static bat_status check_faces(const bat_mesh *mesh, bat_error *error)
 {
     if (mesh->face_count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has no faces");
-    if (mesh->face_count > BAT_MESH_MOST_FACES || mesh->vertex_count >= BAT_MESH_NONE)
+    if (mesh->face_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
-                         BAT_MESH_MOST_FACES, (size_t)BAT_MESH_NONE);
+                         BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         const uint32_t *corner = mesh->faces + 3 * f;

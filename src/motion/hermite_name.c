@@ -10,7 +10,7 @@
 typedef struct settings
 {
     double order, lambda, mu;
-    bat_log_exp_base base;
+    bat_curve_base base;
 } settings;
 
 /// One name: what it takes, and how the settings become options.
@@ -40,7 +40,7 @@ static void apply_de_rham(const settings *s, bat_hermite_options *options)
     options->base = s->base;
 }
 
-static const settings DEFAULTS = {.order = 1, .lambda = -0.125, .mu = -0.5, .base = BAT_BASE_VERTEX};
+static const settings DEFAULTS = {.order = 1, .lambda = -0.125, .mu = -0.5, .base = BAT_CURVE_BASE_VERTEX};
 
 static const entry ENTRIES[] = {
     {"hermite", "order=1", "by points and tangents, order 1 through the points; any space; --rate samples it in time",
@@ -86,7 +86,7 @@ static bool read_setting(const char *key, size_t key_length, const char *value, 
 {
     if (is_word(key, key_length, "base"))
     {
-        s->base = is_word(value, length, "midpoint") ? BAT_BASE_MIDPOINT : BAT_BASE_VERTEX;
+        s->base = is_word(value, length, "midpoint") ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
         return is_word(value, length, "midpoint") || is_word(value, length, "vertex");
     }
     double *number = is_word(key, key_length, "order") ? &s->order : is_word(key, key_length, "mu") ? &s->mu : &s->lambda;

@@ -25,7 +25,7 @@ bat_hermite_options bat_hermite_defaults(void)
         .kind = BAT_HERMITE_LANE_RIESENFELD,
         .order = 1,
         .mask = bat_hermite_mask_merrien(-0.125, -0.5),
-        .base = BAT_BASE_VERTEX,
+        .base = BAT_CURVE_BASE_VERTEX,
         .levels = 5,
         .max_points = SIZE_MAX >> 24,
     };
@@ -54,7 +54,7 @@ static bat_status check_options(const bat_hermite_options *options, bat_error *e
     if (options->kind != BAT_HERMITE_TRANSPORT)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no Hermite scheme of kind %d",
                          (int)options->kind);
-    if (options->base != BAT_BASE_VERTEX && options->base != BAT_BASE_MIDPOINT)
+    if (options->base != BAT_CURVE_BASE_VERTEX && options->base != BAT_CURVE_BASE_MIDPOINT)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no base %d", (int)options->base);
     return hermite_mask_check(&options->mask, error);
 }

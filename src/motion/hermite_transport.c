@@ -154,7 +154,7 @@ static bat_status make_pair(const refine_kernel *kernel, const double *rows, dou
     const double *base = rows;
     hermite_sum sums[2];
     bat_status status = BAT_OK;
-    if (kernel->hermite_base == BAT_BASE_MIDPOINT)
+    if (kernel->hermite_base == BAT_CURVE_BASE_MIDPOINT)
     {
         status = bat_space_geodesic(kernel->space, rows, rows + kernel->dim, 0.5, middle);
         base = middle;
@@ -188,8 +188,7 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
     return BAT_OK;
 }
 
-refine_kernel kernel_hermite_transport(const bat_space *space, size_t dim, const bat_hermite_mask *mask,
-                                       bat_log_exp_base base)
+refine_kernel kernel_hermite_transport(const bat_space *space, size_t dim, const bat_hermite_mask *mask, bat_curve_base base)
 {
     return (refine_kernel){
         .space = space,

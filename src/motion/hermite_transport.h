@@ -11,6 +11,6 @@ bat_status hermite_mask_check(const bat_hermite_mask *mask, bat_error *error);
 
 /// A linear Hermite step on rows of a point, a derivative and, where dim has room for one, a time. The mask must outlive it.
 refine_kernel kernel_hermite_transport(const bat_space *space, size_t dim, const bat_hermite_mask *mask,
-                                       bat_log_exp_base base);
+                                       bat_curve_base base);
 
 #endif

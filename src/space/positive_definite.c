@@ -14,7 +14,7 @@
 
 enum
 {
-    SIDE = BAT_TENSOR_MAX_SIDE,
+    SIDE = BAT_POSITIVE_DEFINITE_MAX_SIDE,
     AREA = SIDE * SIDE
 };
 
@@ -397,7 +397,8 @@ bat_space bat_positive_definite(size_t n)
     };
 }
 
-bat_status bat_tensor_tangent(const bat_space *space, const double *point, const double *velocity, double *tangent)
+bat_status bat_positive_definite_tangent(const bat_space *space, const double *point, const double *velocity,
+                                         double *tangent)
 {
     factor f;
     double s[AREA];
@@ -410,7 +411,8 @@ bat_status bat_tensor_tangent(const bat_space *space, const double *point, const
     return BAT_OK;
 }
 
-bat_status bat_tensor_velocity(const bat_space *space, const double *point, const double *tangent, double *velocity)
+bat_status bat_positive_definite_velocity(const bat_space *space, const double *point, const double *tangent,
+                                          double *velocity)
 {
     factor f;
     double s[AREA];

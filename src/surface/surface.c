@@ -20,22 +20,22 @@ static const double TRIAL_SHARE = 0.3;
 
 const char *bat_surface_parameters_name(bat_surface_parameters parameters)
 {
-    static const char *const NAMES[BAT_SURFACE_PARAMETERS] = {
-        [BAT_SURFACE_AUTO] = "auto",
-        [BAT_SURFACE_LEARNED] = "learned",
-        [BAT_SURFACE_UNIFORM] = "uniform",
-        [BAT_SURFACE_INVERSE_DISTANCE] = "inverse-distance",
-        [BAT_SURFACE_SHAPE_PRESERVING] = "shape-preserving",
-        [BAT_SURFACE_MEAN_VALUE] = "mean-value",
-        [BAT_SURFACE_STRETCH_MINIMIZING] = "stretch-minimizing",
-        [BAT_SURFACE_GIVEN] = "given",
+    static const char *const NAMES[BAT_SURFACE_PARAMETERS_COUNT] = {
+        [BAT_SURFACE_PARAMETERS_AUTO] = "auto",
+        [BAT_SURFACE_PARAMETERS_LEARNED] = "learned",
+        [BAT_SURFACE_PARAMETERS_UNIFORM] = "uniform",
+        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = "inverse-distance",
+        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = "shape-preserving",
+        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = "mean-value",
+        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = "stretch-minimizing",
+        [BAT_SURFACE_PARAMETERS_GIVEN] = "given",
     };
-    return (unsigned)parameters < BAT_SURFACE_PARAMETERS ? NAMES[parameters] : "unknown";
+    return (unsigned)parameters < BAT_SURFACE_PARAMETERS_COUNT ? NAMES[parameters] : "unknown";
 }
 
 bat_surface_options bat_surface_defaults(void)
 {
-    return (bat_surface_options){.fit = bat_surface_fit_defaults(), .parameters = BAT_SURFACE_AUTO};
+    return (bat_surface_options){.fit = bat_surface_fit_defaults(), .parameters = BAT_SURFACE_PARAMETERS_AUTO};
 }
 
 void bat_surface_result_free(bat_surface_result *result)
@@ -49,9 +49,9 @@ void bat_surface_result_free(bat_surface_result *result)
 static bat_status check_options(const bat_surface_options *options, bat_error *error)
 {
     const char *wrong = NULL;
-    if ((unsigned)options->parameters >= BAT_SURFACE_PARAMETERS)
+    if ((unsigned)options->parameters >= BAT_SURFACE_PARAMETERS_COUNT)
         wrong = "there is no such way to find parameters";
-    else if (options->parameters == BAT_SURFACE_GIVEN && options->given == NULL)
+    else if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
         wrong = "parameters are said to be given, but none are";
     if (wrong != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
@@ -69,25 +69,25 @@ typedef struct reconstruction
 {
     bat_cloud *cloud;
     const bat_surface_options *options;
-    bat_surface_parameters kinds[BAT_SURFACE_MOST_CANDIDATES]; ///< to try
+    bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< to try
     size_t kind_count;
     double *boundary; ///< parameters; null where given ones need none
-    surface_candidate candidates[BAT_SURFACE_MOST_CANDIDATES];
+    surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
     surface_candidate *best;   ///< of them
     bat_surface_result result; ///< the candidates' figures, and what was found
 } reconstruction;
 
 static void list_kinds(reconstruction *work)
 {
-    if (work->options->parameters != BAT_SURFACE_AUTO)
+    if (work->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         work->kinds[work->kind_count++] = work->options->parameters;
     else
     {
-        work->kinds[work->kind_count++] = BAT_SURFACE_LEARNED;
-        work->kinds[work->kind_count++] = BAT_SURFACE_SHAPE_PRESERVING;
-        work->kinds[work->kind_count++] = BAT_SURFACE_STRETCH_MINIMIZING;
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_LEARNED;
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING;
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING;
         if (work->cloud->triangle_count > 0)
-            work->kinds[work->kind_count++] = BAT_SURFACE_MEAN_VALUE;
+            work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_MEAN_VALUE;
     }
 }
 
@@ -98,7 +98,7 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     bat_status status = bat_cloud_check(cloud, error);
     if (status == BAT_OK && cloud->count < LEAST_POINTS)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are no patch of surface", cloud->count);
-    bool given = work->options->parameters == BAT_SURFACE_GIVEN;
+    bool given = work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN;
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {
         status = bat_cloud_find_boundary(cloud, error);

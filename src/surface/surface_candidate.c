@@ -59,16 +59,16 @@ static bat_status parameterize_learned(const bat_cloud *cloud, const double *bou
 static bat_status parameterize_classical(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
                                          bat_surface_parameters kind, double *parameters, bat_error *error)
 {
-    static const bat_cloud_parameterization METHODS[BAT_SURFACE_PARAMETERS] = {
-        [BAT_SURFACE_UNIFORM] = BAT_PARAMETERIZE_UNIFORM,
-        [BAT_SURFACE_INVERSE_DISTANCE] = BAT_PARAMETERIZE_INVERSE_DISTANCE,
-        [BAT_SURFACE_SHAPE_PRESERVING] = BAT_PARAMETERIZE_SHAPE_PRESERVING,
-        [BAT_SURFACE_MEAN_VALUE] = BAT_PARAMETERIZE_MEAN_VALUE,
-        [BAT_SURFACE_STRETCH_MINIMIZING] = BAT_PARAMETERIZE_STRETCH_MINIMIZING,
+    static const bat_cloud_parameterization METHODS[BAT_SURFACE_PARAMETERS_COUNT] = {
+        [BAT_SURFACE_PARAMETERS_UNIFORM] = BAT_CLOUD_PARAMETERIZE_UNIFORM,
+        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE,
+        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,
+        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,
+        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
     };
     bat_cloud_parameterize_options how = bat_cloud_parameterize_defaults();
     how.method = METHODS[kind];
-    how.published = options->published && how.method < BAT_PARAMETERIZE_MEAN_VALUE;
+    how.published = options->published && how.method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
     how.threads = options->fit.threads;
     return bat_cloud_parameterize(cloud, boundary, &how, parameters, error);
 }
@@ -76,21 +76,21 @@ static bat_status parameterize_classical(const bat_cloud *cloud, const double *b
 static bat_status parameterize(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
                                bat_surface_parameters kind, double *parameters, bat_error *error)
 {
-    if (kind == BAT_SURFACE_LEARNED)
+    if (kind == BAT_SURFACE_PARAMETERS_LEARNED)
         return parameterize_learned(cloud, boundary, options, parameters, error);
-    if (kind != BAT_SURFACE_GIVEN)
+    if (kind != BAT_SURFACE_PARAMETERS_GIVEN)
         return parameterize_classical(cloud, boundary, options, kind, parameters, error);
     memcpy(parameters, options->given, 2 * cloud->count * sizeof *parameters);
     return BAT_OK;
 }
 
-static bool has_faults(const bat_parameters_report *report)
+static bool has_faults(const bat_cloud_parameters_report *report)
 {
     return report->folded + report->outside + report->coincident > 0;
 }
 
 /// Parameters of which many are folded would be others altogether once unfolded, and not compete under their name.
-static bat_status check_folds(const bat_cloud *cloud, const bat_parameters_report *folds, bat_error *error)
+static bat_status check_folds(const bat_cloud *cloud, const bat_cloud_parameters_report *folds, bat_error *error)
 {
     size_t interior = cloud->count - cloud->boundary_count;
     if (4 * folds->folded <= interior)
@@ -112,9 +112,10 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     if (status == BAT_OK && boundary != NULL)
         status = bat_cloud_parameters_check(cloud, candidate->parameters, &candidate->report.folds, &failure);
     candidate->report.repaired = candidate->report.folds;
-    if (status == BAT_OK && options->parameters == BAT_SURFACE_AUTO)
+    if (status == BAT_OK && options->parameters == BAT_SURFACE_PARAMETERS_AUTO)
         status = check_folds(cloud, &candidate->report.folds, &failure);
-    if (status == BAT_OK && !options->no_repair && kind != BAT_SURFACE_GIVEN && has_faults(&candidate->report.folds))
+    if (status == BAT_OK && !options->no_repair && kind != BAT_SURFACE_PARAMETERS_GIVEN &&
+        has_faults(&candidate->report.folds))
         status = bat_cloud_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
     return settle(status, &failure, candidate, error);
 }

@@ -170,22 +170,22 @@ static bool stop_at_half(void *context, double fraction)
 static void sweep_finds_the_sharp_interval(void **state)
 {
     (void)state;
-    bat_sweep_options options = bat_sweep_defaults();
+    bat_mask_sweep_options options = bat_mask_sweep_defaults();
     options.end = 0.25;
     options.tolerance = 2e-4;
-    bat_interval *intervals;
+    bat_mask_interval *intervals;
     size_t count;
     check_status(bat_mask_sweep(four_point_family, NULL, &options, &intervals, &count, NULL), BAT_OK);
     // 0 alone, undecided, proven, undecided, disproven.
     assert_int_equal(count, 5);
-    assert_int_equal(intervals[0].verdict, BAT_DISPROVEN);
+    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_DISPROVEN);
     check_near(intervals[0].end, 0.0, 0.0);
-    assert_int_equal(intervals[2].verdict, BAT_PROVEN);
+    assert_int_equal(intervals[2].verdict, BAT_ANALYSIS_PROVEN);
     assert_true(intervals[2].begin < 3e-4);
     const double end = intervals[2].end;
     assert_true(32.0 * end * end * end + 4.0 * end < 1.0);
     const double begin = intervals[4].begin;
-    assert_int_equal(intervals[4].verdict, BAT_DISPROVEN);
+    assert_int_equal(intervals[4].verdict, BAT_ANALYSIS_DISPROVEN);
     assert_true(32.0 * begin * begin * begin + 4.0 * begin > 1.0);
     check_near(end, 0.19273, 3e-4);
     check_near(begin, 0.19273, 3e-4);
@@ -198,46 +198,46 @@ static void sweep_finds_the_sharp_interval(void **state)
 static void sweep_finds_single_parameters(void **state)
 {
     (void)state;
-    bat_sweep_options options = bat_sweep_defaults();
+    bat_mask_sweep_options options = bat_mask_sweep_defaults();
     options.begin = 0.05;
     options.end = 0.6;
     double s = 0.75;
-    bat_interval *intervals;
+    bat_mask_interval *intervals;
     size_t count;
     check_status(bat_mask_sweep(cutting_family, &s, &options, &intervals, &count, NULL), BAT_OK);
     assert_int_equal(count, 3);
-    assert_int_equal(intervals[0].verdict, BAT_DISPROVEN);
-    assert_int_equal(intervals[1].verdict, BAT_PROVEN);
-    assert_int_equal(intervals[2].verdict, BAT_DISPROVEN);
+    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_DISPROVEN);
+    assert_int_equal(intervals[1].verdict, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(intervals[2].verdict, BAT_ANALYSIS_DISPROVEN);
     check_near(intervals[1].begin, 0.25, 1e-15);
     check_near(intervals[1].end, intervals[1].begin, 0.0);
     free(intervals);
     options.smoothness = 0;
     check_status(bat_mask_sweep(cutting_family, &s, &options, &intervals, &count, NULL), BAT_OK);
     assert_int_equal(count, 1);
-    assert_int_equal(intervals[0].verdict, BAT_PROVEN);
+    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_PROVEN);
     free(intervals);
 }
 
 static void sweep_agrees_with_single_analyses(void **state)
 {
     (void)state;
-    bat_sweep_options options = bat_sweep_defaults();
+    bat_mask_sweep_options options = bat_mask_sweep_defaults();
     options.begin = -0.3;
     options.end = 0.3;
     options.tolerance = 0.01;
-    bat_interval *intervals;
+    bat_mask_interval *intervals;
     size_t count;
     check_status(bat_mask_sweep(four_point_family, NULL, &options, &intervals, &count, NULL), BAT_OK);
     for (size_t i = 0; i < count; ++i)
     {
-        if (intervals[i].verdict == BAT_UNDECIDED)
+        if (intervals[i].verdict == BAT_ANALYSIS_UNDECIDED)
             continue;
         for (int share = 1; share <= 7; share += 2)
         {
             const double w = intervals[i].begin + 0.125 * share * (intervals[i].end - intervals[i].begin);
             bat_analysis a = analyze(bat_mask_four_point(w));
-            assert_int_equal(a.smooth_proven >= 1, intervals[i].verdict == BAT_PROVEN);
+            assert_int_equal(a.smooth_proven >= 1, intervals[i].verdict == BAT_ANALYSIS_PROVEN);
             bat_analysis_free(&a);
         }
     }
@@ -247,18 +247,18 @@ static void sweep_agrees_with_single_analyses(void **state)
 static void sweeps_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    bat_sweep_options options = bat_sweep_defaults();
-    bat_interval *intervals = NULL;
+    bat_mask_sweep_options options = bat_mask_sweep_defaults();
+    bat_mask_interval *intervals = NULL;
     size_t count;
     options.end = options.begin;
     check_status(bat_mask_sweep(four_point_family, NULL, &options, &intervals, &count, NULL), BAT_INVALID_ARGUMENT);
     options.end = NAN;
     check_status(bat_mask_sweep(four_point_family, NULL, &options, &intervals, &count, NULL), BAT_INVALID_ARGUMENT);
-    options = bat_sweep_defaults();
+    options = bat_mask_sweep_defaults();
     check_status(bat_mask_sweep(bent_family, NULL, &options, &intervals, &count, NULL), BAT_UNSUPPORTED);
     options.smoothness = 1000;
     check_status(bat_mask_sweep(four_point_family, NULL, &options, &intervals, &count, NULL), BAT_INVALID_ARGUMENT);
-    options = bat_sweep_defaults();
+    options = bat_mask_sweep_defaults();
     options.end = 0.2;
     double fraction = 0.0;
     options.progress = (bat_progress){.report = stop_at_half, .context = &fraction};

@@ -14,7 +14,7 @@ static void limit_stencils_agree_with_refinement(void **state)
                                   ? bat_mask_chaikin()
                                   : random_mask(&random, 1 + (size_t)trial % 5, 2 + (size_t)trial % 3, trial % 7 - 5);
         bat_analysis a = analyze(mask);
-        assert_int_equal(a.converges, BAT_PROVEN);
+        assert_int_equal(a.converges, BAT_ANALYSIS_PROVEN);
         const row points = random_points(&random, 40);
         check_near(apply(&a.limit, &points, 0), brute_limit(&mask, &points, 0.0), 1e-7);
         for (int at = -2; at <= 2; ++at)
@@ -31,7 +31,7 @@ static void limit_stencil_is_the_same_at_every_level(void **state)
     for (int trial = 0; trial < 10; ++trial)
     {
         const bat_mask mask = random_mask(&random, 3, 3, -3 + trial % 3);
-        bat_stencil stencil;
+        bat_mask_stencil stencil;
         check_status(bat_mask_limit_stencil(&mask, &stencil, NULL), BAT_OK);
         double shift = 0.0;
         for (size_t k = 0; k < mask.count; ++k)
@@ -86,7 +86,8 @@ static void basis_is_a_partition_of_one(void **state)
     bat_random random = bat_random_seed(5);
     for (int trial = 0; trial < 8; ++trial)
     {
-        const bat_mask mask = trial == 0 ? bat_mask_six_point(BAT_SIX_POINT_WEIGHT) : random_mask(&random, 4, 2, -trial);
+        const bat_mask mask =
+            trial == 0 ? bat_mask_six_point(BAT_MASK_SIX_POINT_WEIGHT) : random_mask(&random, 4, 2, -trial);
         bat_basis basis;
         check_status(bat_mask_basis(&mask, 5, &basis, NULL), BAT_OK);
         assert_int_equal(basis.count, (size_t)(basis.last - basis.first) * 32 + 1);
@@ -129,7 +130,7 @@ static void reproduction_agrees_with_refinement(void **state)
     for (int trial = 0; trial < 12; ++trial)
     {
         const bat_mask mask = trial == 0   ? bat_mask_four_point(1.0 / 16.0)
-                              : trial == 1 ? bat_mask_six_point(BAT_SIX_POINT_WEIGHT)
+                              : trial == 1 ? bat_mask_six_point(BAT_MASK_SIX_POINT_WEIGHT)
                               : trial == 2 ? bat_mask_lane_riesenfeld(6)
                               : trial == 3 ? bat_mask_six_point(0.01)
                                            : random_mask(&random, 3, 1 + (size_t)trial % 3, -3);
@@ -154,7 +155,7 @@ static void difference_masks_refine_differences(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(13);
-    const bat_mask mask = bat_mask_six_point(BAT_SIX_POINT_WEIGHT);
+    const bat_mask mask = bat_mask_six_point(BAT_MASK_SIX_POINT_WEIGHT);
     row points = random_points(&random, 30);
     row fine = refine(&mask, &points);
     for (size_t order = 1; order <= 6; ++order)

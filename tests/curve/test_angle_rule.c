@@ -10,7 +10,8 @@ enum
 };
 
 /// Eq. (9) as a rule: the four-point scheme, outward.
-static void four_point_angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch)
+static void four_point_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles,
+                              void *scratch)
 {
     (void)rule;
     (void)scratch;
@@ -18,14 +19,15 @@ static void four_point_angles(const bat_angle_rule *rule, const bat_angle_rule_v
         angles[j] = -0.125 * (view->angles[j] + view->angles[j + 1]);
 }
 
-static const bat_angle_rule FOUR_POINT = {.name = "four-point", .reach = 1, .angles = four_point_angles};
+static const bat_curve_angle_rule FOUR_POINT = {.name = "four-point", .reach = 1, .angles = four_point_angles};
 
 /// A rule that looks at all it may, and in its scratch memory, too.
-static void wide_angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch)
+static void wide_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles,
+                        void *scratch)
 {
     double *sums = scratch;
     ptrdiff_t reach = (ptrdiff_t)rule->reach, count = (ptrdiff_t)view->count;
-    assert_true(view->count <= BAT_ANGLE_RULE_EDGES);
+    assert_true(view->count <= BAT_CURVE_ANGLE_RULE_EDGES);
     for (ptrdiff_t j = 0; j < count; j++)
     {
         sums[j] = 0;
@@ -38,16 +40,16 @@ static void wide_angles(const bat_angle_rule *rule, const bat_angle_rule_view *v
         angles[j] = -0.02 * tanh(sums[j]) * (rule->wants_mean_length ? view->lengths[j] / view->mean_length : 1);
 }
 
-static bat_angle_rule wide_rule(size_t reach, bool wants_mean_length)
+static bat_curve_angle_rule wide_rule(size_t reach, bool wants_mean_length)
 {
-    return (bat_angle_rule){.name = "wide",
-                            .reach = reach,
-                            .wants_mean_length = wants_mean_length,
-                            .scratch_size = BAT_ANGLE_RULE_EDGES * sizeof(double),
-                            .angles = wide_angles};
+    return (bat_curve_angle_rule){.name = "wide",
+                                  .reach = reach,
+                                  .wants_mean_length = wants_mean_length,
+                                  .scratch_size = BAT_CURVE_ANGLE_RULE_EDGES * sizeof(double),
+                                  .angles = wide_angles};
 }
 
-static bat_curve_refine_options with_rule(const bat_angle_rule *rule, size_t levels)
+static bat_curve_refine_options with_rule(const bat_curve_angle_rule *rule, size_t levels)
 {
     bat_curve_refine_options how = bat_curve_refine_defaults();
     how.scheme = bat_curve_scheme_angle_rule(rule);
@@ -75,7 +77,7 @@ static void the_four_point_scheme_can_be_a_rule(void **state)
             (void)make_polygon(SURFACES[s], UNEVEN, COUNT, &random, points);
             bat_curve coarse = {.space = &space, .points = points, .count = COUNT, .closed = way == 0};
             bat_curve_refine_options rule = with_rule(&FOUR_POINT, 7), built_in = options("angle-4", 7);
-            rule.ends = built_in.ends = way == 2 ? BAT_END_EXTRAPOLATE : BAT_END_REFLECT;
+            rule.ends = built_in.ends = way == 2 ? BAT_CURVE_END_EXTRAPOLATE : BAT_CURVE_END_REFLECT;
             bat_curve a = refined(&coarse, &rule), b = refined(&coarse, &built_in);
             check_same(&a, &b, 1e-12);
             bat_curve_free(&a);
@@ -84,7 +86,7 @@ static void the_four_point_scheme_can_be_a_rule(void **state)
 }
 
 /// A rule sees the numbers that bat_curve_exterior_angles() and bat_curve_edge_lengths() give.
-static void inspect(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch)
+static void inspect(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles, void *scratch)
 {
     (void)scratch;
     const bat_curve *curve = rule->parameters;
@@ -115,8 +117,9 @@ static void a_rule_sees_angles_and_lengths(void **state)
             bat_space space = space_of(SURFACES[s]);
             (void)make_polygon(SURFACES[s], kind == 0 ? EVEN : kind == 1 ? UNEVEN : WIDE, COUNT, &random, points);
             bat_curve coarse = {.space = &space, .points = points, .count = COUNT, .closed = true};
-            bat_angle_rule rule = {.name = "inspector", .wants_mean_length = true, .parameters = &coarse, .angles = inspect};
-            for (rule.reach = 1; rule.reach <= BAT_ANGLE_RULE_REACH; rule.reach *= 4)
+            bat_curve_angle_rule rule = {
+                .name = "inspector", .wants_mean_length = true, .parameters = &coarse, .angles = inspect};
+            for (rule.reach = 1; rule.reach <= BAT_CURVE_ANGLE_RULE_REACH; rule.reach *= 4)
             {
                 bat_curve_refine_options how = with_rule(&rule, 1);
                 how.threads = 1;
@@ -156,7 +159,7 @@ static void threads_and_a_users_space_make_no_difference(void **state)
                 own.parameters = &space;
                 (void)make_polygon(SURFACES[s], EVEN, COUNT, &random, points);
                 bat_curve coarse = {.space = &space, .points = points, .count = COUNT, .closed = closed == 1};
-                bat_angle_rule rule = wide_rule(5, mean == 1);
+                bat_curve_angle_rule rule = wide_rule(5, mean == 1);
                 bat_curve_refine_options how = with_rule(&rule, 8); // several chunks
                 how.threads = 1;
                 bat_curve one = refined(&coarse, &how);
@@ -176,7 +179,8 @@ static void threads_and_a_users_space_make_no_difference(void **state)
 }
 
 /// One angle everywhere, that of `parameters`.
-static void constant_angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch)
+static void constant_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles,
+                            void *scratch)
 {
     (void)scratch;
     for (size_t j = 0; j < view->count; j++)
@@ -186,7 +190,7 @@ static void constant_angles(const bat_angle_rule *rule, const bat_angle_rule_vie
 static void angles_are_clipped_and_must_be_numbers(void **state)
 {
     (void)state;
-    double points[MAX_COORDINATES], angle = 10, most = BAT_ANGLE_LIMIT;
+    double points[MAX_COORDINATES], angle = 10, most = BAT_CURVE_ANGLE_LIMIT;
     bat_random random = bat_random_seed(4);
     for (int s = 0; s < 3; s++)
     {
@@ -195,8 +199,8 @@ static void angles_are_clipped_and_must_be_numbers(void **state)
         own.parameters = &space;
         (void)make_polygon(SURFACES[s], EVEN, 12, &random, points);
         bat_curve coarse = {.space = &space, .points = points, .count = 12, .closed = true};
-        bat_angle_rule rule = {.name = "constant", .reach = 1, .parameters = &angle, .angles = constant_angles},
-                       limit = rule;
+        bat_curve_angle_rule rule = {.name = "constant", .reach = 1, .parameters = &angle, .angles = constant_angles},
+                             limit = rule;
         limit.parameters = &most;
         bat_curve_refine_options how = with_rule(&rule, 2), at_most = with_rule(&limit, 2);
         angle = 10;
@@ -215,7 +219,7 @@ static void angles_are_clipped_and_must_be_numbers(void **state)
     }
 }
 
-static const char *only_spheres(const bat_angle_rule *rule, const bat_space *space)
+static const char *only_spheres(const bat_curve_angle_rule *rule, const bat_space *space)
 {
     (void)rule;
     return strcmp(space->name, "sphere") == 0 ? NULL : "it is not round";
@@ -228,11 +232,11 @@ static void wrong_rules_are_refused(void **state)
     bat_space plane = bat_euclidean(2);
     bat_curve coarse = {.space = &plane, .points = points, .count = 3, .closed = true}, fine;
     bat_error error;
-    bat_angle_rule rule = FOUR_POINT;
+    bat_curve_angle_rule rule = FOUR_POINT;
     bat_curve_refine_options how = with_rule(&rule, 1);
     rule.reach = 0;
     check_status(bat_curve_refine(&coarse, &how, &fine, &error), BAT_INVALID_ARGUMENT);
-    rule.reach = BAT_ANGLE_RULE_REACH + 1;
+    rule.reach = BAT_CURVE_ANGLE_RULE_REACH + 1;
     check_status(bat_curve_refine(&coarse, &how, &fine, &error), BAT_INVALID_ARGUMENT);
     rule = FOUR_POINT;
     rule.angles = NULL;
@@ -256,7 +260,7 @@ static void short_polygons_have_wide_stencils(void **state)
     (void)state;
     double points[MAX_COORDINATES];
     bat_random random = bat_random_seed(5);
-    bat_angle_rule rule = wide_rule(7, false);
+    bat_curve_angle_rule rule = wide_rule(7, false);
     for (int s = 0; s < 3; s++)
         for (size_t count = 2; count < 5; count++)
             for (int closed = 0; closed < 2; closed++)

@@ -59,7 +59,7 @@ static void limits_of_a_circle(void **state)
     bat_space plane = bat_euclidean(2), solid = bat_euclidean(3);
     const double sizes[] = {1, 1e200, 1e-170};
     bat_mask chaikin = bat_mask_chaikin(), four_point = bat_mask_four_point(1.0 / 16);
-    bat_stencil stencil, none;
+    bat_mask_stencil stencil, none;
     check_status(bat_mask_limit_stencil(&chaikin, &stencil, NULL), BAT_OK);
     check_status(bat_mask_limit_stencil(&four_point, &none, NULL), BAT_OK);
     for (size_t n = 2; n <= 20000; n *= 10)
@@ -93,7 +93,7 @@ static void convergence_refuses_bad_input(void **state)
     (void)state;
     bat_space plane = bat_euclidean(2), solid = bat_euclidean(3), disk = bat_disk();
     bat_mask chaikin = bat_mask_chaikin();
-    bat_stencil stencil;
+    bat_mask_stencil stencil;
     check_status(bat_mask_limit_stencil(&chaikin, &stencil, NULL), BAT_OK);
     bat_curve good = random_curve(&plane, 30000, 28), empty = {.space = &plane}, point = good, other = good, curved = good;
     point.count = 1;

@@ -24,13 +24,13 @@ static void regular_polygons_have_the_fairness_of_trigonometry(void **state)
             }
             double angle = 2 * atan(factor * tan(step));
             bat_curve polygon = regular_polygon(&spaces[s], n, coordinate);
-            bat_fairness fairness = fairness_of(&polygon);
+            bat_curve_fairness_values fairness = fairness_of(&polygon);
             check_relative(fairness.g1, angle, 1e-8);
             check_relative(fairness.length, (double)n * edge, 1e-8);
             check_relative(fairness.bending, pow(angle / edge, 2), 1e-8);
-            bat_fairness published;
+            bat_curve_fairness_values published;
             check_status(bat_curve_fairness(&polygon, NULL, &published, NULL), BAT_OK);
-            check_relative(published.bending, pow(angle / (edge + BAT_BENDING_OFFSET), 2), 1e-8);
+            check_relative(published.bending, pow(angle / (edge + BAT_CURVE_BENDING_OFFSET), 2), 1e-8);
             bat_curve_free(&polygon);
         }
 }
@@ -92,7 +92,7 @@ static void sets_are_measured_curve_by_curve(void **state)
     bat_space plane = bat_euclidean(2);
     double good[] = {0, 0, 1, 0, 1, 1}, bad[] = {0, 0, NAN, 0, 1, 1};
     bat_curve curves[40];
-    bat_fairness fairness[40];
+    bat_curve_fairness_values fairness[40];
     for (int i = 0; i < 40; i++)
         curves[i] = (bat_curve){.space = &plane, .points = good, .count = i % 2 == 0 ? 3 : 2};
     check_status(bat_curves_fairness(curves, 40, NULL, fairness, NULL, NULL), BAT_OK);
@@ -120,7 +120,7 @@ static void repeated_points_are_passed_over(void **state)
         const size_t order[] = {0, 0, 1, 1, 1, 2, 3, 4, 5, 5, 0};
         for (size_t i = 0; i < 11; i++)
             memcpy(repeated.points + i * dim, curve.points + order[i] * dim, dim * sizeof(double));
-        bat_fairness once = fairness_of(&curve), again = fairness_of(&repeated);
+        bat_curve_fairness_values once = fairness_of(&curve), again = fairness_of(&repeated);
         assert_memory_equal(&again, &once, sizeof once);
         for (size_t i = 0; i < 11; i++)
             memcpy(repeated.points + i * dim, curve.points, dim * sizeof(double));
@@ -136,7 +136,7 @@ static void fairness_refuses_bad_input(void **state)
     bat_space sphere = bat_sphere(2);
     double points[] = {1, 0, 0, 0, 1, 0, 0, -1, 0};
     bat_curve curve = {.space = &sphere, .points = points, .count = 3};
-    bat_fairness untouched = {-7, -7, -7}, fairness = untouched;
+    bat_curve_fairness_values untouched = {-7, -7, -7}, fairness = untouched;
     bat_error error;
     check_status(bat_curve_fairness(&curve, NULL, &fairness, &error), BAT_CUT_LOCUS);
     assert_int_equal(error.index, 2);
@@ -172,7 +172,7 @@ static void angles_do_not_change_with_the_size(void **state)
             other.space = &spaces[s];
             // With an offset much larger than the edges the bending energy is in range, and without digits of theirs.
             bat_curve_measure_options options = {.bending_offset = factors[f] < 1 ? 1 : 0};
-            bat_fairness expected = fairness_of(&curve), found;
+            bat_curve_fairness_values expected = fairness_of(&curve), found;
             check_status(bat_curve_fairness(&other, &options, &found, NULL), BAT_OK);
             check_relative(found.g1, expected.g1, 1e-13);
             check_relative(found.length, expected.length * factors[f] * (disk ? 2 : 1), 1e-13);
@@ -190,7 +190,7 @@ static void lengths_that_no_double_holds_are_refused(void **state)
     bat_space plane = bat_euclidean(2);
     double step[] = {-1e308, 0, 1e308, 0}, sum[] = {-8e307, 0, 8e307, 0, -8e307, 1e300};
     bat_curve curve = {.space = &plane, .points = step, .count = 2};
-    bat_fairness fairness;
+    bat_curve_fairness_values fairness;
     bat_error error;
     check_status(bat_curve_fairness(&curve, NULL, &fairness, &error), BAT_INVALID_POINT);
     assert_int_equal(error.index, 1);

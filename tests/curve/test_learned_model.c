@@ -174,7 +174,7 @@ static void files_make_round_trips(void **state)
         write_file(f, LEARNED_PARAMETERS);
         bat_curve_model *model = read_model(path);
         assert_true(bat_curve_model_has_fairness(model));
-        const bat_angle_rule rule = learned_rule(f->parameters.values);
+        const bat_curve_angle_rule rule = learned_rule(f->parameters.values);
         bat_curve_scheme read = bat_curve_scheme_of_model(model), written = bat_curve_scheme_angle_rule(&rule);
         written.fairness = 0.5;
         assert_same_scheme(&read, &written);

@@ -61,7 +61,7 @@ static void for_all_pairs(void (*check)(pair *p, bat_random *random))
             for (int closed = 0; closed < 2; closed++)
                 for (int kind = EVEN; kind <= UNEVEN; kind++)
                 {
-                    const bat_angle_rule rule = learned_rule(sets[w].values);
+                    const bat_curve_angle_rule rule = learned_rule(sets[w].values);
                     pair p = {.surface = SURFACES[s], .space = space_of(SURFACES[s]), .closed = closed == 1};
                     p.how = by_rule(&rule, bat_random_uniform(&random), LEVELS);
                     (void)make_polygon(SURFACES[s], (polygon_kind)kind, COUNT, &random, p.points);
@@ -187,7 +187,7 @@ static void the_network_has_its_part(void **state)
     pair p = {.surface = GEOMETRY_PLANE, .space = bat_euclidean(2), .closed = true};
     (void)make_polygon(GEOMETRY_PLANE, UNEVEN, COUNT, &random, p.points);
     bat_curve coarse = curve_of(&p, p.points);
-    const bat_angle_rule rule = learned_rule(sets[1].values), other = learned_rule(sets[2].values);
+    const bat_curve_angle_rule rule = learned_rule(sets[1].values), other = learned_rule(sets[2].values);
     const bat_curve_refine_options hows[] = {by_rule(&rule, 0, 1), by_rule(&rule, 1, 1), by_rule(&other, 0, 1)};
     bat_curve fine = refined(&coarse, &hows[0]);
     for (int k = 1; k < 3; k++)
@@ -314,7 +314,7 @@ static double insertion_angle(const bat_space *space, const double *p, const dou
 }
 
 /// One level after the other, looking at all new vertices.
-static void check_levels(const bat_angle_rule *rule, const geometry_polygon *polygon, double fairness)
+static void check_levels(const bat_curve_angle_rule *rule, const geometry_polygon *polygon, double fairness)
 {
     enum
     {
@@ -334,7 +334,7 @@ static void check_levels(const bat_angle_rule *rule, const geometry_polygon *pol
             const double *p = fine.points + (j - 1) * dim, *q = fine.points + (j + 1) % fine.count * dim;
             // Differences of coordinates of 1 have only so many digits.
             double tolerance = 1e-14 / space.distance(&space, p, q) + 1e-9;
-            assert_true(fabs(insertion_angle(&space, p, fine.points + j * dim, q)) <= BAT_ANGLE_LIMIT + tolerance);
+            assert_true(fabs(insertion_angle(&space, p, fine.points + j * dim, q)) <= BAT_CURVE_ANGLE_LIMIT + tolerance);
         }
         if (level > 0)
             bat_curve_free(&curve);
@@ -351,7 +351,7 @@ static void no_weights_make_an_invalid_vertex(void **state)
     double points[MAX_COORDINATES];
     learn_parameters parameters = {0};
     check_status(learned_network_make(&parameters, NULL), BAT_OK);
-    const bat_angle_rule rule = learned_rule(parameters.values);
+    const bat_curve_angle_rule rule = learned_rule(parameters.values);
     for (int kind = 0; kind < HARMS; kind++)
         for (int s = 0; s < 3; s++)
             for (int shape = 0; shape < ALL_KINDS; shape++)
@@ -375,7 +375,7 @@ static void overflowing_weights_leave_the_six_point_rule(void **state)
     learn_parameters parameters = {0};
     check_status(learned_network_make(&parameters, NULL), BAT_OK);
     fill_weights(&parameters, GREATEST, &random);
-    const bat_angle_rule rule = learned_rule(parameters.values);
+    const bat_curve_angle_rule rule = learned_rule(parameters.values);
     for (size_t j = 0; j < COUNT; j++)
         polar_point(GEOMETRY_PLANE, 2, 2 * PI * (double)j / COUNT, points + 2 * j);
     bat_curve coarse = {.space = &plane, .points = points, .count = COUNT, .closed = true};
@@ -397,7 +397,7 @@ static void fairness_is_clipped(void **state)
     {
         bat_curve_scheme learned = bat_curve_scheme_learned(cases[i][0]);
         assert_true(learned.fairness == cases[i][1]);
-        assert_int_equal(learned.kind, BAT_SCHEME_ANGLE);
+        assert_int_equal(learned.kind, BAT_CURVE_SCHEME_ANGLE);
         assert_string_equal(learned.rule->name, "learned");
     }
 }

@@ -61,7 +61,7 @@ static void interpolatory_masks_reproduce_polynomials(void **state)
     const bat_mask four = bat_mask_four_point(1.0 / 16.0);
     for (int power = 0; power <= 3; ++power)
         check_reproduces_power(&four, 2, power);
-    const bat_mask six = bat_mask_six_point(BAT_SIX_POINT_WEIGHT);
+    const bat_mask six = bat_mask_six_point(BAT_MASK_SIX_POINT_WEIGHT);
     for (int power = 0; power <= 5; ++power)
         check_reproduces_power(&six, 3, power);
     const bat_mask six_at_zero = bat_mask_six_point(0.0);

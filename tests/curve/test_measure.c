@@ -178,7 +178,7 @@ static void isometries_change_nothing(void **state)
     {
         bat_curve first = random_curve(&spaces[s], 50, 6), second = random_curve(&spaces[s], 60, 7);
         bat_curve_distance distance = compare(&first, &second, &geodesic);
-        bat_fairness fairness = fairness_of(&first);
+        bat_curve_fairness_values fairness = fairness_of(&first);
         if (s == 0)
         {
             turn(&first);
@@ -388,7 +388,7 @@ static void summaries_of_extreme_numbers(void **state)
 {
     (void)state;
     const double large[] = {1.7e308, 1.7e308, 1.6e308, 1.6e308}, small[] = {3e-320, 1e-320}, infinite[] = {1, INFINITY};
-    bat_summary summary;
+    bat_curve_summary summary;
     check_status(bat_curve_summarize(large, 4, &summary, NULL), BAT_OK);
     check_relative(summary.mean, 1.65e308, 1e-15);
     check_relative(summary.median, 1.65e308, 1e-15);
@@ -404,7 +404,7 @@ static void summaries(void **state)
 {
     (void)state;
     const double four[] = {4, 1, 3, 2}, three[] = {7, -1, 3}, bad[] = {1, NAN};
-    bat_summary summary;
+    bat_curve_summary summary;
     check_status(bat_curve_summarize(four, 4, &summary, NULL), BAT_OK);
     check_near(summary.mean, 2.5, 0);
     check_near(summary.median, 2.5, 0);

@@ -252,9 +252,9 @@ static void no_weights_make_an_invalid_vertex(void **state)
                     double angle = fabs(space.exterior_angle(&space, p, apex, apex + space.point_dim));
                     // Twice the insertion angle in the plane, less on the sphere, more in the disk.
                     if (SURFACES[s] != GEOMETRY_DISK)
-                        assert_true(angle <= 2 * BAT_ANGLE_LIMIT + 1e-9);
+                        assert_true(angle <= 2 * BAT_CURVE_ANGLE_LIMIT + 1e-9);
                     if (SURFACES[s] == GEOMETRY_PLANE)
-                        assert_true(half <= 0.5 / cos(BAT_ANGLE_LIMIT) * edge * (1 + 1e-9));
+                        assert_true(half <= 0.5 / cos(BAT_CURVE_ANGLE_LIMIT) * edge * (1 + 1e-9));
                 }
                 bat_curve_free(&fine);
             }

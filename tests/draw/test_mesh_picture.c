@@ -32,8 +32,8 @@ static void writes_all_formats(void **state)
     assert_non_null(values);
     for (size_t v = 0; v < sheet.vertex_count; v++)
         values[v] = v == 7 ? NAN : sheet.positions[3 * v + 1];
-    bat_mesh_panel panels[] = {{.mesh = &ball, .title = "ball <&>", .wires = true, .flat = true},
-                               {.mesh = &sheet, .values = values, .wires = true}};
+    bat_mesh_picture_panel panels[] = {{.mesh = &ball, .title = "ball <&>", .wires = true, .flat = true},
+                                       {.mesh = &sheet, .values = values, .wires = true}};
     for (int i = 0; i < 3; i++)
     {
         char name[32], path[128];
@@ -61,7 +61,7 @@ static void same_bytes_for_any_threads(void **state)
     (void)state;
     bat_mesh mesh;
     assert_int_equal(bat_mesh_shape("creature", 2000, 3, &mesh, NULL), BAT_OK);
-    bat_mesh_panel panels[2] = {{.mesh = &mesh, .wires = true}, {.mesh = &mesh}};
+    bat_mesh_picture_panel panels[2] = {{.mesh = &mesh, .wires = true}, {.mesh = &mesh}};
     for (int format = 0; format < 3; format++)
     {
         char *bytes[3];
@@ -91,7 +91,7 @@ static void balls_are_disks(void **state)
 {
     (void)state;
     bat_mesh large = make_ball(1), small = make_ball(0.5);
-    bat_mesh_panel panels[] = {{.mesh = &large}, {.mesh = &small}};
+    bat_mesh_picture_panel panels[] = {{.mesh = &large}, {.mesh = &small}};
     for (int own = 0; own < 2; own++)
     {
         char path[128];
@@ -124,7 +124,7 @@ static void values_are_colours(void **state)
     double positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, values[] = {0, 1, 1, 0};
     uint32_t faces[] = {0, 1, 2, 0, 2, 3};
     bat_mesh square = {.positions = positions, .vertex_count = 4, .faces = faces, .face_count = 2};
-    bat_mesh_panel panel = {.mesh = &square, .values = values};
+    bat_mesh_picture_panel panel = {.mesh = &square, .values = values};
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.longitude = options.latitude = 0;
     char path[128];
@@ -230,7 +230,7 @@ static void scale_is_even(void **state)
     }
 }
 
-static void check_refused(const bat_mesh_panel *panel, const bat_mesh_picture_options *options, const char *name,
+static void check_refused(const bat_mesh_picture_panel *panel, const bat_mesh_picture_options *options, const char *name,
                           bat_status status)
 {
     char path[128];
@@ -246,11 +246,11 @@ static void bad_input_is_refused(void **state)
 {
     (void)state;
     bat_mesh ball = make_ball(1), none = {0};
-    bat_mesh_panel panel = {.mesh = &ball}, empty = {.mesh = &none}, missing = {0};
+    bat_mesh_picture_panel panel = {.mesh = &ball}, empty = {.mesh = &none}, missing = {0};
     check_refused(&panel, NULL, "a.jpeg", BAT_INVALID_ARGUMENT);
     check_refused(&empty, NULL, "a.png", BAT_INVALID_ARGUMENT);
     check_refused(&missing, NULL, "a.png", BAT_INVALID_ARGUMENT);
-    bat_mesh_panel garbled = {.mesh = &ball, .title = "\xff"};
+    bat_mesh_picture_panel garbled = {.mesh = &ball, .title = "\xff"};
     check_refused(&garbled, NULL, "a.png", BAT_INVALID_ARGUMENT);
     bat_mesh_picture_options good = bat_mesh_picture_defaults(), bad[7];
     for (int i = 0; i < 7; i++)
@@ -270,7 +270,7 @@ static void bad_input_is_refused(void **state)
     double *values = calloc(ball.vertex_count, sizeof *values);
     assert_non_null(values);
     values[5] = INFINITY;
-    bat_mesh_panel endless = {.mesh = &ball, .values = values};
+    bat_mesh_picture_panel endless = {.mesh = &ball, .values = values};
     check_refused(&endless, NULL, "a.png", BAT_INVALID_POINT);
     ball.positions[4] = NAN;
     check_refused(&panel, NULL, "a.png", BAT_INVALID_POINT);
@@ -285,7 +285,7 @@ static void odd_meshes_are_drawn(void **state)
     double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 0, 5, 5, 5, 0.5, 0, 0};
     uint32_t faces[] = {0, 1, 2, 1, 0, 3, 0, 1, 4, 0, 6, 1};
     bat_mesh fan = {.positions = positions, .vertex_count = 7, .faces = faces, .face_count = 4};
-    bat_mesh_panel panels[] = {{.mesh = &fan, .wires = true}, {.mesh = &fan}};
+    bat_mesh_picture_panel panels[] = {{.mesh = &fan, .wires = true}, {.mesh = &fan}};
     uint32_t flat_faces[] = {0, 6, 1};
     bat_mesh flat = {.positions = positions, .vertex_count = 7, .faces = flat_faces, .face_count = 1};
     panels[1].mesh = &flat;

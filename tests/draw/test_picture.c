@@ -12,10 +12,10 @@ static void writes_all_spaces_in_all_formats(void **state)
     {
         bat_curve curve = make_sample(spaces[s], 64);
         bat_curve coarse = make_sample(spaces[s], 8);
-        bat_picture_layer layers[] = {{&coarse, BAT_LAYER_CONTROL, "control polygon", 0},
-                                      {&curve, BAT_LAYER_TRUTH, "truth", 0},
-                                      {&curve, BAT_LAYER_CURVE, "curve", 0}};
-        bat_picture_panel panels[] = {{layers, 3, "left <&>"}, {layers, 3, NULL}};
+        bat_curve_picture_layer layers[] = {{&coarse, BAT_CURVE_LAYER_CONTROL, "control polygon", 0},
+                                            {&curve, BAT_CURVE_LAYER_TRUTH, "truth", 0},
+                                            {&curve, BAT_CURVE_LAYER_CURVE, "curve", 0}};
+        bat_curve_picture_panel panels[] = {{layers, 3, "left <&>"}, {layers, 3, NULL}};
         bat_curve_picture_options options = bat_curve_picture_defaults();
         options.width = 320;
         options.height = 240;
@@ -25,7 +25,7 @@ static void writes_all_spaces_in_all_formats(void **state)
         {
             char name[32];
             char path[128];
-            options.projection = (bat_projection)(variant / 3);
+            options.projection = (bat_curve_projection)(variant / 3);
             (void)snprintf(name, sizeof name, "picture.%s", endings[variant % 3]);
             path_of(path, name);
             assert_int_equal(bat_curve_picture_write(path, panels, 2, &options, NULL), BAT_OK);
@@ -58,8 +58,8 @@ static void same_input_gives_same_bytes(void **state)
 {
     (void)state;
     bat_curve curve = make_sample(&sphere, 50);
-    bat_picture_layer layer = {&curve, BAT_LAYER_CURVE, "curve", 0};
-    bat_picture_panel panel = {&layer, 1, "panel"};
+    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, "curve", 0};
+    bat_curve_picture_panel panel = {&layer, 1, "panel"};
     for (int i = 0; i < 3; i++)
     {
         char first[128];
@@ -89,8 +89,8 @@ static void check_refused(const bat_curve *curve, bat_status status, size_t inde
     char path[128];
     path_of(path, "refused.svg");
     bat_error error = {0};
-    bat_picture_layer layer = {curve, BAT_LAYER_CURVE, NULL, 0};
-    bat_picture_panel panel = {&layer, 1, NULL};
+    bat_curve_picture_layer layer = {curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_panel panel = {&layer, 1, NULL};
     assert_int_equal(bat_curve_picture_write(path, &panel, 1, NULL, &error), status);
     assert_int_equal(error.status, status);
     assert_int_equal(error.index, index);
@@ -133,8 +133,8 @@ static void bad_points_are_named(void **state)
     opposite.closed = false;
     char path[128];
     path_of(path, "fine.svg");
-    bat_picture_layer layer = {&opposite, BAT_LAYER_CURVE, NULL, 0};
-    assert_int_equal(bat_curve_picture_write(path, &(bat_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
+    bat_curve_picture_layer layer = {&opposite, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
     assert_int_equal(unlink(path), 0);
     free(opposite.points);
 }
@@ -152,15 +152,15 @@ static void empty_and_mixed_panels_are_refused(void **state)
     check_refused(&none, BAT_INVALID_ARGUMENT, 0);
     check_refused(NULL, BAT_INVALID_ARGUMENT, 0);
     check_refused(&thin, BAT_UNSUPPORTED, 0);
-    bat_picture_layer layers[] = {{&flat, BAT_LAYER_CURVE, NULL, 0}, {&round, BAT_LAYER_CURVE, NULL, 0}};
-    bat_picture_panel mixed[] = {{layers, 1, NULL}, {layers, 2, NULL}};
+    bat_curve_picture_layer layers[] = {{&flat, BAT_CURVE_LAYER_CURVE, NULL, 0}, {&round, BAT_CURVE_LAYER_CURVE, NULL, 0}};
+    bat_curve_picture_panel mixed[] = {{layers, 1, NULL}, {layers, 2, NULL}};
     bat_error error;
     assert_int_equal(bat_curve_picture_write(path, mixed, 2, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(error.index, 1);
-    bat_picture_panel empty[] = {{layers, 1, NULL}, {layers, 1, NULL}, {layers, 0, NULL}};
+    bat_curve_picture_panel empty[] = {{layers, 1, NULL}, {layers, 1, NULL}, {layers, 0, NULL}};
     assert_int_equal(bat_curve_picture_write(path, empty, 3, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(error.index, 2);
-    empty[2] = (bat_picture_panel){NULL, 1, NULL};
+    empty[2] = (bat_curve_picture_panel){NULL, 1, NULL};
     assert_int_equal(bat_curve_picture_write(path, empty, 3, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(bat_curve_picture_write(path, NULL, 1, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(bat_curve_picture_write(path, mixed, 0, NULL, &error), BAT_INVALID_ARGUMENT);
@@ -176,8 +176,8 @@ static void bad_options_are_refused(void **state)
     char path[128];
     path_of(path, "refused.png");
     bat_curve flat = make_sample(&plane, 5);
-    bat_picture_layer layer = {&flat, BAT_LAYER_CURVE, NULL, 0};
-    bat_picture_panel panel = {&layer, 1, NULL};
+    bat_curve_picture_layer layer = {&flat, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options bad[14];
     for (int i = 0; i < 14; i++)
     {
@@ -189,7 +189,7 @@ static void bad_options_are_refused(void **state)
     bad[3].height = INFINITY;
     bad[4].pixels_per_point = 0.0;
     bad[5].pixels_per_point = 1e3;
-    bad[6].projection = (bat_projection)7;
+    bad[6].projection = (bat_curve_projection)7;
     bad[7].latitude = 2.0;
     bad[8].longitude = INFINITY;
     bad[9].comb_scale = -1.0;
@@ -207,7 +207,7 @@ static void bad_options_are_refused(void **state)
     panel.title = "two\nlines";
     assert_int_equal(bat_curve_picture_write(path, &panel, 1, NULL, NULL), BAT_INVALID_ARGUMENT);
     panel.title = NULL;
-    layer.role = (bat_layer_role)9;
+    layer.role = (bat_curve_layer_role)9;
     assert_int_equal(bat_curve_picture_write(path, &panel, 1, NULL, NULL), BAT_INVALID_ARGUMENT);
     assert_int_equal(folder_entries(), 0);
     free(flat.points);
@@ -225,8 +225,8 @@ static void failure_leaves_files_alone(void **state)
     (void)fclose(file);
     bat_curve curve = make_sample(&plane, 5);
     curve.points[4] = NAN;
-    bat_picture_layer layer = {&curve, BAT_LAYER_CURVE, NULL, 0};
-    bat_picture_panel panel = {&layer, 1, NULL};
+    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_panel panel = {&layer, 1, NULL};
     assert_int_equal(bat_curve_picture_write(path, &panel, 1, NULL, NULL), BAT_INVALID_POINT);
     size_t size;
     char *bytes = slurp(path, &size);
@@ -265,12 +265,13 @@ static void degenerate_curves_are_drawn(void **state)
                                                                             : s == 2 ? 1.0
                                                                                      : 0.5;
             }
-            bat_picture_layer layers[] = {{&curve, BAT_LAYER_CURVE, NULL, 0}, {&curve, BAT_LAYER_CONTROL, NULL, 0}};
+            bat_curve_picture_layer layers[] = {{&curve, BAT_CURVE_LAYER_CURVE, NULL, 0},
+                                                {&curve, BAT_CURVE_LAYER_CONTROL, NULL, 0}};
             for (int projection = 0; projection < 3; projection++)
             {
-                options.projection = (bat_projection)projection;
-                assert_int_equal(bat_curve_picture_write(path, &(bat_picture_panel){layers, 2, NULL}, 1, &options, NULL),
-                                 BAT_OK);
+                options.projection = (bat_curve_projection)projection;
+                assert_int_equal(
+                    bat_curve_picture_write(path, &(bat_curve_picture_panel){layers, 2, NULL}, 1, &options, NULL), BAT_OK);
                 size_t size;
                 char *bytes = slurp(path, &size);
                 assert_null(strstr(bytes, "nan"));
@@ -291,14 +292,15 @@ static void large_curves_become_small_files(void **state)
     for (size_t s = 0; s < 3; s++)
     {
         bat_curve curve = make_sample(spaces[s], 400000);
-        bat_picture_layer layer = {&curve, BAT_LAYER_CURVE, NULL, 0};
+        bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
         for (int i = 0; i < 3; i++)
         {
             char name[16];
             char path[128];
             (void)snprintf(name, sizeof name, "large.%s", endings[i]);
             path_of(path, name);
-            assert_int_equal(bat_curve_picture_write(path, &(bat_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
+            assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, NULL),
+                             BAT_OK);
             size_t size;
             free(slurp(path, &size));
             assert_true(size < 200000);

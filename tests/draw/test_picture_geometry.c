@@ -496,8 +496,8 @@ static void rough_curves_become_ink(void **state)
     }
     char path[128];
     path_of(path, "rough.svg");
-    bat_picture_layer layer = {&noise, BAT_LAYER_CURVE, NULL, 0};
-    assert_int_equal(bat_curve_picture_write(path, &(bat_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
+    bat_curve_picture_layer layer = {&noise, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
     size_t size;
     free(slurp(path, &size));
     assert_true(size < 2000000);

@@ -10,7 +10,7 @@ static const double box[4] = {100.0, 50.0, 300.0, 200.0};
 static const double slack = 4.0;
 
 /// The extent (x, y, width, height) of the ink of one panel drawn into `box`.
-static void coverage_extent(const bat_picture_panel *panel, const bat_curve_picture_options *options, double extent[4])
+static void coverage_extent(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, double extent[4])
 {
     scene made;
     assert_int_equal(scene_make(panel, 1, options, &made, NULL), BAT_OK);
@@ -55,12 +55,13 @@ static void nothing_leaves_its_box(void **state)
         bool flat = variant % 4 < 2;
         bat_curve curve = make_sample(space, 60);
         transform(&curve, stretches[flat ? variant / 4 % 6 : 0], shifts[flat ? variant / 24 % 3 : 0]);
-        bat_picture_layer layers[] = {{&curve, BAT_LAYER_CONTROL, NULL, 0}, {&curve, BAT_LAYER_CURVE, NULL, 0}};
-        bat_picture_panel panel = {layers, 2, NULL};
+        bat_curve_picture_layer layers[] = {{&curve, BAT_CURVE_LAYER_CONTROL, NULL, 0},
+                                            {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0}};
+        bat_curve_picture_panel panel = {layers, 2, NULL};
         bat_curve_picture_options options = bat_curve_picture_defaults();
         options.axes = options.grid = variant / 72 % 2 == 0;
         options.comb = variant / 144 == 0;
-        options.projection = (bat_projection)(variant / 4 % 3);
+        options.projection = (bat_curve_projection)(variant / 4 % 3);
         double extent[4];
         coverage_extent(&panel, &options, extent);
         check_inside(extent, slack);
@@ -73,8 +74,8 @@ static void frames_hold_the_box_of_solid_curves(void **state)
 {
     (void)state;
     bat_curve curve = make_sample(&solid, 60);
-    bat_picture_layer layer = {&curve, BAT_LAYER_CURVE, NULL, 0};
-    bat_picture_panel panel = {&layer, 1, NULL};
+    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     options.axes = options.comb = true;
     scene made;
@@ -114,15 +115,15 @@ static void map_lines_end_at_the_frame(void **state)
     {
         set_direction(curve.points + 3 * i, places[i][0] * degree, places[i][1] * degree);
     }
-    bat_picture_layer layer = {&curve, BAT_LAYER_CURVE, NULL, 0};
-    bat_picture_panel panel = {&layer, 1, NULL};
+    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
-    options.projection = BAT_PROJECTION_MAP;
+    options.projection = BAT_CURVE_PROJECTION_MAP;
     options.grid = false;
     double with[4];
     double without[4];
     coverage_extent(&panel, &options, with);
-    layer.role = BAT_LAYER_CONTROL;
+    layer.role = BAT_CURVE_LAYER_CONTROL;
     options.control_polygon = options.control_points = false;
     coverage_extent(&panel, &options, without);
     for (int k = 0; k < 4; k++)
@@ -133,7 +134,7 @@ static void map_lines_end_at_the_frame(void **state)
 }
 
 /// How often a text occurs in the file of a picture of one panel.
-static size_t occurrences(const bat_picture_panel *panel, const bat_curve_picture_options *options, const char *text)
+static size_t occurrences(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, const char *text)
 {
     char path[128];
     path_of(path, "counted.svg");
@@ -162,8 +163,8 @@ static void hairpins_have_teeth(void **state)
         curve.points[2 * i] = i == 0 || i == count - 1 ? -1.0 : 1e-3 * cos(angle);
         curve.points[2 * i + 1] = 1e-3 * sin(angle);
     }
-    bat_picture_layer layer = {&curve, BAT_LAYER_CURVE, NULL, 0};
-    bat_picture_panel panel = {&layer, 1, NULL};
+    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     size_t without = occurrences(&panel, &options, "<path");
     options.comb = true;
@@ -178,8 +179,8 @@ static void tall_pictures_are_narrow(void **state)
     bat_curve round = make_sample(&plane, 60);
     bat_curve tall = make_sample(&plane, 60);
     transform(&tall, (double[2]){1.0, 20.0}, (double[2]){0.0, 0.0});
-    bat_picture_layer layers[] = {{&round, BAT_LAYER_CURVE, NULL, 0}, {&tall, BAT_LAYER_CURVE, NULL, 0}};
-    bat_picture_panel panels[] = {{&layers[0], 1, NULL}, {&layers[1], 1, NULL}};
+    bat_curve_picture_layer layers[] = {{&round, BAT_CURVE_LAYER_CURVE, NULL, 0}, {&tall, BAT_CURVE_LAYER_CURVE, NULL, 0}};
+    bat_curve_picture_panel panels[] = {{&layers[0], 1, NULL}, {&layers[1], 1, NULL}};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     assert_int_equal(occurrences(&panels[0], &options, "width=\"400pt\""), 1);
     assert_int_equal(occurrences(&panels[1], &options, "width=\"220pt\""), 1);
@@ -210,8 +211,8 @@ static void rounds_of_colours_differ_by_dashes(void **state)
 {
     (void)state;
     line_style first = style_curve(3);
-    line_style second = style_curve(3 + BAT_PICTURE_COLOURS);
-    line_style third = style_curve(3 + 2 * BAT_PICTURE_COLOURS);
+    line_style second = style_curve(3 + BAT_CURVE_PICTURE_COLOURS);
+    line_style third = style_curve(3 + 2 * BAT_CURVE_PICTURE_COLOURS);
     assert_true(first.dash == 0.0 && second.dash > 0.0 && third.dash > 0.0 && second.dash != third.dash);
     assert_true(first.colour.red == third.colour.red && first.colour.green == third.colour.green);
 }

@@ -43,9 +43,10 @@ static bat_curve make_ellipse(const bat_space *space, size_t count, bool closed,
 static bat_status write_three(const char *path, const bat_curve *coarse, const bat_curve *truth, const bat_curve *fine,
                               const bat_curve_picture_options *options, bat_error *error)
 {
-    bat_picture_layer layers[] = {
-        {coarse, BAT_LAYER_CONTROL, "given", 0}, {truth, BAT_LAYER_TRUTH, "truth", 0}, {fine, BAT_LAYER_CURVE, "curve", 0}};
-    bat_picture_panel panels[] = {{layers, 3, "all"}, {layers, 1, NULL}};
+    bat_curve_picture_layer layers[] = {{coarse, BAT_CURVE_LAYER_CONTROL, "given", 0},
+                                        {truth, BAT_CURVE_LAYER_TRUTH, "truth", 0},
+                                        {fine, BAT_CURVE_LAYER_CURVE, "curve", 0}};
+    bat_curve_picture_panel panels[] = {{layers, 3, "all"}, {layers, 1, NULL}};
     return bat_curve_picture_write(path, panels, 2, options, error);
 }
 
@@ -76,12 +77,12 @@ static void every_space_is_drawn_in_every_format(void **state)
 }
 
 /// The bytes of a picture of one curve.
-static char *picture_of(const bat_curve *curve, bat_layer_role role, size_t *size)
+static char *picture_of(const bat_curve *curve, bat_curve_layer_role role, size_t *size)
 {
     char path[128];
     path_of(path, "one.svg");
-    bat_picture_layer layer = {curve, role, NULL, 0};
-    assert_int_equal(bat_curve_picture_write(path, &(bat_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
+    bat_curve_picture_layer layer = {curve, role, NULL, 0};
+    assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
     char *bytes = slurp(path, size);
     assert_int_equal(unlink(path), 0);
     return bytes;
@@ -99,7 +100,7 @@ static void pictures_differ_where_curves_do(void **state)
         size_t sizes[4];
         for (size_t i = 0; i < 4; i++)
         {
-            bytes[i] = picture_of(curves[i], i == 3 ? BAT_LAYER_CONTROL : BAT_LAYER_CURVE, &sizes[i]);
+            bytes[i] = picture_of(curves[i], i == 3 ? BAT_CURVE_LAYER_CONTROL : BAT_CURVE_LAYER_CURVE, &sizes[i]);
         }
         assert_true(sizes[0] > 1000);
         assert_string_equal(bytes[0], bytes[1]);
@@ -121,8 +122,8 @@ static void rotations_become_their_columns(void **state)
     const double angle = 1.2;
     double quaternions[8] = {1, 0, 0, 0, cos(angle / 2), 0, 0, sin(angle / 2)};
     bat_curve turn = {.space = &spaces[0], .points = quaternions, .count = 2};
-    bat_picture_layer layers[] = {{&turn, BAT_LAYER_CURVE, NULL, 0}, {&turn, BAT_LAYER_CONTROL, NULL, 0}};
-    bat_picture_panel panel = {layers, 2, NULL};
+    bat_curve_picture_layer layers[] = {{&turn, BAT_CURVE_LAYER_CURVE, NULL, 0}, {&turn, BAT_CURVE_LAYER_CONTROL, NULL, 0}};
+    bat_curve_picture_panel panel = {layers, 2, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
     assert_int_equal(proxy_make(&panel, &options, &made, NULL), BAT_OK);
@@ -150,10 +151,10 @@ static void the_hyperboloid_becomes_the_disk(void **state)
 {
     (void)state;
     bat_curve curve = make_ellipse(&spaces[3], COUNT, false, 0.5);
-    bat_picture_layer layer = {&curve, BAT_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
-    assert_int_equal(proxy_make(&(bat_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
+    assert_int_equal(proxy_make(&(bat_curve_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
     for (size_t i = 0; i + 1 < COUNT; i++)
     {
         double there = spaces[3].distance(&spaces[3], curve.points + 3 * i, curve.points + 3 * (i + 1));
@@ -169,10 +170,10 @@ static void motions_become_frames_on_their_path(void **state)
     (void)state;
     double poses[14] = {0, 0, 0, 1, 0, 0, 0, 3, 4, 0, 0, 1, 0, 0};
     bat_curve curve = {.space = &spaces[4], .points = poses, .count = 2};
-    bat_picture_layer layer = {&curve, BAT_LAYER_CONTROL, NULL, 0};
+    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CONTROL, NULL, 0};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
-    assert_int_equal(proxy_make(&(bat_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
+    assert_int_equal(proxy_make(&(bat_curve_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
     assert_int_equal(made.count, 7);
     double length = made.curves[1].points[3];
     assert_true(length > 0.1 && length < 1);
@@ -197,14 +198,15 @@ static void rows_fit_the_largest_tensor(void **state)
         double unit = units[i];
         double tensors[9] = {4 * unit, 0, unit, 5 * unit, 4 * unit, 5 * unit, unit, 0, unit};
         bat_curve curve = {.space = &spaces[1], .points = tensors, .count = 3};
-        bat_picture_layer layers[] = {{&curve, BAT_LAYER_CONTROL, NULL, 0}, {&curve, BAT_LAYER_CURVE, NULL, 0}};
+        bat_curve_picture_layer layers[] = {{&curve, BAT_CURVE_LAYER_CONTROL, NULL, 0},
+                                            {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0}};
         scene_frame frame = {0};
-        assert_int_equal(tensor_row_include(&frame, &(bat_picture_panel){layers, 2, NULL}, NULL), BAT_OK);
+        assert_int_equal(tensor_row_include(&frame, &(bat_curve_picture_panel){layers, 2, NULL}, NULL), BAT_OK);
         check_near(frame.tensor_unit / sqrt(unit), 3, 1e-12); // 5 + 4
         assert_int_equal(frame.tensor_columns, 3);
         assert_true(frame.high[0] > 4 && frame.low[1] < -3);
         size_t size;
-        free(picture_of(&curve, BAT_LAYER_CURVE, &size));
+        free(picture_of(&curve, BAT_CURVE_LAYER_CURVE, &size));
         assert_true(size > 1000);
     }
 }
@@ -214,8 +216,8 @@ static void check_refused(const bat_curve *curve, bat_status status, size_t inde
     char path[128];
     bat_error error = {0};
     path_of(path, "refused.svg");
-    bat_picture_layer layer = {curve, BAT_LAYER_CURVE, NULL, 0};
-    assert_int_equal(bat_curve_picture_write(path, &(bat_picture_panel){&layer, 1, NULL}, 1, NULL, &error), status);
+    bat_curve_picture_layer layer = {curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, &error), status);
     assert_int_equal(error.status, status);
     assert_int_equal(error.index, index);
     assert_true(strlen(error.text) > 0);
@@ -259,8 +261,9 @@ static void mixed_panels_are_refused(void **state)
     const bat_curve *pairs[2][2] = {{&a, &b}, {&c, &d}};
     for (size_t i = 0; i < 2; i++)
     {
-        bat_picture_layer layers[] = {{pairs[i][0], BAT_LAYER_CURVE, NULL, 0}, {pairs[i][1], BAT_LAYER_CURVE, NULL, 0}};
-        assert_int_equal(bat_curve_picture_write(path, &(bat_picture_panel){layers, 2, NULL}, 1, NULL, NULL),
+        bat_curve_picture_layer layers[] = {{pairs[i][0], BAT_CURVE_LAYER_CURVE, NULL, 0},
+                                            {pairs[i][1], BAT_CURVE_LAYER_CURVE, NULL, 0}};
+        assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){layers, 2, NULL}, 1, NULL, NULL),
                          BAT_INVALID_ARGUMENT);
     }
     free(a.points);
@@ -278,11 +281,11 @@ static void degenerate_curves_are_drawn(void **state)
     {
         bat_curve one = make_ellipse(&spaces[s], 1, true, 0.5), same = make_ellipse(&spaces[s], 2, false, 0);
         memcpy(same.points + spaces[s].point_dim, same.points, spaces[s].point_dim * sizeof(double));
-        for (int role = BAT_LAYER_CURVE; role <= BAT_LAYER_TRUTH; role++)
+        for (int role = BAT_CURVE_LAYER_CURVE; role <= BAT_CURVE_LAYER_TRUTH; role++)
         {
-            free(picture_of(&one, (bat_layer_role)role, &size));
+            free(picture_of(&one, (bat_curve_layer_role)role, &size));
             assert_true(size > 500);
-            free(picture_of(&same, (bat_layer_role)role, &size));
+            free(picture_of(&same, (bat_curve_layer_role)role, &size));
             assert_true(size > 500);
         }
         free(one.points);
@@ -290,7 +293,7 @@ static void degenerate_curves_are_drawn(void **state)
     }
     double flat[12] = {1, 0, 0, 1e-14, 0, 1e-14, 1e-14, 0, 0, 1, 0, 1e-9};
     bat_curve needles = {.space = &spaces[2], .points = flat, .count = 2};
-    char *bytes = picture_of(&needles, BAT_LAYER_CURVE, &size);
+    char *bytes = picture_of(&needles, BAT_CURVE_LAYER_CURVE, &size);
     check_nesting(bytes);
     assert_null(strstr(bytes, "nan"));
     free(bytes);

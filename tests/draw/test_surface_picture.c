@@ -16,7 +16,7 @@
 /// bat_spline_surface_free().
 static bat_spline_surface make_flat(size_t spans)
 {
-    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_hierarchical_options options = bat_hierarchical_defaults();
     bat_spline_surface flat = {.dimension = 3};
     for (int c = 0; c < 2; c++)
     {
@@ -42,7 +42,7 @@ typedef struct sample_row
     bat_cloud cloud;
     double *parameters, *distances;
     bat_spline_surface surface;
-    bat_surface_panel panel;
+    bat_surface_picture_row panel;
 } sample_row;
 
 static sample_row make_row(size_t interior)
@@ -57,7 +57,8 @@ static sample_row make_row(size_t interior)
     assert_non_null(row.distances);
     for (size_t i = 0; i < row.cloud.count; i++)
         row.distances[i] = fabs(row.cloud.points[3 * i + 2]);
-    row.panel = (bat_surface_panel){.title = "A row <&> \xc3\xa9", .distances = row.distances, .parameters = row.parameters};
+    row.panel =
+        (bat_surface_picture_row){.title = "A row <&> \xc3\xa9", .distances = row.distances, .parameters = row.parameters};
     return row;
 }
 
@@ -74,7 +75,7 @@ static void writes_all_formats(void **state)
 {
     (void)state;
     sample_row row = make_row(300);
-    bat_surface_panel rows[2] = {row.panel, {.cloud = &row.cloud}};
+    bat_surface_picture_row rows[2] = {row.panel, {.cloud = &row.cloud}};
     rows[0].cloud = &row.cloud;
     rows[0].surface = &row.surface;
     bat_surface_picture_options options = {.width = 120};
@@ -107,7 +108,7 @@ static void panels_are_left_out(void **state)
     for (int panels = 1; panels <= 4; panels++)
     {
         char path[128];
-        bat_surface_panel shown = {.cloud = &row.cloud};
+        bat_surface_picture_row shown = {.cloud = &row.cloud};
         shown.parameters = panels >= 2 ? row.parameters : NULL;
         shown.distances = panels >= 3 ? row.distances : NULL;
         shown.surface = panels >= 4 ? &row.surface : NULL;
@@ -307,7 +308,7 @@ static void parameters_are_in_the_plane(void **state)
     for (int i = 0; i < 3; i++)
     {
         cairo_t *cairo = open_paper();
-        bat_surface_panel panel = {.cloud = &cloud, .parameters = parameters[i]};
+        bat_surface_picture_row panel = {.cloud = &cloud, .parameters = parameters[i]};
         surface_row row = {.panel = &panel};
         assert_int_equal(surface_plane_draw(&row, cairo, PAPER, 1, NULL), BAT_OK);
         assert_true(find_colour(cairo, true, places[i]) > 0);
@@ -353,7 +354,7 @@ static void cells_are_drawn(void **state)
 {
     (void)state;
     bat_spline_surface flat = make_flat(4);
-    bat_surface_panel panel = {.surface = &flat};
+    bat_surface_picture_row panel = {.surface = &flat};
     surface_row row = {.panel = &panel};
     for (uint32_t level = 0; level < 3; level++)
     {
@@ -370,7 +371,7 @@ static void cells_are_drawn(void **state)
 }
 
 /// A row of which a flat surface in the plane is seen from straight above.
-static surface_row row_from_above(const bat_surface_panel *panel)
+static surface_row row_from_above(const bat_surface_picture_row *panel)
 {
     size_t loop_count;
     surface_row row = {.panel = panel, .view = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, .frame = {{0, 0}, {1, 1}}};
@@ -388,7 +389,7 @@ static void errors_are_colours(void **state)
     for (int step = 0; step <= 4; step++)
     {
         double distance = 0.25 * step;
-        bat_surface_panel panel = {.cloud = &cloud, .distances = &distance};
+        bat_surface_picture_row panel = {.cloud = &cloud, .distances = &distance};
         surface_row row = row_from_above(&panel);
         cairo_t *cairo = open_paper();
         assert_int_equal(surface_errors_draw(&row, 1, cairo, PAPER, 4, NULL), BAT_OK);
@@ -413,7 +414,7 @@ static void surfaces_hide_points(void **state)
     {
         double points[3] = {0.5, 0.5, heights[i]};
         bat_cloud cloud = {.points = points, .count = 1};
-        bat_surface_panel panel = {.cloud = &cloud, .surface = &flat, .distances = &distances[i]};
+        bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat, .distances = &distances[i]};
         surface_row row = row_from_above(&panel);
         cairo_t *cairo = open_paper();
         assert_int_equal(surface_errors_draw(&row, 0.01, cairo, PAPER, 1, NULL), BAT_OK);
@@ -473,7 +474,7 @@ static void stray_surfaces_are_cut(void **state)
     path_of(path, "stray.png");
     for (size_t i = 0; i < sample.cloud.count; i++)
         sample.cloud.points[3 * i] += 100;
-    bat_surface_panel panel = {.cloud = &sample.cloud, .surface = &sample.surface, .distances = sample.distances};
+    bat_surface_picture_row panel = {.cloud = &sample.cloud, .surface = &sample.surface, .distances = sample.distances};
     assert_int_equal(bat_surface_picture_write(path, &panel, 1, NULL, NULL), BAT_OK);
     assert_int_equal(unlink(path), 0);
     free_row(&sample);
@@ -489,25 +490,25 @@ static void wrong_input_is_refused(void **state)
     char path[128];
     bat_error error;
     path_of(path, "wrong.png");
-    bat_surface_panel good = {.cloud = &sample.cloud};
+    bat_surface_picture_row good = {.cloud = &sample.cloud};
     for (int i = 0; i < 6; i++)
         assert_int_equal(bat_surface_picture_write(path, &good, 1, &options[i], &error), BAT_INVALID_ARGUMENT);
     bat_cloud empty = {0};
     bat_spline_surface curve = sample.surface;
     curve.dimension = 2;
-    bat_surface_panel wrong[] = {{0},
-                                 {.surface = &sample.surface, .distances = sample.distances},
-                                 {.surface = &sample.surface, .parameters = sample.parameters},
-                                 {.cloud = &empty},
-                                 {.surface = &curve},
-                                 {.cloud = &sample.cloud, .title = "\xff"}};
+    bat_surface_picture_row wrong[] = {{0},
+                                       {.surface = &sample.surface, .distances = sample.distances},
+                                       {.surface = &sample.surface, .parameters = sample.parameters},
+                                       {.cloud = &empty},
+                                       {.surface = &curve},
+                                       {.cloud = &sample.cloud, .title = "\xff"}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         assert_int_equal(bat_surface_picture_write(path, &wrong[i], 1, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(bat_surface_picture_write("picture.txt", &good, 1, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(bat_surface_picture_write(path, &good, 0, NULL, &error), BAT_INVALID_ARGUMENT);
     double *numbers[] = {&sample.distances[7], &sample.parameters[15], &sample.cloud.points[21],
                          &sample.surface.control[22]};
-    bat_surface_panel all = sample.panel;
+    bat_surface_picture_row all = sample.panel;
     all.cloud = &sample.cloud;
     all.surface = &sample.surface;
     for (int i = 0; i < 4; i++)

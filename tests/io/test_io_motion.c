@@ -439,7 +439,7 @@ static void names_of_schemes(void **state)
         assert_int_equal(bat_hermite_by_name(name, &options, NULL), BAT_OK);
     assert_int_equal(count, 3);
     assert_int_equal(bat_hermite_by_name("hermite-merrien:lambda=-0.1,mu=-0.25,base=midpoint", &options, NULL), BAT_OK);
-    assert_int_equal(options.base, BAT_BASE_MIDPOINT);
+    assert_int_equal(options.base, BAT_CURVE_BASE_MIDPOINT);
     assert_int_equal(options.kind, BAT_HERMITE_TRANSPORT);
     assert_int_equal(bat_hermite_by_name("hermite:order=7", &options, NULL), BAT_OK);
     assert_int_equal(options.order, 7);

@@ -42,10 +42,10 @@ static void test_options_are_checked(void **state)
     assert_refused(TRIANGLE, strlen(TRIANGLE), &reading, BAT_INVALID_ARGUMENT, 0, "there is no mesh format 9");
     bat_mesh back = {0};
     assert_int_equal(bat_mesh_read("/dev/null", &reading, &back, NULL), BAT_INVALID_ARGUMENT);
-    assert_unwritable(&mesh, BAT_MESH_FORMAT_AUTO, BAT_MESH_TEXT, BAT_INVALID_ARGUMENT, "cannot tell what format");
-    assert_unwritable(&mesh, (bat_mesh_format)-1, BAT_MESH_TEXT, BAT_INVALID_ARGUMENT, "no mesh format -1");
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_AUTO, BAT_MESH_ENCODING_TEXT, BAT_INVALID_ARGUMENT, "cannot tell what format");
+    assert_unwritable(&mesh, (bat_mesh_format)-1, BAT_MESH_ENCODING_TEXT, BAT_INVALID_ARGUMENT, "no mesh format -1");
     assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, (bat_mesh_encoding)3, BAT_INVALID_ARGUMENT, "no encoding 3");
-    assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, BAT_MESH_BIG_ENDIAN, BAT_INVALID_ARGUMENT, "only PLY");
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, BAT_MESH_ENCODING_BIG_ENDIAN, BAT_INVALID_ARGUMENT, "only PLY");
     bat_mesh_write_options writing = bat_mesh_write_defaults();
     writing.threads = -1;
     bat_error error;
@@ -53,9 +53,9 @@ static void test_options_are_checked(void **state)
     assert_non_null(strstr(error.text, "threads"));
     assert_int_equal(bat_mesh_write("/nowhere/a.obj", &mesh, NULL, &error), BAT_FILE_ACCESS);
     mesh.positions[4] = NAN;
-    assert_unwritable(&mesh, BAT_MESH_FORMAT_OBJ, BAT_MESH_TEXT, BAT_INVALID_POINT, "vertex 1 is not finite");
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_OBJ, BAT_MESH_ENCODING_TEXT, BAT_INVALID_POINT, "vertex 1 is not finite");
     mesh.face_count = 0;
-    assert_unwritable(&mesh, BAT_MESH_FORMAT_OBJ, BAT_MESH_TEXT, BAT_INVALID_ARGUMENT, "no faces");
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_OBJ, BAT_MESH_ENCODING_TEXT, BAT_INVALID_ARGUMENT, "no faces");
     bat_mesh_free(&mesh);
 }
 
@@ -108,7 +108,7 @@ static void test_locales(void **state)
         bat_mesh mesh = random_mesh(i, 20, 20, NULL);
         for (int format = BAT_MESH_FORMAT_OBJ; format <= BAT_MESH_FORMAT_STL; format++)
         {
-            bat_mesh back = through_file(&mesh, (bat_mesh_format)format, BAT_MESH_TEXT);
+            bat_mesh back = through_file(&mesh, (bat_mesh_format)format, BAT_MESH_ENCODING_TEXT);
             assert_int_equal(back.vertex_count, mesh.vertex_count);
             if (format != BAT_MESH_FORMAT_STL)
                 assert_same_shape(&mesh, &back);
@@ -137,7 +137,7 @@ static void check_real(const char *path)
     if (bat_mesh_read(path, &options, &mesh, &error) != BAT_OK)
         fail_msg("%s:%zu: %s", path, error.line, error.text);
     for (int format = BAT_MESH_FORMAT_OBJ; format <= BAT_MESH_FORMAT_STL; format++)
-        for (int encoding = BAT_MESH_BINARY; encoding <= BAT_MESH_TEXT; encoding += 2)
+        for (int encoding = BAT_MESH_ENCODING_BINARY; encoding <= BAT_MESH_ENCODING_TEXT; encoding += 2)
         {
             bat_mesh back = through_file(&mesh, (bat_mesh_format)format, (bat_mesh_encoding)encoding);
             assert_int_equal(back.face_count, mesh.face_count);

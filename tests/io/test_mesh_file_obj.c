@@ -206,7 +206,7 @@ static void test_round_trip(void **state)
                                                                      : 0,
                                     .marks = seed % 2 == 0};
         bat_mesh mesh = random_mesh(seed, seed == 20 ? 40000 : 10 + seed, seed == 20 ? 70000 : 40, &extras);
-        bat_mesh back = through_file(&mesh, OBJ, BAT_MESH_BINARY);
+        bat_mesh back = through_file(&mesh, OBJ, BAT_MESH_ENCODING_BINARY);
         assert_same_shape(&mesh, &back);
         assert_same_channels(&mesh, &back);
         assert_int_equal(mesh.texture_count, back.texture_count);

@@ -36,7 +36,7 @@ static void test_colours(void **state)
     assert_int_equal(mesh.texture_count, 3);
     assert_text(&mesh, OFF, "STCOFF\n3 1 0\n0 0 0 0.5 0 1 0.1 0.2\n1 0 0 0 0 0 1 0\n0 1 0 1 1 1 0 1\n3 0 1 2\n");
     mesh.channels[4] = 1.5;
-    assert_unwritable(&mesh, OFF, BAT_MESH_TEXT, BAT_UNSUPPORTED, "the colour 1.5 of vertex 1");
+    assert_unwritable(&mesh, OFF, BAT_MESH_ENCODING_TEXT, BAT_UNSUPPORTED, "the colour 1.5 of vertex 1");
     bat_mesh_free(&mesh);
 }
 
@@ -101,7 +101,7 @@ static void test_round_trip(void **state)
                                                      : seed % 5 == 1 ? 4
                                                                      : 0};
         bat_mesh mesh = random_mesh(seed, seed == 16 ? 30000 : 10 + seed, seed == 16 ? 60000 : 40, &extras);
-        bat_mesh back = through_file(&mesh, OFF, BAT_MESH_TEXT);
+        bat_mesh back = through_file(&mesh, OFF, BAT_MESH_ENCODING_TEXT);
         assert_same_shape(&mesh, &back);
         assert_same_channels(&mesh, &back);
         assert_same_texture(&mesh, &back);

@@ -324,7 +324,7 @@ static void test_round_trip(void **state)
         bat_mesh mesh = random_mesh(seed, seed == 30 ? 30000 : 10 + seed, seed == 30 ? 60000 : 40, &extras);
         for (size_t v = 0; v < mesh.vertex_count && seed % 5 > 0 && seed % 2 > 0; v++)
             mesh.channels[v * mesh.channel_count] = (double)(v % 256) / 255; // bytes hold these exactly
-        for (int encoding = BAT_MESH_BINARY; encoding <= BAT_MESH_TEXT; encoding++)
+        for (int encoding = BAT_MESH_ENCODING_BINARY; encoding <= BAT_MESH_ENCODING_TEXT; encoding++)
         {
             bat_mesh back = through_file(&mesh, PLY, (bat_mesh_encoding)encoding);
             assert_same_shape(&mesh, &back);
@@ -367,13 +367,13 @@ static void test_names_that_ply_cannot_hold(void **state)
         bat_mesh mesh = random_mesh(i, 12, 12, &extras);
         if (cases[i].fine)
         {
-            bat_mesh back = through_file(&mesh, PLY, BAT_MESH_BINARY);
+            bat_mesh back = through_file(&mesh, PLY, BAT_MESH_ENCODING_BINARY);
             assert_same_channels(&mesh, &back);
             assert_same_texture(&mesh, &back);
             bat_mesh_free(&back);
         }
         else
-            assert_unwritable(&mesh, PLY, BAT_MESH_BINARY, BAT_UNSUPPORTED, "PLY ");
+            assert_unwritable(&mesh, PLY, BAT_MESH_ENCODING_BINARY, BAT_UNSUPPORTED, "PLY ");
         bat_mesh_free(&mesh);
     }
 }

@@ -126,15 +126,16 @@ static void test_round_trip(void **state)
     for (uint64_t seed = 1; seed <= 12; seed++)
     {
         bat_mesh mesh = random_mesh(seed, seed == 12 ? 30000 : 10 + seed, seed == 12 ? 60000 : 40, NULL);
-        bat_mesh text = through_file(&mesh, STL, BAT_MESH_TEXT), binary = through_file(&mesh, STL, BAT_MESH_BINARY);
+        bat_mesh text = through_file(&mesh, STL, BAT_MESH_ENCODING_TEXT),
+                 binary = through_file(&mesh, STL, BAT_MESH_ENCODING_BINARY);
         assert_int_equal(text.vertex_count, mesh.vertex_count);
         assert_int_equal(binary.vertex_count, mesh.vertex_count);
         check_same_corners(&mesh, &text, false);
         check_same_corners(&mesh, &binary, true);
         // Once more, binary files are the same bytes: nothing but the first rounding is lost.
         size_t sizes[2];
-        char *once = must_write(&mesh, STL, BAT_MESH_BINARY, &sizes[0]);
-        char *twice = must_write(&binary, STL, BAT_MESH_BINARY, &sizes[1]);
+        char *once = must_write(&mesh, STL, BAT_MESH_ENCODING_BINARY, &sizes[0]);
+        char *twice = must_write(&binary, STL, BAT_MESH_ENCODING_BINARY, &sizes[1]);
         assert_int_equal(sizes[0], sizes[1]);
         for (size_t f = 0; f < mesh.face_count; f++)
             assert_memory_equal(once + 84 + 50 * f + 12, twice + 84 + 50 * f + 12, 38);
@@ -154,7 +155,8 @@ static void test_normals(void **state)
                 "solid mesh\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 1e+300 0 0\nvertex 0 -1e+300 "
                 "0\nendloop\nendfacet\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1e+300 0 0\nvertex 1e-300 0 "
                 "0\nendloop\nendfacet\nendsolid mesh\n");
-    assert_unwritable(&mesh, STL, BAT_MESH_BINARY, BAT_UNSUPPORTED, "cannot hold the coordinate 1e+300 of vertex 1");
+    assert_unwritable(&mesh, STL, BAT_MESH_ENCODING_BINARY, BAT_UNSUPPORTED,
+                      "cannot hold the coordinate 1e+300 of vertex 1");
     bat_mesh_free(&mesh);
 }
 

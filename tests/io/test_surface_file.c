@@ -21,7 +21,8 @@ static void test_round_trips(void **state)
         for (uint64_t seed = 0; seed < 10; seed++)
         {
             bat_spline_surface surface = random_surface(&kinds[k], seed);
-            for (int format = BAT_SURFACE_XML; format <= BAT_SURFACE_JSON; format += BAT_SURFACE_JSON - BAT_SURFACE_XML)
+            for (int format = BAT_SURFACE_FORMAT_XML; format <= BAT_SURFACE_FORMAT_JSON;
+                 format += BAT_SURFACE_FORMAT_JSON - BAT_SURFACE_FORMAT_XML)
             {
                 char *text = must_write(&surface, (bat_surface_format)format, NULL);
                 bat_spline_surface back = must_read(text);
@@ -30,9 +31,9 @@ static void test_round_trips(void **state)
                 assert_string_equal(again, text);
                 bat_hierarchical_options before = bat_hierarchical_space_options(surface.space);
                 bat_hierarchical_options after = bat_hierarchical_space_options(back.space);
-                if (format == BAT_SURFACE_JSON || kinds[k].refinements > 0)
+                if (format == BAT_SURFACE_FORMAT_JSON || kinds[k].refinements > 0)
                     assert_int_equal(after.truncated, before.truncated);
-                assert_int_equal(after.admissible, format == BAT_SURFACE_JSON ? before.admissible : 0);
+                assert_int_equal(after.admissible, format == BAT_SURFACE_FORMAT_JSON ? before.admissible : 0);
                 free(again);
                 free(text);
                 bat_spline_surface_free(&back);
@@ -115,7 +116,7 @@ static void test_gismo(void **state)
     (void)state;
     const surface_kind kind = {{2, 3}, {3, 3}, true, 0, 3, 0};
     bat_spline_surface surface = {.dimension = 3};
-    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_hierarchical_options options = bat_hierarchical_defaults();
     memcpy(options.degree, kind.degree, sizeof options.degree);
     memcpy(options.spans, kind.spans, sizeof options.spans);
     check_status(bat_hierarchical_space_make(&options, &surface.space, NULL), BAT_OK);

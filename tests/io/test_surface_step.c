@@ -335,7 +335,7 @@ static void test_sheets(void **state)
         for (uint64_t seed = 0; seed < 6; seed++)
         {
             bat_spline_surface surface = random_sheet(&kinds[k], seed);
-            step_file file = parse_file(must_write(&surface, BAT_SURFACE_STEP, NULL));
+            step_file file = parse_file(must_write(&surface, BAT_SURFACE_FORMAT_STEP, NULL));
             check_shell(&file, &surface);
             free_file(&file);
             bat_spline_surface_free(&surface);
@@ -353,7 +353,7 @@ static void test_cone(void **state)
         const double point[3] = {radius * cos(angle), radius * sin(angle), 5 - radius};
         memcpy(surface.control + 3 * f, point, sizeof point);
     }
-    step_file file = parse_file(must_write(&surface, BAT_SURFACE_STEP, NULL));
+    step_file file = parse_file(must_write(&surface, BAT_SURFACE_FORMAT_STEP, NULL));
     assert_int_equal(count_keyword(&file, "VERTEX_POINT"), 3);
     assert_int_equal(count_keyword(&file, "EDGE_CURVE"), 3);
     assert_int_equal(count_keyword(&file, "ORIENTED_EDGE"), 3);
@@ -366,7 +366,7 @@ static void test_product(void **state)
 {
     (void)state;
     bat_spline_surface surface = random_sheet(&(surface_kind){{2, 2}, {1, 1}, true, 0, 3, 0}, 1);
-    char *text = must_write(&surface, BAT_SURFACE_STEP, NULL);
+    char *text = must_write(&surface, BAT_SURFACE_FORMAT_STEP, NULL);
     assert_non_null(strstr(text, "FILE_SCHEMA(('AP242"));
     assert_non_null(strstr(text, "SI_UNIT(.MILLI.,.METRE.)"));
     step_file file = parse_file(text);

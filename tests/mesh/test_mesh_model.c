@@ -15,7 +15,7 @@ static bat_mesh refined(const bat_mesh_model *model, const bat_mesh *coarse, siz
 {
     bat_mesh fine;
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
-    options.scheme = BAT_MESH_LEARNED;
+    options.scheme = BAT_MESH_SCHEME_LEARNED;
     options.rule = bat_mesh_model_rule(model);
     options.levels = levels;
     options.threads = threads;
@@ -255,7 +255,7 @@ static void weights_of_the_library_are_nearer_than_the_butterfly(void **state)
         size_t fallback = 1;
         bat_mesh learned = refined(model, &coarse, 2, 0, &fallback);
         bat_mesh_refine_options options = bat_mesh_refine_defaults();
-        options.scheme = BAT_MESH_BUTTERFLY;
+        options.scheme = BAT_MESH_SCHEME_BUTTERFLY;
         check_status(bat_mesh_refine(&coarse, &options, &butterfly, NULL, NULL), BAT_OK);
         double ours = distance(&learned, &shape);
         assert_true(ours <= 0.75 * distance(&butterfly, &shape));

@@ -57,7 +57,7 @@ static void test_split_links(void **state)
     {
         check_split_links(&meshes[i], 1);
         check_split_links(&meshes[i], 3);
-        bat_mesh fine = refine(&meshes[i], BAT_MESH_MIDPOINT, 1);
+        bat_mesh fine = refine(&meshes[i], BAT_MESH_SCHEME_MIDPOINT, 1);
         check_split_links(&fine, 2);
         bat_mesh_free(&fine);
         bat_mesh_free(&meshes[i]);
@@ -92,7 +92,8 @@ static void check_same_mesh(const bat_mesh *a, const bat_mesh *b, double toleran
         check_near(a->positions[i], b->positions[i], tolerance);
 }
 
-static const bat_mesh_scheme SCHEMES[] = {BAT_MESH_MIDPOINT, BAT_MESH_LOOP, BAT_MESH_BUTTERFLY, BAT_MESH_SQRT3};
+static const bat_mesh_scheme SCHEMES[] = {BAT_MESH_SCHEME_MIDPOINT, BAT_MESH_SCHEME_LOOP, BAT_MESH_SCHEME_BUTTERFLY,
+                                          BAT_MESH_SCHEME_SQRT3};
 enum
 {
     SCHEME_COUNT = sizeof SCHEMES / sizeof SCHEMES[0]
@@ -107,7 +108,7 @@ static void test_levels_add_up(void **state)
     // Square-root-three subdivision treats boundaries in turns.
     for (size_t s = 0; s < SCHEME_COUNT; s++)
     {
-        bool in_turns = SCHEMES[s] == BAT_MESH_SQRT3;
+        bool in_turns = SCHEMES[s] == BAT_MESH_SCHEME_SQRT3;
         bat_mesh one = refine(&joined, SCHEMES[s], in_turns ? 2 : 1), two = refine(&one, SCHEMES[s], 2);
         bat_mesh both = refine(&joined, SCHEMES[s], in_turns ? 4 : 3);
         check_same_mesh(&two, &both, 1e-13);
@@ -207,7 +208,7 @@ static void test_topology_stays(void **state)
         for (size_t s = 0; s < SCHEME_COUNT; s++)
         {
             bat_mesh fine = refine(&meshes[i], SCHEMES[s], 3);
-            size_t factor = SCHEMES[s] == BAT_MESH_SQRT3 ? 27 : 64;
+            size_t factor = SCHEMES[s] == BAT_MESH_SCHEME_SQRT3 ? 27 : 64;
             assert_int_equal(fine.face_count, factor * meshes[i].face_count);
             assert_int_equal(euler_characteristic(&fine), expected[i]);
             check_status(bat_mesh_check(&fine, NULL), BAT_OK);
@@ -219,7 +220,7 @@ static void test_topology_stays(void **state)
 
 static bool interpolates(bat_mesh_scheme scheme)
 {
-    return scheme == BAT_MESH_MIDPOINT || scheme == BAT_MESH_BUTTERFLY;
+    return scheme == BAT_MESH_SCHEME_MIDPOINT || scheme == BAT_MESH_SCHEME_BUTTERFLY;
 }
 
 static void test_vertices_stay(void **state)
@@ -247,7 +248,7 @@ static void test_threads(void **state)
         bat_mesh_refine_options options = bat_mesh_refine_defaults();
         options.scheme = SCHEMES[s];
         options.levels = 3;
-        options.limit = SCHEMES[s] == BAT_MESH_LOOP;
+        options.limit = SCHEMES[s] == BAT_MESH_SCHEME_LOOP;
         options.threads = 1;
         bat_mesh one = refine_with(&mesh, &options);
         for (int threads = 2; threads <= 5; threads += 3)
@@ -284,7 +285,7 @@ static void test_renumbering(void **state)
     for (size_t s = 0; s < SCHEME_COUNT; s++)
     {
         bat_mesh one = refine(&mesh, SCHEMES[s], 1), two = refine(&other, SCHEMES[s], 1);
-        for (size_t f = 0; f < faces && SCHEMES[s] != BAT_MESH_SQRT3; f++)
+        for (size_t f = 0; f < faces && SCHEMES[s] != BAT_MESH_SCHEME_SQRT3; f++)
             for (size_t c = 0; c < 3; c++)
             {
                 // The faces at a corner hold the vertex and the new ones of its two edges.
@@ -352,16 +353,16 @@ static double quartic(double x, double y)
 static void test_polynomials(void **state)
 {
     (void)state;
-    assert_true(worst_height(BAT_MESH_MIDPOINT, linear) < 1e-12);
-    assert_true(worst_height(BAT_MESH_LOOP, linear) < 1e-12);
-    assert_true(worst_height(BAT_MESH_BUTTERFLY, linear) < 1e-12);
-    assert_true(worst_height(BAT_MESH_SQRT3, linear) < 1e-12);
-    assert_true(worst_height(BAT_MESH_BUTTERFLY, bowl) < 1e-11);
-    assert_true(worst_height(BAT_MESH_BUTTERFLY, cubic) < 1e-9);
-    assert_true(worst_height(BAT_MESH_BUTTERFLY, quartic) > 1e-3);
+    assert_true(worst_height(BAT_MESH_SCHEME_MIDPOINT, linear) < 1e-12);
+    assert_true(worst_height(BAT_MESH_SCHEME_LOOP, linear) < 1e-12);
+    assert_true(worst_height(BAT_MESH_SCHEME_BUTTERFLY, linear) < 1e-12);
+    assert_true(worst_height(BAT_MESH_SCHEME_SQRT3, linear) < 1e-12);
+    assert_true(worst_height(BAT_MESH_SCHEME_BUTTERFLY, bowl) < 1e-11);
+    assert_true(worst_height(BAT_MESH_SCHEME_BUTTERFLY, cubic) < 1e-9);
+    assert_true(worst_height(BAT_MESH_SCHEME_BUTTERFLY, quartic) > 1e-3);
     // Harmonic heights have no mean curvature, which is all that Loop's scheme smooths away; a bowl it shifts.
-    assert_true(worst_height(BAT_MESH_LOOP, saddle) < 1e-11);
-    assert_true(worst_height(BAT_MESH_LOOP, bowl) > 1e-3);
+    assert_true(worst_height(BAT_MESH_SCHEME_LOOP, saddle) < 1e-11);
+    assert_true(worst_height(BAT_MESH_SCHEME_LOOP, bowl) > 1e-3);
 }
 
 /// Loop's regular rule is that of the box spline, which takes quadratics to quadratics: a bowl is lifted everywhere alike.
@@ -371,7 +372,7 @@ static void test_loop_lifts_a_bowl(void **state)
     bat_mesh grid = mesh_grid(13, 13);
     for (size_t v = 0; v < grid.vertex_count; v++)
         grid.positions[3 * v + 2] = bowl(grid.positions[3 * v], grid.positions[3 * v + 1]);
-    bat_mesh fine = refine(&grid, BAT_MESH_LOOP, 1);
+    bat_mesh fine = refine(&grid, BAT_MESH_SCHEME_LOOP, 1);
     double lift = NAN;
     for (size_t v = 0; v < fine.vertex_count; v++)
     {
@@ -490,7 +491,7 @@ static void test_texture(void **state)
 {
     (void)state;
     bat_mesh mesh = seamed_grid();
-    bat_mesh fine = refine(&mesh, BAT_MESH_MIDPOINT, 3), loop = refine(&mesh, BAT_MESH_LOOP, 3);
+    bat_mesh fine = refine(&mesh, BAT_MESH_SCHEME_MIDPOINT, 3), loop = refine(&mesh, BAT_MESH_SCHEME_LOOP, 3);
     assert_int_equal(fine.texture_count, fine.vertex_count + 3 * 8 + 1);
     size_t right = 0;
     for (size_t i = 0; i < 3 * fine.face_count; i++)
@@ -538,21 +539,21 @@ static void test_refusals(void **state)
     check_refused(&mesh, &options, BAT_TOO_LARGE);
     options.levels = SIZE_MAX;
     check_refused(&mesh, &options, BAT_TOO_LARGE);
-    options.scheme = BAT_MESH_SQRT3;
+    options.scheme = BAT_MESH_SCHEME_SQRT3;
     check_refused(&mesh, &options, BAT_TOO_LARGE);
     options = bat_mesh_refine_defaults();
     options.crease_angle = NAN;
     check_refused(&mesh, &options, BAT_INVALID_ARGUMENT);
     options.crease_angle = 1;
-    options.scheme = BAT_MESH_BUTTERFLY;
+    options.scheme = BAT_MESH_SCHEME_BUTTERFLY;
     check_refused(&mesh, &options, BAT_UNSUPPORTED);
     options = bat_mesh_refine_defaults();
-    options.scheme = BAT_MESH_LEARNED;
+    options.scheme = BAT_MESH_SCHEME_LEARNED;
     check_refused(&mesh, &options, BAT_INVALID_ARGUMENT);
     options.scheme = (bat_mesh_scheme)17;
     check_refused(&mesh, &options, BAT_INVALID_ARGUMENT);
     options = bat_mesh_refine_defaults();
-    options.scheme = BAT_MESH_SQRT3;
+    options.scheme = BAT_MESH_SCHEME_SQRT3;
     options.limit = true;
     check_refused(&mesh, &options, BAT_UNSUPPORTED);
     options = bat_mesh_refine_defaults();
@@ -577,7 +578,7 @@ static void test_no_levels(void **state)
     bat_mesh mesh = seamed_grid();
     for (size_t s = 0; s < SCHEME_COUNT; s++)
     {
-        if (SCHEMES[s] == BAT_MESH_SQRT3)
+        if (SCHEMES[s] == BAT_MESH_SCHEME_SQRT3)
             continue;
         bat_mesh same = refine(&mesh, SCHEMES[s], 0);
         check_same_mesh(&same, &mesh, 0);
@@ -596,7 +597,7 @@ static bat_status lift(const bat_mesh_rule *rule, const bat_mesh *coarse, const 
     assert_ptr_equal(rule->context, coarse);
     assert_int_equal(connectivity->vertex_count, coarse->vertex_count);
     assert_null(fine->texture);
-    bat_mesh halved = refine(coarse, BAT_MESH_MIDPOINT, levels);
+    bat_mesh halved = refine(coarse, BAT_MESH_SCHEME_MIDPOINT, levels);
     assert_int_equal(halved.vertex_count, fine->vertex_count);
     assert_memory_equal(halved.faces, fine->faces, 3 * fine->face_count * sizeof *fine->faces);
     for (size_t i = 0; i < 3 * fine->vertex_count; i++)
@@ -613,14 +614,14 @@ static void test_learned(void **state)
     bat_mesh mesh = seamed_grid();
     bat_mesh_rule rule = {.levels = 2, .context = &mesh, .refine = lift};
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
-    options.scheme = BAT_MESH_LEARNED;
-    options.then = BAT_MESH_MIDPOINT;
+    options.scheme = BAT_MESH_SCHEME_LEARNED;
+    options.then = BAT_MESH_SCHEME_MIDPOINT;
     options.rule = &rule;
     for (size_t levels = 0; levels <= 4; levels++)
     {
         options.levels = levels;
         size_t fallback = 1;
-        bat_mesh fine, halved = refine(&mesh, BAT_MESH_MIDPOINT, levels);
+        bat_mesh fine, halved = refine(&mesh, BAT_MESH_SCHEME_MIDPOINT, levels);
         check_status(bat_mesh_refine(&mesh, &options, &fine, &fallback, NULL), BAT_OK);
         assert_int_equal(fallback, levels == 0 ? 0 : 5);
         for (size_t i = 0; i < 3 * halved.vertex_count; i++)

@@ -103,11 +103,11 @@ static void check_boundary(bat_mesh_scheme scheme, size_t levels, size_t arity, 
 static void test_boundaries_are_curves(void **state)
 {
     (void)state;
-    check_boundary(BAT_MESH_LOOP, 3, 2, CUBIC, 3);
-    check_boundary(BAT_MESH_BUTTERFLY, 3, 2, FOUR_POINT, 3);
-    check_boundary(BAT_MESH_MIDPOINT, 3, 2, HALVES, 3);
-    check_boundary(BAT_MESH_SQRT3, 4, 3, THIRDS, 2);
-    check_boundary(BAT_MESH_SQRT3, 3, 3, THIRDS, 1);
+    check_boundary(BAT_MESH_SCHEME_LOOP, 3, 2, CUBIC, 3);
+    check_boundary(BAT_MESH_SCHEME_BUTTERFLY, 3, 2, FOUR_POINT, 3);
+    check_boundary(BAT_MESH_SCHEME_MIDPOINT, 3, 2, HALVES, 3);
+    check_boundary(BAT_MESH_SCHEME_SQRT3, 4, 3, THIRDS, 2);
+    check_boundary(BAT_MESH_SCHEME_SQRT3, 3, 3, THIRDS, 1);
 }
 
 enum
@@ -139,7 +139,7 @@ static void test_creases_are_curves(void **state)
     polygon curve = {.points = mesh_room(AROUND, 3 * sizeof *curve.points), .count = AROUND};
     for (size_t i = 0; i < AROUND; i++)
         memcpy(curve.points + 3 * i, mesh.positions + 3 * i * ACROSS, 3 * sizeof *curve.points);
-    bat_mesh fine = refine(&mesh, BAT_MESH_LOOP, 3, false);
+    bat_mesh fine = refine(&mesh, BAT_MESH_SCHEME_LOOP, 3, false);
     for (int level = 0; level < 3; level++)
         refine_polygon(&curve, 2, CUBIC);
     assert_int_equal(fine.crease_count, 8 * AROUND);
@@ -172,16 +172,17 @@ static void test_sharpness_wears_off(void **state)
 {
     (void)state;
     bat_mesh ever = creased_torus(BAT_MESH_SHARP), two = creased_torus(2);
-    bat_mesh fine_ever = refine(&ever, BAT_MESH_LOOP, 2, false), fine_two = refine(&two, BAT_MESH_LOOP, 2, false);
+    bat_mesh fine_ever = refine(&ever, BAT_MESH_SCHEME_LOOP, 2, false),
+             fine_two = refine(&two, BAT_MESH_SCHEME_LOOP, 2, false);
     check_same_positions(&fine_ever, &fine_two, 0);
     assert_int_equal(fine_two.crease_count, 0);
-    bat_mesh one = refine(&two, BAT_MESH_LOOP, 1, false);
+    bat_mesh one = refine(&two, BAT_MESH_SCHEME_LOOP, 1, false);
     assert_int_equal(one.crease_count, 2 * AROUND);
     assert_true(one.creases[0].sharpness == 1);
     bat_mesh_free(&fine_ever);
     bat_mesh_free(&fine_two);
-    fine_ever = refine(&ever, BAT_MESH_LOOP, 3, false);
-    fine_two = refine(&two, BAT_MESH_LOOP, 3, false);
+    fine_ever = refine(&ever, BAT_MESH_SCHEME_LOOP, 3, false);
+    fine_two = refine(&two, BAT_MESH_SCHEME_LOOP, 3, false);
     assert_true(memcmp(fine_ever.positions, fine_two.positions, 3 * fine_two.vertex_count * sizeof *fine_two.positions) !=
                 0);
     bat_mesh_free(&ever);
@@ -196,8 +197,8 @@ static void test_fractions_blend(void **state)
 {
     (void)state;
     bat_mesh none = creased_torus(0), quarter = creased_torus(0.25), ever = creased_torus(BAT_MESH_SHARP);
-    bat_mesh smooth = refine(&none, BAT_MESH_LOOP, 1, false), sharp = refine(&ever, BAT_MESH_LOOP, 1, false);
-    bat_mesh between = refine(&quarter, BAT_MESH_LOOP, 1, false);
+    bat_mesh smooth = refine(&none, BAT_MESH_SCHEME_LOOP, 1, false), sharp = refine(&ever, BAT_MESH_SCHEME_LOOP, 1, false);
+    bat_mesh between = refine(&quarter, BAT_MESH_SCHEME_LOOP, 1, false);
     double most = 0;
     for (size_t i = 0; i < 3 * smooth.vertex_count; i++)
     {
@@ -218,7 +219,7 @@ static void test_corners_stay(void **state)
     mesh.corner_count = 2;
     mesh.corners[0] = (bat_mesh_corner){5, BAT_MESH_SHARP};
     mesh.corners[1] = (bat_mesh_corner){12, 2};
-    bat_mesh fine = refine(&mesh, BAT_MESH_LOOP, 3, true), two = refine(&mesh, BAT_MESH_LOOP, 2, false);
+    bat_mesh fine = refine(&mesh, BAT_MESH_SCHEME_LOOP, 3, true), two = refine(&mesh, BAT_MESH_SCHEME_LOOP, 2, false);
     assert_true(difference(fine.positions + 15, mesh.positions + 15) == 0);
     assert_true(difference(fine.positions + 36, mesh.positions + 36) > 0.01);
     assert_true(difference(two.positions + 36, mesh.positions + 36) == 0);
@@ -236,11 +237,11 @@ static void test_crease_angle(void **state)
     bat_mesh mesh = mesh_octahedron();
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.crease_angle = 1.2;
-    bat_mesh sharp = refine_with(&mesh, &options), halved = refine(&mesh, BAT_MESH_MIDPOINT, 2, false);
+    bat_mesh sharp = refine_with(&mesh, &options), halved = refine(&mesh, BAT_MESH_SCHEME_MIDPOINT, 2, false);
     check_same_positions(&sharp, &halved, 1e-15);
     assert_int_equal(sharp.crease_count, 4 * 12);
     options.crease_angle = 1.3;
-    bat_mesh smooth = refine_with(&mesh, &options), plain = refine(&mesh, BAT_MESH_LOOP, 2, false);
+    bat_mesh smooth = refine_with(&mesh, &options), plain = refine(&mesh, BAT_MESH_SCHEME_LOOP, 2, false);
     check_same_positions(&smooth, &plain, 0);
     assert_int_equal(smooth.crease_count, 0);
     bat_mesh *all[] = {&mesh, &sharp, &halved, &smooth, &plain};
@@ -274,11 +275,12 @@ static bat_mesh sharp_mesh(void)
 static void test_limit_is_fixed(void **state)
 {
     (void)state;
-    bat_mesh mesh = sharp_mesh(), now = refine(&mesh, BAT_MESH_LOOP, 0, true), later = refine(&mesh, BAT_MESH_LOOP, 3, true);
+    bat_mesh mesh = sharp_mesh(), now = refine(&mesh, BAT_MESH_SCHEME_LOOP, 0, true),
+             later = refine(&mesh, BAT_MESH_SCHEME_LOOP, 3, true);
     for (size_t v = 0; v < mesh.vertex_count; v++)
         assert_true(difference(now.positions + 3 * v, later.positions + 3 * v) < 1e-13 * 3);
     // And vertices tend there.
-    bat_mesh far = refine(&mesh, BAT_MESH_LOOP, 6, false);
+    bat_mesh far = refine(&mesh, BAT_MESH_SCHEME_LOOP, 6, false);
     for (size_t v = 0; v < mesh.vertex_count; v++)
         assert_true(difference(now.positions + 3 * v, far.positions + 3 * v) < 0.03);
     bat_mesh *all[] = {&mesh, &now, &later, &far};
@@ -309,7 +311,7 @@ static unsigned *count_sharp(const bat_mesh *mesh)
 static void test_normals_are_fixed(void **state)
 {
     (void)state;
-    bat_mesh mesh = sharp_mesh(), fine = refine(&mesh, BAT_MESH_LOOP, 2, false);
+    bat_mesh mesh = sharp_mesh(), fine = refine(&mesh, BAT_MESH_SCHEME_LOOP, 2, false);
     double *now = mesh_room(mesh.vertex_count, 3 * sizeof *now), *later = mesh_room(fine.vertex_count, 3 * sizeof *later);
     check_status(bat_mesh_limit_normals(&mesh, 1, now, NULL), BAT_OK);
     check_status(bat_mesh_limit_normals(&fine, 2, later, NULL), BAT_OK);

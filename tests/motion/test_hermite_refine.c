@@ -305,7 +305,7 @@ static void linear_schemes_reproduce_cubics(void **state)
             cubic(i, &points[i], &slopes[i]);
         bat_hermite_curve coarse = {.space = &line, .points = points, .tangents = slopes, .count = 6};
         bat_hermite_options how = transport(masks[k % 2], 2);
-        how.base = k < 2 ? BAT_BASE_VERTEX : BAT_BASE_MIDPOINT;
+        how.base = k < 2 ? BAT_CURVE_BASE_VERTEX : BAT_CURVE_BASE_MIDPOINT;
         bat_hermite_curve fine = hermite_refined(&coarse, &how);
         for (size_t i = k % 2 == 0 ? 0 : 4; i < (k % 2 == 0 ? 21 : 18); i++)
         {
@@ -371,8 +371,8 @@ static void geodesic_averages_of_points(void **state)
             how.scheme = bat_curve_scheme_linear(bat_mask_lane_riesenfeld(order));
             check_status(bat_curve_refine(&coarse, &how, &b, NULL), BAT_OK);
             how.scheme = bat_curve_scheme_log_exp(bat_mask_lane_riesenfeld(order));
-            how.scheme.base = order % 3 == 0 ? BAT_BASE_MIDPOINT : BAT_BASE_VERTEX;
-            how.ends = BAT_END_REFLECT;
+            how.scheme.base = order % 3 == 0 ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
+            how.ends = BAT_CURVE_END_REFLECT;
             check_status(bat_curve_refine(&coarse, &how, &c, NULL), BAT_OK);
             assert_int_equal(a.count, b.count);
             assert_int_equal(a.count, c.count);

@@ -269,8 +269,8 @@ static double value_of(profile_function function, const geometry_polygon *polygo
         return weighted_rows(rows, edges, geometry_stencil_size(STENCIL), STRIDE, by);
     case TENSION_OUTWARD:
     case TENSION_PRINTED:
-        geometry_tension_angles(polygon, profile, -0.25, function == TENSION_OUTWARD ? BAT_ANGLE_OUTWARD : BAT_ANGLE_PRINTED,
-                                rows);
+        geometry_tension_angles(polygon, profile, -0.25,
+                                function == TENSION_OUTWARD ? BAT_CURVE_ANGLE_OUTWARD : BAT_CURVE_ANGLE_PRINTED, rows);
         return weighted_rows(rows, edges, 1, 1, by);
     case SMOOTHNESS:
         return geometry_smoothness(polygon, profile);
@@ -300,7 +300,8 @@ static void gradient_of(profile_function function, const geometry_polygon *polyg
     case TENSION_OUTWARD:
     case TENSION_PRINTED:
         geometry_tension_angles_back(polygon, profile, -0.25,
-                                     function == TENSION_OUTWARD ? BAT_ANGLE_OUTWARD : BAT_ANGLE_PRINTED, by, gradient);
+                                     function == TENSION_OUTWARD ? BAT_CURVE_ANGLE_OUTWARD : BAT_CURVE_ANGLE_PRINTED, by,
+                                     gradient);
         return;
     case SMOOTHNESS:
         geometry_smoothness_back(polygon, profile, 1, gradient);
@@ -373,9 +374,10 @@ static void tension_angles_are_limited(void **state)
     const double ones[] = {1, 1, 1, 1, 1, 1};
     geometry_polygon polygon = {NULL, 6, GEOMETRY_PLANE, true};
     geometry_profile profile = {angles, lengths};
-    geometry_tension_angles(&polygon, profile, -2, BAT_ANGLE_OUTWARD, insertion);
-    assert_true(insertion[0] == -BAT_ANGLE_LIMIT && insertion[3] == BAT_ANGLE_LIMIT);
-    geometry_tension_angles_back(&polygon, profile, -2, BAT_ANGLE_OUTWARD, ones, (geometry_profile){gradients, lengths});
+    geometry_tension_angles(&polygon, profile, -2, BAT_CURVE_ANGLE_OUTWARD, insertion);
+    assert_true(insertion[0] == -BAT_CURVE_ANGLE_LIMIT && insertion[3] == BAT_CURVE_ANGLE_LIMIT);
+    geometry_tension_angles_back(&polygon, profile, -2, BAT_CURVE_ANGLE_OUTWARD, ones,
+                                 (geometry_profile){gradients, lengths});
     // Only edges 2 and 5, whose angles cancel, are not limited; vertex 1 is an outer one of both.
     check_near(gradients[2], -0.375, 1e-15);
     check_near(gradients[1], 0.5, 1e-15);
@@ -539,11 +541,11 @@ static void check_measures(const geometry_polygon *polygon, const weights *by)
     bat_curve curve = {
         .space = &space, .points = (double *)(uintptr_t)polygon->points, .count = polygon->count, .closed = polygon->closed};
     bat_curve truth = {.space = &space, .points = (double *)(uintptr_t)by->truth, .count = TRUTH, .closed = true};
-    bat_fairness fairness;
+    bat_curve_fairness_values fairness;
     bat_curve_distance distance;
     check_status(bat_curve_fairness(&curve, NULL, &fairness, NULL), BAT_OK);
     check_status(bat_curve_compare(&curve, &truth, NULL, &distance, NULL), BAT_OK);
-    check_relative(geometry_bending(polygon, profile, BAT_BENDING_OFFSET), fairness.bending, 1e-13);
+    check_relative(geometry_bending(polygon, profile, BAT_CURVE_BENDING_OFFSET), fairness.bending, 1e-13);
     size_t of_points[MAX_COUNT], of_truth[TRUTH];
     check_relative(geometry_chamfer(polygon->points, polygon->count, by->truth, TRUTH, space.point_dim,
                                     (geometry_matches){of_points, of_truth}),

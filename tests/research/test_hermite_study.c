@@ -42,7 +42,7 @@ static void interpolation_is_of_fourth_order(void **state)
         bat_hermite_options how = bat_hermite_defaults();
         how.levels = 3;
         how.kind = kind == 0 ? BAT_HERMITE_LANE_RIESENFELD : BAT_HERMITE_TRANSPORT;
-        how.base = kind == 1 ? BAT_BASE_MIDPOINT : BAT_BASE_VERTEX;
+        how.base = kind == 1 ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
         check_fourth_order(&curve, (study_setup){.count = closed ? 64 : 49, .closed = closed, .options = &how});
         study_curve_free(&curve);
     }

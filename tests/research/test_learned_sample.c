@@ -20,7 +20,7 @@ static void check_step(learn_tape *tape, const learn_parameters *parameters, con
                        double fairness)
 {
     bat_space space = space_of(polygon->surface);
-    const bat_angle_rule rule = learned_rule(parameters->values);
+    const bat_curve_angle_rule rule = learned_rule(parameters->values);
     bat_curve coarse = {
         .space = &space, .points = (double *)(uintptr_t)polygon->points, .count = polygon->count, .closed = polygon->closed};
     bat_curve_refine_options how = by_rule(&rule, fairness, 1);
@@ -209,14 +209,14 @@ static void check_terms(fixture *f)
 {
     learned_loss loss = loss_of(f, NULL);
     bat_space space = space_of(f->sample.control.surface);
-    const bat_angle_rule rule = learned_rule(f->parameters.values);
+    const bat_curve_angle_rule rule = learned_rule(f->parameters.values);
     bool closed = f->sample.control.closed;
     bat_curve coarse = {.space = &space, .points = f->points, .count = f->sample.control.count, .closed = closed};
     bat_curve truth = {.space = &space, .points = f->truth, .count = TRUTH, .closed = true};
     bat_curve_refine_options how = by_rule(&rule, f->fairness, f->steps);
     bat_curve fine = refined(&coarse, &how);
     bat_curve_distance distance;
-    bat_fairness fairness;
+    bat_curve_fairness_values fairness;
     check_status(bat_curve_compare(&fine, &truth, NULL, &distance, NULL), BAT_OK);
     check_status(bat_curve_fairness(&fine, NULL, &fairness, NULL), BAT_OK);
     double expected_distance = closed ? distance.mean_symmetric : distance.mean_nn, tolerance = DOUBLE ? 1e-9 : 1e-3;

@@ -15,8 +15,9 @@ enum
     METHODS = 3
 };
 
-static const bat_mesh_method SCHEMES[METHODS] = {
-    {"loop", BAT_MESH_LOOP, NULL}, {"butterfly", BAT_MESH_BUTTERFLY, NULL}, {"midpoint", BAT_MESH_MIDPOINT, NULL}};
+static const bat_mesh_method SCHEMES[METHODS] = {{"loop", BAT_MESH_SCHEME_LOOP, NULL},
+                                                 {"butterfly", BAT_MESH_SCHEME_BUTTERFLY, NULL},
+                                                 {"midpoint", BAT_MESH_SCHEME_MIDPOINT, NULL}};
 
 static char root[40];
 static bat_mesh shape;

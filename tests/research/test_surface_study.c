@@ -7,10 +7,10 @@
 #include <unistd.h>
 
 static const bat_surface_method METHODS[] = {
-    {"uniform", BAT_SURFACE_UNIFORM, false, NULL, false},
-    {"inverse-distance", BAT_SURFACE_INVERSE_DISTANCE, false, NULL, false},
-    {"shape-preserving", BAT_SURFACE_SHAPE_PRESERVING, false, NULL, false},
-    {"published", BAT_SURFACE_SHAPE_PRESERVING, true, NULL, false},
+    {"uniform", BAT_SURFACE_PARAMETERS_UNIFORM, false, NULL, false},
+    {"inverse-distance", BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE, false, NULL, false},
+    {"shape-preserving", BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, false, NULL, false},
+    {"published", BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, true, NULL, false},
 };
 enum
 {
@@ -125,7 +125,7 @@ static void what_is_wrong_is_refused(void **state)
     bat_surface_score score;
     bat_surface_study_options options = bat_surface_study_defaults();
     const bat_surface_case what = {50, 0, 2};
-    const bat_surface_method bad = {"auto", BAT_SURFACE_AUTO, false, NULL, false};
+    const bat_surface_method bad = {"auto", BAT_SURFACE_PARAMETERS_AUTO, false, NULL, false};
     check_status(bat_surface_study_clouds(&what, &bad, 1, &options, &score, &error), BAT_INVALID_ARGUMENT);
     options.clouds = 0;
     check_status(bat_surface_study_clouds(&what, METHODS, 1, &options, &score, &error), BAT_INVALID_ARGUMENT);

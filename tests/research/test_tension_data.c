@@ -348,7 +348,7 @@ static void the_track_gives_the_known_figures(void **state)
         bat_curve_refine_options options = bat_curve_refine_defaults();
         bat_curve fine;
         bat_curve_distance distance;
-        bat_fairness fairness;
+        bat_curve_fairness_values fairness;
         check_status(bat_curve_scheme_by_name(rows[i].scheme, &options.scheme, NULL), BAT_OK);
         check_status(bat_curve_refine(&control, &options, &fine, NULL), BAT_OK);
         check_status(bat_curve_compare(&fine, &truth, NULL, &distance, NULL), BAT_OK);

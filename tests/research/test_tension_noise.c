@@ -55,7 +55,7 @@ static void the_seed_decides_the_noise(void **state)
 {
     (void)state;
     bat_tension_noise_options options = bat_tension_noise_defaults();
-    bat_curve_scheme scheme = bat_curve_scheme_angle(BAT_TENSION_SIX_POINT);
+    bat_curve_scheme scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_SIX_POINT);
     bat_tension_noise_row row, same, other;
     options.threads = 1;
     check_status(bat_tension_table2_method("mine", &scheme, &options, &row, NULL), BAT_OK);
@@ -73,7 +73,7 @@ static void the_seed_decides_the_noise(void **state)
     check_near(other.g1[5].mean, other.g1[1].mean, 0);
     check_near(same.published_g1[2], 0.287, 0);
     assert_true(isnan(row.published_g1[0]));
-    check_near(same.tension, BAT_TENSION_SIX_POINT, 0);
+    check_near(same.tension, BAT_CURVE_TENSION_SIX_POINT, 0);
 }
 
 static bool stop(void *context, double fraction)

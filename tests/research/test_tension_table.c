@@ -117,9 +117,9 @@ static const char *const SPACES[] = {"plane", "sphere", "disk"};
 
 static void own_methods(bat_tension_method *own)
 {
-    own[0] = (bat_tension_method){"mine", 0.25, bat_curve_scheme_angle(BAT_TENSION_SIX_POINT)};
+    own[0] = (bat_tension_method){"mine", 0.25, bat_curve_scheme_angle(BAT_CURVE_TENSION_SIX_POINT)};
     own[1] = (bat_tension_method){BAT_TENSION_LEARNED_PUBLISHED, NAN,
-                                  bat_curve_scheme_log_exp(bat_mask_four_point(BAT_FOUR_POINT_WEIGHT))};
+                                  bat_curve_scheme_log_exp(bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT))};
 }
 
 static void own_methods_meet_the_built_in_ones(void **state)
@@ -193,7 +193,7 @@ static void a_method_on_the_track_is_a_row(void **state)
 {
     (void)state;
     bat_tension_row rows[BAT_TENSION_METHODS], mine;
-    const bat_tension_method own = {"mine", 1, bat_curve_scheme_angle(BAT_TENSION_FOUR_POINT)};
+    const bat_tension_method own = {"mine", 1, bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT)};
     check_status(bat_tension_table5(rows, 0, (bat_progress){0}, NULL), BAT_OK);
     check_status(bat_tension_table5_methods(&own, 1, &mine, 0, (bat_progress){0}, NULL), BAT_OK);
     check_near(mine.mean_nn.mean, find(rows, BAT_TENSION_METHODS, "sphere", "four-point-outward")->mean_nn.mean, 0);

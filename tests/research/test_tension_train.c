@@ -254,7 +254,7 @@ static void midpoints_keep_the_largest_angle(void **state)
         double g1 = 0;
         for (size_t i = 0; i < set->count; i++)
         {
-            bat_fairness fairness;
+            bat_curve_fairness_values fairness;
             bat_curve control = bat_tension_control(set, i, &spaces[space]);
             check_status(bat_curve_fairness(&control, NULL, &fairness, NULL), BAT_OK);
             g1 += fairness.g1 / (double)set->count;
@@ -292,7 +292,7 @@ static void distances_are_those_of_the_library(void **state)
     bat_curve fine = {.space = &sphere, .points = (double *)polygon->shape.points, .count = 384, .closed = true};
     bat_curve truth = bat_tension_truth(sets + BAT_TENSION_SPHERE, 0, &sphere);
     bat_curve_distance distance;
-    bat_fairness fairness;
+    bat_curve_fairness_values fairness;
     check_status(bat_curve_compare(&fine, &truth, NULL, &distance, NULL), BAT_OK);
     check_status(bat_curve_fairness(&fine, NULL, &fairness, NULL), BAT_OK);
     check_relative(scores[BAT_TENSION_SPHERE].mean_nn, distance.mean_nn, 1e-12);

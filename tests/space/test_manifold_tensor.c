@@ -6,8 +6,8 @@
 
 enum
 {
-    NUMBERS = BAT_TENSOR_MAX_SIDE * (BAT_TENSOR_MAX_SIDE + 1) / 2,
-    AREA = BAT_TENSOR_MAX_SIDE * BAT_TENSOR_MAX_SIDE
+    NUMBERS = BAT_POSITIVE_DEFINITE_MAX_SIDE * (BAT_POSITIVE_DEFINITE_MAX_SIDE + 1) / 2,
+    AREA = BAT_POSITIVE_DEFINITE_MAX_SIDE * BAT_POSITIVE_DEFINITE_MAX_SIDE
 };
 
 static void identities_hold(void **state)
@@ -99,23 +99,23 @@ static void congruence_changes_nothing(void **state)
         double d = space.distance(&space, p, q);
         check_near(space.distance(&space, gp, gq), d, 1e-12 * (1 + d));
         check_status(space.log(&space, p, q, v), BAT_OK);
-        check_status(bat_tensor_velocity(&space, p, v, u), BAT_OK);
+        check_status(bat_positive_definite_velocity(&space, p, v, u), BAT_OK);
         congruent(n, g, u, expected);
         check_status(space.log(&space, gp, gq, v), BAT_OK);
-        check_status(bat_tensor_velocity(&space, gp, v, image), BAT_OK);
+        check_status(bat_positive_definite_velocity(&space, gp, v, image), BAT_OK);
         for (size_t i = 0; i < space.tangent_dim; i++)
             check_near(image[i], expected[i], 1e-11);
         // transport commutes with it
         manifold_tangent(&space, &random, p, 1, u);
-        check_status(bat_tensor_velocity(&space, p, u, expected), BAT_OK);
+        check_status(bat_positive_definite_velocity(&space, p, u, expected), BAT_OK);
         congruent(n, g, expected, image);
-        check_status(bat_tensor_tangent(&space, gp, image, v), BAT_OK);
+        check_status(bat_positive_definite_tangent(&space, gp, image, v), BAT_OK);
         check_near(manifold_length(&space, gp, v), 1, 1e-11);
         check_status(space.transport(&space, gp, gq, v, image), BAT_OK);
         check_status(space.transport(&space, p, q, u, v), BAT_OK);
-        check_status(bat_tensor_velocity(&space, q, v, u), BAT_OK);
+        check_status(bat_positive_definite_velocity(&space, q, v, u), BAT_OK);
         congruent(n, g, u, expected);
-        check_status(bat_tensor_tangent(&space, gq, expected, v), BAT_OK);
+        check_status(bat_positive_definite_tangent(&space, gq, expected, v), BAT_OK);
         check_near(manifold_difference(&space, gq, v, image, 1), 0, 1e-11);
         check_status(space.geodesic(&space, p, q, 0.3, r), BAT_OK);
         congruent(n, g, r, gr);
@@ -139,8 +139,8 @@ static void coordinates_mean_what_they_say(void **state)
             v[i] = bat_random_normal(&random);
             w[i] = bat_random_normal(&random);
         }
-        check_status(bat_tensor_tangent(&space, p, v, s), BAT_OK);
-        check_status(bat_tensor_tangent(&space, p, w, t), BAT_OK);
+        check_status(bat_positive_definite_tangent(&space, p, v, s), BAT_OK);
+        check_status(bat_positive_definite_tangent(&space, p, w, t), BAT_OK);
         double det = p[0] * p[2] - p[1] * p[1], i[3] = {p[2] / det, -p[1] / det, p[0] / det};
         double a[4] = {i[0] * v[0] + i[1] * v[1], i[0] * v[1] + i[1] * v[2], i[1] * v[0] + i[2] * v[1],
                        i[1] * v[1] + i[2] * v[2]};
@@ -148,7 +148,7 @@ static void coordinates_mean_what_they_say(void **state)
                        i[1] * w[1] + i[2] * w[2]};
         double trace = a[0] * b[0] + a[1] * b[2] + a[2] * b[1] + a[3] * b[3];
         check_near(space.inner(&space, p, s, t), trace, 1e-11 * (1 + fabs(trace)));
-        check_status(bat_tensor_velocity(&space, p, s, back), BAT_OK);
+        check_status(bat_positive_definite_velocity(&space, p, s, back), BAT_OK);
         for (int k = 0; k < 3; k++)
         {
             check_near(back[k], v[k], 1e-12);
@@ -209,8 +209,8 @@ static void faults_are_named(void **state)
     check_status(space.exp(&space, good, back, p), BAT_INVALID_POINT);
     check_status(space.exp(&space, good, lost, p), BAT_INVALID_POINT);
     check_status(space.exp(&space, good, skew, p), BAT_INVALID_POINT);
-    check_status(bat_tensor_tangent(&space, indefinite, w, v), BAT_INVALID_POINT);
-    check_status(bat_tensor_velocity(&space, indefinite, w, v), BAT_INVALID_POINT);
+    check_status(bat_positive_definite_tangent(&space, indefinite, w, v), BAT_INVALID_POINT);
+    check_status(bat_positive_definite_velocity(&space, indefinite, w, v), BAT_INVALID_POINT);
 }
 
 int main(void)

@@ -25,7 +25,7 @@ static inline bat_analysis analyze_to_depth(bat_mask mask, size_t depth)
     return analysis;
 }
 
-static inline double weight(const bat_stencil *stencil, int offset)
+static inline double weight(const bat_mask_stencil *stencil, int offset)
 {
     const int k = offset - stencil->first;
     return k >= 0 && k < (int)stencil->count ? stencil->weights[k] : 0.0;
@@ -126,7 +126,7 @@ static inline row random_points(bat_random *random, int half)
     return points;
 }
 
-static inline double apply(const bat_stencil *stencil, const row *points, int at)
+static inline double apply(const bat_mask_stencil *stencil, const row *points, int at)
 {
     double sum = 0.0;
     for (size_t k = 0; k < stencil->count; ++k)

@@ -20,7 +20,7 @@ static inline size_t below(bat_random *random, size_t count)
 
 static inline bat_hierarchical_options random_options(bat_random *random, int most_degree)
 {
-    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_hierarchical_options options = bat_hierarchical_defaults();
     for (int d = 0; d < 2; d++)
     {
         options.degree[d] = 1 + (int)below(random, (size_t)most_degree);

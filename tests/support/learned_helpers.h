@@ -24,7 +24,7 @@ static inline learn_parameters random_weights(uint64_t seed)
 }
 
 /// A rule must outlive the options.
-static inline bat_curve_refine_options by_rule(const bat_angle_rule *rule, double fairness, size_t levels)
+static inline bat_curve_refine_options by_rule(const bat_curve_angle_rule *rule, double fairness, size_t levels)
 {
     bat_curve_refine_options how = bat_curve_refine_defaults();
     how.scheme = bat_curve_scheme_angle_rule(rule);

@@ -51,10 +51,10 @@ static inline bat_curve magnified(const bat_curve *curve, double factor)
 }
 
 /// Without the published offset.
-static inline bat_fairness fairness_of(const bat_curve *curve)
+static inline bat_curve_fairness_values fairness_of(const bat_curve *curve)
 {
     const bat_curve_measure_options options = {.bending_offset = 0};
-    bat_fairness fairness;
+    bat_curve_fairness_values fairness;
     check_status(bat_curve_fairness(curve, &options, &fairness, NULL), BAT_OK);
     return fairness;
 }

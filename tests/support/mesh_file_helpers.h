@@ -179,7 +179,7 @@ static inline bat_mesh through_file(const bat_mesh *mesh, bat_mesh_format format
 static inline void assert_text(const bat_mesh *mesh, bat_mesh_format format, const char *expected)
 {
     size_t size;
-    char *text = must_write(mesh, format, BAT_MESH_TEXT, &size);
+    char *text = must_write(mesh, format, BAT_MESH_ENCODING_TEXT, &size);
     assert_string_equal(text, expected);
     free(text);
 }

@@ -39,7 +39,7 @@ static inline bat_mesh split(const bat_mesh *mesh, size_t levels)
 {
     bat_mesh fine;
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
-    options.scheme = BAT_MESH_MIDPOINT;
+    options.scheme = BAT_MESH_SCHEME_MIDPOINT;
     options.levels = levels;
     check_status(bat_mesh_refine(mesh, &options, &fine, NULL, NULL), BAT_OK);
     return fine;

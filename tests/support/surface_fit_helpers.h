@@ -77,7 +77,7 @@ static inline void shape_biquadratic(double u, double v, double *point)
 /// A space of some bidegree that is refined here and there.
 static inline bat_hierarchical_space *refined_space(int degree_u, int degree_v, bool truncated)
 {
-    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_hierarchical_options options = bat_hierarchical_defaults();
     options.degree[0] = degree_u;
     options.degree[1] = degree_v;
     options.spans[0] = 3;

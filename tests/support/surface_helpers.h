@@ -26,7 +26,7 @@ static inline uint32_t random_below(bat_random *random, uint32_t limit)
 /// Refine a few random boxes of random levels.
 static inline bat_hierarchical_space *random_space(const surface_kind *kind, bat_random *random)
 {
-    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_hierarchical_options options = bat_hierarchical_defaults();
     memcpy(options.degree, kind->degree, sizeof options.degree);
     memcpy(options.spans, kind->spans, sizeof options.spans);
     options.truncated = kind->truncated;

@@ -401,18 +401,18 @@ static void test_boundary_parameters(void **state)
     cloud.has_corners = true;
     for (size_t k = 0; k < 4; k++)
         cloud.corners[k] = 2 + 6 * k;
-    check_status(bat_cloud_boundary_parameters(&cloud, BAT_SIDE_CHORD_LENGTH, parameters, NULL), BAT_OK);
+    check_status(bat_cloud_boundary_parameters(&cloud, BAT_CLOUD_SIDES_CHORD_LENGTH, parameters, NULL), BAT_OK);
     for (size_t i = 0; i < 24; i++)
         for (size_t k = 0; k < 2; k++)
             check_near(3 * parameters[2 * i + k], cloud.points[3 * i + k], 1e-14);
-    check_status(bat_cloud_boundary_parameters(&cloud, BAT_SIDE_UNIFORM, parameters, NULL), BAT_OK);
+    check_status(bat_cloud_boundary_parameters(&cloud, BAT_CLOUD_SIDES_UNIFORM, parameters, NULL), BAT_OK);
     for (size_t i = 0; i < 24; i++)
     {
         around_square((double)((i + 22) % 24) / 24, &u, &v);
         check_near(parameters[2 * i], u, 1e-15);
         check_near(parameters[2 * i + 1], v, 1e-15);
     }
-    check_status(bat_cloud_boundary_parameters(&cloud, BAT_SIDE_CENTRIPETAL, parameters, NULL), BAT_OK);
+    check_status(bat_cloud_boundary_parameters(&cloud, BAT_CLOUD_SIDES_CENTRIPETAL, parameters, NULL), BAT_OK);
     double whole = 0, reached = 0;
     for (size_t i = 0; i < 6; i++)
         whole += sqrt((i < 5 ? steps[i + 1] : 1) - steps[i]);
@@ -430,12 +430,12 @@ static void test_boundary_parameters(void **state)
     }
     cloud.has_corners = false;
     double found[48];
-    check_status(bat_cloud_boundary_parameters(&cloud, BAT_SIDE_CENTRIPETAL, found, NULL), BAT_OK);
+    check_status(bat_cloud_boundary_parameters(&cloud, BAT_CLOUD_SIDES_CENTRIPETAL, found, NULL), BAT_OK);
     assert_memory_equal(found, parameters, sizeof found);
     assert_false(cloud.has_corners);
-    check_status(bat_cloud_boundary_parameters(&cloud, (bat_side_parameters)3, found, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_cloud_boundary_parameters(&cloud, (bat_cloud_sides)3, found, NULL), BAT_INVALID_ARGUMENT);
     cloud.boundary_count = 0;
-    check_status(bat_cloud_boundary_parameters(&cloud, BAT_SIDE_UNIFORM, found, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_cloud_boundary_parameters(&cloud, BAT_CLOUD_SIDES_UNIFORM, found, NULL), BAT_INVALID_ARGUMENT);
     bat_cloud_free(&cloud);
 }
 

@@ -36,9 +36,9 @@ static void corners_turn_the_loop(void **state)
         // The loop and the triangles turn over together: parameters stay without a fold.
         double boundary[2 * 36], parameters[200];
         bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-        options.method = BAT_PARAMETERIZE_MEAN_VALUE;
-        bat_parameters_report report;
-        check_status(bat_cloud_boundary_parameters(&turned, BAT_SIDE_CHORD_LENGTH, boundary, NULL), BAT_OK);
+        options.method = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
+        bat_cloud_parameters_report report;
+        check_status(bat_cloud_boundary_parameters(&turned, BAT_CLOUD_SIDES_CHORD_LENGTH, boundary, NULL), BAT_OK);
         check_status(bat_cloud_parameterize(&turned, boundary, &options, parameters, NULL), BAT_OK);
         check_status(bat_cloud_parameters_check(&turned, parameters, &report, NULL), BAT_OK);
         assert_int_equal(report.folded, 0);
@@ -142,17 +142,17 @@ static void bad_parameters_are_refused(void **state)
 static void formats_have_names(void **state)
 {
     (void)state;
-    bat_cloud_format cloud = BAT_CLOUD_FROM_NAME;
-    bat_surface_format surface = BAT_SURFACE_FROM_NAME;
+    bat_cloud_format cloud = BAT_CLOUD_FORMAT_AUTO;
+    bat_surface_format surface = BAT_SURFACE_FORMAT_AUTO;
     check_status(bat_cloud_format_by_name("ply", &cloud, NULL), BAT_OK);
-    assert_int_equal(cloud, BAT_CLOUD_PLY);
+    assert_int_equal(cloud, BAT_CLOUD_FORMAT_PLY);
     check_status(bat_cloud_format_by_name("stl", &cloud, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(cloud, BAT_CLOUD_PLY);
+    assert_int_equal(cloud, BAT_CLOUD_FORMAT_PLY);
     check_status(bat_surface_format_by_name("step", &surface, NULL), BAT_OK);
-    assert_int_equal(surface, BAT_SURFACE_STEP);
+    assert_int_equal(surface, BAT_SURFACE_FORMAT_STEP);
     check_status(bat_surface_format_by_name("iges", &surface, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(bat_surface_format_of_path("a.b/c.STP"), BAT_SURFACE_STEP);
-    assert_int_equal(bat_surface_format_of_path("step"), BAT_SURFACE_FROM_NAME);
+    assert_int_equal(bat_surface_format_of_path("a.b/c.STP"), BAT_SURFACE_FORMAT_STEP);
+    assert_int_equal(bat_surface_format_of_path("step"), BAT_SURFACE_FORMAT_AUTO);
 }
 
 int main(void)

@@ -261,7 +261,7 @@ static void check_equal_spaces(const bat_hierarchical_space *a, const bat_hierar
     assert_int_equal(bat_hierarchical_space_functions(a), bat_hierarchical_space_functions(b));
     assert_int_equal(bat_hierarchical_space_cells(a), bat_hierarchical_space_cells(b));
     assert_int_equal(bat_hierarchical_space_levels(a), bat_hierarchical_space_levels(b));
-    assert_int_equal(bat_hierarchical_space_most_active(a), bat_hierarchical_space_most_active(b));
+    assert_int_equal(bat_hierarchical_space_max_active(a), bat_hierarchical_space_max_active(b));
     for (size_t f = 0; f < bat_hierarchical_space_functions(a); f++)
         assert_true(bat_hierarchical_space_find(b, bat_hierarchical_space_function(a, f)) == f);
     for (size_t c = 0; c < bat_hierarchical_space_cells(a); c++)
@@ -372,10 +372,10 @@ static void test_bad_input(void **state)
 {
     (void)state;
     bat_hierarchical_space *space;
-    bat_hierarchical_options options = bat_hierarchical_space_defaults(), bad = options;
+    bat_hierarchical_options options = bat_hierarchical_defaults(), bad = options;
     bad.degree[1] = 0;
     assert_int_equal(bat_hierarchical_space_make(&bad, &space, NULL), BAT_INVALID_ARGUMENT);
-    bad.degree[1] = BAT_SPLINE_MOST_DEGREE + 1;
+    bad.degree[1] = BAT_SPLINE_MAX_DEGREE + 1;
     assert_int_equal(bat_hierarchical_space_make(&bad, &space, NULL), BAT_INVALID_ARGUMENT);
     bad = options;
     bad.spans[0] = 0;
@@ -394,7 +394,7 @@ static void test_bad_input(void **state)
     check_refused(space, (bat_spline_box){1, {0, 0}, {1, 5}}, BAT_INVALID_ARGUMENT);
     check_refused(space, (bat_spline_box){0, {1, 1}, {1, 2}}, BAT_INVALID_ARGUMENT);
     check_refused(space, (bat_spline_box){0, {2, 1}, {1, 2}}, BAT_INVALID_ARGUMENT);
-    check_refused(space, (bat_spline_box){BAT_HIERARCHICAL_MOST_LEVELS - 1, {0, 0}, {1, 1}}, BAT_TOO_LARGE);
+    check_refused(space, (bat_spline_box){BAT_HIERARCHICAL_MAX_LEVELS - 1, {0, 0}, {1, 1}}, BAT_TOO_LARGE);
     check_refused(space, (bat_spline_box){UINT32_MAX, {0, 0}, {1, 1}}, BAT_TOO_LARGE);
     assert_int_equal(bat_hierarchical_space_refine(space, NULL, 0, NULL), BAT_OK);
     assert_int_equal(bat_hierarchical_space_functions(space), 20);
@@ -406,18 +406,18 @@ static void test_bad_input(void **state)
 static void test_most_levels(void **state)
 {
     (void)state;
-    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_hierarchical_options options = bat_hierarchical_defaults();
     options.spans[0] = options.spans[1] = 8;
     options.admissible = 2;
     bat_hierarchical_space *space = make_space(&options);
-    bat_spline_box corner = {.level = BAT_HIERARCHICAL_MOST_LEVELS - 2};
+    bat_spline_box corner = {.level = BAT_HIERARCHICAL_MAX_LEVELS - 2};
     for (int d = 0; d < 2; d++)
         corner.low[d] = (corner.high[d] = 8U << corner.level) - 1;
     refine_space(space, &corner, 1);
-    assert_int_equal(bat_hierarchical_space_levels(space), BAT_HIERARCHICAL_MOST_LEVELS);
+    assert_int_equal(bat_hierarchical_space_levels(space), BAT_HIERARCHICAL_MAX_LEVELS);
     size_t last = bat_hierarchical_space_locate(space, 1, 1);
     assert_true(last + 1 == bat_hierarchical_space_cells(space));
-    assert_int_equal(bat_hierarchical_space_cell(space, last).high[0], 8 << (BAT_HIERARCHICAL_MOST_LEVELS - 1));
+    assert_int_equal(bat_hierarchical_space_cell(space, last).high[0], 8 << (BAT_HIERARCHICAL_MAX_LEVELS - 1));
     assert_int_equal(bat_hierarchical_space_cell(space, bat_hierarchical_space_locate(space, 0, 0)).level, 0);
     assert_true(seen_levels(space) == 2);
     bat_hierarchical_space_free(space);

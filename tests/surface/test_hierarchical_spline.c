@@ -37,7 +37,7 @@ static void test_partition_of_unity(void **state)
     {
         bat_hierarchical_options options = random_options(&random, 5);
         bat_hierarchical_space *space = random_space(&random, &options, 5);
-        double *values = malloc(6 * bat_hierarchical_space_most_active(space) * sizeof *values);
+        double *values = malloc(6 * bat_hierarchical_space_max_active(space) * sizeof *values);
         assert_non_null(values);
         for (int k = 0; k < 100; k++)
         {
@@ -72,7 +72,7 @@ static void test_deep_partition_of_unity(void **state)
     bat_random random = bat_random_seed(2);
     for (int trial = 0; trial < 4; trial++)
     {
-        bat_hierarchical_options options = bat_hierarchical_space_defaults();
+        bat_hierarchical_options options = bat_hierarchical_defaults();
         options.degree[0] = DEGREES[trial][0];
         options.degree[1] = DEGREES[trial][1];
         options.spans[0] = 3;
@@ -83,7 +83,7 @@ static void test_deep_partition_of_unity(void **state)
         for (int d = 0; d < 2; d++)
             box.high[d] = 1 + (box.low[d] = (uint32_t)(at[d] * (double)(options.spans[d] << box.level)));
         refine_space(space, &box, 1);
-        double *values = malloc(bat_hierarchical_space_most_active(space) * sizeof *values);
+        double *values = malloc(bat_hierarchical_space_max_active(space) * sizeof *values);
         assert_non_null(values);
         for (size_t cell = 0; cell < bat_hierarchical_space_cells(space); cell++)
         {
@@ -107,7 +107,7 @@ static void test_deep_partition_of_unity(void **state)
 static void level_values(const bat_hierarchical_options *options, uint32_t level, int d, double t, double *values)
 {
     bat_knot_vector knots;
-    double alive[BAT_SPLINE_MOST_DEGREE + 1];
+    double alive[BAT_SPLINE_MAX_DEGREE + 1];
     size_t p = (size_t)options->degree[d];
     assert_int_equal(bat_knot_vector_uniform(options->degree[d], options->spans[d] << level, &knots, NULL), BAT_OK);
     memset(values, 0, bat_knot_vector_functions(&knots) * sizeof *values);
@@ -121,7 +121,7 @@ static void level_values(const bat_hierarchical_options *options, uint32_t level
 static void all_values(const bat_hierarchical_space *space, const double *parameter, double *values)
 {
     size_t cell = bat_hierarchical_space_locate(space, parameter[0], parameter[1]);
-    double *alive = malloc(bat_hierarchical_space_most_active(space) * sizeof *alive);
+    double *alive = malloc(bat_hierarchical_space_max_active(space) * sizeof *alive);
     const uint32_t *active;
     size_t count = bat_hierarchical_space_active(space, cell, &active);
     assert_non_null(alive);
@@ -172,7 +172,7 @@ static double *relation_make(const bat_hierarchical_options *options, uint32_t l
     size_t p = (size_t)options->degree[d], spans = options->spans[d] << level;
     assert_int_equal(bat_knot_vector_uniform(options->degree[d], spans, &coarse, NULL), BAT_OK);
     assert_int_equal(bat_knot_vector_uniform(options->degree[d], 2 * spans, &fine, NULL), BAT_OK);
-    double *relation = calloc((2 * spans + p) * (spans + p), sizeof *relation), weights[BAT_SPLINE_MOST_DEGREE + 1];
+    double *relation = calloc((2 * spans + p) * (spans + p), sizeof *relation), weights[BAT_SPLINE_MAX_DEGREE + 1];
     assert_non_null(relation);
     for (size_t k = 0; k < 2 * spans + p; k++)
     {

@@ -4,9 +4,9 @@
 
 #include "surface/cloud/orientation.h"
 
-static bat_parameters_report check(const patch *of, const double *parameters)
+static bat_cloud_parameters_report check(const patch *of, const double *parameters)
 {
-    bat_parameters_report report;
+    bat_cloud_parameters_report report;
     check_status(bat_cloud_parameters_check(&of->cloud, parameters, &report, NULL), BAT_OK);
     return report;
 }
@@ -20,9 +20,9 @@ static double *copy_parameters(const patch *of)
 }
 
 /// Repairs and returns what is left; the boundary must stay, the rest be in the square.
-static bat_parameters_report repair(const patch *of, double *parameters)
+static bat_cloud_parameters_report repair(const patch *of, double *parameters)
 {
-    bat_parameters_report report, again;
+    bat_cloud_parameters_report report, again;
     check_status(bat_cloud_parameters_repair(&of->cloud, parameters, &report, NULL), BAT_OK);
     again = check(of, parameters);
     assert_int_equal(report.folded, again.folded);
@@ -41,7 +41,7 @@ static void true_parameters_have_no_faults(void **state)
         for (uint64_t seed = 1; seed <= 3; seed++)
         {
             patch cloud = patch_scatter(surfaces[s], 25, 600, 0, seed);
-            bat_parameters_report report = check(&cloud, cloud.parameters);
+            bat_cloud_parameters_report report = check(&cloud, cloud.parameters);
             assert_int_equal(report.folded, 0);
             assert_int_equal(report.first, BAT_NO_INDEX);
             assert_int_equal(report.outside, 0);
@@ -80,7 +80,7 @@ static void orientation_is_the_boundarys(void **state)
     assert_int_equal(check(&cloud, mirrored).folded, 0);
     // The interior alone: now nearly all of it is turned over.
     memcpy(mirrored, cloud.parameters, 2 * cloud.cloud.boundary_count * sizeof *mirrored);
-    bat_parameters_report report = check(&cloud, mirrored);
+    bat_cloud_parameters_report report = check(&cloud, mirrored);
     assert_true(report.folded > 400);
     assert_true(report.first >= cloud.cloud.boundary_count);
     patch_free(&cloud);
@@ -141,11 +141,11 @@ static void folded_discs_are_found_and_undone(void **state)
     patch cloud = patch_scatter(patch_waves, 35, 1100, 0, 3);
     double *folded = copy_parameters(&cloud);
     size_t turned = fold_disc(&cloud, folded, 0.6, 0.4, 0.15);
-    bat_parameters_report before = check(&cloud, folded);
+    bat_cloud_parameters_report before = check(&cloud, folded);
     assert_true(before.folded > turned / 2 && before.folded < 2 * turned);
     const double *first = cloud.parameters + 2 * before.first;
     assert_true(hypot(first[0] - 0.6, first[1] - 0.4) < 0.25);
-    bat_parameters_report after = repair(&cloud, folded);
+    bat_cloud_parameters_report after = repair(&cloud, folded);
     assert_int_equal(after.folded, 0);
     assert_int_equal(after.coincident, 0);
     // Far from the disc nothing moved; within it all are near the truth.
@@ -184,9 +184,9 @@ static void garbage_is_repaired(void **state)
                             : kind == 1 ? 0.5
                             : kind == 2 ? NAN
                                         : 100 * bat_random_normal(&random);
-        bat_parameters_report before = check(&cloud, parameters);
+        bat_cloud_parameters_report before = check(&cloud, parameters);
         assert_true(before.folded + before.coincident + before.outside > 200);
-        bat_parameters_report after = repair(&cloud, parameters);
+        bat_cloud_parameters_report after = repair(&cloud, parameters);
         assert_int_equal(after.folded, 0);
         assert_int_equal(after.coincident, 0);
         patch_free(&cloud);
@@ -208,7 +208,7 @@ static void faults_are_counted(void **state)
     parameters[2 * (first + 3)] = -1e-9;
     parameters[2 * (first + 4) + 1] = 1.5;
     parameters[2 * (first + 5)] = NAN;
-    bat_parameters_report report = check(&cloud, parameters);
+    bat_cloud_parameters_report report = check(&cloud, parameters);
     assert_int_equal(report.coincident, 3);
     assert_int_equal(report.outside, 3);
     patch_free(&cloud);
@@ -224,7 +224,7 @@ static void meshes_are_checked_by_triangles(void **state)
     double *parameters = copy_parameters(&mesh);
     size_t moved = patch_grid_number(9, 11, 20);
     parameters[2 * moved] += 2.0 / 19;
-    bat_parameters_report before = check(&mesh, parameters);
+    bat_cloud_parameters_report before = check(&mesh, parameters);
     assert_true(before.folded >= 3 && before.folded <= 7);
     assert_int_equal(repair(&mesh, parameters).folded, 0);
     // Triangles that all run the other way mean the same.
@@ -268,7 +268,7 @@ static void repair_is_as_good_as_uniform_weights(void **state)
     {
         patch cloud = patch_scatter(patch_waves, 16, 200, seed % 3 == 0 ? 0.05 : 0, seed);
         bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-        options.method = BAT_PARAMETERIZE_UNIFORM;
+        options.method = BAT_CLOUD_PARAMETERIZE_UNIFORM;
         double *uniform = copy_parameters(&cloud), *garbage = copy_parameters(&cloud);
         check_status(bat_cloud_parameterize(&cloud.cloud, cloud.parameters, &options, uniform, NULL), BAT_OK);
         for (size_t k = 2 * cloud.cloud.boundary_count; k < 2 * cloud.cloud.count; k++)
@@ -285,7 +285,7 @@ static void bad_input_is_refused(void **state)
 {
     (void)state;
     patch cloud = patch_scatter(patch_waves, 9, 50, 0, 1);
-    bat_parameters_report report;
+    bat_cloud_parameters_report report;
     bat_error error = {0};
     bat_cloud open = cloud.cloud;
     open.boundary_count = 0;

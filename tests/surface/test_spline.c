@@ -175,7 +175,7 @@ static void test_knot_vectors(void **state)
 {
     (void)state;
     check_refused((double[]){0, 0, 1, 1}, 4, -1, BAT_NO_INDEX);
-    check_refused((double[]){0, 0, 1, 1}, 4, BAT_SPLINE_MOST_DEGREE + 1, BAT_NO_INDEX);
+    check_refused((double[]){0, 0, 1, 1}, 4, BAT_SPLINE_MAX_DEGREE + 1, BAT_NO_INDEX);
     check_refused((double[]){0, 0, 1}, 3, 1, BAT_NO_INDEX);
     check_refused((double[]){0, 0, NAN, 1, 1}, 5, 1, 2);
     check_refused((double[]){0, 0, 1, 0.5, 1}, 5, 1, 3);
@@ -359,7 +359,7 @@ static void test_elevate_bezier(void **state)
     assert_int_equal(bat_tensor_surface_elevate(&s, 0, NULL), BAT_OK);
     for (int i = 0; i <= 4; i++)
         check_near(s.control[i], (i > 0 ? i / 4. * control[i - 1] : 0) + (i < 4 ? (1 - i / 4.) * control[i] : 0), 1e-14);
-    for (int degree = 5; degree <= BAT_SPLINE_MOST_DEGREE; degree++)
+    for (int degree = 5; degree <= BAT_SPLINE_MAX_DEGREE; degree++)
         assert_int_equal(bat_tensor_surface_elevate(&s, 0, NULL), BAT_OK);
     bat_random random = bat_random_seed(7);
     check_same(&random, &s, &bezier, 1e-13);
@@ -422,7 +422,7 @@ static void test_uniform_values(void **state)
     bat_random random = bat_random_seed(10);
     for (int trial = 0; trial < 2000; trial++)
     {
-        int degree = 1 + trial % BAT_SPLINE_MOST_DEGREE;
+        int degree = 1 + trial % BAT_SPLINE_MAX_DEGREE;
         size_t cells = 1 + below(&random, 40), count = (size_t)degree + 1;
         bat_knot_vector knots;
         assert_int_equal(bat_knot_vector_uniform(degree, cells, &knots, NULL), BAT_OK);
@@ -444,7 +444,7 @@ static void test_two_scale(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(11);
-    for (int degree = 1; degree <= BAT_SPLINE_MOST_DEGREE; degree++)
+    for (int degree = 1; degree <= BAT_SPLINE_MAX_DEGREE; degree++)
     {
         uniform_basis basis;
         assert_int_equal(uniform_basis_make(degree, &basis, NULL), BAT_OK);

@@ -36,7 +36,7 @@ static void test_evaluate(void **state)
         bat_hierarchical_options options = random_options(&random, 5);
         options.truncated = trial % 3 > 0;
         bat_spline_surface s = random_surface(&random, &options, 4);
-        double *basis = malloc(6 * bat_hierarchical_space_most_active(s.space) * sizeof *basis);
+        double *basis = malloc(6 * bat_hierarchical_space_max_active(s.space) * sizeof *basis);
         assert_non_null(basis);
         random_parameters(&random, parameters, POINTS);
         for (int derivatives = 0; derivatives <= 2; derivatives++)
@@ -74,7 +74,7 @@ static void test_bad_parameters(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(2);
-    bat_hierarchical_options options = bat_hierarchical_space_defaults();
+    bat_hierarchical_options options = bat_hierarchical_defaults();
     bat_spline_surface s = random_surface(&random, &options, 2);
     const double bad[][2] = {{-1e-9, 0.5}, {0.5, 1 + 1e-9}, {NAN, 0.5}, {0.5, INFINITY}};
     double parameters[6] = {0, 0, 1, 1}, values[18];
@@ -250,7 +250,7 @@ static void test_prolong(void **state)
 static void test_prolong_refuses(void **state)
 {
     (void)state;
-    bat_hierarchical_options options = bat_hierarchical_space_defaults(), other = options;
+    bat_hierarchical_options options = bat_hierarchical_defaults(), other = options;
     bat_hierarchical_space *space = make_space(&options), *stranger;
     double numbers[64] = {0}, out[64];
     for (int k = 0; k < 3; k++)

@@ -33,12 +33,12 @@ static const bat_surface_fit_round *last_round(const bat_surface_result *result)
 static void names_and_defaults(void **state)
 {
     (void)state;
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_AUTO), "auto");
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_SHAPE_PRESERVING), "shape-preserving");
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_GIVEN), "given");
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS), "unknown");
-    assert_int_equal(bat_surface_defaults().parameters, BAT_SURFACE_AUTO);
-    assert_int_equal(bat_surface_defaults().sides, BAT_SIDE_CHORD_LENGTH);
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_AUTO), "auto");
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING), "shape-preserving");
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_GIVEN), "given");
+    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_COUNT), "unknown");
+    assert_int_equal(bat_surface_defaults().parameters, BAT_SURFACE_PARAMETERS_AUTO);
+    assert_int_equal(bat_surface_defaults().sides, BAT_CLOUD_SIDES_CHORD_LENGTH);
 }
 
 /// A Bézier surface with its true parameters lies in the coarsest space.
@@ -54,14 +54,14 @@ static void bezier_surfaces_come_back(void **state)
         bat_cloud cloud;
         double *truth;
         check_status(bat_cloud_bezier(&make, &random, &cloud, &truth, NULL), BAT_OK);
-        bat_surface_options options = options_for(BAT_SURFACE_GIVEN, (size_t)((degree + 1) * (degree + 1)));
+        bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, (size_t)((degree + 1) * (degree + 1)));
         options.given = truth;
         options.fit.space.degree[0] = options.fit.space.degree[1] = degree;
         options.fit.smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
         bat_surface_result result = must_reconstruct(&cloud, &options);
         check_near(last_round(&result)->largest, 0, 1e-10);
         assert_int_equal(result.folds.folded, 0);
-        assert_int_equal(result.chosen, BAT_SURFACE_GIVEN);
+        assert_int_equal(result.chosen, BAT_SURFACE_PARAMETERS_GIVEN);
         bat_surface_result_free(&result);
         bat_cloud_free(&cloud);
         free(truth);
@@ -75,7 +75,7 @@ static void given_parameters_need_no_boundary(void **state)
     patch made = patch_scatter(patch_waves, 10, 400, 0, 3);
     for (size_t k = 0; k < 2 * made.cloud.count; k++)
         made.parameters[k] = 0.1 + 0.8 * made.parameters[k];
-    bat_surface_options options = options_for(BAT_SURFACE_GIVEN, 100);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 100);
     options.given = made.parameters;
     for (int known = 0; known < 2; known++)
     {
@@ -96,11 +96,11 @@ static void auto_takes_the_best_by_measure(void **state)
     for (int mesh = 0; mesh < 2; mesh++)
     {
         patch made = mesh == 1 ? patch_mesh(patch_waves, 20, 0.3, 5) : patch_scatter(patch_waves, 20, 500, 0.002, 5);
-        bat_surface_options options = options_for(BAT_SURFACE_AUTO, 60);
+        bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 60);
         bat_surface_result result = must_reconstruct(&made.cloud, &options);
         assert_int_equal(result.candidate_count, mesh == 1 ? (size_t)4 : 3);
         assert_int_equal(result.trial_points, made.cloud.count);
-        assert_int_not_equal(result.chosen, BAT_SURFACE_AUTO);
+        assert_int_not_equal(result.chosen, BAT_SURFACE_PARAMETERS_AUTO);
         for (size_t i = 0; i < result.candidate_count; i++)
         {
             const bat_surface_candidate *candidate = &result.candidates[i];
@@ -130,7 +130,7 @@ static void what_strays_is_out(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_cup, 16, 3000, 0, 3);
-    bat_surface_options options = options_for(BAT_SURFACE_AUTO, 600);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 600);
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     double least = INFINITY, taken = INFINITY;
     for (size_t i = 0; i < result.candidate_count; i++)
@@ -154,7 +154,7 @@ static void auto_is_its_choice(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 16, 400, 0.01, 8);
-    bat_surface_options options = options_for(BAT_SURFACE_AUTO, 50);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 50);
     bat_surface_result all = must_reconstruct(&made.cloud, &options);
     options.parameters = all.chosen;
     bat_surface_result one = must_reconstruct(&made.cloud, &options);
@@ -172,7 +172,7 @@ static void unknown_boundaries_are_found(void **state)
     shuffle_cloud(&made.cloud, 4);
     made.cloud.boundary_count = 0;
     made.cloud.has_corners = false;
-    bat_surface_options options = options_for(BAT_SURFACE_SHAPE_PRESERVING, 100);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 100);
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     assert_true(result.boundary_found && result.corners_found);
     assert_true(made.cloud.boundary_count >= 60);
@@ -188,7 +188,7 @@ static void threads_do_not_matter(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 20, 800, 0.005, 9);
-    bat_surface_options options = options_for(BAT_SURFACE_SHAPE_PRESERVING, 150);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 150);
     bat_surface_result one = must_reconstruct(&made.cloud, &options);
     options.fit.threads = 3;
     bat_surface_result three = must_reconstruct(&made.cloud, &options);
@@ -206,7 +206,7 @@ static void large_clouds_are_tried_in_part(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 150, 22000, 0, 2);
-    bat_surface_options options = options_for(BAT_SURFACE_AUTO, 200);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 200);
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     assert_true(result.trial_points < made.cloud.count);
     assert_true(last_round(&result)->functions <= 200);
@@ -228,16 +228,16 @@ static void what_is_wrong_is_refused(void **state)
     patch made = patch_scatter(patch_waves, 10, 100, 0, 6);
     bat_surface_result result;
     bat_error error;
-    bat_surface_options options = options_for(BAT_SURFACE_GIVEN, 0);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 0);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
     options = options_for((bat_surface_parameters)99, 0);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
-    options = options_for(BAT_SURFACE_UNIFORM, 8);
+    options = options_for(BAT_SURFACE_PARAMETERS_UNIFORM, 8);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "9 functions"));
-    options = options_for(BAT_SURFACE_MEAN_VALUE, 0);
+    options = options_for(BAT_SURFACE_PARAMETERS_MEAN_VALUE, 0);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_UNSUPPORTED);
-    options = options_for(BAT_SURFACE_UNIFORM, 0);
+    options = options_for(BAT_SURFACE_PARAMETERS_UNIFORM, 0);
     options.fit.tolerance = -1;
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
     options.fit.tolerance = 0;

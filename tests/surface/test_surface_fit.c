@@ -104,7 +104,7 @@ static double *dense_rows(const bat_hierarchical_space *space, const bat_surface
 {
     size_t functions = bat_hierarchical_space_functions(space), rows = data->count + functions;
     double *matrix = calloc(rows * functions, sizeof *matrix), *plate = calloc(functions * functions, sizeof *plate);
-    double *values = calloc(bat_hierarchical_space_most_active(space), sizeof *values),
+    double *values = calloc(bat_hierarchical_space_max_active(space), sizeof *values),
            *eigen = calloc(functions, sizeof *eigen);
     assert_true(matrix != NULL && plate != NULL && values != NULL && eigen != NULL);
     for (size_t i = 0; i < data->count; i++)

@@ -77,7 +77,7 @@ static void test_obj(void **state)
             {
                 bat_spline_surface surface = random_sheet(&kinds[k], seed);
                 const bat_surface_write_options options = {.samples = samples};
-                char *text = must_write(&surface, BAT_SURFACE_OBJ, &options);
+                char *text = must_write(&surface, BAT_SURFACE_FORMAT_OBJ, &options);
                 bat_mesh mesh = read_mesh(text);
                 assert_disk(&mesh);
                 assert_cover(&mesh);
@@ -98,7 +98,7 @@ static void test_normals(void **state)
 {
     (void)state;
     bat_spline_surface surface = random_sheet(&kinds[1], 5);
-    char *text = must_write(&surface, BAT_SURFACE_OBJ, NULL);
+    char *text = must_write(&surface, BAT_SURFACE_FORMAT_OBJ, NULL);
     const char *normal = strstr(text, "vn "), *parameter = strstr(text, "vt ");
     size_t count = 0;
     for (; strncmp(normal, "vn ", 3) == 0; normal = strchr(normal, '\n') + 1, parameter = strchr(parameter, '\n') + 1)
@@ -125,7 +125,7 @@ static void test_tip(void **state)
     bat_spline_surface surface = random_sheet(&(surface_kind){{1, 1}, {1, 1}, true, 0, 3, 0}, 5);
     static const double control[] = {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0};
     memcpy(surface.control, control, sizeof control);
-    char *text = must_write(&surface, BAT_SURFACE_OBJ, NULL);
+    char *text = must_write(&surface, BAT_SURFACE_FORMAT_OBJ, NULL);
     const char *normal = strstr(text, "vn ");
     for (; strncmp(normal, "vn ", 3) == 0; normal = strchr(normal, '\n') + 1)
     {
@@ -174,7 +174,7 @@ static void test_vtk(void **state)
     for (int i = 0; i < POINTS; i++)
         errors[i] = i / 16.;
     const bat_surface_write_options options = {.samples = 2, .points = points, .errors = errors, .point_count = POINTS};
-    char *text = must_write(&surface, BAT_SURFACE_VTK, &options);
+    char *text = must_write(&surface, BAT_SURFACE_FORMAT_VTK, &options);
     size_t cells = bat_hierarchical_space_cells(surface.space), all, numbers, quads;
     const char *at = after_heading(text, "POINTS %zu double", &all, &numbers);
     assert_int_equal(rows_before(at, "VERTICES"), all);
@@ -200,7 +200,7 @@ static void test_vtk(void **state)
     for (size_t i = 0; i < all; i++, at = strchr(at, '\n') + 1)
         check_near(strtod(at, NULL), i < all - POINTS ? 0 : errors[i - (all - POINTS)], 0);
     free(text);
-    text = must_write(&surface, BAT_SURFACE_VTK, NULL);
+    text = must_write(&surface, BAT_SURFACE_FORMAT_VTK, NULL);
     assert_null(strstr(text, "VERTICES"));
     assert_null(strstr(text, "POINT_DATA"));
     free(text);

@@ -44,10 +44,10 @@ typedef struct bat_tension_row
     const char *method; ///< "four-point-printed", … see docs/tension.md
     double tension;     ///< mu of an angle-based method of eq. (9), NaN for others
     double fairness;    ///< how far a learned method was asked to prefer fair curves to near ones; NaN for others
-    bat_summary mean_nn;
-    bat_summary hausdorff;
-    bat_summary bending;
-    bat_summary g1;
+    bat_curve_summary mean_nn;
+    bat_curve_summary hausdorff;
+    bat_curve_summary bending;
+    bat_curve_summary g1;
     double published_mean_nn; ///< the paper's figures for this method on these curves; NaN where it has none
     double published_bending;
     double published_g1;
@@ -128,7 +128,7 @@ typedef struct bat_tension_noise_row
 {
     const char *method;                             ///< as in tension_table.h
     double tension;                                 ///< mu of a method of eq. (9), NaN for others
-    bat_summary g1[BAT_TENSION_NOISES];             ///< over the curves: largest exterior angle
+    bat_curve_summary g1[BAT_TENSION_NOISES];       ///< over the curves: largest exterior angle
     double published_g1[BAT_TENSION_NOISES];        ///< the paper's mean; NaN where it has none for this method and noise
     double published_deviation[BAT_TENSION_NOISES]; ///< the same for its standard deviation
 } bat_tension_noise_row;
@@ -231,11 +231,11 @@ BAT_API bat_status bat_tension_table4(const bat_tension_ablation_options *option
 /// Where all four angles are alike A = B and every mu gives the same; near that it takes any value.
 typedef struct bat_tension_effective
 {
-    size_t insertions;   ///< looked at
-    size_t undefined;    ///< of them with |A - B| < 1e-6, which count nowhere else
-    size_t below, above; ///< of them cut off to BAT_TENSION_EFFECTIVE_LEAST and _GREATEST
-    bat_summary summary; ///< as published, after cutting off
-    double quantiles[5]; ///< 5, 25, 50, 75 and 95 %, without cutting off
+    size_t insertions;         ///< looked at
+    size_t undefined;          ///< of them with |A - B| < 1e-6, which count nowhere else
+    size_t below, above;       ///< of them cut off to BAT_TENSION_EFFECTIVE_LEAST and _GREATEST
+    bat_curve_summary summary; ///< as published, after cutting off
+    double quantiles[5];       ///< 5, 25, 50, 75 and 95 %, without cutting off
     /// Bin i holds those from LEAST + i / 10 to LEAST + (i + 1) / 10; the first and last also those that were cut off.
     size_t histogram[BAT_TENSION_EFFECTIVE_BINS];
 } bat_tension_effective;

@@ -46,7 +46,7 @@ typedef struct bat_mesh_method
 {
     const char *name; ///< stays the caller's
     bat_mesh_scheme scheme;
-    const bat_mesh_rule *rule; ///< of BAT_MESH_LEARNED
+    const bat_mesh_rule *rule; ///< of BAT_MESH_SCHEME_LEARNED
 } bat_mesh_method;
 
 /// How near a method came to a shape.

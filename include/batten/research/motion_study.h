@@ -69,7 +69,7 @@ typedef struct bat_hermite_panel
     size_t samples;     ///< the number of points given
     double error;       ///< largest distance of the scheme's points from the smooth curve, in the metric of its space
     bat_curve curves[BAT_HERMITE_FIGURE_CURVES]; ///< what is drawn
-    bat_layer_role roles[BAT_HERMITE_FIGURE_CURVES];
+    bat_curve_layer_role roles[BAT_HERMITE_FIGURE_CURVES];
     size_t curve_count;
 } bat_hermite_panel;
 

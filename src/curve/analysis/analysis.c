@@ -9,15 +9,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-const char *bat_verdict_name(bat_verdict verdict)
+const char *bat_analysis_verdict_name(bat_analysis_verdict verdict)
 {
     switch (verdict)
     {
-    case BAT_UNDECIDED:
+    case BAT_ANALYSIS_UNDECIDED:
         return "undecided";
-    case BAT_PROVEN:
+    case BAT_ANALYSIS_PROVEN:
         return "proven";
-    case BAT_DISPROVEN:
+    case BAT_ANALYSIS_DISPROVEN:
         return "disproven";
     }
     return "unknown verdict";
@@ -85,11 +85,11 @@ static void describe_product(const joint_radius *radius, bat_analysis *analysis)
         analysis->product[t] = (char)('0' + word->letters[t]);
 }
 
-static bat_verdict convergence(const joint_radius *radius)
+static bat_analysis_verdict convergence(const joint_radius *radius)
 {
     if (radius->upper < 1.0)
-        return BAT_PROVEN;
-    return radius->lower * (1.0 + BAT_ANALYSIS_EQUALITY) >= 1.0 ? BAT_DISPROVEN : BAT_UNDECIDED;
+        return BAT_ANALYSIS_PROVEN;
+    return radius->lower * (1.0 + BAT_ANALYSIS_EQUALITY) >= 1.0 ? BAT_ANALYSIS_DISPROVEN : BAT_ANALYSIS_UNDECIDED;
 }
 
 static bat_status describe_smoothness(const mask_symbol *symbol, const bat_analysis_options *options, bat_analysis *analysis,
@@ -103,10 +103,11 @@ static bat_status describe_smoothness(const mask_symbol *symbol, const bat_analy
     analysis->converges = convergence(&radius);
     analysis->exponent_lower = -log2(radius.upper);
     analysis->exponent_upper = INFINITY;
-    analysis->smooth_proven = analysis->converges == BAT_PROVEN ? proven_smoothness(radius.upper, symbol->multiplicity) : -1;
-    analysis->smooth_disproven = analysis->converges == BAT_DISPROVEN ? 0 : -1;
-    analysis->is_stable =
-        analysis->converges == BAT_PROVEN && (analysis->is_interpolatory || smoothness_is_stable(&symbol->quotient, 0.0));
+    analysis->smooth_proven =
+        analysis->converges == BAT_ANALYSIS_PROVEN ? proven_smoothness(radius.upper, symbol->multiplicity) : -1;
+    analysis->smooth_disproven = analysis->converges == BAT_ANALYSIS_DISPROVEN ? 0 : -1;
+    analysis->is_stable = analysis->converges == BAT_ANALYSIS_PROVEN &&
+                          (analysis->is_interpolatory || smoothness_is_stable(&symbol->quotient, 0.0));
     if (analysis->is_stable)
     {
         analysis->exponent_upper = -log2(radius.lower);
@@ -125,7 +126,7 @@ static bat_status describe_limits(const mask_symbol *symbol, bat_analysis *analy
         return error_memory(error, entries * sizeof *analysis->matrix);
     limit_matrix(&symbol->mask, analysis->matrix);
     bat_status status = limit_eigenvalues(symbol, analysis, error);
-    if (status != BAT_OK || analysis->converges != BAT_PROVEN)
+    if (status != BAT_OK || analysis->converges != BAT_ANALYSIS_PROVEN)
         return status;
     status = limit_point(symbol, &analysis->limit, error);
     if (status == BAT_OK)
@@ -140,7 +141,7 @@ static bool is_defective_at(const bat_analysis *analysis, size_t order)
 {
     for (size_t e = 0; e < analysis->eigenvalue_count; e++)
     {
-        const bat_eigenvalue *value = &analysis->eigenvalues[e];
+        const bat_analysis_eigenvalue *value = &analysis->eigenvalues[e];
         if (value->real == ldexp(1.0, -(int)order) && value->imaginary == 0.0)
             return value->vector_count < value->multiplicity;
     }
@@ -151,7 +152,7 @@ static bool is_defective_at(const bat_analysis *analysis, size_t order)
 /// every level, and for a stable scheme only there.
 static bat_status describe_lipschitz(const mask_symbol *symbol, size_t depth, bat_analysis *analysis, bat_error *error)
 {
-    analysis->lipschitz = BAT_UNDECIDED;
+    analysis->lipschitz = BAT_ANALYSIS_UNDECIDED;
     if (analysis->smooth_proven < 0)
         return BAT_OK;
     const size_t order = (size_t)analysis->smooth_proven + 1;
@@ -162,9 +163,9 @@ static bat_status describe_lipschitz(const mask_symbol *symbol, size_t depth, ba
         return status;
     const bool is_smaller = analysis->exponent_upper < (double)order - BAT_ANALYSIS_EQUALITY;
     if (is_bounded)
-        analysis->lipschitz = BAT_PROVEN;
+        analysis->lipschitz = BAT_ANALYSIS_PROVEN;
     else if (analysis->is_stable && (is_smaller || is_defective_at(analysis, order)))
-        analysis->lipschitz = BAT_DISPROVEN;
+        analysis->lipschitz = BAT_ANALYSIS_DISPROVEN;
     return BAT_OK;
 }
 

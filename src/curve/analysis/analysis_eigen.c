@@ -70,9 +70,9 @@ static void group_discs(disc *discs, size_t count)
 
 /// One eigenvalue for a group: its exact member if there is just one, else the mean, which rounding moves little even where
 /// the members scatter because the matrix is defective.
-static bat_eigenvalue eigenvalue_of_group(const disc *discs, size_t count, size_t group)
+static bat_analysis_eigenvalue eigenvalue_of_group(const disc *discs, size_t count, size_t group)
 {
-    bat_eigenvalue value = {0};
+    bat_analysis_eigenvalue value = {0};
     double radius = 0.0;
     size_t exact_count = 0;
     size_t exact = 0;
@@ -106,8 +106,8 @@ static bat_eigenvalue eigenvalue_of_group(const disc *discs, size_t count, size_
 
 static int compare_eigenvalues(const void *left, const void *right)
 {
-    const bat_eigenvalue *a = left;
-    const bat_eigenvalue *b = right;
+    const bat_analysis_eigenvalue *a = left;
+    const bat_analysis_eigenvalue *b = right;
     const double difference = hypot(b->real, b->imaginary) - hypot(a->real, a->imaginary);
     if (fabs(difference) > 1e-13)
         return difference > 0.0 ? 1 : -1;
@@ -151,7 +151,7 @@ static bat_status find_vectors(bat_analysis *analysis, bat_error *error)
     size_t row = 0;
     for (size_t e = 0; e < analysis->eigenvalue_count; e++)
     {
-        bat_eigenvalue *value = &analysis->eigenvalues[e];
+        bat_analysis_eigenvalue *value = &analysis->eigenvalues[e];
         value->vector = row;
         const bat_status status =
             dense_null_space(size, analysis->matrix, value->real, value->imaginary, tolerance, value->multiplicity,

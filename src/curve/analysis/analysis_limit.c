@@ -30,7 +30,7 @@ void limit_matrix(const bat_mask *mask, double *matrix)
 #define TANGENT_ROUNDING 64.0
 
 /// Set weights at rounding level to zero and leave out those at the ends.
-static void clean_stencil(bat_stencil *stencil, double rounding)
+static void clean_stencil(bat_mask_stencil *stencil, double rounding)
 {
     double largest = 0.0;
     for (size_t k = 0; k < stencil->count; k++)
@@ -56,7 +56,7 @@ static void clean_stencil(bat_stencil *stencil, double rounding)
     stencil->count = end - begin;
 }
 
-static void scale_to_sum_one(bat_stencil *stencil)
+static void scale_to_sum_one(bat_mask_stencil *stencil)
 {
     double sum = 0.0;
     for (size_t k = 0; k < stencil->count; k++)
@@ -66,11 +66,11 @@ static void scale_to_sum_one(bat_stencil *stencil)
 }
 
 /// The left eigenvector of the local matrix, scaled so that its product with the points (index - centre)^power is 1.
-static bat_status left_stencil(const bat_mask *mask, double eigenvalue, bool against_index, bat_stencil *stencil,
+static bat_status left_stencil(const bat_mask *mask, double eigenvalue, bool against_index, bat_mask_stencil *stencil,
                                bat_error *error)
 {
     const size_t size = limit_matrix_size(mask);
-    *stencil = (bat_stencil){.count = size, .first = limit_matrix_first(mask)};
+    *stencil = (bat_mask_stencil){.count = size, .first = limit_matrix_first(mask)};
     double *matrix = memory_array(size * size, sizeof *matrix);
     if (matrix == NULL)
         return error_memory(error, size * size * sizeof *matrix);
@@ -84,19 +84,20 @@ static bat_status left_stencil(const bat_mask *mask, double eigenvalue, bool aga
     return status;
 }
 
-bat_status limit_point(const mask_symbol *symbol, bat_stencil *stencil, bat_error *error)
+bat_status limit_point(const mask_symbol *symbol, bat_mask_stencil *stencil, bat_error *error)
 {
     const bat_status status = left_stencil(&symbol->mask, 1.0, false, stencil, error);
     scale_to_sum_one(stencil);
     return status;
 }
 
-bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis, bat_stencil *stencil, bat_error *error)
+bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis, bat_mask_stencil *stencil,
+                         bat_error *error)
 {
-    *stencil = (bat_stencil){0};
+    *stencil = (bat_mask_stencil){0};
     if (symbol->multiplicity < 2 || analysis->eigenvalue_count < 2)
         return BAT_OK;
-    const bat_eigenvalue *values = analysis->eigenvalues;
+    const bat_analysis_eigenvalue *values = analysis->eigenvalues;
     const bool is_half = values[1].real == 0.5 && values[1].imaginary == 0.0 && values[1].multiplicity == 1;
     const bool is_alone =
         analysis->eigenvalue_count < 3 || hypot(values[2].real, values[2].imaginary) < 0.5 * (1.0 - BAT_ANALYSIS_EQUALITY);
@@ -105,7 +106,7 @@ bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis
     return left_stencil(&symbol->mask, 0.5, true, stencil, error);
 }
 
-static double weight_at(const bat_stencil *stencil, int offset)
+static double weight_at(const bat_mask_stencil *stencil, int offset)
 {
     const int k = offset - stencil->first;
     return k >= 0 && k < (int)stencil->count ? stencil->weights[k] : 0.0;
@@ -129,7 +130,7 @@ static void prepend_digit(const bat_mask *mask, unsigned digit, double *values)
     memcpy(values, next, (size_t)size * sizeof *values);
 }
 
-void limit_vertex(const mask_symbol *symbol, const bat_stencil *point, bat_stencil *stencil)
+void limit_vertex(const mask_symbol *symbol, const bat_mask_stencil *point, bat_mask_stencil *stencil)
 {
     enum
     {
@@ -157,7 +158,7 @@ void limit_vertex(const mask_symbol *symbol, const bat_stencil *point, bat_stenc
     }
 
     // The limit at i + shift weighs point i + m by phi(shift - m), and shift - m = t + k for m = whole - k.
-    *stencil = (bat_stencil){.count = size, .first = (int)whole - symbol->last + 1};
+    *stencil = (bat_mask_stencil){.count = size, .first = (int)whole - symbol->last + 1};
     for (size_t m = 0; m < size; m++)
         stencil->weights[m] = values[size - 1 - m];
     clean_stencil(stencil, POINT_ROUNDING);
@@ -165,7 +166,7 @@ void limit_vertex(const mask_symbol *symbol, const bat_stencil *point, bat_stenc
 }
 
 /// Check a mask and prove that its scheme converges, then find the limit stencil at the integers.
-static bat_status convergent_point(const bat_mask *mask, mask_symbol *symbol, bat_stencil *point, bat_error *error)
+static bat_status convergent_point(const bat_mask *mask, mask_symbol *symbol, bat_mask_stencil *point, bat_error *error)
 {
     bat_status status = symbol_make(mask, symbol, error);
     if (status != BAT_OK)
@@ -183,10 +184,10 @@ static bat_status convergent_point(const bat_mask *mask, mask_symbol *symbol, ba
     return limit_point(symbol, point, error);
 }
 
-bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_stencil *stencil, bat_error *error)
+bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_mask_stencil *stencil, bat_error *error)
 {
     mask_symbol symbol;
-    bat_stencil point;
+    bat_mask_stencil point;
     const bat_status status = convergent_point(mask, &symbol, &point, error);
     if (status == BAT_OK)
         limit_vertex(&symbol, &point, stencil);
@@ -219,7 +220,7 @@ static void refine_basis(const bat_mask *mask, size_t level, const double *value
 bat_status bat_mask_basis(const bat_mask *mask, size_t level, bat_basis *basis, bat_error *error)
 {
     mask_symbol symbol;
-    bat_stencil point;
+    bat_mask_stencil point;
     bat_status status = convergent_point(mask, &symbol, &point, error);
     if (status != BAT_OK)
         return status;

@@ -24,10 +24,11 @@ bat_status limit_eigenvalues(const mask_symbol *symbol, bat_analysis *analysis, 
 
 /// The stencil of the limit at 0 of the index parametrization; weight -k is the basic limit function at the integer k. The
 /// scheme must converge.
-bat_status limit_point(const mask_symbol *symbol, bat_stencil *stencil, bat_error *error);
+bat_status limit_point(const mask_symbol *symbol, bat_mask_stencil *stencil, bat_error *error);
 /// The stencil of the derivative there; count 0 unless 1/2 is a simple eigenvalue and only 1 is larger.
-bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis, bat_stencil *stencil, bat_error *error);
+bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis, bat_mask_stencil *stencil,
+                         bat_error *error);
 /// The stencil of the limit at the parameter of a point, from limit_point()'s.
-void limit_vertex(const mask_symbol *symbol, const bat_stencil *point, bat_stencil *stencil);
+void limit_vertex(const mask_symbol *symbol, const bat_mask_stencil *point, bat_mask_stencil *stencil);
 
 #endif

@@ -18,9 +18,9 @@
 /// Intervals are not halved below this share of the range, whatever the tolerance.
 #define SHORTEST_SHARE 1e-9
 
-bat_sweep_options bat_sweep_defaults(void)
+bat_mask_sweep_options bat_mask_sweep_defaults(void)
 {
-    return (bat_sweep_options){.begin = 0.0, .end = 1.0, .smoothness = 1, .analysis = bat_analysis_defaults()};
+    return (bat_mask_sweep_options){.begin = 0.0, .end = 1.0, .smoothness = 1, .analysis = bat_analysis_defaults()};
 }
 
 /// The state of a sweep.
@@ -28,11 +28,11 @@ typedef struct sweep
 {
     bat_mask_family family;
     void *context;
-    const bat_sweep_options *options;
+    const bat_mask_sweep_options *options;
     double tolerance;
     size_t factors;      ///< how many times every mask of the family has 1 + z
     matrix_word breaker; ///< the product that gave the last disproof; it often serves next door; length 0 for none
-    bat_interval *intervals;
+    bat_mask_interval *intervals;
     size_t count;
     size_t capacity;
     bat_error *error;
@@ -43,11 +43,11 @@ static bool has_all_factors(const sweep *s)
     return s->factors > s->options->smoothness;
 }
 
-static bat_status append(sweep *s, double begin, double end, bat_verdict verdict)
+static bat_status append(sweep *s, double begin, double end, bat_analysis_verdict verdict)
 {
     if (s->count > 0 && begin < end)
     {
-        bat_interval *last = &s->intervals[s->count - 1];
+        bat_mask_interval *last = &s->intervals[s->count - 1];
         if (last->verdict == verdict && last->end == begin && last->begin < last->end)
         {
             last->end = end;
@@ -57,13 +57,13 @@ static bat_status append(sweep *s, double begin, double end, bat_verdict verdict
     if (s->count == s->capacity)
     {
         const size_t capacity = 2 * s->capacity + 16;
-        bat_interval *grown = realloc(s->intervals, capacity * sizeof *grown);
+        bat_mask_interval *grown = realloc(s->intervals, capacity * sizeof *grown);
         if (grown == NULL)
             return error_memory(s->error, capacity * sizeof *grown);
         s->intervals = grown;
         s->capacity = capacity;
     }
-    s->intervals[s->count++] = (bat_interval){begin, end, verdict};
+    s->intervals[s->count++] = (bat_mask_interval){begin, end, verdict};
     return BAT_OK;
 }
 
@@ -169,8 +169,8 @@ static double largest_distance(const interval_matrices *m)
 /// What is known of an interval, and of its middle.
 typedef struct judgement
 {
-    bat_verdict interval;
-    bat_verdict middle;
+    bat_analysis_verdict interval;
+    bat_analysis_verdict middle;
 } judgement;
 
 /// Try to disprove C^k for an interval by one product, whose growth rate must be at least `threshold` throughout.
@@ -183,9 +183,9 @@ static bat_status disprove(const sweep *s, double begin, double end, const inter
         status = joint_radius_word_below(&m->middle, word, largest_distance(m), &throughout, s->error);
     if (status != BAT_OK || at_middle * (1.0 + BAT_ANALYSIS_EQUALITY) < threshold)
         return status;
-    result->middle = BAT_DISPROVEN;
+    result->middle = BAT_ANALYSIS_DISPROVEN;
     if (throughout * (1.0 + BAT_ANALYSIS_EQUALITY) >= threshold && is_stable_between(s, begin, end))
-        result->interval = BAT_DISPROVEN;
+        result->interval = BAT_ANALYSIS_DISPROVEN;
     return BAT_OK;
 }
 
@@ -196,7 +196,7 @@ static bat_status judge_matrices(sweep *s, double begin, double end, const inter
     if (s->breaker.length > 0)
     {
         const bat_status status = disprove(s, begin, end, m, &s->breaker, threshold, result);
-        if (status != BAT_OK || result->middle == BAT_DISPROVEN)
+        if (status != BAT_OK || result->middle == BAT_ANALYSIS_DISPROVEN)
             return status;
     }
     const bat_analysis_options *analysis = &s->options->analysis;
@@ -217,21 +217,21 @@ static bat_status judge_matrices(sweep *s, double begin, double end, const inter
     }
     if (radius.upper >= threshold)
         return BAT_OK;
-    result->middle = BAT_PROVEN;
+    result->middle = BAT_ANALYSIS_PROVEN;
     bool proven;
     status = joint_radius_prove_below(&m->ends, &m->middle, &radius, &limits, threshold, &proven, s->error);
     if (status == BAT_OK && proven)
-        result->interval = BAT_PROVEN;
+        result->interval = BAT_ANALYSIS_PROVEN;
     return status;
 }
 
 static bat_status judge(sweep *s, double begin, double end, judgement *result)
 {
-    *result = (judgement){BAT_UNDECIDED, BAT_UNDECIDED};
+    *result = (judgement){BAT_ANALYSIS_UNDECIDED, BAT_ANALYSIS_UNDECIDED};
     if (!has_all_factors(s))
     {
         // C^k needs the factor (1 + z)^(k + 1) when the scheme is stable, and the caller has taken out where it is there.
-        result->interval = is_stable_between(s, begin, end) ? BAT_DISPROVEN : BAT_UNDECIDED;
+        result->interval = is_stable_between(s, begin, end) ? BAT_ANALYSIS_DISPROVEN : BAT_ANALYSIS_UNDECIDED;
         return BAT_OK;
     }
     interval_matrices matrices;
@@ -256,8 +256,8 @@ static bat_status judge_parts(sweep *s, double begin, double end)
     if (status != BAT_OK)
         return status;
     const double middle = 0.5 * (begin + end);
-    const double shortest = s->tolerance * (result.middle == BAT_DISPROVEN ? DISPROOF_SHARE : 1.0);
-    if (result.interval != BAT_UNDECIDED || end - begin <= shortest || middle <= begin || middle >= end)
+    const double shortest = s->tolerance * (result.middle == BAT_ANALYSIS_DISPROVEN ? DISPROOF_SHARE : 1.0);
+    if (result.interval != BAT_ANALYSIS_UNDECIDED || end - begin <= shortest || middle <= begin || middle >= end)
         return append(s, begin, end, result.interval);
     status = judge_parts(s, begin, middle);
     return status == BAT_OK ? judge_parts(s, middle, end) : status;
@@ -268,18 +268,18 @@ static void join_splinters(sweep *s)
 {
     for (size_t i = 0; i < s->count; i++)
     {
-        bat_interval *interval = &s->intervals[i];
+        bat_mask_interval *interval = &s->intervals[i];
         const bool is_splinter = interval->begin < interval->end && interval->end - interval->begin < s->tolerance;
-        const bool after = i > 0 && s->intervals[i - 1].verdict == BAT_UNDECIDED;
-        const bool before = i + 1 < s->count && s->intervals[i + 1].verdict == BAT_UNDECIDED;
+        const bool after = i > 0 && s->intervals[i - 1].verdict == BAT_ANALYSIS_UNDECIDED;
+        const bool before = i + 1 < s->count && s->intervals[i + 1].verdict == BAT_ANALYSIS_UNDECIDED;
         if (is_splinter && (after || before))
-            interval->verdict = BAT_UNDECIDED;
+            interval->verdict = BAT_ANALYSIS_UNDECIDED;
     }
     const size_t count = s->count;
     s->count = 0;
     for (size_t i = 0; i < count; i++)
     {
-        const bat_interval interval = s->intervals[i];
+        const bat_mask_interval interval = s->intervals[i];
         (void)append(s, interval.begin, interval.end, interval.verdict);
     }
 }
@@ -292,11 +292,11 @@ static bat_status judge_point(sweep *s, double parameter)
     if (status != BAT_OK)
         return status;
     const int wanted = (int)s->options->smoothness;
-    bat_verdict verdict = BAT_UNDECIDED;
+    bat_analysis_verdict verdict = BAT_ANALYSIS_UNDECIDED;
     if (analysis.smooth_proven >= wanted)
-        verdict = BAT_PROVEN;
+        verdict = BAT_ANALYSIS_PROVEN;
     else if (analysis.smooth_disproven >= 0 && analysis.smooth_disproven <= wanted)
-        verdict = BAT_DISPROVEN;
+        verdict = BAT_ANALYSIS_DISPROVEN;
     bat_analysis_free(&analysis);
     return append(s, parameter, parameter, verdict);
 }
@@ -341,7 +341,7 @@ static size_t common_factors(const sweep *s, const bat_mask *begin, const bat_ma
     return factors;
 }
 
-static bat_status check_sweep(const bat_sweep_options *options, bat_error *error)
+static bat_status check_sweep(const bat_mask_sweep_options *options, bat_error *error)
 {
     if (!(isfinite(options->begin) && isfinite(options->end) && options->begin < options->end))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
@@ -381,21 +381,21 @@ static bat_status sweep_run(sweep *s, const bat_mask *begin, const bat_mask *end
     if (status == BAT_OK)
         join_splinters(s);
     // The ends of the range are often where a family degenerates; they deserve a verdict of their own.
-    if (status == BAT_OK && s->intervals[0].verdict == BAT_UNDECIDED)
+    if (status == BAT_OK && s->intervals[0].verdict == BAT_ANALYSIS_UNDECIDED)
         status = judge_point(s, from);
-    if (status == BAT_OK && s->intervals[0].verdict == BAT_UNDECIDED)
+    if (status == BAT_OK && s->intervals[0].verdict == BAT_ANALYSIS_UNDECIDED)
     {
-        const bat_interval point = s->intervals[s->count - 1];
+        const bat_mask_interval point = s->intervals[s->count - 1];
         memmove(s->intervals + 1, s->intervals, (s->count - 1) * sizeof *s->intervals);
         s->intervals[0] = point;
     }
-    if (status == BAT_OK && s->intervals[s->count - 1].verdict == BAT_UNDECIDED)
+    if (status == BAT_OK && s->intervals[s->count - 1].verdict == BAT_ANALYSIS_UNDECIDED)
         status = judge_point(s, to);
     return status;
 }
 
-bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_sweep_options *options, bat_interval **intervals,
-                          size_t *count, bat_error *error)
+bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_mask_sweep_options *options,
+                          bat_mask_interval **intervals, size_t *count, bat_error *error)
 {
     bat_status status = check_sweep(options, error);
     if (status != BAT_OK)

@@ -21,7 +21,7 @@ enum
 typedef struct question
 {
     const bat_curve *curve, *coarse;
-    const bat_stencil *stencil;
+    const bat_mask_stencil *stencil;
     double (*distance)(const struct question *asked, size_t vertex);
     size_t begin, end;
 } question;
@@ -71,7 +71,7 @@ static double distance_from_limit(const question *asked, size_t vertex)
 {
     static const double ORIGIN[BAT_SPACE_MAX_DIM];
     const bat_curve *curve = asked->curve;
-    const bat_stencil *stencil = asked->stencil;
+    const bat_mask_stencil *stencil = asked->stencil;
     size_t dim = curve->space->point_dim;
     double step[BAT_SPACE_MAX_DIM];
     for (size_t axis = 0; axis < dim; axis++)
@@ -146,7 +146,7 @@ bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fi
     return status == BAT_OK ? greatest_distance(&asked, options, distance, error) : status;
 }
 
-bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_stencil *stencil,
+bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stencil *stencil,
                                     const bat_curve_measure_options *options, double *distance, bat_error *error)
 {
     if (curve->count == 0)

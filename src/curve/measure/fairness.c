@@ -122,10 +122,10 @@ static size_t second_vertex(const bat_curve *curve)
     return 0;
 }
 
-bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_options *options, bat_fairness *fairness,
-                              bat_error *error)
+bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_options *options,
+                              bat_curve_fairness_values *fairness, bat_error *error)
 {
-    double offset = options == NULL ? BAT_BENDING_OFFSET : options->bending_offset;
+    double offset = options == NULL ? BAT_CURVE_BENDING_OFFSET : options->bending_offset;
     if (curve->count == 0 || !(offset >= 0) || !isfinite(offset))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          curve->count == 0 ? "the curve has no points" : "the bending offset must be 0 or more");
@@ -141,6 +141,6 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_op
     if (status != BAT_OK)
         return status;
     double angles = walker.angles > 0 ? (double)walker.angles : 1;
-    *fairness = (bat_fairness){.bending = walker.bending / angles, .g1 = walker.g1, .length = total};
+    *fairness = (bat_curve_fairness_values){.bending = walker.bending / angles, .g1 = walker.g1, .length = total};
     return BAT_OK;
 }

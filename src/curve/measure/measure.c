@@ -23,7 +23,7 @@ enum
 
 bat_curve_measure_options bat_curve_measure_defaults(void)
 {
-    return (bat_curve_measure_options){.bending_offset = BAT_BENDING_OFFSET};
+    return (bat_curve_measure_options){.bending_offset = BAT_CURVE_BENDING_OFFSET};
 }
 
 /// What answers for a curve when asked for the nearest of its vertices or edges.

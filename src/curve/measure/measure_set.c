@@ -16,7 +16,7 @@ typedef struct set_task
     const bat_curve *first, *second;
     bat_curve_measure_options options;
     bat_curve_distance *distances; ///< null to measure fairness
-    bat_fairness *fairness;
+    bat_curve_fairness_values *fairness;
 } set_task;
 
 static bat_status measure_curve(const set_task *task, size_t i, const bat_curve_measure_options *options, bat_error *error)
@@ -78,7 +78,7 @@ bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, s
 }
 
 bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
-                               bat_fairness *fairness, size_t *failed_curve, bat_error *error)
+                               bat_curve_fairness_values *fairness, size_t *failed_curve, bat_error *error)
 {
     set_task task = {.first = curves, .fairness = fairness};
     task.options = options != NULL ? *options : bat_curve_measure_defaults();

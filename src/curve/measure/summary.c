@@ -21,7 +21,7 @@ static double scale_for(const double *values, size_t count)
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }
 
-bat_status bat_curve_summarize(const double *values, size_t count, bat_summary *summary, bat_error *error)
+bat_status bat_curve_summarize(const double *values, size_t count, bat_curve_summary *summary, bat_error *error)
 {
     if (count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no numbers to summarize");
@@ -39,12 +39,12 @@ bat_status bat_curve_summarize(const double *values, size_t count, bat_summary *
         return error_memory(error, count * sizeof *sorted);
     memcpy(sorted, values, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, ascending);
-    *summary = (bat_summary){.count = count,
-                             .mean = mean / scale,
-                             .deviation = sqrt(squares / (double)count) / scale,
-                             .median = sorted[(count - 1) / 2] / 2 + sorted[count / 2] / 2,
-                             .least = sorted[0],
-                             .greatest = sorted[count - 1]};
+    *summary = (bat_curve_summary){.count = count,
+                                   .mean = mean / scale,
+                                   .deviation = sqrt(squares / (double)count) / scale,
+                                   .median = sorted[(count - 1) / 2] / 2 + sorted[count / 2] / 2,
+                                   .least = sorted[0],
+                                   .greatest = sorted[count - 1]};
     free(sorted);
     return BAT_OK;
 }

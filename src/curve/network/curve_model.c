@@ -13,7 +13,7 @@
 
 struct bat_curve_model
 {
-    bat_angle_rule rule;
+    bat_curve_angle_rule rule;
     tension_inference published; ///< empty where the weights are those of the library's own recipe
     learn_parameters fairing;    ///< empty where they are not
 };
@@ -22,11 +22,11 @@ struct bat_curve_model
 typedef struct model_run
 {
     _Alignas(64) real scratch[TENSION_INFERENCE_SCRATCH];
-    real features[(BAT_ANGLE_RULE_EDGES + LEARN_TILE) * TENSION_FEATURES];
+    real features[(BAT_CURVE_ANGLE_RULE_EDGES + LEARN_TILE) * TENSION_FEATURES];
 } model_run;
 
 /// Eq. (17) without the curvature. The product with 1 / mean is that of the training.
-static void published_features(const bat_angle_rule_view *view, real *features)
+static void published_features(const bat_curve_angle_rule_view *view, real *features)
 {
     const double inverse_pi = 0.31830988618379067154, inverse_mean = 1 / view->mean_length;
     const double *angles = view->angles, *lengths = view->lengths;
@@ -40,7 +40,8 @@ static void published_features(const bat_angle_rule_view *view, real *features)
 }
 
 /// The network's angles are positive to the left, as eq. (9) prints them.
-static void learned_angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *angles, void *scratch)
+static void learned_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles,
+                           void *scratch)
 {
     const bat_curve_model *model = rule->parameters;
     model_run *run = scratch;
@@ -60,7 +61,7 @@ static bat_status take_published(const safetensors *content, bat_curve_model *mo
         return status;
     status = tension_inference_make(&parameters, &model->published, error);
     learn_parameters_free(&parameters);
-    model->rule = (bat_angle_rule){
+    model->rule = (bat_curve_angle_rule){
         .name = "learned",
         .reach = 2,
         .wants_mean_length = true,

@@ -7,14 +7,14 @@
 
 #include <math.h>
 
-const char *learned_rule_fault(const bat_angle_rule *rule, const bat_space *space)
+const char *learned_rule_fault(const bat_curve_angle_rule *rule, const bat_space *space)
 {
     (void)rule;
     int curvature;
     return space_is_surface(space, &curvature) ? NULL : "the network knows the plane, the sphere and the disk";
 }
 
-static void angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, double *chosen, void *scratch)
+static void angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen, void *scratch)
 {
     int curvature = 0;
     (void)space_is_surface(view->space, &curvature);
@@ -22,7 +22,7 @@ static void angles(const bat_angle_rule *rule, const bat_angle_rule_view *view, 
                              scratch);
 }
 
-static const bat_angle_rule SHIPPED = {
+static const bat_curve_angle_rule SHIPPED = {
     .name = "learned",
     .reach = LEARNED_REACH,
     .scratch_size = sizeof(learned_scratch),
@@ -31,9 +31,9 @@ static const bat_angle_rule SHIPPED = {
     .angles = angles,
 };
 
-bat_angle_rule learned_rule(const real *weights)
+bat_curve_angle_rule learned_rule(const real *weights)
 {
-    bat_angle_rule rule = SHIPPED;
+    bat_curve_angle_rule rule = SHIPPED;
     rule.parameters = weights;
     return rule;
 }

@@ -4,7 +4,7 @@
 
 /// The palette of Okabe and Ito, "Color Universal Design" (2008), which readers with any colour vision tell apart, in an
 /// order that puts the darkest first; yellow is left out because it vanishes on white.
-static const draw_colour palette[BAT_PICTURE_COLOURS] = {
+static const draw_colour palette[BAT_CURVE_PICTURE_COLOURS] = {
     {0.000, 0.447, 0.698}, // blue
     {0.835, 0.369, 0.000}, // vermilion
     {0.000, 0.620, 0.451}, // bluish green
@@ -16,13 +16,13 @@ static const draw_colour palette[BAT_PICTURE_COLOURS] = {
 
 draw_colour style_palette(int index)
 {
-    return palette[(unsigned)(index - 1) % BAT_PICTURE_COLOURS];
+    return palette[(unsigned)(index - 1) % BAT_CURVE_PICTURE_COLOURS];
 }
 
 line_style style_curve(int index)
 {
     static const double dashes[][2] = {{0.0, 0.0}, {6.0, 2.5}, {2.0, 2.0}};
-    const double *dash = dashes[(unsigned)(index - 1) / BAT_PICTURE_COLOURS % 3];
+    const double *dash = dashes[(unsigned)(index - 1) / BAT_CURVE_PICTURE_COLOURS % 3];
     return (line_style){style_palette(index), LINE_CURVE, dash[0], dash[1]};
 }
 

@@ -45,7 +45,7 @@ static const draw_colour COLOUR_STRONG_GRID = {0.68, 0.715, 0.755};
 #define LINE_FRAME 0.7
 #define MARKER_RADIUS 2.1
 
-/// The colour `index` of the fixed order, from 1; orders repeat after BAT_PICTURE_COLOURS.
+/// The colour `index` of the fixed order, from 1; orders repeat after BAT_CURVE_PICTURE_COLOURS.
 draw_colour style_palette(int index);
 /// The line of the curve with colour `index`: solid in the first round of the palette, then with long and with short dashes.
 line_style style_curve(int index);

@@ -82,9 +82,9 @@ double panel_height(const scene_panel *panel, const bat_curve_picture_options *o
     insets map = map_insets(options);
     switch (options->projection)
     {
-    case BAT_PROJECTION_MAP:
+    case BAT_CURVE_PROJECTION_MAP:
         return height_around(map, width, 0.5);
-    case BAT_PROJECTION_BOTH:
+    case BAT_CURVE_PROJECTION_BOTH:
         // width = (h - globe.top - globe.bottom + globe.left + globe.right) + BETWEEN + 2 (h - map.top - map.bottom) + ...
         return (width - BETWEEN + globe.top + globe.bottom - globe.left - globe.right + 2.0 * (map.top + map.bottom) -
                 map.left - map.right) /
@@ -118,29 +118,29 @@ static draw_view make_view(const scene_panel *panel, view_kind kind)
     return view;
 }
 
-static line_style layer_line(const bat_picture_panel *panel, size_t index)
+static line_style layer_line(const bat_curve_picture_panel *panel, size_t index)
 {
     switch (panel->layers[index].role)
     {
-    case BAT_LAYER_CONTROL:
+    case BAT_CURVE_LAYER_CONTROL:
         return (line_style){COLOUR_CONTROL, LINE_CONTROL, 3.0, 2.2};
-    case BAT_LAYER_TRUTH:
+    case BAT_CURVE_LAYER_TRUTH:
         return (line_style){COLOUR_TRUTH, LINE_TRUTH, 4.0, 2.2};
     default:
         return style_curve(scene_colour(panel, index));
     }
 }
 
-static bool has_rings(const bat_picture_layer *layer, const bat_curve_picture_options *options)
+static bool has_rings(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options)
 {
-    return layer->role == BAT_LAYER_CONTROL && options->control_points && layer->curve->count <= MANY_RINGS;
+    return layer->role == BAT_CURVE_LAYER_CONTROL && options->control_points && layer->curve->count <= MANY_RINGS;
 }
 
-legend_item panel_legend_item(const bat_picture_panel *panel, size_t index, const bat_curve_picture_options *options)
+legend_item panel_legend_item(const bat_curve_picture_panel *panel, size_t index, const bat_curve_picture_options *options)
 {
-    const bat_picture_layer *layer = &panel->layers[index];
+    const bat_curve_picture_layer *layer = &panel->layers[index];
     legend_item item = {layer->label, layer_line(panel, index), LEGEND_NO_MARK};
-    if (layer->role == BAT_LAYER_CONTROL)
+    if (layer->role == BAT_CURVE_LAYER_CONTROL)
     {
         item.line.width = options->control_polygon ? item.line.width : 0.0;
         item.mark = has_rings(layer, options) ? LEGEND_RING : LEGEND_NO_MARK;
@@ -222,7 +222,7 @@ static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *c
 }
 
 /// All lines of one role.
-static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_layer_role role,
+static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_curve_layer_role role,
                             view_side side, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -234,7 +234,7 @@ static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_p
 }
 
 /// The points of all control polygons.
-static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_picture_panel *panel,
+static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_curve_picture_panel *panel,
                            const bat_curve_picture_options *options, view_side side)
 {
     for (size_t i = 0; i < panel->layer_count; i++)
@@ -268,7 +268,7 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
     bat_status status = BAT_OK;
     if (options->control_polygon)
     {
-        status = draw_role(cairo, view, panel, BAT_LAYER_CONTROL, side, error);
+        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_CONTROL, side, error);
     }
     if (status == BAT_OK && options->comb && side == VIEW_FRONT)
     {
@@ -276,11 +276,11 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
     }
     if (status == BAT_OK)
     {
-        status = draw_role(cairo, view, panel, BAT_LAYER_TRUTH, side, error);
+        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_TRUTH, side, error);
     }
     if (status == BAT_OK)
     {
-        status = draw_role(cairo, view, panel, BAT_LAYER_CURVE, side, error);
+        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_CURVE, side, error);
     }
     return status;
 }
@@ -357,11 +357,11 @@ static bat_status draw_map(cairo_t *cairo, const scene_panel *panel, const bat_c
 static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
                               const double box[4], bat_error *error)
 {
-    if (options->projection == BAT_PROJECTION_GLOBE)
+    if (options->projection == BAT_CURVE_PROJECTION_GLOBE)
     {
         return draw_globe(cairo, panel, options, box, error);
     }
-    if (options->projection == BAT_PROJECTION_MAP)
+    if (options->projection == BAT_CURVE_PROJECTION_MAP)
     {
         return draw_map(cairo, panel, options, box, error);
     }

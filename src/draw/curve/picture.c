@@ -71,7 +71,7 @@ static bat_status collect_legend(const scene *made, legend_item **items, size_t 
     }
     for (size_t i = 0; i < made->count && made->options->legend; i++)
     {
-        const bat_picture_panel *panel = made->panels[i].source;
+        const bat_curve_picture_panel *panel = made->panels[i].source;
         for (size_t k = 0; k < panel->layer_count; k++)
         {
             if (text_given(panel->layers[k].label) && scene_layer_shown(&panel->layers[k], made->options))
@@ -89,7 +89,7 @@ static double natural_width(const scene *made)
     bool wide = false;
     for (size_t i = 0; i < made->count; i++)
     {
-        wide = wide || (made->panels[i].space == VIEW_SPHERE && made->options->projection != BAT_PROJECTION_GLOBE);
+        wide = wide || (made->panels[i].space == VIEW_SPHERE && made->options->projection != BAT_CURVE_PROJECTION_GLOBE);
     }
     switch (made->columns)
     {
@@ -102,7 +102,7 @@ static double natural_width(const scene *made)
     }
 }
 
-bat_status bat_curve_picture_write(const char *path, const bat_picture_panel *panels, size_t count,
+bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_panel *panels, size_t count,
                                    const bat_curve_picture_options *options, bat_error *error)
 {
     bat_curve_picture_options defaults = bat_curve_picture_defaults();

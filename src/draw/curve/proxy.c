@@ -20,7 +20,7 @@
 
 /// Room for the points of one more curve.
 /// @return BAT_OK or BAT_NO_MEMORY
-static bat_status add_curve(proxy *made, size_t count, bool closed, bat_picture_layer layer, line_style line,
+static bat_status add_curve(proxy *made, size_t count, bool closed, bat_curve_picture_layer layer, line_style line,
                             bat_error *error)
 {
     bat_curve curve = {.space = &made->space, .count = count, .closed = closed};
@@ -107,22 +107,23 @@ static bat_status fill_columns(proxy *made, const bat_curve *curve, bat_error *e
 }
 
 /// The line of column `c`: paler from the first to the last.
-static line_style column_line(bat_layer_role role, draw_colour colour, size_t c)
+static line_style column_line(bat_curve_layer_role role, draw_colour colour, size_t c)
 {
     static const double shades[3] = {1.0, 0.72, 0.48};
     draw_colour shade = style_mix(colour, COLOUR_PAPER, shades[c]);
-    if (role == BAT_LAYER_CONTROL)
+    if (role == BAT_CURVE_LAYER_CONTROL)
     {
         return (line_style){shade, LINE_CONTROL, 3.0, 2.2};
     }
-    return role == BAT_LAYER_TRUTH ? (line_style){shade, LINE_TRUTH, 4.0, 2.2} : (line_style){shade, LINE_CURVE, 0.0, 0.0};
+    return role == BAT_CURVE_LAYER_TRUTH ? (line_style){shade, LINE_TRUTH, 4.0, 2.2}
+                                         : (line_style){shade, LINE_CURVE, 0.0, 0.0};
 }
 
-static bat_status add_columns(proxy *made, const bat_picture_layer *layer, draw_colour colour, bat_error *error)
+static bat_status add_columns(proxy *made, const bat_curve_picture_layer *layer, draw_colour colour, bat_error *error)
 {
     const bat_curve *curve = layer->curve;
     // The triangles at control points are the layers with the role of a control polygon.
-    bat_layer_role role = layer->role == BAT_LAYER_CURVE ? BAT_LAYER_CURVE : BAT_LAYER_TRUTH;
+    bat_curve_layer_role role = layer->role == BAT_CURVE_LAYER_CURVE ? BAT_CURVE_LAYER_CURVE : BAT_CURVE_LAYER_TRUTH;
     bool closed = curve->closed && curve->count > 1;
     size_t count = closed ? 0 : 1;
     for (size_t i = 0; i < edge_count(curve); i++)
@@ -132,7 +133,7 @@ static bat_status add_columns(proxy *made, const bat_picture_layer *layer, draw_
     bat_status status = BAT_OK;
     for (size_t c = 0; c < 3 && status == BAT_OK; c++)
     {
-        bat_picture_layer own = {.role = role, .colour = layer->colour};
+        bat_curve_picture_layer own = {.role = role, .colour = layer->colour};
         status = add_curve(made, count, closed, own, column_line(layer->role, colour, c), error);
     }
     return status == BAT_OK ? fill_columns(made, curve, error) : status;
@@ -144,7 +145,7 @@ static bat_status add_triangles(proxy *made, const bat_curve *curve, bat_error *
     for (size_t k = 0; k < frames_of(curve) && status == BAT_OK; k++)
     {
         line_style line = {style_mix(COLOUR_CONTROL, COLOUR_PAPER, 0.6), 0.6, 0.0, 0.0};
-        status = add_curve(made, 3, true, (bat_picture_layer){.role = BAT_LAYER_CONTROL}, line, error);
+        status = add_curve(made, 3, true, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_CONTROL}, line, error);
         for (size_t c = 0; c < 3 && status == BAT_OK; c++)
         {
             column_of(curve->points + 4 * frame_index(curve, k), c, made->curves[made->count - 1].points + 3 * c);
@@ -153,27 +154,27 @@ static bat_status add_triangles(proxy *made, const bat_curve *curve, bat_error *
     return status;
 }
 
-static draw_colour layer_colour(const bat_picture_panel *panel, size_t index)
+static draw_colour layer_colour(const bat_curve_picture_panel *panel, size_t index)
 {
     switch (panel->layers[index].role)
     {
-    case BAT_LAYER_CONTROL:
+    case BAT_CURVE_LAYER_CONTROL:
         return COLOUR_CONTROL;
-    case BAT_LAYER_TRUTH:
+    case BAT_CURVE_LAYER_TRUTH:
         return COLOUR_TRUTH;
     default:
         return style_palette(scene_colour(panel, index));
     }
 }
 
-static bat_status add_rotations(proxy *made, const bat_picture_panel *panel, const bat_curve_picture_options *options,
+static bat_status add_rotations(proxy *made, const bat_curve_picture_panel *panel, const bat_curve_picture_options *options,
                                 bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
-        const bat_picture_layer *layer = &panel->layers[i];
-        bool control = layer->role == BAT_LAYER_CONTROL;
+        const bat_curve_picture_layer *layer = &panel->layers[i];
+        bool control = layer->role == BAT_CURVE_LAYER_CONTROL;
         if (!control || options->control_polygon)
         {
             status = add_columns(made, layer, layer_colour(panel, i), error);
@@ -187,7 +188,7 @@ static bat_status add_rotations(proxy *made, const bat_picture_panel *panel, con
 }
 
 /// The diagonal of the box of all translations, 1 where there is but one place.
-static double paths_extent(const bat_picture_panel *panel)
+static double paths_extent(const bat_curve_picture_panel *panel)
 {
     double square = 0.0;
     for (size_t k = 0; k < 3; k++)
@@ -208,10 +209,10 @@ static double paths_extent(const bat_picture_panel *panel)
     return square > 0.0 ? sqrt(square) : 1.0;
 }
 
-static bat_status add_path(proxy *made, const bat_picture_layer *layer, int colour, bat_error *error)
+static bat_status add_path(proxy *made, const bat_curve_picture_layer *layer, int colour, bat_error *error)
 {
     const bat_curve *curve = layer->curve;
-    bat_picture_layer own = {.role = layer->role, .colour = colour};
+    bat_curve_picture_layer own = {.role = layer->role, .colour = colour};
     bat_status status = add_curve(made, curve->count, curve->closed, own, (line_style){0}, error);
     for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
     {
@@ -230,7 +231,8 @@ static bat_status add_axes(proxy *made, const bat_curve *curve, double length, b
         const double *point = curve->points + 7 * frame_index(curve, k / 3);
         draw_colour colour = style_mix(style_palette(colours[k % 3]), COLOUR_PAPER, given ? 1.0 : 0.55);
         line_style line = {colour, given ? 1.7 : 0.7, 0.0, 0.0};
-        status = add_curve(made, 2, false, (bat_picture_layer){.role = BAT_LAYER_CURVE, .colour = 1}, line, error);
+        status =
+            add_curve(made, 2, false, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_CURVE, .colour = 1}, line, error);
         if (status == BAT_OK)
         {
             double *ends = made->curves[made->count - 1].points;
@@ -245,7 +247,7 @@ static bat_status add_axes(proxy *made, const bat_curve *curve, double length, b
     return status;
 }
 
-static bat_status add_motions(proxy *made, const bat_picture_panel *panel, const bat_curve_picture_options *options,
+static bat_status add_motions(proxy *made, const bat_curve_picture_panel *panel, const bat_curve_picture_options *options,
                               bat_error *error)
 {
     double length = AXIS_SHARE * paths_extent(panel);
@@ -253,14 +255,14 @@ static bat_status add_motions(proxy *made, const bat_picture_panel *panel, const
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
         status = add_path(made, &panel->layers[i], scene_colour(panel, i), error);
-        if (status == BAT_OK && panel->layers[i].role == BAT_LAYER_CURVE)
+        if (status == BAT_OK && panel->layers[i].role == BAT_CURVE_LAYER_CURVE)
         {
             status = add_axes(made, panel->layers[i].curve, length, false, error);
         }
     }
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
-        if (panel->layers[i].role == BAT_LAYER_CONTROL && options->control_points)
+        if (panel->layers[i].role == BAT_CURVE_LAYER_CONTROL && options->control_points)
         {
             status = add_axes(made, panel->layers[i].curve, length, true, error);
         }
@@ -269,14 +271,14 @@ static bat_status add_motions(proxy *made, const bat_picture_panel *panel, const
 }
 
 /// z = x / (1 + x0), a hair inside the rim.
-static bat_status add_hyperboloids(proxy *made, const bat_picture_panel *panel, bat_error *error)
+static bat_status add_hyperboloids(proxy *made, const bat_curve_picture_panel *panel, bat_error *error)
 {
     const double rim = 1.0 - 1e-15;
     bat_status status = BAT_OK;
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
         const bat_curve *curve = panel->layers[i].curve;
-        bat_picture_layer own = panel->layers[i];
+        bat_curve_picture_layer own = panel->layers[i];
         own.colour = scene_colour(panel, i);
         status = add_curve(made, curve->count, curve->closed, own, (line_style){0}, error);
         for (size_t k = 0; k < curve->count && status == BAT_OK; k++)
@@ -291,7 +293,7 @@ static bat_status add_hyperboloids(proxy *made, const bat_picture_panel *panel, 
     return status;
 }
 
-static bat_status add_all(proxy *made, const bat_picture_panel *panel, const bat_curve_picture_options *options,
+static bat_status add_all(proxy *made, const bat_curve_picture_panel *panel, const bat_curve_picture_options *options,
                           bat_error *error)
 {
     switch (view_space_of(panel->layers[0].curve->space))
@@ -308,7 +310,7 @@ static bat_status add_all(proxy *made, const bat_picture_panel *panel, const bat
     }
 }
 
-bat_status proxy_make(const bat_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
+bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
                       bat_error *error)
 {
     size_t most = panel->layer_count * MOST_CURVES;
@@ -326,7 +328,7 @@ bat_status proxy_make(const bat_picture_panel *panel, const bat_curve_picture_op
     {
         made->layers[i].curve = &made->curves[i];
     }
-    made->panel = (bat_picture_panel){.layers = made->layers, .layer_count = made->count, .title = panel->title};
+    made->panel = (bat_curve_picture_panel){.layers = made->layers, .layer_count = made->count, .title = panel->title};
     if (status != BAT_OK)
     {
         proxy_free(made);

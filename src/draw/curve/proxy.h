@@ -16,15 +16,15 @@ typedef struct proxy
 {
     bat_space space;
     bat_curve *curves;
-    bat_picture_layer *layers;
+    bat_curve_picture_layer *layers;
     line_style *lines;
     size_t count;
-    bat_picture_panel panel;
+    bat_curve_picture_panel panel;
 } proxy;
 
 /// The stand-in for a panel that was checked; release it with proxy_free().
 /// @return BAT_OK; BAT_CUT_LOCUS with the index of a point half a turn from the next; BAT_NO_MEMORY
-bat_status proxy_make(const bat_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
+bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
                       bat_error *error);
 /// Free everything. Does nothing to a stand-in that is all zero.
 void proxy_free(proxy *made);

@@ -14,17 +14,17 @@
 /// Width that a panel needs for its details to show.
 #define LEAST_PANEL 100.0
 
-bool scene_layer_shown(const bat_picture_layer *layer, const bat_curve_picture_options *options)
+bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options)
 {
-    return layer->role != BAT_LAYER_CONTROL || options->control_points || options->control_polygon;
+    return layer->role != BAT_CURVE_LAYER_CONTROL || options->control_points || options->control_polygon;
 }
 
-int scene_colour(const bat_picture_panel *panel, size_t index)
+int scene_colour(const bat_curve_picture_panel *panel, size_t index)
 {
     int place = 1;
     for (size_t i = 0; i < index; i++)
     {
-        place += panel->layers[i].role == BAT_LAYER_CURVE ? 1 : 0;
+        place += panel->layers[i].role == BAT_CURVE_LAYER_CURVE ? 1 : 0;
     }
     return panel->layers[index].colour > 0 ? panel->layers[index].colour : place;
 }
@@ -71,7 +71,7 @@ static bat_status check_view_options(const bat_curve_picture_options *options, b
 {
     const double quarter = 1.57079632679489662;
     const char *fault = NULL;
-    if (options->projection < BAT_PROJECTION_GLOBE || options->projection > BAT_PROJECTION_BOTH)
+    if (options->projection < BAT_CURVE_PROJECTION_GLOBE || options->projection > BAT_CURVE_PROJECTION_BOTH)
     {
         fault = "there is no such projection";
     }
@@ -86,7 +86,7 @@ static bat_status check_view_options(const bat_curve_picture_options *options, b
     return fault == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
 }
 
-static bat_status check_layer(const bat_picture_layer *layer, size_t panel, size_t index, bat_error *error)
+static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel, size_t index, bat_error *error)
 {
     bat_error inner = {0};
     bat_status status = view_check(layer->curve, &inner);
@@ -95,7 +95,7 @@ static bat_status check_layer(const bat_picture_layer *layer, size_t panel, size
         return error_set(error, status, inner.index != BAT_NO_INDEX ? inner.index : index, 0, "panel %zu, layer %zu: %s",
                          panel, index, inner.text);
     }
-    if (layer->role < BAT_LAYER_CURVE || layer->role > BAT_LAYER_TRUTH || layer->colour < 0)
+    if (layer->role < BAT_CURVE_LAYER_CURVE || layer->role > BAT_CURVE_LAYER_TRUTH || layer->colour < 0)
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu, layer %zu: no such role or colour", panel,
                          index);
@@ -108,7 +108,7 @@ static bat_status check_layer(const bat_picture_layer *layer, size_t panel, size
     return BAT_OK;
 }
 
-static bat_status check_panel(const bat_picture_panel *panel, size_t index, bat_error *error)
+static bat_status check_panel(const bat_curve_picture_panel *panel, size_t index, bat_error *error)
 {
     if (panel->layers == NULL || panel->layer_count == 0)
     {
@@ -138,7 +138,7 @@ static bat_status check_panel(const bat_picture_panel *panel, size_t index, bat_
 
 static bat_status make_combs(scene_panel *panel, bat_error *error)
 {
-    const bat_picture_panel *source = panel->drawn;
+    const bat_curve_picture_panel *source = panel->drawn;
     panel->combs = calloc(source->layer_count, sizeof *panel->combs);
     if (panel->combs == NULL)
     {
@@ -148,7 +148,7 @@ static bat_status make_combs(scene_panel *panel, bat_error *error)
     for (size_t i = 0; i < source->layer_count && status == BAT_OK; i++)
     {
         bool itself = source == panel->source && panel->space != VIEW_TENSOR;
-        if (itself && source->layers[i].role == BAT_LAYER_CURVE)
+        if (itself && source->layers[i].role == BAT_CURVE_LAYER_CURVE)
         {
             status = comb_make(source->layers[i].curve, &panel->combs[i], error);
         }
@@ -213,7 +213,7 @@ static void include_curves(scene_frame *frame, const scene *made, const scene_pa
     view_face_solid(&view);
     for (size_t i = 0; i < panel->drawn->layer_count; i++)
     {
-        const bat_picture_layer *layer = &panel->drawn->layers[i];
+        const bat_curve_picture_layer *layer = &panel->drawn->layers[i];
         for (size_t k = 0; k < layer->curve->count && scene_layer_shown(layer, made->options); k++)
         {
             include_point(frame, &view, layer->curve->points + k * panel->point_dim);
@@ -321,7 +321,7 @@ static bat_status frame_globe(scene_frame *frame, const scene *made, size_t firs
     count = 0;
     for (size_t i = first; i < end; i++)
     {
-        const bat_picture_panel *source = made->panels[i].drawn;
+        const bat_curve_picture_panel *source = made->panels[i].drawn;
         for (size_t k = 0; k < source->layer_count && made->panels[i].space == VIEW_SPHERE; k++)
         {
             curves[count++] = source->layers[k].curve;
@@ -406,7 +406,7 @@ static bat_status choose_drawn(scene_panel *panel, const bat_curve_picture_optio
     return BAT_OK;
 }
 
-static bat_status fill(scene *made, const bat_picture_panel *panels, bat_error *error)
+static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < made->count && status == BAT_OK; i++)
@@ -430,8 +430,8 @@ static bat_status fill(scene *made, const bat_picture_panel *panels, bat_error *
     return status;
 }
 
-bat_status scene_make(const bat_picture_panel *panels, size_t count, const bat_curve_picture_options *options, scene *made,
-                      bat_error *error)
+bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
+                      scene *made, bat_error *error)
 {
     bat_status status = scene_check_options(options, error);
     status = status == BAT_OK ? check_view_options(options, error) : status;

@@ -21,10 +21,10 @@ typedef struct scene_frame
 
 typedef struct scene_panel
 {
-    const bat_picture_panel *source;
-    const bat_picture_panel *drawn; ///< the source, or what stands in for it
-    proxy stand;                    ///< all zero where the source itself is drawn
-    view_space space;               ///< of what is drawn
+    const bat_curve_picture_panel *source;
+    const bat_curve_picture_panel *drawn; ///< the source, or what stands in for it
+    proxy stand;                          ///< all zero where the source itself is drawn
+    view_space space;                     ///< of what is drawn
     size_t point_dim;
     comb *combs; ///< one a drawn layer, empty but for curves; null without combs
     scene_frame frame;
@@ -40,8 +40,8 @@ typedef struct scene
 } scene;
 
 /// Check everything, measure everything. Release it with scene_free().
-bat_status scene_make(const bat_picture_panel *panels, size_t count, const bat_curve_picture_options *options, scene *made,
-                      bat_error *error);
+bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
+                      scene *made, bat_error *error);
 void scene_free(scene *made);
 
 /// Check what pictures and charts share: size, resolution, title.
@@ -51,9 +51,9 @@ bat_status scene_check_options(const bat_curve_picture_options *options, bat_err
 size_t scene_columns(const bat_curve_picture_options *options, size_t count, double least);
 
 /// Whether anything of a layer is drawn.
-bool scene_layer_shown(const bat_picture_layer *layer, const bat_curve_picture_options *options);
+bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options);
 /// The palette's index for layer `index` of a panel.
-int scene_colour(const bat_picture_panel *panel, size_t index);
+int scene_colour(const bat_curve_picture_panel *panel, size_t index);
 
 /// Height over width of what a flat panel shows.
 static inline double scene_aspect(const scene_frame *frame)

@@ -77,7 +77,7 @@ static double share_of(const bat_curve *curve, size_t index)
     return edges > 0 ? (double)index / (double)edges : 0.5;
 }
 
-bat_status tensor_row_include(scene_frame *frame, const bat_picture_panel *panel, bat_error *error)
+bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel *panel, bat_error *error)
 {
     for (size_t i = 0; i < panel->layer_count; i++)
     {
@@ -137,13 +137,13 @@ static void outline_of(const ellipsoid *drawn, double root[3])
 }
 
 /// Colours of a tensor: paler along the curve.
-static draw_colour shade_of(const bat_picture_panel *panel, size_t layer, double share)
+static draw_colour shade_of(const bat_curve_picture_panel *panel, size_t layer, double share)
 {
     switch (panel->layers[layer].role)
     {
-    case BAT_LAYER_CONTROL:
+    case BAT_CURVE_LAYER_CONTROL:
         return style_mix(COLOUR_CONTROL, COLOUR_PAPER, 0.75);
-    case BAT_LAYER_TRUTH:
+    case BAT_CURVE_LAYER_TRUTH:
         return COLOUR_TRUTH;
     default:
         return style_mix(style_palette(scene_colour(panel, layer)), (draw_colour){0.99, 0.90, 0.62}, 0.95 - 0.65 * share);
@@ -239,7 +239,7 @@ static bat_status draw_row(cairo_t *cairo, const draw_view *view, const scene_pa
             return status;
         }
         turn(view, &drawn);
-        draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_LAYER_CONTROL, view->scale,
+        draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_CURVE_LAYER_CONTROL, view->scale,
                        view_x(view, COLUMN_SPACING * ((double)frame->tensor_columns - 1.0) * share), y,
                        shade_of(panel->source, layer, share));
     }

@@ -11,7 +11,7 @@
 
 /// Make room in a frame for the rows of a panel.
 /// @return BAT_OK, or BAT_NO_CONVERGENCE where eigenvalues cannot be computed
-bat_status tensor_row_include(scene_frame *frame, const bat_picture_panel *panel, bat_error *error);
+bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel *panel, bat_error *error);
 /// Draw the rows of a panel. (u, v) are in units of the largest semi-axis, as the frame has them.
 bat_status tensor_row_draw(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error);
 

@@ -36,7 +36,7 @@ bat_mesh_picture_options bat_mesh_picture_defaults(void)
 /// A picture as it is to be drawn.
 typedef struct mesh_scene
 {
-    const bat_mesh_panel *panels;
+    const bat_mesh_picture_panel *panels;
     size_t count, columns;
     const bat_mesh_picture_options *options;
     mesh_view *views;   ///< of every panel
@@ -83,7 +83,7 @@ static bat_status name_panel(bat_error *error, bat_status status, size_t panel)
     return status;
 }
 
-static bat_status check_panel(const bat_mesh_panel *panel, size_t index, bat_error *error)
+static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index, bat_error *error)
 {
     if (panel->mesh == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu has no mesh", index);
@@ -105,7 +105,7 @@ static void find_values(mesh_scene *made)
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (size_t i = 0; i < made->count; i++)
     {
-        const bat_mesh_panel *panel = &made->panels[i];
+        const bat_mesh_picture_panel *panel = &made->panels[i];
         made->has_values = made->has_values || panel->values != NULL;
         for (size_t v = 0; panel->values != NULL && v < panel->mesh->vertex_count; v++)
         {
@@ -135,7 +135,7 @@ static void find_frames(mesh_scene *made)
         made->frames[i] = made->frames[i - i % made->columns];
 }
 
-static bat_status scene_begin(const bat_mesh_panel *panels, size_t count, const bat_mesh_picture_options *options,
+static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count, const bat_mesh_picture_options *options,
                               mesh_scene *made, bat_error *error)
 {
     bat_status status = check_options(options, error);
@@ -178,7 +178,7 @@ static const char *panel_caption(const void *context, size_t index)
 
 static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_box *place)
 {
-    const bat_mesh_panel *panel = &made->panels[index];
+    const bat_mesh_picture_panel *panel = &made->panels[index];
     const bat_mesh_picture_options *options = made->options;
     mesh_placing placing = mesh_frame_place(&made->frames[index], &made->views[index], place->columns, place->rows);
     return (shade_task){.mesh = panel->mesh,
@@ -218,7 +218,7 @@ static void draw_scale(const void *context, cairo_t *cairo, const double box[4])
     colour_bar_draw(cairo, made->value_low, made->value_high, made->options->value_label, box);
 }
 
-bat_status bat_mesh_picture_write(const char *path, const bat_mesh_panel *panels, size_t count,
+bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel *panels, size_t count,
                                   const bat_mesh_picture_options *options, bat_error *error)
 {
     bat_mesh_picture_options defaults = bat_mesh_picture_defaults();

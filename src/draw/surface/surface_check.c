@@ -32,7 +32,7 @@ static bat_status check_options(const bat_surface_picture_options *options, bat_
 }
 
 /// What a row has must fit together.
-static bat_status check_parts(const bat_surface_panel *row, size_t index, bat_error *error)
+static bat_status check_parts(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {
     const char *wrong = NULL;
     if (!text_is_valid(row->title))
@@ -51,7 +51,7 @@ static bat_status check_parts(const bat_surface_panel *row, size_t index, bat_er
 }
 
 /// The numbers of a row's points.
-static bat_status check_points(const bat_surface_panel *row, size_t index, bat_error *error)
+static bat_status check_points(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {
     size_t count = row->cloud->count, wrong = find_not_finite(row->cloud->points, 3 * count);
     if (wrong != BAT_NO_INDEX)
@@ -76,8 +76,8 @@ static bat_status check_surface(const bat_spline_surface *surface, size_t index,
     return BAT_OK;
 }
 
-bat_status surface_picture_check(const bat_surface_panel *rows, size_t count, const bat_surface_picture_options *options,
-                                 bat_error *error)
+bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
+                                 const bat_surface_picture_options *options, bat_error *error)
 {
     bat_status status = check_options(options, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)

@@ -41,7 +41,7 @@ typedef struct surface_scene
     size_t item_count;
 } surface_scene;
 
-static bool row_has(const bat_surface_panel *row, surface_panel_kind kind)
+static bool row_has(const bat_surface_picture_row *row, surface_panel_kind kind)
 {
     switch (kind)
     {
@@ -88,7 +88,7 @@ static void describe_errors(const double *distances, size_t count, char *caption
 
 static void describe_row(surface_row *row)
 {
-    const bat_surface_panel *panel = row->panel;
+    const bat_surface_picture_row *panel = row->panel;
     if (panel->cloud != NULL)
         describe_cloud(panel->cloud, row->captions[SURFACE_PANEL_CLOUD]);
     if (panel->cloud != NULL && panel->distances != NULL)
@@ -136,8 +136,8 @@ static void look_at_row(surface_row *row, size_t loop_count, const bat_surface_p
     row->frame = mesh_frame_join(&of_cloud, &of_surface);
 }
 
-static bat_status make_row(const bat_surface_panel *panel, const bat_surface_picture_options *options, surface_row *row,
-                           bat_error *error)
+static bat_status make_row(const bat_surface_picture_row *panel, const bat_surface_picture_options *options,
+                           surface_row *row, bat_error *error)
 {
     size_t loop_count = 0;
     row->panel = panel;
@@ -152,7 +152,7 @@ static bat_status make_row(const bat_surface_panel *panel, const bat_surface_pic
 }
 
 /// The distance that a share of all points keeps within.
-static bat_status find_highest(const bat_surface_panel *rows, size_t count, double *highest, bat_error *error)
+static bat_status find_highest(const bat_surface_picture_row *rows, size_t count, double *highest, bat_error *error)
 {
     size_t total = 0;
     for (size_t r = 0; r < count; r++)
@@ -181,7 +181,7 @@ static void scene_end(surface_scene *scene)
 }
 
 /// Which panels there are, and what explains them.
-static void find_panels(const bat_surface_panel *rows, surface_scene *scene)
+static void find_panels(const bat_surface_picture_row *rows, surface_scene *scene)
 {
     bool has_boundary = false;
     for (surface_panel_kind kind = SURFACE_PANEL_CLOUD; kind < SURFACE_PANEL_KINDS; kind++)
@@ -203,7 +203,7 @@ static void find_panels(const bat_surface_panel *rows, surface_scene *scene)
                    (legend_item){.label = "boundary points", .mark = LEGEND_DOT, .line = {.colour = COLOUR_BOUNDARY_POINT}});
 }
 
-static bat_status scene_begin(const bat_surface_panel *rows, size_t count, const bat_surface_picture_options *options,
+static bat_status scene_begin(const bat_surface_picture_row *rows, size_t count, const bat_surface_picture_options *options,
                               surface_scene *scene, bat_error *error)
 {
     *scene = (surface_scene){.rows = calloc(count, sizeof *scene->rows), .count = count, .highest = options->largest_error};
@@ -302,7 +302,7 @@ static bat_status write_scene(const char *path, const surface_scene *scene, int 
     return sheet_write(path, &content, error);
 }
 
-bat_status bat_surface_picture_write(const char *path, const bat_surface_panel *rows, size_t count,
+bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
                                      const bat_surface_picture_options *options, bat_error *error)
 {
     const bat_surface_picture_options defaults = {0};

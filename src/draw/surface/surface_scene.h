@@ -25,7 +25,7 @@ typedef enum surface_panel_kind
 
 typedef struct surface_row
 {
-    const bat_surface_panel *panel;
+    const bat_surface_picture_row *panel;
     bat_mesh patch; ///< the surface as triangles; no faces where there is none
     mesh_view view;
     mesh_frame frame;

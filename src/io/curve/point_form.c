@@ -300,7 +300,7 @@ bool point_form_tangent(const point_form *form, const bat_space *space, const do
                         double *tangent)
 {
     if (strcmp(form->space, "spd") == 0)
-        return bat_tensor_tangent(space, point, velocity, tangent) == BAT_OK;
+        return bat_positive_definite_tangent(space, point, velocity, tangent) == BAT_OK;
     double scale = strcmp(form->space, "disk") == 0 ? disk_scale(point) : 1;
     for (size_t i = 0; i < form->velocity_count; i++)
         tangent[i] = scale * velocity[i];
@@ -313,7 +313,7 @@ bool point_form_velocity(const point_form *form, const bat_space *space, const d
                          double *velocity)
 {
     if (strcmp(form->space, "spd") == 0)
-        return bat_tensor_velocity(space, point, tangent, velocity) == BAT_OK;
+        return bat_positive_definite_velocity(space, point, tangent, velocity) == BAT_OK;
     double scale = strcmp(form->space, "disk") == 0 ? 1 / disk_scale(point) : 1;
     for (size_t i = 0; i < form->velocity_count; i++)
         velocity[i] = scale * tangent[i];

@@ -282,9 +282,9 @@ static bat_status prepare(mesh_builder *builder, const bat_mesh_read_options *op
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no faces");
     bat_status status = check_faces(builder, options->triangulate, error);
     size_t triangle_count = builder->corner_count - 2 * builder->face_count;
-    if (status == BAT_OK && (triangle_count > BAT_MESH_MOST_FACES || builder->vertex_count >= BAT_MESH_NONE))
+    if (status == BAT_OK && (triangle_count > BAT_MESH_MAX_FACES || builder->vertex_count >= BAT_MESH_NONE))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
-                         BAT_MESH_MOST_FACES, (size_t)BAT_MESH_NONE);
+                         BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
     if (status == BAT_OK && !complete_texture(builder))
         status = error_memory(error, builder->texture_capacity * sizeof(double));
     if (status == BAT_OK && triangle_count > builder->face_count)

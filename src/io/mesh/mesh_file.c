@@ -95,7 +95,7 @@ bat_mesh_read_options bat_mesh_read_defaults(void)
 
 bat_mesh_write_options bat_mesh_write_defaults(void)
 {
-    return (bat_mesh_write_options){.format = BAT_MESH_FORMAT_AUTO, .encoding = BAT_MESH_BINARY};
+    return (bat_mesh_write_options){.format = BAT_MESH_FORMAT_AUTO, .encoding = BAT_MESH_ENCODING_BINARY};
 }
 
 static bat_status check_format(bat_mesh_format format, bat_error *error)
@@ -172,9 +172,9 @@ static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, cons
     if (format == BAT_MESH_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "cannot tell what format to write; the endings are .obj, .ply, .off, .stl");
-    if ((unsigned)options->encoding > BAT_MESH_TEXT)
+    if ((unsigned)options->encoding > BAT_MESH_ENCODING_TEXT)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no encoding %d", (int)options->encoding);
-    if (options->encoding == BAT_MESH_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
+    if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY is written with the greater bytes first");
     if (options->threads < 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");

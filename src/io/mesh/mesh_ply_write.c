@@ -202,8 +202,8 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
 bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
     ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh),
-                     .text = options->encoding == BAT_MESH_TEXT,
-                     .big_endian = options->encoding == BAT_MESH_BIG_ENDIAN};
+                     .text = options->encoding == BAT_MESH_ENCODING_TEXT,
+                     .big_endian = options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN};
     plan.texture_by_corner = mesh->texture_faces != NULL && !plan.texture_by_vertex;
     bat_status status = check_names(mesh, &plan, error);
     if (status != BAT_OK)

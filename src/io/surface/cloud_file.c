@@ -8,9 +8,11 @@
 
 bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *format, bat_error *error)
 {
-    static const char *const names[] = {
-        [BAT_CLOUD_XYZ] = "xyz", [BAT_CLOUD_CSV] = "csv", [BAT_CLOUD_PLY] = "ply", [BAT_CLOUD_OBJ] = "obj"};
-    for (size_t i = BAT_CLOUD_XYZ; i < sizeof names / sizeof *names; i++)
+    static const char *const names[] = {[BAT_CLOUD_FORMAT_XYZ] = "xyz",
+                                        [BAT_CLOUD_FORMAT_CSV] = "csv",
+                                        [BAT_CLOUD_FORMAT_PLY] = "ply",
+                                        [BAT_CLOUD_FORMAT_OBJ] = "obj"};
+    for (size_t i = BAT_CLOUD_FORMAT_XYZ; i < sizeof names / sizeof *names; i++)
         if (strcmp(name, names[i]) == 0)
         {
             *format = (bat_cloud_format)i;
@@ -26,13 +28,13 @@ bat_cloud_format cloud_format_of_path(const char *path)
     {
         const char *ending;
         bat_cloud_format format;
-    } endings[] = {{".xyz", BAT_CLOUD_XYZ}, {".txt", BAT_CLOUD_XYZ}, {".asc", BAT_CLOUD_XYZ},
-                   {".csv", BAT_CLOUD_CSV}, {".ply", BAT_CLOUD_PLY}, {".obj", BAT_CLOUD_OBJ}};
+    } endings[] = {{".xyz", BAT_CLOUD_FORMAT_XYZ}, {".txt", BAT_CLOUD_FORMAT_XYZ}, {".asc", BAT_CLOUD_FORMAT_XYZ},
+                   {".csv", BAT_CLOUD_FORMAT_CSV}, {".ply", BAT_CLOUD_FORMAT_PLY}, {".obj", BAT_CLOUD_FORMAT_OBJ}};
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
         if (strcasecmp(dot, endings[i].ending) == 0)
             return endings[i].format;
-    return BAT_CLOUD_FROM_NAME;
+    return BAT_CLOUD_FORMAT_AUTO;
 }
 
 /// OBJ begins its lines with a word; CSV has names or something between its numbers.
@@ -40,21 +42,21 @@ bat_cloud_format cloud_format_of_text(const file_text *text)
 {
     static const char *const obj_words[] = {"v", "vn", "vt", "o", "g", "f", "s", "mtllib", "usemtl"};
     if (mesh_ply_resembles(text))
-        return BAT_CLOUD_PLY;
+        return BAT_CLOUD_FORMAT_PLY;
     mesh_scan scan = mesh_scan_start(text->data, text->size);
     if (!scan_next_content(&scan))
-        return BAT_CLOUD_XYZ;
+        return BAT_CLOUD_FORMAT_XYZ;
     for (size_t i = 0; i < sizeof obj_words / sizeof *obj_words; i++)
     {
         mesh_scan word = scan;
         if (scan_word(&word, obj_words[i]))
-            return BAT_CLOUD_OBJ;
+            return BAT_CLOUD_FORMAT_OBJ;
     }
     double number;
     for (int k = 0; k < 3; k++)
         if (!scan_number(&scan, &number))
-            return BAT_CLOUD_CSV;
-    return BAT_CLOUD_XYZ;
+            return BAT_CLOUD_FORMAT_CSV;
+    return BAT_CLOUD_FORMAT_XYZ;
 }
 
 /// The line of the statement "v" with a number, counted from 0.
@@ -89,11 +91,11 @@ static size_t line_of_point(const cloud_source *source, size_t point)
 {
     switch (source->format)
     {
-    case BAT_CLOUD_XYZ:
+    case BAT_CLOUD_FORMAT_XYZ:
         return cloud_xyz_line_of_point(source->text, point);
-    case BAT_CLOUD_CSV:
+    case BAT_CLOUD_FORMAT_CSV:
         return cloud_csv_line_of_point(source->text, point);
-    case BAT_CLOUD_OBJ:
+    case BAT_CLOUD_FORMAT_OBJ:
         return obj_line_of_point(source->text, point);
     default:
         return 0;
@@ -104,14 +106,14 @@ static bat_status source_read(cloud_source *source, bat_error *error)
 {
     point_listing *listing = &source->listing;
     bat_mesh *mesh = &source->mesh;
-    if (source->format == BAT_CLOUD_XYZ)
+    if (source->format == BAT_CLOUD_FORMAT_XYZ)
         return cloud_xyz_read(source->text, listing, error);
-    if (source->format == BAT_CLOUD_CSV)
+    if (source->format == BAT_CLOUD_FORMAT_CSV)
         return cloud_csv_read(source->text, listing, error);
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.triangulate = true;
-    bat_status status = source->format == BAT_CLOUD_PLY ? mesh_ply_read_points(source->text, &options, mesh, error)
-                                                        : mesh_obj_read_points(source->text, &options, mesh, error);
+    bat_status status = source->format == BAT_CLOUD_FORMAT_PLY ? mesh_ply_read_points(source->text, &options, mesh, error)
+                                                               : mesh_obj_read_points(source->text, &options, mesh, error);
     if (status != BAT_OK || mesh->face_count > 0)
         return status;
     *listing = (point_listing){mesh->positions, mesh->vertex_count, 3 * mesh->vertex_count};
@@ -313,9 +315,9 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
 static bat_status read_file(const char *path, bat_cloud_format *format, file_text *text, bat_error *error)
 {
     bat_status status = file_text_read(path, text, error);
-    if (status == BAT_OK && *format == BAT_CLOUD_FROM_NAME)
+    if (status == BAT_OK && *format == BAT_CLOUD_FORMAT_AUTO)
         *format = cloud_format_of_path(path);
-    if (status == BAT_OK && *format == BAT_CLOUD_FROM_NAME)
+    if (status == BAT_OK && *format == BAT_CLOUD_FORMAT_AUTO)
         *format = cloud_format_of_text(text);
     return status;
 }
@@ -324,13 +326,13 @@ bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *option
 {
     static const bat_cloud_read_options defaults = {0};
     options = options != NULL ? options : &defaults;
-    if ((unsigned)options->format > BAT_CLOUD_OBJ)
+    if ((unsigned)options->format > BAT_CLOUD_FORMAT_OBJ)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no cloud format %d", (int)options->format);
     if (options->boundary > 0 && options->boundary_path != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the boundary is either the first points or in a file of its own");
     file_text text = {0}, boundary_text = {0};
-    bat_cloud_format format = options->format, boundary_format = BAT_CLOUD_FROM_NAME;
+    bat_cloud_format format = options->format, boundary_format = BAT_CLOUD_FORMAT_AUTO;
     bat_error found = {.index = BAT_NO_INDEX};
     bat_status status = read_file(path, &format, &text, error);
     if (status == BAT_OK && options->boundary_path != NULL)

@@ -48,7 +48,7 @@ typedef struct cloud_remarks
 
 cloud_remarks cloud_remarks_read(const file_text *text);
 
-/// The format of a file by its name; BAT_CLOUD_FROM_NAME when the name does not say.
+/// The format of a file by its name; BAT_CLOUD_FORMAT_AUTO when the name does not say.
 bat_cloud_format cloud_format_of_path(const char *path);
 
 /// Make a cloud of a text, and of a second one with the boundary, which may be null. The formats must be known.

@@ -25,10 +25,10 @@ typedef struct row_style
     uint32_t first_index; ///< of points, in triangles
 } row_style;
 
-static const row_style STYLES[] = {[BAT_CLOUD_XYZ] = {"# ", "", ' ', NULL, 0},
-                                   [BAT_CLOUD_CSV] = {"# ", "", ',', NULL, 0},
-                                   [BAT_CLOUD_PLY] = {"comment ", "", ' ', "3 ", 0},
-                                   [BAT_CLOUD_OBJ] = {"# ", "v ", ' ', "f ", 1}};
+static const row_style STYLES[] = {[BAT_CLOUD_FORMAT_XYZ] = {"# ", "", ' ', NULL, 0},
+                                   [BAT_CLOUD_FORMAT_CSV] = {"# ", "", ',', NULL, 0},
+                                   [BAT_CLOUD_FORMAT_PLY] = {"comment ", "", ' ', "3 ", 0},
+                                   [BAT_CLOUD_FORMAT_OBJ] = {"# ", "v ", ' ', "f ", 1}};
 
 typedef struct cloud_writer
 {
@@ -113,12 +113,12 @@ static void append_remarks(const bat_cloud *cloud, const row_style *style, text_
 static bat_status write_head(const bat_cloud *cloud, bat_cloud_format format, text_sink *sink, bat_error *error)
 {
     text_buffer text = {0};
-    if (format == BAT_CLOUD_PLY)
+    if (format == BAT_CLOUD_FORMAT_PLY)
         text_append_string(&text, "ply\nformat ascii 1.0\n");
     append_remarks(cloud, &STYLES[format], &text);
-    if (format == BAT_CLOUD_CSV)
+    if (format == BAT_CLOUD_FORMAT_CSV)
         text_append_string(&text, "x,y,z\n");
-    if (format == BAT_CLOUD_PLY)
+    if (format == BAT_CLOUD_FORMAT_PLY)
     {
         text_append_string(&text, "element vertex ");
         append_count(&text, cloud->count, "\nproperty double x\nproperty double y\nproperty double z\n");
@@ -148,9 +148,9 @@ bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sin
 bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error)
 {
     bat_cloud_format format = cloud_format_of_path(path);
-    if (format == BAT_CLOUD_FROM_NAME && strcmp(path, "-") == 0)
-        format = BAT_CLOUD_XYZ;
-    if (format == BAT_CLOUD_FROM_NAME)
+    if (format == BAT_CLOUD_FORMAT_AUTO && strcmp(path, "-") == 0)
+        format = BAT_CLOUD_FORMAT_XYZ;
+    if (format == BAT_CLOUD_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "cannot tell what format to write; the endings are .xyz, .csv, .ply, .obj");
     atomic_file file;

@@ -7,12 +7,12 @@
 
 bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error)
 {
-    static const char *const names[] = {[BAT_SURFACE_XML] = "xml",
-                                        [BAT_SURFACE_STEP] = "step",
-                                        [BAT_SURFACE_VTK] = "vtk",
-                                        [BAT_SURFACE_OBJ] = "obj",
-                                        [BAT_SURFACE_JSON] = "json"};
-    for (size_t i = BAT_SURFACE_XML; i < sizeof names / sizeof *names; i++)
+    static const char *const names[] = {[BAT_SURFACE_FORMAT_XML] = "xml",
+                                        [BAT_SURFACE_FORMAT_STEP] = "step",
+                                        [BAT_SURFACE_FORMAT_VTK] = "vtk",
+                                        [BAT_SURFACE_FORMAT_OBJ] = "obj",
+                                        [BAT_SURFACE_FORMAT_JSON] = "json"};
+    for (size_t i = BAT_SURFACE_FORMAT_XML; i < sizeof names / sizeof *names; i++)
         if (strcmp(name, names[i]) == 0)
         {
             *format = (bat_surface_format)i;
@@ -28,13 +28,13 @@ bat_surface_format bat_surface_format_of_path(const char *path)
     {
         const char *ending;
         bat_surface_format format;
-    } endings[] = {{".xml", BAT_SURFACE_XML}, {".step", BAT_SURFACE_STEP}, {".stp", BAT_SURFACE_STEP},
-                   {".vtk", BAT_SURFACE_VTK}, {".obj", BAT_SURFACE_OBJ},   {".json", BAT_SURFACE_JSON}};
+    } endings[] = {{".xml", BAT_SURFACE_FORMAT_XML}, {".step", BAT_SURFACE_FORMAT_STEP}, {".stp", BAT_SURFACE_FORMAT_STEP},
+                   {".vtk", BAT_SURFACE_FORMAT_VTK}, {".obj", BAT_SURFACE_FORMAT_OBJ},   {".json", BAT_SURFACE_FORMAT_JSON}};
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
         if (strcasecmp(dot, endings[i].ending) == 0)
             return endings[i].format;
-    return BAT_SURFACE_FROM_NAME;
+    return BAT_SURFACE_FORMAT_AUTO;
 }
 
 static bat_status check_options(const bat_surface_write_options *options, bat_error *error)
@@ -61,14 +61,14 @@ static bat_status check_options(const bat_surface_write_options *options, bat_er
 bat_status surface_check(const bat_spline_surface *surface, bat_surface_format format,
                          const bat_surface_write_options *options, bat_error *error)
 {
-    if ((unsigned)format > BAT_SURFACE_JSON)
+    if ((unsigned)format > BAT_SURFACE_FORMAT_JSON)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no surface format %d", (int)format);
-    if (format == BAT_SURFACE_FROM_NAME)
+    if (format == BAT_SURFACE_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "cannot tell what format to write; the endings are .xml, .step, .stp, .vtk, .obj, .json");
     if (surface->space == NULL || surface->control == NULL || surface->dimension == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the surface is empty");
-    if (surface->dimension != 3 && format != BAT_SURFACE_XML && format != BAT_SURFACE_JSON)
+    if (surface->dimension != 3 && format != BAT_SURFACE_FORMAT_XML && format != BAT_SURFACE_FORMAT_JSON)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "a surface of dimension %zu can be written as XML and JSON only", surface->dimension);
     size_t functions = bat_hierarchical_space_functions(surface->space);
@@ -84,17 +84,17 @@ bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_for
 {
     switch (format)
     {
-    case BAT_SURFACE_XML:
+    case BAT_SURFACE_FORMAT_XML:
         return surface_xml_write(surface, sink, error);
-    case BAT_SURFACE_STEP:
+    case BAT_SURFACE_FORMAT_STEP:
         return surface_step_write(surface, sink, error);
-    case BAT_SURFACE_VTK:
+    case BAT_SURFACE_FORMAT_VTK:
         return surface_vtk_write(surface, options, sink, error);
-    case BAT_SURFACE_OBJ:
+    case BAT_SURFACE_FORMAT_OBJ:
         return surface_obj_write(surface, options, sink, error);
-    case BAT_SURFACE_JSON:
+    case BAT_SURFACE_FORMAT_JSON:
         return surface_json_write(surface, sink, error);
-    case BAT_SURFACE_FROM_NAME:
+    case BAT_SURFACE_FORMAT_AUTO:
         break;
     }
     return BAT_INVALID_ARGUMENT;
@@ -107,7 +107,7 @@ bat_status bat_surface_write(const char *path, const bat_spline_surface *surface
     if (options == NULL)
         options = &defaults;
     bat_surface_format format =
-        options->format == BAT_SURFACE_FROM_NAME ? bat_surface_format_of_path(path) : options->format;
+        options->format == BAT_SURFACE_FORMAT_AUTO ? bat_surface_format_of_path(path) : options->format;
     atomic_file file;
     bat_status status = surface_check(surface, format, options, error);
     if (status == BAT_OK)

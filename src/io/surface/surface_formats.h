@@ -26,7 +26,7 @@ bat_status surface_read_text(const file_text *text, bat_spline_surface *surface,
 bat_status surface_check(const bat_spline_surface *surface, bat_surface_format format,
                          const bat_surface_write_options *options, bat_error *error);
 
-/// Write a surface in a format that is not BAT_SURFACE_FROM_NAME.
+/// Write a surface in a format that is not BAT_SURFACE_FORMAT_AUTO.
 bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_format format,
                               const bat_surface_write_options *options, text_sink *sink, bat_error *error);
 

@@ -96,9 +96,9 @@ static bat_status check_format(const json_file *file)
 static bat_status read_options(const json_file *file, bat_hierarchical_options *options)
 {
     uint64_t degree[2], spans[2], admissible = 0;
-    *options = bat_hierarchical_space_defaults();
+    *options = bat_hierarchical_defaults();
     if (!whole_row(json_object_get(file->root, "degree"), 2, degree) || degree[0] < 1 || degree[1] < 1 ||
-        degree[0] > BAT_SPLINE_MOST_DEGREE || degree[1] > BAT_SPLINE_MOST_DEGREE)
+        degree[0] > BAT_SPLINE_MAX_DEGREE || degree[1] > BAT_SPLINE_MAX_DEGREE)
         return bad_member(file, "degree", "is not two whole numbers of 1 to 15");
     if (!whole_row(json_object_get(file->root, "spans"), 2, spans) || spans[0] < 1 || spans[1] < 1)
         return bad_member(file, "spans", "is not two whole numbers of at least 1");
@@ -106,7 +106,7 @@ static bat_status read_options(const json_file *file, bat_hierarchical_options *
     if (truncated != NULL && !json_is_boolean(truncated))
         return bad_member(file, "truncated", "is neither true nor false");
     const json_t *class = json_object_get(file->root, "admissible");
-    if (class != NULL && (!whole(class, BAT_HIERARCHICAL_MOST_LEVELS, &admissible) || admissible == 1))
+    if (class != NULL && (!whole(class, BAT_HIERARCHICAL_MAX_LEVELS, &admissible) || admissible == 1))
         return bad_member(file, "admissible", "is neither 0 nor a whole number of 2 to 20");
     for (int d = 0; d < 2; d++)
     {

@@ -8,9 +8,9 @@
 
 static bat_status check_box(const bat_hierarchical_options *options, const surface_box *box, bat_error *error)
 {
-    if (box->level >= BAT_HIERARCHICAL_MOST_LEVELS)
+    if (box->level >= BAT_HIERARCHICAL_MAX_LEVELS)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, box->line, "the box is of level %llu, above %d",
-                         (unsigned long long)box->level, BAT_HIERARCHICAL_MOST_LEVELS - 1);
+                         (unsigned long long)box->level, BAT_HIERARCHICAL_MAX_LEVELS - 1);
     for (int d = 0; d < 2; d++)
     {
         uint64_t cells = surface_level_cells(options, box->level, d);
@@ -87,18 +87,18 @@ static bat_status make_refined(const bat_hierarchical_options *options, const su
 
 /// The number of cells in the region of each level, counted in the level's own grid times 4^-shift.
 static bat_status region_sizes(const bat_hierarchical_space *space, unsigned shift,
-                               uint64_t sizes[BAT_HIERARCHICAL_MOST_LEVELS + 1], bat_error *error)
+                               uint64_t sizes[BAT_HIERARCHICAL_MAX_LEVELS + 1], bat_error *error)
 {
     bat_spline_box *regions = NULL;
     size_t count = 0;
     bat_status status = bat_hierarchical_space_regions(space, &regions, &count, error);
     if (status != BAT_OK)
         return status;
-    memset(sizes, 0, (BAT_HIERARCHICAL_MOST_LEVELS + 1) * sizeof *sizes);
+    memset(sizes, 0, (BAT_HIERARCHICAL_MAX_LEVELS + 1) * sizeof *sizes);
     for (size_t i = 0; i < count; i++)
         sizes[regions[i].level] +=
             (uint64_t)(regions[i].high[0] - regions[i].low[0]) * (uint64_t)(regions[i].high[1] - regions[i].low[1]);
-    for (size_t i = 0; i <= BAT_HIERARCHICAL_MOST_LEVELS; i++)
+    for (size_t i = 0; i <= BAT_HIERARCHICAL_MAX_LEVELS; i++)
         sizes[i] >>= 2 * shift;
     free(regions);
     return BAT_OK;
@@ -134,14 +134,14 @@ static bat_status check_filled(const bat_hierarchical_options *options, const su
 {
     bat_hierarchical_options exact = {.degree = {1, 1}, .spans = {2 * options->spans[0], 2 * options->spans[1]}};
     bat_hierarchical_space *doubled = NULL;
-    uint64_t sizes[BAT_HIERARCHICAL_MOST_LEVELS + 1], exact_sizes[BAT_HIERARCHICAL_MOST_LEVELS + 1];
+    uint64_t sizes[BAT_HIERARCHICAL_MAX_LEVELS + 1], exact_sizes[BAT_HIERARCHICAL_MAX_LEVELS + 1];
     bat_status status = make_refined(&exact, boxes, count, 0, &doubled, error);
     if (status == BAT_OK)
         status = region_sizes(space, 0, sizes, error);
     if (status == BAT_OK)
         status = region_sizes(doubled, 1, exact_sizes, error);
     bat_hierarchical_space_free(doubled);
-    for (size_t level = 1; level <= BAT_HIERARCHICAL_MOST_LEVELS && status == BAT_OK; level++)
+    for (size_t level = 1; level <= BAT_HIERARCHICAL_MAX_LEVELS && status == BAT_OK; level++)
         if (sizes[level] != exact_sizes[level])
             status = unfilled(boxes, count, level, error);
     return status;

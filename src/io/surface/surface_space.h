@@ -14,7 +14,7 @@ typedef struct surface_box
     size_t line;
 } surface_box;
 
-/// The number of cells of a level's grid in a direction. It fits 64 bits for every level below BAT_HIERARCHICAL_MOST_LEVELS
+/// The number of cells of a level's grid in a direction. It fits 64 bits for every level below BAT_HIERARCHICAL_MAX_LEVELS
 /// and every number of spans below 2^32.
 static inline uint64_t surface_level_cells(const bat_hierarchical_options *options, uint64_t level, int direction)
 {

@@ -145,7 +145,7 @@ static xml_element begin_knots(xml_state *state, const XML_Char **attributes)
     size_t degree;
     if (surface->directions == 2)
         FAIL(state, BAT_BAD_FILE, "a surface has two knot vectors; this is a third");
-    else if (whole_attribute(state, attributes, "degree", BAT_SPLINE_MOST_DEGREE, &degree) && is_plain(state, attributes))
+    else if (whole_attribute(state, attributes, "degree", BAT_SPLINE_MAX_DEGREE, &degree) && is_plain(state, attributes))
     {
         surface->degree[surface->directions] = (int)degree;
         return XML_KNOTS;

@@ -41,7 +41,7 @@ static size_t uniform_spans(const xml_numbers *knots, size_t degree)
 
 static bat_status read_options(const xml_surface *from, bat_hierarchical_options *options, bat_error *error)
 {
-    *options = bat_hierarchical_space_defaults();
+    *options = bat_hierarchical_defaults();
     options->truncated = from->truncated;
     for (int d = 0; d < 2; d++)
     {

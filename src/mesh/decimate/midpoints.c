@@ -90,9 +90,9 @@ static bat_status split_level(midpoint_mesh *mesh, int level, bat_error *error)
     bat_mesh shell = {.faces = mesh->faces, .face_count = mesh->face_count, .vertex_count = mesh->vertex_count};
     bat_mesh_connectivity connectivity;
     midpoint_mesh split;
-    if (mesh->face_count > BAT_MESH_MOST_FACES / 4)
+    if (mesh->face_count > BAT_MESH_MAX_FACES / 4)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the subdivided mesh would have more than %zu faces",
-                         BAT_MESH_MOST_FACES);
+                         BAT_MESH_MAX_FACES);
     bat_status status = bat_mesh_connect(&shell, &connectivity, error);
     if (status != BAT_OK)
         return status;

@@ -114,9 +114,9 @@ static void surface_free(surface *s)
 static bat_status split(const surface *coarse, int threads, surface *fine, bat_error *error)
 {
     const bat_mesh_connectivity *links = &coarse->links;
-    if (links->face_count > BAT_MESH_MOST_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
+    if (links->face_count > BAT_MESH_MAX_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
-                         BAT_MESH_MOST_FACES);
+                         BAT_MESH_MAX_FACES);
     size_t bytes = 12 * sizeof(uint32_t);
     surface made = {.faces = memory_array(links->face_count, bytes)};
     if (made.faces == NULL)

@@ -6,27 +6,28 @@
 
 bat_mesh_refine_options bat_mesh_refine_defaults(void)
 {
-    return (bat_mesh_refine_options){.scheme = BAT_MESH_LOOP, .then = BAT_MESH_LOOP, .levels = 2};
+    return (bat_mesh_refine_options){.scheme = BAT_MESH_SCHEME_LOOP, .then = BAT_MESH_SCHEME_LOOP, .levels = 2};
 }
 
 /// The scheme that goes on for ever after the levels asked for.
 static bat_mesh_scheme last_scheme(const bat_mesh_refine_options *options)
 {
-    return options->scheme == BAT_MESH_LEARNED ? options->then : options->scheme;
+    return options->scheme == BAT_MESH_SCHEME_LEARNED ? options->then : options->scheme;
 }
 
 static bat_status check_options(const bat_mesh_refine_options *options, bat_error *error)
 {
-    if (options->scheme < BAT_MESH_MIDPOINT || options->scheme > BAT_MESH_LEARNED)
+    if (options->scheme < BAT_MESH_SCHEME_MIDPOINT || options->scheme > BAT_MESH_SCHEME_LEARNED)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no mesh scheme %d", (int)options->scheme);
     if (!(options->crease_angle >= 0) || !isfinite(options->crease_angle))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the crease angle %g is not an angle of 0 or more",
                          options->crease_angle);
-    if (options->scheme != BAT_MESH_LEARNED)
+    if (options->scheme != BAT_MESH_SCHEME_LEARNED)
         return BAT_OK;
     if (options->rule == NULL || options->rule->levels == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the learned scheme needs a rule");
-    if (options->then != BAT_MESH_MIDPOINT && options->then != BAT_MESH_LOOP && options->then != BAT_MESH_BUTTERFLY)
+    if (options->then != BAT_MESH_SCHEME_MIDPOINT && options->then != BAT_MESH_SCHEME_LOOP &&
+        options->then != BAT_MESH_SCHEME_BUTTERFLY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "after learned levels only midpoint, Loop or butterfly can go on");
     return BAT_OK;
@@ -35,9 +36,9 @@ static bat_status check_options(const bat_mesh_refine_options *options, bat_erro
 static bat_status check_support(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_error *error)
 {
     bat_mesh_scheme last = last_scheme(options);
-    if (options->crease_angle > 0 && last != BAT_MESH_LOOP)
+    if (options->crease_angle > 0 && last != BAT_MESH_SCHEME_LOOP)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only Loop's scheme makes creases");
-    if (last != BAT_MESH_SQRT3)
+    if (last != BAT_MESH_SCHEME_SQRT3)
         return BAT_OK;
     if (options->limit)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -59,16 +60,16 @@ bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options 
     if (status != BAT_OK)
         return status;
     *plan = (mesh_plan){.options = *options};
-    if (options->scheme == BAT_MESH_LEARNED)
+    if (options->scheme == BAT_MESH_SCHEME_LEARNED)
         plan->learned_levels = options->levels < options->rule->levels ? options->levels : options->rule->levels;
     // The other schemes' vertices lie on their limit surfaces from the start.
-    plan->limit = options->limit && last_scheme(options) == BAT_MESH_LOOP;
+    plan->limit = options->limit && last_scheme(options) == BAT_MESH_SCHEME_LOOP;
     return BAT_OK;
 }
 
 bat_mesh_scheme mesh_plan_scheme(const mesh_plan *plan, size_t level)
 {
-    return level < plan->learned_levels ? BAT_MESH_LEARNED : last_scheme(&plan->options);
+    return level < plan->learned_levels ? BAT_MESH_SCHEME_LEARNED : last_scheme(&plan->options);
 }
 
 /// How many of everything a mesh has.
@@ -99,7 +100,7 @@ static mesh_size size_of_turned(mesh_size size, bool cut)
 
 static bool is_numbered(mesh_size size)
 {
-    return size.faces <= BAT_MESH_MOST_FACES && size.vertices < BAT_MESH_NONE;
+    return size.faces <= BAT_MESH_MAX_FACES && size.vertices < BAT_MESH_NONE;
 }
 
 bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const bat_mesh_connectivity *links,
@@ -108,7 +109,7 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
     mesh_size mesh = size_of(links), texture = size_of(texture_links);
     for (size_t level = 0; level < plan->options.levels; level++)
     {
-        bool turned = mesh_plan_scheme(plan, level) == BAT_MESH_SQRT3;
+        bool turned = mesh_plan_scheme(plan, level) == BAT_MESH_SCHEME_SQRT3;
         mesh = turned ? size_of_turned(mesh, level % 2 == 1) : size_of_split(mesh);
         texture = size_of_split(texture);
         if (!is_numbered(mesh) || !is_numbered(texture))
@@ -122,6 +123,6 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
 
 double mesh_plan_share(const mesh_plan *plan, size_t level)
 {
-    double growth = plan->options.scheme == BAT_MESH_SQRT3 ? 3 : 4;
+    double growth = plan->options.scheme == BAT_MESH_SCHEME_SQRT3 ? 3 : 4;
     return (pow(growth, (double)level) - 1) / (pow(growth, (double)plan->options.levels) - 1);
 }

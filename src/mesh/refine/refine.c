@@ -86,9 +86,9 @@ static bat_status find_irregular(refinement *work, bat_error *error)
 
 static mesh_rule *rule_of(bat_mesh_scheme scheme)
 {
-    if (scheme == BAT_MESH_LOOP)
+    if (scheme == BAT_MESH_SCHEME_LOOP)
         return loop_rule;
-    return scheme == BAT_MESH_BUTTERFLY ? butterfly_rule : midpoint_rule;
+    return scheme == BAT_MESH_SCHEME_BUTTERFLY ? butterfly_rule : midpoint_rule;
 }
 
 /// Carry rows of numbers at the vertices to the next level.
@@ -158,7 +158,7 @@ static bat_status four_step(const refinement *work, bat_mesh_scheme scheme, bool
     size_t count = work->now.links.vertex_count + work->now.links.edge_count;
     next->mesh.vertex_count = count;
     bat_status status = BAT_OK;
-    if (scheme != BAT_MESH_LEARNED)
+    if (scheme != BAT_MESH_SCHEME_LEARNED)
         status = refine_rows(work, rule, mesh->positions, 3, count, &next->mesh.positions, error);
     if (status == BAT_OK && mesh->channel_count > 0)
         status = refine_rows(work, rule, mesh->channels, mesh->channel_count, count, &next->mesh.channels, error);
@@ -253,8 +253,8 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
     bat_mesh_scheme scheme = mesh_plan_scheme(plan, level);
     bool last = level + 1 == plan->options.levels;
     stage next = {.mesh.channel_count = work->coarse->channel_count};
-    bat_status status =
-        scheme == BAT_MESH_SQRT3 ? sqrt3_step(work, level, last, &next, error) : four_step(work, scheme, last, &next, error);
+    bat_status status = scheme == BAT_MESH_SCHEME_SQRT3 ? sqrt3_step(work, level, last, &next, error)
+                                                        : four_step(work, scheme, last, &next, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)
         status = learn_positions(work, &next, error);
     if (status != BAT_OK)
@@ -263,7 +263,7 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
         return status;
     }
     wear_corners(work);
-    go_on(work, &next, scheme != BAT_MESH_SQRT3 && !last);
+    go_on(work, &next, scheme != BAT_MESH_SCHEME_SQRT3 && !last);
     return BAT_OK;
 }
 

@@ -9,16 +9,16 @@
 #include <string.h>
 
 /// What the way from a point of the loop to the next counts.
-static double step_between(const double *from, const double *to, bat_side_parameters method)
+static double step_between(const double *from, const double *to, bat_cloud_sides method)
 {
     double side[3];
     vector3_subtract(to, from, side);
     double length = sqrt(vector3_dot(side, side));
-    return method == BAT_SIDE_CHORD_LENGTH ? length : method == BAT_SIDE_CENTRIPETAL ? sqrt(length) : 1;
+    return method == BAT_CLOUD_SIDES_CHORD_LENGTH ? length : method == BAT_CLOUD_SIDES_CENTRIPETAL ? sqrt(length) : 1;
 }
 
 /// Spread the points of a side, from one corner to the next, over the side of the square.
-static void fill_side(const double *points, size_t count, size_t from, size_t to, int side, bat_side_parameters method,
+static void fill_side(const double *points, size_t count, size_t from, size_t to, int side, bat_cloud_sides method,
                       double *parameters)
 {
     static const double square[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -35,11 +35,11 @@ static void fill_side(const double *points, size_t count, size_t from, size_t to
     }
 }
 
-bat_status bat_cloud_boundary_parameters(const bat_cloud *cloud, bat_side_parameters method, double *parameters,
+bat_status bat_cloud_boundary_parameters(const bat_cloud *cloud, bat_cloud_sides method, double *parameters,
                                          bat_error *error)
 {
     size_t corners[4], count = cloud->boundary_count;
-    if ((unsigned)method > BAT_SIDE_UNIFORM)
+    if ((unsigned)method > BAT_CLOUD_SIDES_UNIFORM)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no way %d of parameters along sides",
                          (int)method);
     if (count < 4)

@@ -16,7 +16,7 @@ static const double APART = 1.0 / 16;
 enum
 {
     /// A cell and so many rings hold functions of the next level of any degree.
-    ENOUGH_RINGS = BAT_SPLINE_MOST_DEGREE / 4 + 1,
+    ENOUGH_RINGS = BAT_SPLINE_MAX_DEGREE / 4 + 1,
     /// This part of a budget is small enough to be left over.
     CLOSE = 500
 };
@@ -82,7 +82,7 @@ static double score_of(const bat_hierarchical_space *space, const fit_points *po
 {
     uint32_t level = bat_hierarchical_space_cell(space, cell).level;
     cell_points seen = look_at(points, cell);
-    if (seen.largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MOST_LEVELS)
+    if (seen.largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
         return 0;
     if (tolerance > 0)
         return seen.sum;

@@ -91,7 +91,7 @@ static bool find_all(const bat_hierarchical_space *space, const function_cells *
                      bool counting)
 {
     size_t functions = pattern->functions, most = functions;
-    double active = (double)bat_hierarchical_space_most_active(space), operations = (double)functions * active * active;
+    double active = (double)bat_hierarchical_space_max_active(space), operations = (double)functions * active * active;
     int used = threads_worth(threads, (functions + 255) / 256, operations);
     bool whole = true;
 #pragma omp parallel for schedule(static) num_threads(used) reduction(&& : whole)
@@ -257,8 +257,7 @@ static double operations_to_add(const bat_hierarchical_space *space)
 bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
                            int threads, bat_error *error)
 {
-    size_t cells = bat_hierarchical_space_cells(space),
-           largest = numbers_of(work, bat_hierarchical_space_most_active(space));
+    size_t cells = bat_hierarchical_space_cells(space), largest = numbers_of(work, bat_hierarchical_space_max_active(space));
     size_t room = largest > BATCH_NUMBERS / cells ? BATCH_NUMBERS : cells * largest;
     room = room > largest ? room : largest;
     int used = threads_worth(threads, (cells + 15) / 16, work->operations + operations_to_add(space));

@@ -160,7 +160,7 @@ static void fill_cell(const void *context, size_t index, double *scratch, double
 static bat_status gather_all(const gather_context *gather, double *values, double *right, bat_error *error)
 {
     const fit_system *system = gather->system;
-    size_t locals = hierarchical_locals(system->space), active = bat_hierarchical_space_most_active(system->space);
+    size_t locals = hierarchical_locals(system->space), active = bat_hierarchical_space_max_active(system->space);
     size_t columns = system->dimension + gather->probes;
     fit_cell_work work = {.fill = fill_cell,
                           .context = gather,

@@ -7,7 +7,7 @@
 
 enum
 {
-    SIDE = BAT_SPLINE_MOST_DEGREE + 1 ///< the most functions of a cell in one direction, and nodes of a rule
+    SIDE = BAT_SPLINE_MAX_DEGREE + 1 ///< the most functions of a cell in one direction, and nodes of a rule
 };
 
 /// Gauss' rule on [0, 1] for polynomials of degree 2 count - 1.
@@ -112,7 +112,7 @@ bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchical_spa
         .rule = {gauss_rule_make(space->options.degree[0] + 1), gauss_rule_make(space->options.degree[1] + 1)}};
     fit_cell_work work = {.fill = fill_cell,
                           .context = &plate,
-                          .scratch = locals * (locals + bat_hierarchical_space_most_active(space)),
+                          .scratch = locals * (locals + bat_hierarchical_space_max_active(space)),
                           .values = values};
     return fit_pattern_sum(pattern, space, &work, threads, error);
 }

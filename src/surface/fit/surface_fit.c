@@ -57,7 +57,7 @@ static bat_status check_options(const bat_surface_fit_options *options, bat_erro
         wrong = "the share of points must be above 0 and at most 1";
     else if (options->iterations < 0 || options->corrections < 0 || options->final_corrections < 0)
         wrong = "iterations and corrections must not be negative";
-    else if (options->neighbours < 0 || options->neighbours > BAT_SURFACE_FIT_MOST_NEIGHBOURS)
+    else if (options->neighbours < 0 || options->neighbours > BAT_SURFACE_FIT_MAX_NEIGHBOURS)
         wrong = "the rings of neighbours must be from 0 to 64";
     else if (options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN && !(options->weight >= 0 && isfinite(options->weight)))
         wrong = "the weight of smoothing must be finite and not negative";

@@ -17,20 +17,20 @@ static const double RADIUS = 3;
 
 const char *bat_cloud_parameterization_name(bat_cloud_parameterization method)
 {
-    static const char *const names[BAT_PARAMETERIZATIONS] = {"uniform", "inverse-distance", "shape-preserving", "mean-value",
-                                                             "stretch-minimizing"};
-    return (size_t)method < BAT_PARAMETERIZATIONS ? names[method] : "unknown";
+    static const char *const names[BAT_CLOUD_PARAMETERIZE_COUNT] = {"uniform", "inverse-distance", "shape-preserving",
+                                                                    "mean-value", "stretch-minimizing"};
+    return (size_t)method < BAT_CLOUD_PARAMETERIZE_COUNT ? names[method] : "unknown";
 }
 
 bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
 {
-    return (bat_cloud_parameterize_options){.method = BAT_PARAMETERIZE_SHAPE_PRESERVING};
+    return (bat_cloud_parameterize_options){.method = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING};
 }
 
 static bat_status check_options(const bat_cloud *cloud, const double *boundary,
                                 const bat_cloud_parameterize_options *options, bat_error *error)
 {
-    if ((size_t)options->method >= BAT_PARAMETERIZATIONS)
+    if ((size_t)options->method >= BAT_CLOUD_PARAMETERIZE_COUNT)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no parameterization of number %d",
                          (int)options->method);
     if (!(options->radius >= 0 && isfinite(options->radius)))
@@ -41,7 +41,7 @@ static bat_status check_options(const bat_cloud *cloud, const double *boundary,
         return status;
     if (cloud->boundary_count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
-    if (options->method == BAT_PARAMETERIZE_MEAN_VALUE && cloud->triangle_count == 0)
+    if (options->method == BAT_CLOUD_PARAMETERIZE_MEAN_VALUE && cloud->triangle_count == 0)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
     for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
         if (!isfinite(boundary[i]))
@@ -62,7 +62,7 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
     weight_source source = {
         .cloud = cloud, .tree = &tree, .method = options->method, .radius = radius * weights_longest_side(cloud)};
     sparse_rows rows = {0};
-    bool star = options->method == BAT_PARAMETERIZE_SHAPE_PRESERVING;
+    bool star = options->method == BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING;
     status = weights_build(&source, star ? weights_of_triangulated_ball : weights_of_ball, options->threads, &rows, error);
     size_t unjoined = BAT_NO_INDEX;
     if (status == BAT_OK)
@@ -98,7 +98,7 @@ static bat_status parameterize_always(const bat_cloud *cloud, const double *boun
         memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
         status = averages_solve(&order.cloud, &rows, NULL, (average_way){.threads = options->threads}, ordered, error);
     }
-    if (status == BAT_OK && options->method == BAT_PARAMETERIZE_STRETCH_MINIMIZING)
+    if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING)
         status = stretch_minimize(&order.cloud, &rows, (average_way){.threads = options->threads}, ordered, error);
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
@@ -114,7 +114,7 @@ bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary
     bat_status status = check_options(cloud, boundary, options, error);
     if (status != BAT_OK)
         return status;
-    if (options->published && options->method < BAT_PARAMETERIZE_MEAN_VALUE)
+    if (options->published && options->method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE)
         return parameterize_published(cloud, boundary, options, parameters, error);
     return parameterize_always(cloud, boundary, options, parameters, error);
 }

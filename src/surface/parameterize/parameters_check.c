@@ -110,12 +110,12 @@ static double median(double *values, size_t count)
 }
 
 bat_status parameter_faults_find(const fold_finder *finder, const double *parameters, parameter_faults *faults,
-                                 bat_parameters_report *report, bat_error *error)
+                                 bat_cloud_parameters_report *report, bat_error *error)
 {
     const bat_cloud *cloud = &finder->order.cloud;
     size_t interior = cloud->count - cloud->boundary_count;
     double *stretches = memory_array(interior, sizeof *stretches);
-    bat_parameters_report found = {.first = BAT_NO_INDEX};
+    bat_cloud_parameters_report found = {.first = BAT_NO_INDEX};
     bat_status status = stretches != NULL ? fold_finder_run(finder, parameters, faults->folded, stretches, error)
                                           : error_memory(error, interior * sizeof *stretches);
     if (status == BAT_OK)
@@ -136,7 +136,7 @@ bat_status parameter_faults_find(const fold_finder *finder, const double *parame
     return status;
 }
 
-bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *parameters, bat_parameters_report *report,
+bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *parameters, bat_cloud_parameters_report *report,
                                       bat_error *error)
 {
     fold_finder finder = {0};

@@ -22,12 +22,12 @@ typedef struct repair
     const fold_finder *finder;
     sparse_rows rows; ///< weights that preserve shapes
     parameter_faults faults;
-    bat_parameters_report report;
+    bat_cloud_parameters_report report;
     bool *moved;     ///< what becomes averages
     double *current; ///< count x 2 each
     double *best;
     double *uniform;
-    bat_parameters_report best_report;
+    bat_cloud_parameters_report best_report;
 } repair;
 
 static void repair_free(repair *work)
@@ -54,20 +54,20 @@ static bat_status repair_make(const fold_finder *finder, repair *work, bat_error
     memset(work->moved, 0, count * sizeof *work->moved);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
     if (cloud->triangle_count > 0)
-        options.method = BAT_PARAMETERIZE_MEAN_VALUE;
+        options.method = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
     bat_status status = parameter_faults_make(count, &work->faults, error);
     if (status == BAT_OK)
         status = weights_make(cloud, &finder->order.tree, &options, &work->rows, error);
     return status;
 }
 
-static size_t fault_count(const bat_parameters_report *report)
+static size_t fault_count(const bat_cloud_parameters_report *report)
 {
     return report->folded + report->outside + report->coincident;
 }
 
 /// Folds weigh more than what lies outside, and that more than what coincides.
-static bool is_better(const bat_parameters_report *report, const bat_parameters_report *than)
+static bool is_better(const bat_cloud_parameters_report *report, const bat_cloud_parameters_report *than)
 {
     if (report->folded != than->folded)
         return report->folded < than->folded;
@@ -117,7 +117,7 @@ static bat_status blend(repair *work, bat_error *error)
 {
     const bat_cloud *cloud = &work->finder->order.cloud;
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-    options.method = BAT_PARAMETERIZE_UNIFORM;
+    options.method = BAT_CLOUD_PARAMETERIZE_UNIFORM;
     sparse_rows rows = {0};
     bat_status status = weights_make(cloud, &work->finder->order.tree, &options, &rows, error);
     memcpy(work->uniform, work->current, 2 * cloud->boundary_count * sizeof *work->uniform);
@@ -164,7 +164,7 @@ static bat_status check_boundary(const bat_cloud *cloud, const double *parameter
     return BAT_OK;
 }
 
-bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameters, bat_parameters_report *report,
+bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameters, bat_cloud_parameters_report *report,
                                        bat_error *error)
 {
     fold_finder finder = {0};

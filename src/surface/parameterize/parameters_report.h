@@ -18,7 +18,7 @@ void parameter_faults_free(parameter_faults *faults);
 /// Find all faults and report them.
 /// @param parameters count x 2, in the finder's order
 bat_status parameter_faults_find(const fold_finder *finder, const double *parameters, parameter_faults *faults,
-                                 bat_parameters_report *report, bat_error *error);
+                                 bat_cloud_parameters_report *report, bat_error *error);
 
 /// Check that a cloud can be looked at: what bat_cloud_check() wants, and a boundary.
 bat_status parameters_check_cloud(const bat_cloud *cloud, bat_error *error);

@@ -8,7 +8,7 @@
 
 enum
 {
-    MOST_LOCALS = (BAT_SPLINE_MOST_DEGREE + 1) * (BAT_SPLINE_MOST_DEGREE + 1)
+    MOST_LOCALS = (BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1)
 };
 
 void hierarchical_values(const bat_hierarchical_space *space, const hierarchical_cell *cell, int direction, double parameter,
@@ -38,7 +38,7 @@ void hierarchical_local_values(const bat_hierarchical_space *space, const hierar
                                int derivatives, double *values)
 {
     size_t columns = (size_t)space->options.degree[0] + 1, rows = (size_t)space->options.degree[1] + 1;
-    double across[3 * (BAT_SPLINE_MOST_DEGREE + 1)], along[3 * (BAT_SPLINE_MOST_DEGREE + 1)];
+    double across[3 * (BAT_SPLINE_MAX_DEGREE + 1)], along[3 * (BAT_SPLINE_MAX_DEGREE + 1)];
     hierarchical_values(space, cell, 0, u, derivatives, across);
     hierarchical_values(space, cell, 1, v, derivatives, along);
     for (size_t k = 0; k < order_count(derivatives); k++)
@@ -127,7 +127,7 @@ void hierarchical_local_evaluate(const bat_hierarchical_space *space, const hier
                                  size_t dimension, double u, double v, int derivatives, double *scratch, double *values)
 {
     size_t columns = (size_t)space->options.degree[0] + 1, rows = (size_t)space->options.degree[1] + 1;
-    double across[3 * (BAT_SPLINE_MOST_DEGREE + 1)], along[3 * (BAT_SPLINE_MOST_DEGREE + 1)];
+    double across[3 * (BAT_SPLINE_MAX_DEGREE + 1)], along[3 * (BAT_SPLINE_MAX_DEGREE + 1)];
     hierarchical_values(space, cell, 0, u, derivatives, across);
     hierarchical_values(space, cell, 1, v, derivatives, along);
     if (dimension == 3)

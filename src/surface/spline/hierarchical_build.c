@@ -20,7 +20,7 @@ static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)
     for (size_t i = 0; i < count && made; i++)
     {
         const box_tree_leaf *leaf = &leaves[i];
-        int shift = BAT_HIERARCHICAL_MOST_LEVELS - 1 - leaf->level;
+        int shift = BAT_HIERARCHICAL_MAX_LEVELS - 1 - leaf->level;
         run_set *cells = &space->level[leaf->level].cells;
         for (uint64_t row = leaf->area.low[1] >> shift; row < leaf->area.high[1] >> shift && made; row++)
             made = run_set_append(cells, (uint32_t)row, (uint32_t)(leaf->area.low[0] >> shift),

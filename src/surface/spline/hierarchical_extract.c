@@ -24,7 +24,7 @@ typedef struct refined_rows
 /// Where the last searches in a set ended, one for each row of local functions.
 typedef struct near_runs
 {
-    size_t row[BAT_SPLINE_MOST_DEGREE + 1];
+    size_t row[BAT_SPLINE_MAX_DEGREE + 1];
 } near_runs;
 
 /// The rows of a cell in the making.
@@ -68,7 +68,7 @@ static size_t find_numbers(const bat_hierarchical_space *space, const run_set *f
 static void refine_row(const uniform_refinement *across, const uniform_refinement *along, size_t columns, size_t rows,
                        double *row)
 {
-    double half[(BAT_SPLINE_MOST_DEGREE + 1) * (BAT_SPLINE_MOST_DEGREE + 1)];
+    double half[(BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1)];
     memset(half, 0, columns * rows * sizeof *half);
     for (size_t b = 0; b < rows; b++)
         for (size_t a = 0; a < columns; a++)

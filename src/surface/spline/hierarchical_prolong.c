@@ -23,7 +23,7 @@ static bool contains(const bat_hierarchical_space *space, const bat_hierarchical
     for (size_t i = 0; i < space->cell_count; i++)
     {
         const hierarchical_cell *cell = &space->cells[i];
-        int shift = BAT_HIERARCHICAL_MOST_LEVELS - 1 - (int)cell->level;
+        int shift = BAT_HIERARCHICAL_MAX_LEVELS - 1 - (int)cell->level;
         box_tree_area area = {{(uint64_t)cell->column << shift, (uint64_t)cell->row << shift},
                               {((uint64_t)cell->column + 1) << shift, ((uint64_t)cell->row + 1) << shift}};
         if (!box_tree_reaches(&refined->tree, &area, (uint8_t)cell->level))
@@ -35,7 +35,7 @@ static bool contains(const bat_hierarchical_space *space, const bat_hierarchical
 /// The active cell of a space that holds a cell of the same or a finer level.
 static const hierarchical_cell *cell_around(const bat_hierarchical_space *space, const hierarchical_cell *fine)
 {
-    int shift = BAT_HIERARCHICAL_MOST_LEVELS - 1 - (int)fine->level;
+    int shift = BAT_HIERARCHICAL_MAX_LEVELS - 1 - (int)fine->level;
     uint32_t level = box_tree_level(&space->tree, (uint64_t)fine->column << shift, (uint64_t)fine->row << shift);
     uint32_t up = fine->level - level;
     return &space->cells[run_set_find(&space->level[level].cells, fine->row >> up, fine->column >> up)];

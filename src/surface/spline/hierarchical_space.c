@@ -7,10 +7,10 @@
 
 enum
 {
-    FINEST = BAT_HIERARCHICAL_MOST_LEVELS - 1
+    FINEST = BAT_HIERARCHICAL_MAX_LEVELS - 1
 };
 
-bat_hierarchical_options bat_hierarchical_space_defaults(void)
+bat_hierarchical_options bat_hierarchical_defaults(void)
 {
     return (bat_hierarchical_options){.degree = {2, 2}, .spans = {1, 1}, .truncated = true};
 }
@@ -19,9 +19,9 @@ static bat_status check_options(const bat_hierarchical_options *options, bat_err
 {
     for (int d = 0; d < 2; d++)
     {
-        if (options->degree[d] < 1 || options->degree[d] > BAT_SPLINE_MOST_DEGREE)
+        if (options->degree[d] < 1 || options->degree[d] > BAT_SPLINE_MAX_DEGREE)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 1 to %d",
-                             options->degree[d], BAT_SPLINE_MOST_DEGREE);
+                             options->degree[d], BAT_SPLINE_MAX_DEGREE);
         if (options->spans[d] == 0)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                              "a space needs at least one span in each direction");
@@ -93,7 +93,7 @@ void bat_hierarchical_space_free(bat_hierarchical_space *space)
     box_tree_free(&space->tree);
     for (int d = 0; d < 2; d++)
         uniform_basis_free(&space->bases[d]);
-    for (size_t l = 0; l < BAT_HIERARCHICAL_MOST_LEVELS; l++)
+    for (size_t l = 0; l < BAT_HIERARCHICAL_MAX_LEVELS; l++)
     {
         run_set_free(&space->level[l].region);
         run_set_free(&space->level[l].refined);
@@ -232,7 +232,7 @@ size_t bat_hierarchical_space_levels(const bat_hierarchical_space *space)
     return space->levels;
 }
 
-size_t bat_hierarchical_space_most_active(const bat_hierarchical_space *space)
+size_t bat_hierarchical_space_max_active(const bat_hierarchical_space *space)
 {
     return space->most_active;
 }

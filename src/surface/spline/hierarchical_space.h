@@ -41,10 +41,10 @@ typedef struct hierarchical_level
 struct bat_hierarchical_space
 {
     bat_hierarchical_options options;
-    box_tree tree; ///< of cells of level BAT_HIERARCHICAL_MOST_LEVELS - 1
+    box_tree tree; ///< of cells of level BAT_HIERARCHICAL_MAX_LEVELS - 1
     uniform_basis bases[2];
     size_t levels;
-    hierarchical_level level[BAT_HIERARCHICAL_MOST_LEVELS];
+    hierarchical_level level[BAT_HIERARCHICAL_MAX_LEVELS];
     bat_spline_function *functions;
     size_t function_count;
     hierarchical_cell *cells;

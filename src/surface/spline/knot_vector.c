@@ -11,9 +11,9 @@
 
 bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error)
 {
-    if (degree < 0 || degree > BAT_SPLINE_MOST_DEGREE)
+    if (degree < 0 || degree > BAT_SPLINE_MAX_DEGREE)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 0 to %d", degree,
-                         BAT_SPLINE_MOST_DEGREE);
+                         BAT_SPLINE_MAX_DEGREE);
     if (spans == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a knot vector needs at least one span");
     size_t p = (size_t)degree, count;
@@ -30,9 +30,9 @@ bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *kn
 
 bat_status bat_knot_vector_check(const bat_knot_vector *knots, bat_error *error)
 {
-    if (knots->degree < 0 || knots->degree > BAT_SPLINE_MOST_DEGREE)
+    if (knots->degree < 0 || knots->degree > BAT_SPLINE_MAX_DEGREE)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 0 to %d",
-                         knots->degree, BAT_SPLINE_MOST_DEGREE);
+                         knots->degree, BAT_SPLINE_MAX_DEGREE);
     size_t p = (size_t)knots->degree, multiplicity = 1;
     if (knots->knots == NULL || knots->count < 2 * p + 2)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a knot vector of degree %zu has at least %zu knots",
@@ -87,8 +87,8 @@ size_t bat_knot_vector_span(const bat_knot_vector *knots, double t)
 /// A triangle of functions of all degrees and the differences of knots that belong to them.
 typedef struct basis_triangle
 {
-    double values[BAT_SPLINE_MOST_DEGREE + 1][BAT_SPLINE_MOST_DEGREE + 1]; ///< [j][r]: function span - j + r of degree j
-    double widths[BAT_SPLINE_MOST_DEGREE + 1][BAT_SPLINE_MOST_DEGREE + 1]; ///< [j][r]: its support without the last knot
+    double values[BAT_SPLINE_MAX_DEGREE + 1][BAT_SPLINE_MAX_DEGREE + 1]; ///< [j][r]: function span - j + r of degree j
+    double widths[BAT_SPLINE_MAX_DEGREE + 1][BAT_SPLINE_MAX_DEGREE + 1]; ///< [j][r]: its support without the last knot
 } basis_triangle;
 
 /// A2.2 of The NURBS Book.

@@ -179,7 +179,7 @@ static size_t *row_beginnings(const run_set *set, size_t *rows)
 /// Append to a row what `count` rows of a set have in common.
 static bool append_common(const run_set *set, const size_t *begin, size_t count, uint32_t row, run_set *common)
 {
-    size_t at[BAT_SPLINE_MOST_DEGREE + 1];
+    size_t at[BAT_SPLINE_MAX_DEGREE + 1];
     for (size_t k = 0; k < count; k++)
         at[k] = begin[k];
     for (;;)

@@ -188,7 +188,7 @@ static void elevate_weights(const bat_knot_vector *old, conversion *to)
         to->first[i] = span - p;
         for (size_t left_out = 0; left_out <= p; left_out++)
         {
-            double arguments[BAT_SPLINE_MOST_DEGREE + 1], weights[BAT_SPLINE_MOST_DEGREE + 1];
+            double arguments[BAT_SPLINE_MAX_DEGREE + 1], weights[BAT_SPLINE_MAX_DEGREE + 1];
             for (size_t k = 0; k < p; k++)
                 arguments[k] = inner[k < left_out ? k : k + 1];
             blossom_weights(old, span, arguments, weights);
@@ -204,9 +204,9 @@ bat_status bat_tensor_surface_elevate(bat_tensor_surface *surface, int direction
     if (status != BAT_OK)
         return status;
     const bat_knot_vector *old = &surface->knots[direction];
-    if (old->degree == BAT_SPLINE_MOST_DEGREE)
+    if (old->degree == BAT_SPLINE_MAX_DEGREE)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree is %d already, the highest",
-                         BAT_SPLINE_MOST_DEGREE);
+                         BAT_SPLINE_MAX_DEGREE);
     conversion to;
     status = elevate_knots(old, &to, error);
     if (status != BAT_OK)

@@ -82,7 +82,7 @@ static void add_products(const bat_tensor_surface *surface, const size_t span[2]
 
 static void evaluate_point(const bat_tensor_surface *surface, const double *parameter, int derivatives, double *values)
 {
-    double basis[2][3 * (BAT_SPLINE_MOST_DEGREE + 1)];
+    double basis[2][3 * (BAT_SPLINE_MAX_DEGREE + 1)];
     size_t span[2], count[2];
     for (int d = 0; d < 2; d++)
     {

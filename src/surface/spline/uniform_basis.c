@@ -83,8 +83,8 @@ double uniform_basis_two_scale(const uniform_basis *basis, size_t cells, size_t 
 /// What A2.2 of The NURBS Book needs of the knots about a cell: whole numbers of cells, and their reciprocals.
 typedef struct cell_knots
 {
-    int below[BAT_SPLINE_MOST_DEGREE + 1]; ///< [j]: the j-th knot at or before the cell lies so far before it, j from 1
-    int above[BAT_SPLINE_MOST_DEGREE + 1]; ///< [j]: the j-th knot after its beginning lies so far after that
+    int below[BAT_SPLINE_MAX_DEGREE + 1]; ///< [j]: the j-th knot at or before the cell lies so far before it, j from 1
+    int above[BAT_SPLINE_MAX_DEGREE + 1]; ///< [j]: the j-th knot after its beginning lies so far after that
 } cell_knots;
 
 static double reciprocal(int whole)
@@ -135,7 +135,7 @@ void uniform_basis_values(int degree, size_t cells, size_t cell, double s, int d
     cell_knots knots;
     knots_about(degree, cells, cell, &knots);
     // The functions of the last three degrees, each in the place of its degree modulo 3.
-    double kept[3][BAT_SPLINE_MOST_DEGREE + 1], slopes[BAT_SPLINE_MOST_DEGREE + 1];
+    double kept[3][BAT_SPLINE_MAX_DEGREE + 1], slopes[BAT_SPLINE_MAX_DEGREE + 1];
     kept[0][0] = 1;
     for (int j = 1; j <= degree; j++)
         raise_values(&knots, j, s, kept[(j - 1) % 3], kept[j % 3]);

@@ -11,9 +11,9 @@
 /// Two-scale relations of a degree. Release it with uniform_basis_free().
 typedef struct uniform_basis
 {
-    int degree;                                     ///< at least 1
-    double *refinement[2 * BAT_SPLINE_MOST_DEGREE]; ///< [n]: for a grid of n cells, (n + p) x (2 n + p)
-    double *storage;                                ///< owned
+    int degree;                                    ///< at least 1
+    double *refinement[2 * BAT_SPLINE_MAX_DEGREE]; ///< [n]: for a grid of n cells, (n + p) x (2 n + p)
+    double *storage;                               ///< owned
 } uniform_basis;
 
 bat_status uniform_basis_make(int degree, uniform_basis *basis, bat_error *error);
