@@ -2,9 +2,9 @@
 //
 //     cc fit_surface.c $(pkg-config --cflags --libs batten) -lm && ./a.out [IN.xyz [OUT.step [PICTURE.png]]]
 
-#include "batten/research/research.h"
 #include <batten/batten.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -13,7 +13,24 @@ enum
     SCAN_POINTS = 3000, ///< of a scan of our own making, where no file is given
 };
 
-static const double TOLERANCE = 0.01; ///< of 95 of 100 points, in units of the cloud
+static const double TOLERANCE = 0.002; ///< of 95 of 100 points, in units of the cloud
+
+/// Points in no order on a wavy sheet: heights over random places of a square.
+static bat_status make_scan(bat_cloud *cloud)
+{
+    *cloud = (bat_cloud){.points = malloc(3 * SCAN_POINTS * sizeof *cloud->points), .count = SCAN_POINTS};
+    if (cloud->points == NULL)
+        return BAT_NO_MEMORY;
+    bat_random random = bat_random_seed(1);
+    for (size_t i = 0; i < cloud->count; i++)
+    {
+        double x = bat_random_uniform(&random), y = bat_random_uniform(&random);
+        cloud->points[3 * i] = x;
+        cloud->points[3 * i + 1] = y;
+        cloud->points[3 * i + 2] = 0.1 * sin(5 * x) * cos(4 * y) + 0.2 * x * y;
+    }
+    return BAT_OK;
+}
 
 static void print_report(const bat_cloud *cloud, const bat_surface_result *result)
 {
@@ -46,12 +63,11 @@ int main(int argc, char **argv)
 {
     bat_cloud cloud = {0};
     bat_surface_result result = {0};
-    bat_error error;
+    bat_error error = {.text = "out of memory"};
     bat_surface_options options = bat_surface_defaults();
     options.fit.tolerance = TOLERANCE;
     options.fit.share = 0.95;
-    bat_status status = argc > 1 ? bat_cloud_read(argv[1], NULL, &cloud, &error)
-                                 : bat_cloud_shape("scan", SCAN_POINTS, 1, &cloud, NULL, &error);
+    bat_status status = argc > 1 ? bat_cloud_read(argv[1], NULL, &cloud, &error) : make_scan(&cloud);
     if (status == BAT_OK)
         status = bat_surface_reconstruct(&cloud, &options, &result, &error);
     if (status == BAT_OK)

@@ -3,7 +3,6 @@
 //
 //     cc refine_mesh.c $(pkg-config --cflags --libs batten) -lm && ./a.out [IN.obj [OUT.obj [PICTURE.png]]]
 
-#include "batten/research/research.h"
 #include <batten/batten.h>
 
 #include <math.h>
@@ -13,7 +12,36 @@
 enum
 {
     LEVELS = 3,
+    AROUND = 6, ///< vertices of a ring of our own making, around its axis, where no file is given
+    ACROSS = 4, ///< vertices of its cross-section
 };
+
+/// A ring of quadrilaterals, each split into two triangles.
+static bat_status make_ring(bat_mesh *mesh)
+{
+    const double step_around = 8 * atan(1) / AROUND, step_across = 8 * atan(1) / ACROSS;
+    double *positions = malloc(3 * AROUND * ACROSS * sizeof *positions);
+    uint32_t *faces = malloc(6 * AROUND * ACROSS * sizeof *faces);
+    *mesh = (bat_mesh){
+        .positions = positions, .vertex_count = AROUND * ACROSS, .faces = faces, .face_count = 2 * AROUND * ACROSS};
+    if (positions == NULL || faces == NULL)
+        return BAT_NO_MEMORY;
+    for (uint32_t i = 0; i < AROUND; i++)
+        for (uint32_t j = 0; j < ACROSS; j++)
+        {
+            double radius = 2 + 0.8 * cos(j * step_across);
+            double *p = positions + 3 * (i * ACROSS + j);
+            p[0] = radius * cos(i * step_around);
+            p[1] = radius * sin(i * step_around);
+            p[2] = 0.8 * sin(j * step_across);
+            uint32_t next_i = (i + 1) % AROUND, next_j = (j + 1) % ACROSS;
+            uint32_t a = i * ACROSS + j, b = next_i * ACROSS + j, c = next_i * ACROSS + next_j, d = i * ACROSS + next_j;
+            const uint32_t corners[] = {a, b, c, a, c, d};
+            for (size_t k = 0; k < 6; k++)
+                faces[6 * (i * ACROSS + j) + k] = corners[k];
+        }
+    return BAT_OK;
+}
 
 /// The farthest that one of the first vertices of the fine mesh is from where it was in the coarse one.
 static double farthest_move(const bat_mesh *coarse, const bat_mesh *fine)
@@ -41,12 +69,11 @@ static bat_status draw(const char *path, const bat_mesh *coarse, const bat_mesh 
 int main(int argc, char **argv)
 {
     bat_mesh coarse = {0}, loop = {0}, butterfly = {0};
-    bat_error error;
+    bat_error error = {.text = "out of memory"};
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.levels = LEVELS;
     options.scheme = BAT_MESH_SCHEME_LOOP;
-    bat_status status =
-        argc > 1 ? bat_mesh_read(argv[1], NULL, &coarse, &error) : bat_mesh_shape("cage", 200, 1, &coarse, &error);
+    bat_status status = argc > 1 ? bat_mesh_read(argv[1], NULL, &coarse, &error) : make_ring(&coarse);
     if (status == BAT_OK)
         status = bat_mesh_refine(&coarse, &options, &loop, NULL, &error);
     options.scheme = BAT_MESH_SCHEME_BUTTERFLY;
