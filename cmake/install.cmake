@@ -1,28 +1,52 @@
-# What `cmake --install` copies: program, headers, both libraries, and how pkg-config and CMake find them.
+# What `cmake --install` copies: program, headers, libraries, and how pkg-config and CMake find them. The library
+# batten-research is the component `research`, which is installed only by name: cmake --install BUILD --component research.
 
 include(CMakePackageConfigHelpers)
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/batten DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h)
+# "cairo >= 1.16, expat >= 2.4": modules for pkg-config files.
+list(JOIN BATTEN_MODULES ", " pkgconfig_modules)
+string(REPLACE " >= " ">=" cmake_modules "${BATTEN_MODULES}")
+list(JOIN cmake_modules " " cmake_modules)
+# "-lcholmod -lgomp -lpthread": linker options, with the threads of the compiler that built the library.
+list(TRANSFORM OpenMP_C_LIB_NAMES PREPEND -l OUTPUT_VARIABLE openmp_options)
+set(link_options ${BATTEN_LINK_OPTIONS} ${openmp_options} -lm)
+string(REPLACE ";-l" ";" cmake_libraries ";${link_options}")
+list(JOIN link_options " " link_options)
+
+# Paths in pkg-config files are relative to their own place, so that the installed tree can be moved.
+file(RELATIVE_PATH pkgconfig_to_prefix /prefix/${pkgconfig_folder} /prefix)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/batten.pc.in ${PROJECT_BINARY_DIR}/batten.pc @ONLY)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/batten-config.cmake.in ${PROJECT_BINARY_DIR}/batten-config.cmake
+                              INSTALL_DESTINATION ${cmake_folder} NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/batten-config-version.cmake COMPATIBILITY SameMinorVersion)
+
+if(BATTEN_PROGRAM)
+  install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(FILES ${BATTEN_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 foreach(kind shared static)
   install(TARGETS batten_${kind} EXPORT batten-${kind} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT batten-${kind} FILE batten-${kind}.cmake NAMESPACE batten:: DESTINATION ${cmake_folder})
 endforeach()
-
-# Threads of the compiler that built the library, as linker options: "-lgomp -lpthread".
-list(TRANSFORM OpenMP_C_LIB_NAMES PREPEND -l OUTPUT_VARIABLE openmp_options)
-list(JOIN openmp_options " " openmp_options)
-
-# Paths in the pkg-config file are relative to its own place, so that the installed tree can be moved.
-file(RELATIVE_PATH pkgconfig_to_prefix /prefix/${pkgconfig_folder} /prefix)
-configure_file(${CMAKE_CURRENT_LIST_DIR}/batten.pc.in ${PROJECT_BINARY_DIR}/batten.pc @ONLY)
-configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/batten-config.cmake.in ${PROJECT_BINARY_DIR}/batten-config.cmake
-                              INSTALL_DESTINATION ${cmake_folder} NO_SET_AND_CHECK_MACRO)
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/batten-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/batten.pc DESTINATION ${pkgconfig_folder})
 install(FILES ${PROJECT_BINARY_DIR}/batten-config.cmake ${PROJECT_BINARY_DIR}/batten-config-version.cmake
         DESTINATION ${cmake_folder})
+
+if(BATTEN_INSTALLS_RESEARCH)
+  set(component COMPONENT research EXCLUDE_FROM_ALL)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/batten-research.pc.in ${PROJECT_BINARY_DIR}/batten-research.pc @ONLY)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/batten/research DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten ${component}
+          FILES_MATCHING PATTERN *.h)
+  foreach(kind shared static)
+    install(TARGETS batten_research_${kind} EXPORT batten-research-${kind}
+            LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ${component} NAMELINK_COMPONENT research
+            ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} ${component})
+    install(EXPORT batten-research-${kind} FILE batten-research-${kind}.cmake NAMESPACE batten:: DESTINATION ${cmake_folder}
+            ${component})
+  endforeach()
+  install(FILES ${PROJECT_BINARY_DIR}/batten-research.pc DESTINATION ${pkgconfig_folder} ${component})
+endif()

@@ -1,37 +1,81 @@
-# The two libraries that are installed. Both show the functions of the public headers and nothing else.
+# The libraries that are installed: batten and batten-research, each shared and static. Each shows the functions of its own
+# public headers and nothing else.
 
 # An interface may change with every minor version until 1.0.
 set(BATTEN_ABI ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 
-add_library(batten_shared SHARED $<TARGET_OBJECTS:batten_objects>)
-set_target_properties(batten_shared PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${BATTEN_ABI})
-if(CMAKE_SYSTEM_NAME STREQUAL Linux AND NOT BATTEN_SANITIZED)
-  target_link_options(batten_shared PRIVATE -Wl,--no-undefined)
+if(CMAKE_SYSTEM_NAME STREQUAL Linux AND CMAKE_LINKER AND CMAKE_OBJCOPY)
+  set(BATTEN_HAS_BINUTILS ON)
 endif()
 
 # An archive has no notion of a hidden name: internal functions could clash with a user's. So its objects are joined to one,
 # in which hidden names become local. Needs GNU or LLVM tools; elsewhere the archive is a plain one.
-if(CMAKE_SYSTEM_NAME STREQUAL Linux AND CMAKE_LINKER AND CMAKE_OBJCOPY)
-  set(static_object ${PROJECT_BINARY_DIR}/batten-static.o)
-  add_custom_command(
-    OUTPUT ${static_object}
-    COMMAND ${CMAKE_LINKER} -r -o ${static_object} $<TARGET_OBJECTS:batten_objects>
-    COMMAND ${CMAKE_OBJCOPY} --localize-hidden ${static_object}
-    DEPENDS batten_objects $<TARGET_OBJECTS:batten_objects>
-    COMMENT "Joining the objects of the static library"
-    COMMAND_EXPAND_LISTS VERBATIM)
-  set_source_files_properties(${static_object} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
-  add_library(batten_static STATIC ${static_object})
-  set_target_properties(batten_static PROPERTIES LINKER_LANGUAGE C)
-else()
-  add_library(batten_static STATIC $<TARGET_OBJECTS:batten_objects>)
-endif()
+#
+# More arguments: what else is linked in, and options for objcopy after OPTIONS.
+function(batten_static_library target objects)
+  cmake_parse_arguments(PARSE_ARGV 2 more "" "ARCHIVE" "OPTIONS")
+  if(BATTEN_HAS_BINUTILS)
+    set(joined ${PROJECT_BINARY_DIR}/${target}.o)
+    add_custom_command(
+      OUTPUT ${joined}
+      COMMAND ${CMAKE_LINKER} -r -o ${joined} $<TARGET_OBJECTS:${objects}> ${more_ARCHIVE}
+      COMMAND ${CMAKE_OBJCOPY} --localize-hidden ${more_OPTIONS} ${joined}
+      DEPENDS ${objects} $<TARGET_OBJECTS:${objects}> ${more_ARCHIVE}
+      COMMENT "Joining the objects of the static library ${target}"
+      COMMAND_EXPAND_LISTS VERBATIM)
+    set_source_files_properties(${joined} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
+    add_library(${target} STATIC ${joined})
+    set_target_properties(${target} PROPERTIES LINKER_LANGUAGE C)
+  else()
+    add_library(${target} STATIC $<TARGET_OBJECTS:${objects}>)
+  endif()
+endfunction()
 
+function(batten_shared_library target objects)
+  add_library(${target} SHARED $<TARGET_OBJECTS:${objects}>)
+  set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${BATTEN_ABI})
+  if(CMAKE_SYSTEM_NAME STREQUAL Linux AND NOT BATTEN_SANITIZED)
+    target_link_options(${target} PRIVATE -Wl,--no-undefined)
+  endif()
+endfunction()
+
+batten_shared_library(batten_shared batten_objects)
+batten_static_library(batten_static batten_objects)
 foreach(kind shared static)
   set_target_properties(batten_${kind} PROPERTIES OUTPUT_NAME batten EXPORT_NAME ${kind})
   target_include_directories(batten_${kind} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                             $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(batten_${kind} PRIVATE $<BUILD_INTERFACE:batten_settings>)
   add_library(batten::${kind} ALIAS batten_${kind})
 endforeach()
 target_link_libraries(batten_static INTERFACE $<INSTALL_INTERFACE:batten::static_dependencies>)
+
+# batten-research calls the public functions of batten, and hidden ones too. It carries a private copy of the objects with the
+# hidden ones; the public functions in that copy get other names, so that every call of a public function goes to batten. Both
+# libraries must agree on those: a space, for example, is recognized by its functions' addresses.
+if(NOT BATTEN_RESEARCH OR NOT BATTEN_HAS_BINUTILS)
+  return()
+endif()
+set(BATTEN_INSTALLS_RESEARCH ON)
+set(private_archive ${PROJECT_BINARY_DIR}/libbatten-private.a)
+add_custom_command(
+  OUTPUT ${private_archive}
+  COMMAND ${PROJECT_SOURCE_DIR}/cmake/private-archive ${private_archive} $<TARGET_OBJECTS:batten_objects>
+  DEPENDS batten_objects $<TARGET_OBJECTS:batten_objects> ${PROJECT_SOURCE_DIR}/cmake/private-archive
+  COMMENT "Copying internals for batten-research"
+  COMMAND_EXPAND_LISTS VERBATIM)
+add_custom_target(batten_private DEPENDS ${private_archive})
+
+batten_shared_library(batten_research_shared batten_research_objects)
+target_link_libraries(batten_research_shared PUBLIC batten_shared PRIVATE ${private_archive})
+target_link_options(batten_research_shared PRIVATE -Wl,--exclude-libs,libbatten-private.a)
+batten_static_library(batten_research_static batten_research_objects ARCHIVE ${private_archive}
+                      OPTIONS --wildcard "--localize-symbol=private_bat_*")
+target_link_libraries(batten_research_static PUBLIC batten_static)
+foreach(kind shared static)
+  add_dependencies(batten_research_${kind} batten_private)
+  set_target_properties(batten_research_${kind} PROPERTIES OUTPUT_NAME batten-research EXPORT_NAME research_${kind})
+  target_link_libraries(batten_research_${kind} PRIVATE $<BUILD_INTERFACE:batten_settings>)
+  add_library(batten::research_${kind} ALIAS batten_research_${kind})
+endforeach()

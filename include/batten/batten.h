@@ -2,7 +2,10 @@
 #define BATTEN_H
 
 /// @file
-/// Everything that the library batten offers. The library batten-research has headers of its own below batten/research.
+/// Everything that the library batten offers, but for parts that were left out when it was built (see batten/config.h). The
+/// library batten-research has headers of its own below batten/research.
+
+#include "batten/config.h"
 
 // Foundations
 #include "batten/base.h"
@@ -11,10 +14,9 @@
 // Curves
 #include "batten/curve.h"
 #include "batten/curve_analysis.h"
-#include "batten/curve_file.h"
 #include "batten/curve_measure.h"
-#include "batten/curve_picture.h"
 #include "batten/curve_scheme.h"
+#include "batten/curve_set.h"
 
 // Motions
 #include "batten/motion.h"
@@ -23,20 +25,36 @@
 // Meshes
 #include "batten/mesh.h"
 #include "batten/mesh_decimate.h"
-#include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
-#include "batten/mesh_picture.h"
 #include "batten/mesh_refine.h"
 
 // Scans and spline surfaces
+#if BAT_HAS_SURFACES
 #include "batten/cloud.h"
-#include "batten/cloud_file.h"
 #include "batten/cloud_parameterize.h"
 #include "batten/spline.h"
 #include "batten/spline_hierarchical.h"
 #include "batten/surface.h"
-#include "batten/surface_file.h"
 #include "batten/surface_fit.h"
+#endif
+
+// Files
+#if BAT_HAS_FILES
+#include "batten/curve_file.h"
+#include "batten/mesh_file.h"
+#if BAT_HAS_SURFACES
+#include "batten/cloud_file.h"
+#include "batten/surface_file.h"
+#endif
+#endif
+
+// Pictures
+#if BAT_HAS_PICTURES
+#include "batten/curve_picture.h"
+#include "batten/mesh_picture.h"
+#if BAT_HAS_SURFACES
 #include "batten/surface_picture.h"
+#endif
+#endif
 
 #endif

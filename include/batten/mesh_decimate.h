@@ -104,17 +104,6 @@ BAT_API bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh 
 BAT_API bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse,
                                          size_t levels, bat_mesh *refined, bat_error *error);
 
-/// Write a map to a file, whole or not at all. The format is described in docs/decimation.md.
-/// @return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY
-BAT_API bat_status bat_mesh_map_write(const char *path, const bat_mesh_map *map, bat_error *error);
-
-/// Read a map. Everything that carrying points relies on is checked.
-///
-/// @param fine, coarse the meshes it must belong to; null: not checked
-/// @return BAT_OK, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_INVALID_ARGUMENT when it belongs to other meshes, BAT_NO_MEMORY
-BAT_API bat_status bat_mesh_map_read(const char *path, const bat_mesh *fine, const bat_mesh *coarse, bat_mesh_map **map,
-                                     bat_error *error);
-
 /// Free a map. Does nothing to null.
 BAT_API void bat_mesh_map_free(bat_mesh_map *map);
 

@@ -1,7 +1,7 @@
 #ifndef BATTEN_MESH_FILE_H
 #define BATTEN_MESH_FILE_H
 
-#include "batten/mesh.h"
+#include "batten/mesh_decimate.h"
 
 BAT_C_BEGIN
 
@@ -87,6 +87,17 @@ BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const 
 /// free().
 BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
                                          size_t *size, bat_error *error);
+
+/// Write a map to a file, whole or not at all. The format is described in docs/decimation.md.
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_map_write(const char *path, const bat_mesh_map *map, bat_error *error);
+
+/// Read a map. Everything that carrying points relies on is checked.
+///
+/// @param fine, coarse the meshes it must belong to; null: not checked
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_INVALID_ARGUMENT when it belongs to other meshes, BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_map_read(const char *path, const bat_mesh *fine, const bat_mesh *coarse, bat_mesh_map **map,
+                                     bat_error *error);
 
 BAT_C_END
 

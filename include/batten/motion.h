@@ -1,14 +1,14 @@
 #ifndef BATTEN_MOTION_H
 #define BATTEN_MOTION_H
 
-#include "batten/curve_file.h"
+#include "batten/curve_set.h"
 #include "batten/motion_hermite.h"
 
 BAT_C_BEGIN
 
 /// @file
-/// From keyframes in a file to a smooth curve for a file: points, and times and velocities where the columns of the file
-/// have them. docs/formats.md says what the columns are called; docs/hermite.md explains the schemes.
+/// From keyframes to a smooth curve: points, and times and velocities where the columns of the keyframes' file have them.
+/// docs/formats.md says what the columns are called; docs/hermite.md explains the schemes.
 
 /// How to make the curve. Begin with bat_motion_defaults().
 typedef struct bat_motion_options

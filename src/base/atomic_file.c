@@ -3,7 +3,7 @@
 #include "base/atomic_file.h"
 
 #include "base/error.h"
-#include "io/common/text_buffer.h"
+#include "base/text_buffer.h"
 
 #include <errno.h>
 #include <fcntl.h>

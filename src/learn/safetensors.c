@@ -1,10 +1,9 @@
 #include "learn/safetensors.h"
 
 #include "base/error.h"
+#include "batten/config.h"
 #include "learn/safetensors_type.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,8 +14,8 @@ size_t safetensors_element_size(safetensors_type type)
 
 void safetensors_free(safetensors *content)
 {
-    free(content->arrays);
-    free(content->notes);
+    free((void *)content->arrays);
+    free((void *)content->notes);
     free(content->memory);
     *content = (safetensors){0};
 }
@@ -115,37 +114,11 @@ bat_status safetensors_doubles(const safetensors *content, const char *name, siz
     return status;
 }
 
-/// All bytes of a stream, into an array from malloc().
-static bat_status read_stream(FILE *stream, text_buffer *bytes, bat_error *error)
-{
-    enum
-    {
-        CHUNK = 1 << 20
-    };
-    size_t got = 1;
-    while (got > 0)
-    {
-        char *place = text_reserve(bytes, CHUNK);
-        if (place == NULL)
-            return error_memory(error, bytes->size + CHUNK);
-        got = fread(place, 1, CHUNK, stream);
-        text_advance(bytes, place + got);
-    }
-    if (ferror(stream))
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
-    return BAT_OK;
-}
-
+#if !BAT_HAS_FILES
 bat_status safetensors_read(const char *path, safetensors *content, bat_error *error)
 {
-    FILE *stream = fopen(path, "rb");
-    if (stream == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open: %s", strerror(errno));
-    text_buffer bytes = {0};
-    bat_status status = read_stream(stream, &bytes, error);
-    (void)fclose(stream);
-    if (status == BAT_OK)
-        status = safetensors_parse(bytes.data, bytes.size, content, error);
-    text_free(&bytes);
-    return status;
+    (void)path;
+    (void)content;
+    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "this build of the library reads no files");
 }
+#endif

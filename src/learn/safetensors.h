@@ -2,7 +2,7 @@
 #define LEARN_SAFETENSORS_H
 
 #include "batten/base.h"
-#include "io/common/text_buffer.h"
+#include "base/text_buffer.h"
 
 /// @file
 /// Named arrays in a file, in the safetensors format of Hugging Face: 8 bytes with the length of a header, the header in
@@ -53,9 +53,9 @@ typedef struct safetensors_note
 /// it refers to and is released with safetensors_free(); to write, fill one in with pointers to your own.
 typedef struct safetensors
 {
-    safetensors_array *arrays;
+    const safetensors_array *arrays;
     size_t array_count;
-    safetensors_note *notes;
+    const safetensors_note *notes;
     size_t note_count;
     void *memory; ///< all elements and names, one block
 } safetensors;
@@ -69,7 +69,7 @@ size_t safetensors_element_size(safetensors_type type);
 ///         untouched on failure
 bat_status safetensors_parse(const void *bytes, size_t size, safetensors *content, bat_error *error);
 /// Read a file.
-/// @return BAT_FILE_ACCESS, or what safetensors_parse() returns
+/// @return BAT_FILE_ACCESS, or what safetensors_parse() returns; BAT_UNSUPPORTED in a build without files
 bat_status safetensors_read(const char *path, safetensors *content, bat_error *error);
 void safetensors_free(safetensors *content);
 

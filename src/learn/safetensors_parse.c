@@ -3,6 +3,8 @@
 #include "base/memory.h"
 #include "learn/safetensors_type.h"
 
+#include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /// An array as the header has it.
@@ -219,24 +221,22 @@ static bat_status keep(const parts *file, safetensors *content, bat_error *error
 {
     const json_t *notes = json_object_get(file->header, SAFETENSORS_NOTES);
     size_t size = memory_size(file, notes);
-    safetensors kept = {.array_count = file->entry_count, .note_count = json_object_size(notes)};
-    kept.arrays = memory_array(kept.array_count, sizeof *kept.arrays);
-    kept.notes = memory_array(kept.note_count, sizeof *kept.notes);
-    kept.memory = memory_array(size, 1);
-    if (kept.arrays == NULL || kept.notes == NULL || kept.memory == NULL)
+    safetensors_array *arrays = memory_array(file->entry_count, sizeof *arrays);
+    safetensors_note *note = memory_array(json_object_size(notes), sizeof *note);
+    safetensors kept = {arrays, file->entry_count, note, json_object_size(notes), memory_array(size, 1)};
+    if (arrays == NULL || note == NULL || kept.memory == NULL)
     {
         safetensors_free(&kept);
         return error_memory(error, size);
     }
     unsigned char *next = kept.memory;
-    for (size_t i = 0; i < kept.array_count; i++)
+    for (size_t i = 0; i < file->entry_count; i++)
     {
-        kept.arrays[i] = file->entries[i].array;
-        kept.arrays[i].values = keep_elements(&next, file->data, &file->entries[i]);
+        arrays[i] = file->entries[i].array;
+        arrays[i].values = keep_elements(&next, file->data, &file->entries[i]);
     }
-    for (size_t i = 0; i < kept.array_count; i++)
-        kept.arrays[i].name = keep_string(&next, kept.arrays[i].name);
-    safetensors_note *note = kept.notes;
+    for (size_t i = 0; i < file->entry_count; i++)
+        arrays[i].name = keep_string(&next, arrays[i].name);
     const char *key;
     json_t *value;
     json_object_foreach((json_t *)notes, key, value)
@@ -263,5 +263,40 @@ bat_status safetensors_parse(const void *bytes, size_t size, safetensors *conten
         json_printable(error->text); // which may have a name from the file
     free(file.entries);
     json_decref(file.header);
+    return status;
+}
+
+/// All bytes of a stream, into an array from malloc().
+static bat_status read_stream(FILE *stream, text_buffer *bytes, bat_error *error)
+{
+    enum
+    {
+        CHUNK = 1 << 20
+    };
+    size_t got = 1;
+    while (got > 0)
+    {
+        char *place = text_reserve(bytes, CHUNK);
+        if (place == NULL)
+            return error_memory(error, bytes->size + CHUNK);
+        got = fread(place, 1, CHUNK, stream);
+        text_advance(bytes, place + got);
+    }
+    if (ferror(stream))
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
+    return BAT_OK;
+}
+
+bat_status safetensors_read(const char *path, safetensors *content, bat_error *error)
+{
+    FILE *stream = fopen(path, "rb");
+    if (stream == NULL)
+        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open: %s", strerror(errno));
+    text_buffer bytes = {0};
+    bat_status status = read_stream(stream, &bytes, error);
+    (void)fclose(stream);
+    if (status == BAT_OK)
+        status = safetensors_parse(bytes.data, bytes.size, content, error);
+    text_free(&bytes);
     return status;
 }

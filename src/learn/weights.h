@@ -1,37 +1,15 @@
 #ifndef LEARN_WEIGHTS_H
 #define LEARN_WEIGHTS_H
 
-#include "curve/network/learned_network.h"
+#include "learn/safetensors.h"
 
 /// @file
-/// The weights in models/ as data of the library; cmake/weights.cmake writes them when it is built.
+/// The weights in weights/ as constants of the library, written by cmake/weights.cmake. The data of each file are one block
+/// of floats that is aligned to 64 bytes; the arrays lie in it one after the other.
 
-enum
-{
-    /// Of learned_network_make(): one number a feature or channel and channel for the weights, one a channel for the bias.
-    WEIGHTS_LEARNED = (LEARNED_FEATURES + 1 + (LEARNED_LAYERS - 1) * (LEARNED_WIDTH + 1) + 1) * LEARNED_CHANNELS
-};
-
-/// The file's words as they are, and the numbers that they mean.
-typedef union weights_learned_words
-{
-    uint32_t words[WEIGHTS_LEARNED];
-    float values[WEIGHTS_LEARNED];
-} weights_learned_words;
-
-/// weights/batten.safetensors without its header.
-extern const weights_learned_words weights_learned;
-
-/// weights/tension-published.safetensors.
-extern const unsigned char weights_published[];
-extern const size_t weights_published_size;
-
-/// weights/mesh.safetensors.
-extern const unsigned char weights_mesh[];
-extern const size_t weights_mesh_size;
-
-/// weights/surface.safetensors.
-extern const unsigned char weights_surface[];
-extern const size_t weights_surface_size;
+extern const safetensors weights_learned;   ///< weights/batten.safetensors, in the order of learned_network_make()
+extern const safetensors weights_published; ///< weights/tension-published.safetensors
+extern const safetensors weights_mesh;      ///< weights/mesh.safetensors
+extern const safetensors weights_surface;   ///< weights/surface.safetensors
 
 #endif

@@ -24,8 +24,7 @@ static int make_sets(void **state)
     (void)state;
     for (size_t i = 0; i < WEIGHT_SETS; i++)
         sets[i] = random_weights(i);
-    assert_int_equal(sets[0].total, WEIGHTS_LEARNED);
-    memcpy(sets[0].values, weights_learned.values, sizeof weights_learned.values);
+    memcpy(sets[0].values, weights_learned.arrays[0].values, sets[0].total * sizeof(real));
     return 0;
 }
 

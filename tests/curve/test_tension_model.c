@@ -345,7 +345,7 @@ static model_file *make_file(const char *prefix)
 
 static void write_file(const model_file *f, size_t count)
 {
-    safetensors content = {.arrays = (safetensors_array *)(uintptr_t)f->arrays, .array_count = count};
+    safetensors content = {.arrays = f->arrays, .array_count = count};
     check_status(safetensors_write(path, &content, NULL), BAT_OK);
 }
 

@@ -1,6 +1,6 @@
 #include "check.h"
 
-#include "search/metric_tree.h"
+#include "curve/measure/metric_tree.h"
 #include "search/nearest.h"
 #include "search/select.h"
 

@@ -6,7 +6,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/coordinates.h"
-#include "search/metric_tree.h"
+#include "curve/measure/metric_tree.h"
 #include "search/nearest.h"
 #include "space/disk.h"
 #include "space/known.h"

@@ -90,12 +90,11 @@ static bat_status take_weights(const safetensors *content, bat_curve_model *mode
     return take_published(content, model, error);
 }
 
-/// The model in a file's content, which is freed.
-static bat_status model_of(safetensors *content, bat_curve_model **model, bat_error *error)
+/// Make the model that a file's content holds.
+static bat_status model_of(const safetensors *content, bat_curve_model **model, bat_error *error)
 {
     bat_curve_model *made = calloc(1, sizeof *made);
     bat_status status = made != NULL ? take_weights(content, made, error) : error_memory(error, sizeof *made);
-    safetensors_free(content);
     if (status == BAT_OK)
         *model = made;
     else
@@ -107,14 +106,16 @@ bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_e
 {
     safetensors content;
     bat_status status = safetensors_read(path, &content, error);
-    return status == BAT_OK ? model_of(&content, model, error) : status;
+    if (status != BAT_OK)
+        return status;
+    status = model_of(&content, model, error);
+    safetensors_free(&content);
+    return status;
 }
 
 bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error)
 {
-    safetensors content;
-    bat_status status = safetensors_parse(weights_published, weights_published_size, &content, error);
-    return status == BAT_OK ? model_of(&content, model, error) : status;
+    return model_of(&weights_published, model, error);
 }
 
 bool bat_curve_model_has_fairness(const bat_curve_model *model)

@@ -14,27 +14,39 @@ const char *learned_rule_fault(const bat_curve_angle_rule *rule, const bat_space
     return space_is_surface(space, &curvature) ? NULL : "the network knows the plane, the sphere and the disk";
 }
 
-static void angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen, void *scratch)
+static void angles_by(const real *weights, const bat_curve_angle_rule_view *view, double *chosen, void *scratch)
 {
     int curvature = 0;
     (void)space_is_surface(view->space, &curvature);
-    learned_inference_angles(rule->parameters, view->count, view->angles, view->lengths, curvature, view->fairness, chosen,
-                             scratch);
+    learned_inference_angles(weights, view->count, view->angles, view->lengths, curvature, view->fairness, chosen, scratch);
+}
+
+static void shipped_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
+                           void *scratch)
+{
+    (void)rule;
+    angles_by(weights_learned.arrays[0].values, view, chosen, scratch);
+}
+
+static void given_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
+                         void *scratch)
+{
+    angles_by(rule->parameters, view, chosen, scratch);
 }
 
 static const bat_curve_angle_rule SHIPPED = {
     .name = "learned",
     .reach = LEARNED_REACH,
     .scratch_size = sizeof(learned_scratch),
-    .parameters = &weights_learned,
     .fault = learned_rule_fault,
-    .angles = angles,
+    .angles = shipped_angles,
 };
 
 bat_curve_angle_rule learned_rule(const real *weights)
 {
     bat_curve_angle_rule rule = SHIPPED;
     rule.parameters = weights;
+    rule.angles = given_angles;
     return rule;
 }
 

@@ -50,9 +50,10 @@ bat_status tension_weights_take(const safetensors *content, learn_parameters *pa
 bat_status tension_weights_read(const char *path, learn_parameters *parameters, tension_embedding *embedding,
                                 bat_error *error)
 {
+    if (path == NULL)
+        return tension_weights_take(&weights_published, parameters, embedding, error);
     safetensors content;
-    bat_status status = path != NULL ? safetensors_read(path, &content, error)
-                                     : safetensors_parse(weights_published, weights_published_size, &content, error);
+    bat_status status = safetensors_read(path, &content, error);
     if (status != BAT_OK)
         return status;
     status = tension_weights_take(&content, parameters, embedding, error);

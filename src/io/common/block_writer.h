@@ -1,7 +1,7 @@
 #ifndef IO_COMMON_BLOCK_WRITER_H
 #define IO_COMMON_BLOCK_WRITER_H
 
-#include "io/common/text_buffer.h"
+#include "base/text_buffer.h"
 
 #include <stdio.h>
 

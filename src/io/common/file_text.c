@@ -1,7 +1,7 @@
 #include "io/common/file_text.h"
 
 #include "base/error.h"
-#include "io/common/text_buffer.h"
+#include "base/text_buffer.h"
 
 #include <errno.h>
 #include <stdio.h>

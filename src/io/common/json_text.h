@@ -1,7 +1,7 @@
 #ifndef IO_COMMON_JSON_TEXT_H
 #define IO_COMMON_JSON_TEXT_H
 
-#include "io/common/text_buffer.h"
+#include "base/text_buffer.h"
 
 #include <jansson.h>
 

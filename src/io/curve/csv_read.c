@@ -1,6 +1,6 @@
 #include "base/error.h"
+#include "curve/csv_columns.h"
 #include "io/common/degrees.h"
-#include "io/curve/csv_columns.h"
 #include "io/curve/curve_builder.h"
 #include "io/curve/curve_formats.h"
 

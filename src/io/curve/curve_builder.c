@@ -2,8 +2,8 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "io/curve/curve_attributes.h"
-#include "io/curve/point_form.h"
+#include "curve/curve_attributes.h"
+#include "curve/point_form.h"
 
 #include <string.h>
 

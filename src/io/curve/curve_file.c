@@ -2,8 +2,8 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "curve/curve_attributes.h"
 #include "io/common/degrees.h"
-#include "io/curve/curve_attributes.h"
 #include "io/curve/curve_formats.h"
 
 #include <string.h>

@@ -1,8 +1,8 @@
 #ifndef IO_CURVE_GEOJSON_FEATURE_H
 #define IO_CURVE_GEOJSON_FEATURE_H
 
-#include "io/curve/curve_attributes.h"
 #include "io/curve/curve_builder.h"
+#include "io/curve/geojson_document.h"
 #include "io/curve/geojson_lift.h"
 
 /// Where a reader is in the file, for messages; BAT_NO_INDEX where it does not apply.

@@ -1,7 +1,7 @@
 #ifndef IO_CURVE_GEOJSON_LIFT_H
 #define IO_CURVE_GEOJSON_LIFT_H
 
-#include "io/common/text_buffer.h"
+#include "base/text_buffer.h"
 
 /// The text of a feature, or of a geometry alone, from which the coordinates of lines and polygons are lifted out: each
 /// array of them is replaced by its number, [0], [1], … and its line breaks. So the parser makes no tree of them, which

@@ -203,13 +203,13 @@ bat_status geojson_read(const file_text *text, const bat_curve_read_options *opt
     if (status == BAT_OK && reader.builder.curve_count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
     bat_curve_attributes *attributes = status == BAT_OK ? attributes_new(BAT_CURVE_FORMAT_GEOJSON) : NULL;
-    if (status == BAT_OK && attributes == NULL)
-        status = error_memory(error, sizeof *attributes);
-    if (attributes == NULL)
+    if (status == BAT_OK && (attributes == NULL || !geojson_document_keep(&reader.document, attributes)))
+        status = error_memory(error, sizeof *attributes + sizeof reader.document);
+    if (status != BAT_OK)
     {
+        attributes_release(attributes);
         geojson_reader_free(&reader);
         return status;
     }
-    attributes->geojson = reader.document;
     return builder_finish(&reader.builder, attributes, set, error);
 }

@@ -1,8 +1,8 @@
 #ifndef IO_CURVE_GEOJSON_SHAPE_H
 #define IO_CURVE_GEOJSON_SHAPE_H
 
+#include "base/text_buffer.h"
 #include "batten/curve_file.h"
-#include "io/common/text_buffer.h"
 #include "io/curve/globe_polygon.h"
 
 /// How positions are written.

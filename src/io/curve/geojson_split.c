@@ -1,7 +1,7 @@
 #include "io/curve/geojson_split.h"
 
+#include "base/text_buffer.h"
 #include "io/common/json_scan.h"
-#include "io/common/text_buffer.h"
 
 /// Go to the bracket that opens the array of features.
 static bool find_features(json_scanner *scan)

@@ -1,7 +1,7 @@
 #include "base/error.h"
 #include "io/common/json_text.h"
-#include "io/curve/curve_attributes.h"
 #include "io/curve/curve_formats.h"
+#include "io/curve/geojson_document.h"
 #include "io/curve/geojson_shape.h"
 
 #include <string.h>
@@ -270,7 +270,7 @@ bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options
     bool same = attributes != NULL && attributes->format == BAT_CURVE_FORMAT_GEOJSON;
     geojson_writer writer = {
         .set = set,
-        .document = same ? &attributes->geojson : NULL,
+        .document = same ? attributes->remainder.content : NULL,
         .style = {globe, options->precision, degree_grid_of(options->precision), altitude_channel(set)}};
     return write_set(&writer, options, sink, error);
 }

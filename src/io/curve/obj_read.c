@@ -1,7 +1,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
+#include "curve/curve_attributes.h"
 #include "io/common/number_text.h"
-#include "io/curve/curve_attributes.h"
 #include "io/curve/curve_builder.h"
 #include "io/curve/curve_formats.h"
 

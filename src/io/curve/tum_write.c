@@ -1,7 +1,7 @@
 #include "base/error.h"
+#include "curve/csv_columns.h"
 #include "io/common/number_text.h"
 #include "io/common/row_blocks.h"
-#include "io/curve/csv_columns.h"
 #include "io/curve/curve_formats.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "batten/mesh_decimate.h"
+#include "batten/mesh_file.h"
 
 #include "base/error.h"
 #include "base/memory.h"

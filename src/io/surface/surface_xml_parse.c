@@ -1,8 +1,8 @@
 #include "io/surface/surface_xml_parse.h"
 
 #include "base/error.h"
+#include "base/text_buffer.h"
 #include "io/common/number_text.h"
-#include "io/common/text_buffer.h"
 
 #include <expat.h>
 

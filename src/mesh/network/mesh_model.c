@@ -79,14 +79,13 @@ static bat_status take_published(const safetensors *content, const char *prefix,
     return status;
 }
 
-/// Make a model of a file's content, and free that.
-static bat_status model_of(safetensors *content, bat_mesh_model **model, bat_error *error)
+/// Make the model that a file's content holds.
+static bat_status model_of(const safetensors *content, bat_mesh_model **model, bat_error *error)
 {
     const char *prefix;
     (void)tension_weights_prefix(content, "net_init.layerIn.weight", &prefix);
     bat_mesh_model *made = calloc(1, sizeof *made);
     bat_status status = made != NULL ? take_published(content, prefix, made, error) : error_memory(error, sizeof *made);
-    safetensors_free(content);
     if (status == BAT_OK)
         *model = made;
     else
@@ -98,14 +97,16 @@ bat_status bat_mesh_model_read(const char *path, bat_mesh_model **model, bat_err
 {
     safetensors content;
     bat_status status = safetensors_read(path, &content, error);
-    return status == BAT_OK ? model_of(&content, model, error) : status;
+    if (status != BAT_OK)
+        return status;
+    status = model_of(&content, model, error);
+    safetensors_free(&content);
+    return status;
 }
 
 bat_status bat_mesh_model_builtin(bat_mesh_model **model, bat_error *error)
 {
-    safetensors content;
-    bat_status status = safetensors_parse(weights_mesh, weights_mesh_size, &content, error);
-    return status == BAT_OK ? model_of(&content, model, error) : status;
+    return model_of(&weights_mesh, model, error);
 }
 
 void bat_mesh_model_free(bat_mesh_model *model)

@@ -37,8 +37,8 @@ static bat_status take(const safetensors *content, const surface_network_kind *k
     return status;
 }
 
-/// Make a model of a file's content, and free that.
-static bat_status model_of(safetensors *content, bat_surface_model **model, bat_error *error)
+/// Make the model that a file's content holds.
+static bat_status model_of(const safetensors *content, bat_surface_model **model, bat_error *error)
 {
     const char *recipe = safetensors_find_note(content, "recipe");
     const surface_network_kind *kind = surface_network_kind_named(recipe);
@@ -51,7 +51,6 @@ static bat_status model_of(safetensors *content, bat_surface_model **model, bat_
                            "the file holds no network for surfaces: its recipe is '%.60s'", recipe != NULL ? recipe : "");
     else
         status = take(content, kind, made, error);
-    safetensors_free(content);
     if (status == BAT_OK)
         *model = made;
     else
@@ -63,14 +62,16 @@ bat_status bat_surface_model_read(const char *path, bat_surface_model **model, b
 {
     safetensors content;
     bat_status status = safetensors_read(path, &content, error);
-    return status == BAT_OK ? model_of(&content, model, error) : status;
+    if (status != BAT_OK)
+        return status;
+    status = model_of(&content, model, error);
+    safetensors_free(&content);
+    return status;
 }
 
 bat_status bat_surface_model_builtin(bat_surface_model **model, bat_error *error)
 {
-    safetensors content;
-    bat_status status = safetensors_parse(weights_surface, weights_surface_size, &content, error);
-    return status == BAT_OK ? model_of(&content, model, error) : status;
+    return model_of(&weights_surface, model, error);
 }
 
 void bat_surface_model_free(bat_surface_model *model)

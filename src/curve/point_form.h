@@ -1,5 +1,5 @@
-#ifndef IO_CURVE_POINT_FORM_H
-#define IO_CURVE_POINT_FORM_H
+#ifndef CURVE_POINT_FORM_H
+#define CURVE_POINT_FORM_H
 
 #include "batten/space.h"
 

@@ -1,4 +1,4 @@
-#include "io/curve/point_form.h"
+#include "curve/point_form.h"
 
 #include "batten/space.h"
 

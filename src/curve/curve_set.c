@@ -1,7 +1,7 @@
-#include "batten/curve_file.h"
+#include "batten/curve_set.h"
 
 #include "base/error.h"
-#include "io/curve/curve_attributes.h"
+#include "curve/curve_attributes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,30 +24,14 @@ void attributes_share(bat_curve_attributes *attributes)
         (void)atomic_fetch_add(&attributes->owners, 1);
 }
 
-void csv_columns_free(csv_columns *columns)
-{
-    free(columns->names);
-    free(columns->places);
-    *columns = (csv_columns){.altitude = BAT_NO_INDEX};
-}
-
-void geojson_document_free(geojson_document *document)
-{
-    for (size_t i = 0; i < document->feature_count; i++)
-        json_decref(document->features[i].tree);
-    json_decref(document->collection);
-    free(document->features);
-    free(document->geometries);
-    free(document->ring_counts);
-    *document = (geojson_document){0};
-}
-
 void attributes_release(bat_curve_attributes *attributes)
 {
     if (attributes == NULL || atomic_fetch_sub(&attributes->owners, 1) != 1)
         return;
-    csv_columns_free(&attributes->csv);
-    geojson_document_free(&attributes->geojson);
+    free(attributes->csv.names);
+    free(attributes->csv.places);
+    if (attributes->remainder.content != NULL)
+        attributes->remainder.free(attributes->remainder.content);
     free(attributes);
 }
 
@@ -112,17 +96,11 @@ bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *curves, ba
     return set_assemble(source->space, curves, source->count, source->attributes, result, error);
 }
 
-/// The line of the GeoJSON feature that a curve belongs to.
-static size_t line_of_feature(const bat_curve_attributes *attributes, size_t curve)
+/// The line that the remainder of the file knows.
+static size_t line_of_curve(const bat_curve_attributes *attributes, size_t curve)
 {
-    const geojson_document *document = &attributes->geojson;
-    for (size_t i = 0; i < document->feature_count; i++)
-    {
-        const geojson_feature *feature = &document->features[i];
-        if (curve >= feature->curve && curve - feature->curve < feature->curve_count)
-            return feature->line;
-    }
-    return 0;
+    const file_remainder *remainder = &attributes->remainder;
+    return remainder->content != NULL ? remainder->line(remainder->content, curve) : 0;
 }
 
 size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point)
@@ -130,7 +108,7 @@ size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point)
     if (curve >= set->count || point >= set->curves[curve].count)
         return 0;
     if (set->lines == NULL)
-        return set->attributes != NULL ? line_of_feature(set->attributes, curve) : 0;
+        return set->attributes != NULL ? line_of_curve(set->attributes, curve) : 0;
     size_t before = 0;
     for (size_t i = 0; i < curve; i++)
         before += set->curves[i].count;

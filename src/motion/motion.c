@@ -2,9 +2,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "io/curve/csv_columns.h"
+#include "curve/csv_columns.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-#ifndef IO_COMMON_TEXT_BUFFER_H
-#define IO_COMMON_TEXT_BUFFER_H
+#ifndef BASE_TEXT_BUFFER_H
+#define BASE_TEXT_BUFFER_H
 
 #include "base/array_grow.h"
 

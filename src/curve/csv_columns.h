@@ -1,8 +1,8 @@
-#ifndef IO_CURVE_CSV_COLUMNS_H
-#define IO_CURVE_CSV_COLUMNS_H
+#ifndef CURVE_CSV_COLUMNS_H
+#define CURVE_CSV_COLUMNS_H
 
-#include "io/curve/curve_attributes.h"
-#include "io/curve/point_form.h"
+#include "curve/curve_attributes.h"
+#include "curve/point_form.h"
 
 enum
 {

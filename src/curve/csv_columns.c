@@ -1,7 +1,7 @@
-#include "io/curve/csv_columns.h"
+#include "curve/csv_columns.h"
 
 #include "base/memory.h"
-#include "io/curve/point_form.h"
+#include "curve/point_form.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,23 +1,9 @@
-#ifndef IO_CURVE_CURVE_ATTRIBUTES_H
-#define IO_CURVE_CURVE_ATTRIBUTES_H
+#ifndef IO_CURVE_GEOJSON_DOCUMENT_H
+#define IO_CURVE_GEOJSON_DOCUMENT_H
 
-#include "batten/curve_file.h"
-
-#include "io/curve/point_form.h"
+#include "curve/curve_attributes.h"
 
 #include <jansson.h>
-#include <stdatomic.h>
-
-/// The columns of a CSV file that had a header.
-typedef struct csv_columns
-{
-    char **names;   ///< one block: the pointers, then the text; null without a header
-    size_t *places; ///< what each column holds: coordinate `place`, or channel `place - coordinates`; null without a header
-    size_t count;
-    bool degrees;           ///< the coordinates are longitude and latitude
-    const point_form *form; ///< how points are written, where not by their coordinates as they are
-    size_t altitude;        ///< the channel that is the altitude, or BAT_NO_INDEX
-} csv_columns;
 
 /// A GeoJSON geometry whose positions became curves. In the tree that stays, its "coordinates" are the geometry's index
 /// among those of its feature.
@@ -51,21 +37,9 @@ typedef struct geojson_document
     size_t polygon_count, polygon_capacity;
 } geojson_document;
 
-struct bat_curve_attributes
-{
-    atomic_size_t owners;
-    bat_curve_format format; ///< what the file was
-    csv_columns csv;
-    geojson_document geojson;
-};
-
-/// Attributes with one owner.
-bat_curve_attributes *attributes_new(bat_curve_format format);
-void attributes_share(bat_curve_attributes *attributes);
-/// Give up one ownership, and free the attributes when it was the last. Null is allowed.
-void attributes_release(bat_curve_attributes *attributes);
-
-void csv_columns_free(csv_columns *columns);
 void geojson_document_free(geojson_document *document);
+
+/// Give a document to the attributes, which free it; the document is empty then. False when out of memory.
+bool geojson_document_keep(geojson_document *document, bat_curve_attributes *attributes);
 
 #endif

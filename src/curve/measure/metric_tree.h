@@ -1,5 +1,5 @@
-#ifndef SEARCH_METRIC_TREE_H
-#define SEARCH_METRIC_TREE_H
+#ifndef CURVE_MEASURE_METRIC_TREE_H
+#define CURVE_MEASURE_METRIC_TREE_H
 
 #include "batten/space.h"
 #include "search/nearest.h"

@@ -1,4 +1,4 @@
-#include "search/metric_tree.h"
+#include "curve/measure/metric_tree.h"
 
 #include "base/error.h"
 #include "base/memory.h"

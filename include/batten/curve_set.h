@@ -1,0 +1,67 @@
+#ifndef BATTEN_CURVE_SET_H
+#define BATTEN_CURVE_SET_H
+
+#include "batten/curve.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Several curves in one space, with what a file tells beyond their points.
+
+/// The formats of files of curves.
+typedef enum bat_curve_format
+{
+    BAT_CURVE_FORMAT_AUTO, ///< by the file's ending; failing that by the content (reading) or by where the set came from
+                           ///< (writing)
+    BAT_CURVE_FORMAT_CSV,
+    BAT_CURVE_FORMAT_GEOJSON,
+    BAT_CURVE_FORMAT_OBJ,
+    BAT_CURVE_FORMAT_TUM ///< poses in time, as the TUM benchmark writes them: timestamp tx ty tz qx qy qz qw; the space
+                         ///< "rigid"
+} bat_curve_format;
+
+/// What a file tells beyond its curves: GeoJSON features with their properties, CSV column names. Opaque, shared by
+/// counting.
+typedef struct bat_curve_attributes bat_curve_attributes;
+
+/// Curves that belong together, such as those of one file with what else survives from it. All zero: empty.
+typedef struct bat_curve_set
+{
+    bat_space *space;  ///< where all the curves live; owned
+    bat_curve *curves; ///< `count` of them, in the order of the file; each one's `space` is the set's; owned
+    size_t count;
+    bat_curve_attributes *attributes; ///< what the file says beside the curves; null when there is no file; owned (shared)
+    size_t *lines; ///< the line of the file that each point stands on, curve after curve; null when unknown; owned
+} bat_curve_set;
+
+/// Free what a set owns and make it empty. Does nothing to a set that is empty already.
+BAT_API void bat_curve_set_free(bat_curve_set *set);
+
+/// Move one curve that did not come from a file into a set of its own, to write it. `curve` is left empty.
+/// @return BAT_OK or BAT_NO_MEMORY; on failure `curve` keeps its points
+BAT_API bat_status bat_curve_set_single(bat_curve *curve, bat_curve_set *set, bat_error *error);
+
+/// Make a set of `count` curves that did not come from a file. They must live in one kind of space, the first one's, which
+/// is copied (its `parameters` are not, and must outlive the set).
+///
+/// @param curves an array from malloc(); the set takes it and frees it
+/// @param count  at least 1
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY; on failure the caller keeps the array
+BAT_API bat_status bat_curve_set_take(bat_curve *curves, size_t count, bat_curve_set *set, bat_error *error);
+
+/// Make a set of changed curves, one for each curve of `source` and in the same order, that keeps the source's attributes.
+///
+/// @param curves an array of source->count curves from malloc(), in the source's kind of space; the result takes it and
+/// frees
+///               it, and makes every curve's `space` its own copy of the source's
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY; on failure the caller keeps the array
+BAT_API bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *curves, bat_curve_set *result,
+                                      bat_error *error);
+
+/// The line of the file, counted from 1, that a point was read from; for GeoJSON the line that its feature begins on. 0 when
+/// it is not known.
+BAT_API size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point);
+
+BAT_C_END
+
+#endif

@@ -1,0 +1,43 @@
+#ifndef CURVE_CURVE_ATTRIBUTES_H
+#define CURVE_CURVE_ATTRIBUTES_H
+
+#include "batten/curve_set.h"
+
+#include "curve/point_form.h"
+
+#include <stdatomic.h>
+
+/// The columns of a CSV file that had a header.
+typedef struct csv_columns
+{
+    char **names;   ///< one block: the pointers, then the text; null without a header
+    size_t *places; ///< what each column holds: coordinate `place`, or channel `place - coordinates`; null without a header
+    size_t count;
+    bool degrees;           ///< the coordinates are longitude and latitude
+    const point_form *form; ///< how points are written, where not by their coordinates as they are
+    size_t altitude;        ///< the channel that is the altitude, or BAT_NO_INDEX
+} csv_columns;
+
+/// What else a format keeps of a file.
+typedef struct file_remainder
+{
+    void *content;                                     ///< known to its format alone; null for none; owned
+    void (*free)(void *content);                       ///< of the content and all that it owns
+    size_t (*line)(const void *content, size_t curve); ///< the line that a curve begins on; 0 when unknown
+} file_remainder;
+
+struct bat_curve_attributes
+{
+    atomic_size_t owners;
+    bat_curve_format format; ///< what the file was
+    csv_columns csv;
+    file_remainder remainder;
+};
+
+/// Attributes with one owner.
+bat_curve_attributes *attributes_new(bat_curve_format format);
+void attributes_share(bat_curve_attributes *attributes);
+/// Give up one ownership, and free the attributes when it was the last. Null is allowed.
+void attributes_release(bat_curve_attributes *attributes);
+
+#endif
