@@ -1,5 +1,7 @@
 #include "linalg/blas_single.h"
 
+#if BATTEN_HAS_BLAS
+
 #include <cblas.h>
 #include <pthread.h>
 
@@ -26,3 +28,16 @@ void blas_single_end(void)
         openblas_set_num_threads(threads_before);
     (void)pthread_mutex_unlock(&single_lock);
 }
+
+#else
+
+// Our own products run on the thread that asks for them.
+void blas_single_begin(void)
+{
+}
+
+void blas_single_end(void)
+{
+}
+
+#endif

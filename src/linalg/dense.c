@@ -2,25 +2,17 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/blas.h"
+#include "linalg/decompose.h"
 
-#include <cblas.h>
 #include <float.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/// LAPACK's backward error is a small multiple of n times rounding; this is that multiple, on the safe side.
+/// The backward error of an eigenvalue computation is a small multiple of n times rounding; this is that multiple, on the
+/// safe side.
 #define BACKWARD_ERROR 4.0
-
-static bat_status lapack_status(lapack_int info, bat_error *error)
-{
-    if (info == 0)
-        return BAT_OK;
-    if (info == LAPACK_WORK_MEMORY_ERROR || info == LAPACK_TRANSPOSE_MEMORY_ERROR)
-        return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory in a dense eigenvalue problem");
-    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a dense eigenvalue problem did not settle");
-}
 
 void dense_multiply(size_t n, const double *a, const double *b, double *product)
 {
@@ -45,9 +37,7 @@ bat_status dense_spectral_radius(size_t n, const double *a, double *scratch, dou
     double *real = copy + n * n;
     double *imaginary = real + n;
     memcpy(copy, a, n * n * sizeof *copy);
-    const lapack_int side = (lapack_int)n;
-    const lapack_int info = LAPACKE_dgeev(LAPACK_ROW_MAJOR, 'N', 'N', side, copy, side, real, imaginary, NULL, 1, NULL, 1);
-    const bat_status status = lapack_status(info, error);
+    const bat_status status = decompose_eigenvalues(n, copy, real, imaginary, error);
     if (status != BAT_OK)
         return status;
     *radius = 0.0;
@@ -56,40 +46,31 @@ bat_status dense_spectral_radius(size_t n, const double *a, double *scratch, dou
     return BAT_OK;
 }
 
-/// Everything dgeevx computes, in one block of memory.
+/// Eigenvalues and right eigenvectors, in one block of memory.
 typedef struct eigen_system
 {
     double *memory;
     double *real;
     double *imaginary;
     double *cosine; ///< between the left and the right eigenvector
-    double *right;  ///< LAPACK's packed form: a complex pair shares two columns
-    double *left;
+    double *right;  ///< packed: a complex pair shares two columns
 } eigen_system;
 
 static bat_status eigen_system_make(size_t n, const double *a, eigen_system *system, bat_error *error)
 {
-    const size_t numbers = 3 * n * n + 5 * n;
+    const size_t numbers = 2 * n * n + 3 * n;
     double *memory = memory_array(numbers, sizeof *memory);
     if (memory == NULL)
         return error_memory(error, numbers * sizeof *memory);
     double *copy = memory;
-    double *separation = memory + 3 * n * n + 4 * n;
-    double *scale = memory + 3 * n * n + 3 * n;
     *system = (eigen_system){.memory = memory,
                              .right = memory + n * n,
-                             .left = memory + 2 * n * n,
-                             .real = memory + 3 * n * n,
-                             .imaginary = memory + 3 * n * n + n,
-                             .cosine = memory + 3 * n * n + 2 * n};
+                             .real = memory + 2 * n * n,
+                             .imaginary = memory + 2 * n * n + n,
+                             .cosine = memory + 2 * n * n + 2 * n};
     memcpy(copy, a, n * n * sizeof *copy);
-    const lapack_int side = (lapack_int)n;
-    lapack_int low, high;
-    double norm;
-    const lapack_int info =
-        LAPACKE_dgeevx(LAPACK_ROW_MAJOR, 'P', 'V', 'V', 'E', side, copy, side, system->real, system->imaginary, system->left,
-                       side, system->right, side, &low, &high, scale, &norm, system->cosine, separation);
-    const bat_status status = lapack_status(info, error);
+    const bat_status status =
+        decompose_eigenvectors(n, copy, system->real, system->imaginary, system->right, system->cosine, error);
     if (status != BAT_OK)
         free(memory);
     return status;
@@ -215,26 +196,21 @@ bat_status dense_eigenvalues(size_t n, const double *a, double *real, double *im
 bat_status dense_null_space(size_t n, const double *a, double real, double imaginary, double tolerance, size_t limit,
                             double *vectors, size_t *count, bat_error *error)
 {
-    // The complex shifted matrix, V^H, the singular values and LAPACK's super-diagonal.
-    const size_t numbers = 4 * n * n + 2 * n;
+    // The complex shifted matrix, V^H and the singular values.
+    const size_t numbers = 4 * n * n + n;
     double *memory = memory_array(numbers, sizeof *memory);
     if (memory == NULL)
         return error_memory(error, numbers * sizeof *memory);
     double *shifted = memory;
     double *adjoint = shifted + 2 * n * n;
     double *singular = adjoint + 2 * n * n;
-    double *superdiagonal = singular + n;
     for (size_t i = 0; i < n * n; i++)
     {
         const bool diagonal = i % (n + 1) == 0;
         shifted[2 * i] = a[i] - (diagonal ? real : 0.0);
         shifted[2 * i + 1] = diagonal ? -imaginary : 0.0;
     }
-    const lapack_int side = (lapack_int)n;
-    const lapack_int info =
-        LAPACKE_zgesvd(LAPACK_ROW_MAJOR, 'N', 'A', side, side, (lapack_complex_double *)(void *)shifted, side, singular,
-                       NULL, 1, (lapack_complex_double *)(void *)adjoint, side, superdiagonal);
-    const bat_status status = lapack_status(info, error);
+    const bat_status status = decompose_singular(n, shifted, singular, adjoint, error);
     *count = 0;
     while (status == BAT_OK && *count < limit && *count < n && (*count == 0 || singular[n - 1 - *count] <= tolerance))
     {
@@ -267,9 +243,7 @@ bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const
     }
     memcpy(memory + n * n, constraint, n * sizeof *memory);
     right[n] = 1.0;
-    const lapack_int columns = (lapack_int)n;
-    const lapack_int info = LAPACKE_dgels(LAPACK_ROW_MAJOR, 'N', columns + 1, columns, 1, memory, columns, right, 1);
-    const bat_status status = lapack_status(info, error);
+    const bat_status status = decompose_least_squares(n + 1, n, memory, right, error);
     if (status == BAT_OK)
         memcpy(vector, right, n * sizeof *vector);
     free(memory);

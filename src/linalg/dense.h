@@ -4,8 +4,8 @@
 #include "batten/base.h"
 
 /// @file
-/// Dense real matrices, row-major and square of side `n` unless said otherwise. Thin calls into BLAS and LAPACK.
-/// Calls that return a status give BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE where LAPACK's iteration did not settle.
+/// Dense real matrices, row-major and square of side `n` unless said otherwise.
+/// Calls that return a status give BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE where an iteration did not converge.
 
 /// product = a b
 void dense_multiply(size_t n, const double *a, const double *b, double *product);

@@ -2,8 +2,8 @@
 
 #include "base/error.h"
 #include "draw/common/style.h"
+#include "linalg/decompose.h"
 
-#include <lapacke.h>
 #include <math.h>
 #include <string.h>
 
@@ -37,7 +37,7 @@ static bat_status ellipsoid_of(const bat_curve *curve, size_t index, double unit
             matrix[n * i + j] = *packed++ / unit / unit;
         }
     }
-    if (LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'V', 'U', (lapack_int)n, matrix, (lapack_int)n, values) != 0)
+    if (decompose_symmetric(n, matrix, values, NULL) != BAT_OK)
     {
         return error_set(error, BAT_NO_CONVERGENCE, index, 0, "point %zu has no eigenvalues to draw", index);
     }

@@ -1,6 +1,7 @@
 #include "draw/curve/view.h"
 
-#include <lapacke.h>
+#include "linalg/decompose.h"
+
 #include <math.h>
 
 /// The sums over the edges of curves on the sphere that place the middle of a globe.
@@ -52,7 +53,7 @@ static void oblique_direction(globe_moments *moments, double *direction)
 {
     const double elevation = 25.0 * 3.14159265358979323846 / 180.0;
     double values[3];
-    if (LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'V', 'U', 3, &moments->square[0][0], 3, values) != 0)
+    if (decompose_symmetric(3, &moments->square[0][0], values, NULL) != BAT_OK)
     {
         return;
     }

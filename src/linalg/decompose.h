@@ -1,0 +1,33 @@
+#ifndef LINALG_DECOMPOSE_H
+#define LINALG_DECOMPOSE_H
+
+#include "batten/base.h"
+
+/// @file
+/// The decompositions of dense matrices that linalg/dense.h rests on: LAPACK's where the library was built with it
+/// (decompose_lapack.c), else our own for small matrices (decompose_own.c). Matrices are row-major and square of side `n`
+/// unless said otherwise. All give BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE where an iteration did not converge.
+
+/// The eigenvalues of `a`, which is destroyed. Complex ones stand in pairs, positive imaginary part first.
+bat_status decompose_eigenvalues(size_t n, double *a, double *real, double *imaginary, bat_error *error);
+
+/// The eigenvalues of `a`, which is destroyed, and the right eigenvectors of length 1 as columns; of a complex pair, the
+/// real part of the first one's and its imaginary part share two columns.
+/// @param right  receives n x n
+/// @param cosine receives n cosines between left and right eigenvectors
+bat_status decompose_eigenvectors(size_t n, double *a, double *real, double *imaginary, double *right, double *cosine,
+                                  bat_error *error);
+
+/// The singular values of a complex matrix (real part, imaginary part), which is destroyed, in descending order.
+/// @param adjoint receives n x n complex numbers: V^H of a = U diag(values) V^H
+bat_status decompose_singular(size_t n, double *a, double *values, double *adjoint, bat_error *error);
+
+/// The x of least |a x - b|, where a is rows x columns of full rank with rows >= columns. Destroys `a`.
+/// @param b `rows` numbers; receives x as its first `columns` numbers
+bat_status decompose_least_squares(size_t rows, size_t columns, double *a, double *b, bat_error *error);
+
+/// The eigenvalues of a symmetric matrix in ascending order; of `a` only the upper triangle is read.
+/// @param a receives the eigenvectors as columns
+bat_status decompose_symmetric(size_t n, double *a, double *values, bat_error *error);
+
+#endif
