@@ -408,6 +408,7 @@ bat_status decompose_eigenvectors(size_t n, double *a, double *real, double *ima
 }
 
 // Singular values: Hestenes's one-sided Jacobi method. Rotations of its columns make them orthogonal: a V = U diag(values).
+// Columns are contiguous here.
 
 /// Rotate two columns of two matrices so that those of `a` become orthogonal; false where they are, or where one of them is
 /// shorter than `rounding`.
@@ -417,7 +418,7 @@ static bool rotate_pair(size_t n, double rounding, double complex *a, double com
     double complex product = 0;
     for (size_t i = 0; i < n; i++)
     {
-        double complex x = a[i * n + p], y = a[i * n + q];
+        double complex x = a[p * n + i], y = a[q * n + i];
         p_square += creal(x) * creal(x) + cimag(x) * cimag(x);
         q_square += creal(y) * creal(y) + cimag(y) * cimag(y);
         product += conj(x) * y;
@@ -432,9 +433,9 @@ static bool rotate_pair(size_t n, double rounding, double complex *a, double com
     for (size_t m = 0; m < 2; m++)
         for (size_t i = 0; i < n; i++)
         {
-            double complex x = matrices[m][i * n + p], y = matrices[m][i * n + q] * phase;
-            matrices[m][i * n + p] = cosine * (x - tangent * y);
-            matrices[m][i * n + q] = cosine * (tangent * x + y);
+            double complex x = matrices[m][p * n + i], y = matrices[m][q * n + i] * phase;
+            matrices[m][p * n + i] = cosine * (x - tangent * y);
+            matrices[m][q * n + i] = cosine * (tangent * x + y);
         }
     return true;
 }
@@ -446,7 +447,7 @@ static void read_singular(size_t n, const double complex *a, const double comple
     {
         double length = 0;
         for (size_t i = 0; i < n; i++)
-            length = hypot(length, cabs(a[i * n + k]));
+            length = hypot(length, cabs(a[k * n + i]));
         size_t place = k;
         for (; place > 0 && values[place - 1] < length; place--)
         {
@@ -456,8 +457,8 @@ static void read_singular(size_t n, const double complex *a, const double comple
         values[place] = length;
         for (size_t i = 0; i < n; i++)
         {
-            adjoint[2 * (n * place + i)] = creal(v[i * n + k]);
-            adjoint[2 * (n * place + i) + 1] = -cimag(v[i * n + k]);
+            adjoint[2 * (n * place + i)] = creal(v[k * n + i]);
+            adjoint[2 * (n * place + i) + 1] = -cimag(v[k * n + i]);
         }
     }
 }
@@ -469,7 +470,7 @@ bat_status decompose_singular(size_t n, double *a, double *values, double *adjoi
         return error_memory(error, 2 * n * n * sizeof *columns);
     for (size_t i = 0; i < n * n; i++)
     {
-        columns[i] = a[2 * i] + a[2 * i + 1] * I;
+        columns[i % n * n + i / n] = a[2 * i] + a[2 * i + 1] * I;
         v[i] = i % (n + 1) == 0;
     }
     const double rounding = DBL_EPSILON * largest_modulus(2 * n * n, a);
