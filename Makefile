@@ -3,11 +3,13 @@
 #   make            build the library, the program and the tests       (build/release)
 #   make demo       turn real input into pictures and a table          (out)
 #   make test       build and run the tests
+#   make smallest   build and test the parts that need the C library alone  (build/smallest)
 #   make bench      build and run the benchmarks
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz       every fuzzer for FUZZ_SECONDS
 #   make style      check the format and run clang-tidy; `make format` formats
-#   make install    to PREFIX, below DESTDIR
+#   make install    the library and the program to PREFIX, below DESTDIR
+#   make install-research  the library batten-research beside them
 #   make clean      remove what was built
 
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
@@ -20,7 +22,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test bench sanitize fuzz style format install clean dependencies ci-dependencies
+.PHONY: all demo test smallest bench sanitize fuzz style format install install-research clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -30,6 +32,10 @@ demo: all
 
 test: all
 	@$(call test,release)
+
+smallest: dependencies
+	@$(call configure,smallest) && $(call compile,smallest)
+	@$(call test,smallest)
 
 bench: all
 	@for program in build/release/bench/bench_*; do if [ -x $$program ]; then $$program || exit 1; fi; done
@@ -50,9 +56,11 @@ format: ci-dependencies
 	@scripts/list-sources | xargs clang-format -i
 
 # An existing build is not rebuilt here, so that root need not build.
-install:
+install: COMPONENT =
+install-research: COMPONENT = --component research
+install install-research:
 	@test -x build/release/batten || $(MAKE) --no-print-directory all
-	@DESTDIR='$(DESTDIR)' cmake --install build/release --prefix '$(PREFIX)'
+	@DESTDIR='$(DESTDIR)' cmake --install build/release --prefix '$(PREFIX)' $(COMPONENT)
 	@[ -n '$(DESTDIR)' ] || [ "$$(id -u)" -ne 0 ] || ldconfig
 
 clean:

@@ -1,5 +1,6 @@
 #include "decimate_helpers.h"
 
+#include "batten/mesh_file.h"
 #include "mesh/decimate/map.h"
 
 #include <stdio.h>
