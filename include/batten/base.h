@@ -24,7 +24,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// What every other header rests on: status codes, error text, progress, random streams, the version.
+/// What every other header rests on: status codes, error text, progress, files written together, random streams, the
+/// version.
 
 #define BAT_VERSION_MAJOR 0
 #define BAT_VERSION_MINOR 1
@@ -73,6 +74,44 @@ typedef struct bat_progress
     bool (*report)(void *context, double fraction);
     void *context; ///< handed to `report`
 } bat_progress;
+
+/// Several files that appear together or not at all. Each is written to a temporary file beside its target by any writer of
+/// the library or of your own; then all are renamed at once. Until then nothing is changed.
+///
+///     bat_outputs *outputs;
+///     const char *mesh_path, *picture_path;
+///     bat_outputs_new(&outputs, &error);
+///     bat_outputs_add(outputs, "fine.obj", &mesh_path, &error);
+///     bat_outputs_add(outputs, "fine.png", &picture_path, &error);
+///     bat_mesh_write(mesh_path, &mesh, NULL, &error);
+///     bat_mesh_picture_write(picture_path, panels, 2, NULL, &error);
+///     bat_outputs_commit(outputs, &error);
+///     bat_outputs_free(outputs);
+///
+/// A single file needs none of this: every bat_..._write() replaces its file as a whole.
+typedef struct bat_outputs bat_outputs;
+
+/// An empty set of files. Release it with bat_outputs_free().
+/// @return BAT_OK or BAT_NO_MEMORY; `outputs` is untouched on failure
+BAT_API bat_status bat_outputs_new(bat_outputs **outputs, bat_error *error);
+/// Add a file. Links are followed. A special file (a pipe, a device) is written directly.
+///
+/// @param path     not standard output, which is to be written after the commit
+/// @param write_to receives the path to write to; it has the ending of `path` and is valid until bat_outputs_free()
+/// @param error    `index` counts the files in the order in which they were added
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (another output goes to the same file), BAT_FILE_ACCESS (the file or a new file in
+///         its folder cannot be written) or BAT_NO_MEMORY; on failure the file is not added
+BAT_API bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **write_to, bat_error *error);
+/// Put all files in their places: their content is forced to the disk, then they are renamed. When one cannot be renamed,
+/// the others are taken back.
+///
+/// @param error `index` as in bat_outputs_add()
+/// @return BAT_OK or BAT_FILE_ACCESS (also when a file was added but not written)
+BAT_API bat_status bat_outputs_commit(bat_outputs *outputs, bat_error *error);
+/// Remove the temporary files. This may be called from a signal handler of the thread that adds and commits.
+BAT_API void bat_outputs_remove(const bat_outputs *outputs);
+/// Remove the temporary files that are left and release the set. Null is fine.
+BAT_API void bat_outputs_free(bat_outputs *outputs);
 
 /// A stream of pseudo-random numbers (xoshiro256++ of Blackman and Vigna, seeded through splitmix64). The same seed gives
 /// the same bits and uniform numbers on every machine; normal ones may differ in the last digit.

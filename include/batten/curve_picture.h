@@ -73,6 +73,10 @@ typedef struct bat_curve_picture_options
     const char *title; ///< UTF-8, above the panels; null or "" for none; default null
 } bat_curve_picture_options;
 
+/// Whether a picture can be written to a path: its ending must be .svg, .png or .pdf, in either case.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
+BAT_API bat_status bat_picture_check(const char *path, bat_error *error);
+
 /// The options' default values.
 BAT_API bat_curve_picture_options bat_curve_picture_defaults(void);
 

@@ -3,16 +3,19 @@
 #include "base/atomic_file.h"
 
 #include "base/error.h"
-#include "base/text_buffer.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <sys/stat.h>
+#include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-static bat_status access_error(bat_error *error, int reason)
+/// The beginning of all hidden names.
+static const char HIDDEN[] = ".batten-";
+
+bat_status atomic_access_error(bat_error *error, int reason)
 {
     return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(reason));
 }
@@ -24,19 +27,38 @@ static void forget(atomic_file *file)
     *file = (atomic_file){0};
 }
 
-/// A hidden name in the target's folder that nothing else has.
-static char *temporary_name(const char *target, unsigned attempt)
+/// The part of a path behind its last slash.
+static const char *base_name(const char *path)
 {
-    const char *slash = strrchr(target, '/');
-    int folder = slash == NULL ? 0 : (int)(slash + 1 - target);
+    const char *slash = strrchr(path, '/');
+    return slash == NULL ? path : slash + 1;
+}
+
+/// The folder of a path; null when out of memory.
+static char *folder_of(const char *path)
+{
+    size_t length = (size_t)(base_name(path) - path);
+    return length == 0 ? strdup(".") : strndup(path, length);
+}
+
+char *atomic_hidden_name(const char *target, unsigned attempt)
+{
+    const char *base = base_name(target), *ending = strrchr(base, '.');
+    if (ending == NULL || ending == base)
+        ending = "";
     struct timespec now = {0};
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    size_t size = strlen(target) + 48;
+    size_t size = strlen(target) + sizeof HIDDEN + 64;
     char *name = malloc(size);
     if (name != NULL)
-        (void)snprintf(name, size, "%.*s.batten-%ld-%lx%x", folder, target, (long)getpid(), (unsigned long)now.tv_nsec,
-                       attempt);
+        (void)snprintf(name, size, "%.*s%s%ld-%lx-%x%s", (int)(base - target), target, HIDDEN, (long)getpid(),
+                       (unsigned long)now.tv_nsec, attempt, ending);
     return name;
+}
+
+static bool is_hidden(const char *path)
+{
+    return strncmp(base_name(path), HIDDEN, sizeof HIDDEN - 1) == 0;
 }
 
 /// Open a file without a name in the target's folder; -1 where that is not possible.
@@ -44,9 +66,8 @@ static int open_nameless(const char *target, mode_t mode)
 {
     int descriptor = -1;
 #ifdef O_TMPFILE
-    const char *slash = strrchr(target, '/');
-    char *folder = slash == NULL ? strdup(".") : strndup(target, (size_t)(slash - target) + 1);
-    // Through this folder the file gets its name.
+    char *folder = folder_of(target);
+    // Through /proc/self/fd the file gets its name.
     if (folder != NULL && access("/proc/self/fd", X_OK) == 0)
         descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode);
     free(folder);
@@ -76,8 +97,17 @@ static void keep_rights(int descriptor, const struct stat *existing)
     (void)fchmod(descriptor, existing->st_mode & (owned ? ALL_MODES : RIGHTS));
 }
 
-/// Give the nameless file `descriptor` a hidden name, or with -1 make a file that has one, with the rights of `mode`.
-/// @return the file's descriptor; -1 with errno on failure, and then `temporary` stays null
+/// Give the nameless file `descriptor` the name, or with -1 make a file of that name with the rights of `mode`.
+/// @return the file's descriptor; -1 with errno on failure
+static int use_name(const char *name, int descriptor, mode_t mode)
+{
+    if (descriptor < 0)
+        return open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    return link_nameless(descriptor, name) == 0 ? descriptor : -1;
+}
+
+/// use_name() with a hidden name in the target's folder.
+/// @return as use_name(); `temporary` stays null on failure
 static int take_name(atomic_file *file, int descriptor, mode_t mode)
 {
     enum
@@ -86,14 +116,14 @@ static int take_name(atomic_file *file, int descriptor, mode_t mode)
     };
     for (unsigned attempt = 0; attempt < ATTEMPTS; attempt++)
     {
-        char *name = temporary_name(file->target, attempt);
+        // A file that already goes to a hidden name needs no other.
+        bool final = is_hidden(file->target);
+        char *name = final ? strdup(file->target) : atomic_hidden_name(file->target, attempt);
         if (name == NULL)
             return -1;
-        int named = descriptor;
-        if (descriptor < 0)
-            named = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-        else if (link_nameless(descriptor, name) != 0)
-            named = -1;
+        if (final)
+            (void)unlink(name);
+        int named = use_name(name, descriptor, mode);
         if (named >= 0)
         {
             file->temporary = name;
@@ -112,12 +142,12 @@ static int take_name(atomic_file *file, int descriptor, mode_t mode)
 static bat_status open_temporary(atomic_file *file, const struct stat *existing, bat_error *error)
 {
     // Nobody else reads what replaces a file before it has that file's rights.
-    mode_t mode = existing != NULL ? S_IRUSR | S_IWUSR : 0666;
+    mode_t mode = existing != NULL || is_hidden(file->target) ? S_IRUSR | S_IWUSR : 0666;
     int descriptor = open_nameless(file->target, mode);
     if (descriptor < 0)
         descriptor = take_name(file, -1, mode);
     if (descriptor < 0)
-        return access_error(error, errno);
+        return atomic_access_error(error, errno);
     if (existing != NULL)
         keep_rights(descriptor, existing);
     file->stream = fdopen(descriptor, "wb");
@@ -129,36 +159,50 @@ static bat_status open_temporary(atomic_file *file, const struct stat *existing,
     return error_memory(error, BUFSIZ);
 }
 
-static bat_status open_file(const char *path, atomic_file *file, bat_error *error)
+/// Names of what is open: a file that stands behind one is written through it, never replaced.
+static bool is_device_name(const char *path)
 {
-    struct stat existing, link;
-    bool exists = stat(path, &existing) == 0;
-    if (!exists && lstat(path, &link) == 0)
+    return strncmp(path, "/dev/", 5) == 0 || strncmp(path, "/proc/", 6) == 0;
+}
+
+bat_status atomic_target_find(const char *path, atomic_target *target, bat_error *error)
+{
+    struct stat link;
+    *target = (atomic_target){.path = NULL};
+    target->exists = stat(path, &target->existing) == 0;
+    if (!target->exists && lstat(path, &link) == 0)
         return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: the link leads nowhere");
-    if (exists && S_ISDIR(existing.st_mode))
-        return access_error(error, EISDIR);
-    if (exists && access(path, W_OK) != 0)
-        return access_error(error, errno);
-    if (exists && !S_ISREG(existing.st_mode))
-    {
-        file->stream = fopen(path, "wb");
-        return file->stream != NULL ? BAT_OK : access_error(error, errno);
-    }
-    file->target = exists ? realpath(path, NULL) : strdup(path);
-    if (file->target == NULL)
-        return exists ? access_error(error, errno) : error_memory(error, strlen(path));
-    return open_temporary(file, exists ? &existing : NULL, error);
+    if (target->exists && S_ISDIR(target->existing.st_mode))
+        return atomic_access_error(error, EISDIR);
+    if (target->exists && access(path, W_OK) != 0)
+        return atomic_access_error(error, errno);
+    if (target->exists && (!S_ISREG(target->existing.st_mode) || is_device_name(path)))
+        return BAT_OK;
+    target->path = target->exists ? realpath(path, NULL) : strdup(path);
+    if (target->path != NULL)
+        return BAT_OK;
+    return target->exists ? atomic_access_error(error, errno) : error_memory(error, strlen(path));
 }
 
 bat_status atomic_file_begin(const char *path, atomic_file *file, bat_error *error)
 {
     *file = (atomic_file){0};
-    if (strcmp(path, "-") == 0)
+    if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0)
     {
         file->stream = stdout;
         return BAT_OK;
     }
-    bat_status status = open_file(path, file, error);
+    atomic_target target;
+    bat_status status = atomic_target_find(path, &target, error);
+    if (status != BAT_OK)
+        return status;
+    file->target = target.path;
+    if (file->target == NULL)
+    {
+        file->stream = fopen(path, "wb");
+        return file->stream != NULL ? BAT_OK : atomic_access_error(error, errno);
+    }
+    status = open_temporary(file, target.exists ? &target.existing : NULL, error);
     if (status != BAT_OK)
         forget(file);
     return status;
@@ -182,10 +226,34 @@ static int shut(FILE *stream)
     return errno != 0 ? errno : EIO;
 }
 
+int atomic_sync(int descriptor)
+{
+    if (fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP || errno == ENOSYS || errno == EROFS)
+        return 0;
+    return errno;
+}
+
+void atomic_sync_folder(const char *path)
+{
+    // The file is in its place already: a failure here changes nothing that could be reported.
+    char *folder = folder_of(path);
+    int descriptor = folder != NULL ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (descriptor >= 0)
+    {
+        (void)fsync(descriptor);
+        (void)close(descriptor);
+    }
+    free(folder);
+}
+
 bat_status atomic_file_commit(atomic_file *file, bat_error *error)
 {
     int reason = flush(file->stream);
+    // Files with hidden names are forced to the disk when they leave them.
+    bool replaces = file->target != NULL && !is_hidden(file->target);
     bool nameless = file->target != NULL && file->temporary == NULL;
+    if (reason == 0 && replaces)
+        reason = atomic_sync(fileno(file->stream));
     if (reason == 0 && nameless && take_name(file, fileno(file->stream), 0) < 0)
         reason = errno;
     int shut_reason = shut(file->stream);
@@ -193,10 +261,12 @@ bat_status atomic_file_commit(atomic_file *file, bat_error *error)
         reason = shut_reason;
     if (reason == 0 && file->temporary != NULL && rename(file->temporary, file->target) != 0)
         reason = errno;
+    if (reason == 0 && replaces)
+        atomic_sync_folder(file->target);
     if (reason != 0 && file->temporary != NULL)
         (void)unlink(file->temporary);
     forget(file);
-    return reason == 0 ? BAT_OK : access_error(error, reason);
+    return reason == 0 ? BAT_OK : atomic_access_error(error, reason);
 }
 
 void atomic_file_abandon(atomic_file *file)

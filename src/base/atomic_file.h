@@ -4,11 +4,13 @@
 #include "batten/base.h"
 
 #include <stdio.h>
+#include <sys/stat.h>
 
 /// A file that appears whole or not at all: until it is finished an existing file is untouched. It is written without a name
 /// in its folder, so that nothing stays behind when the process is killed, then linked to a hidden name and renamed. Where
-/// the system or the file system has no nameless files, it has the hidden name from the beginning. Links are followed. What
-/// is no regular file (a pipe, a device) is written directly. "-" is standard output.
+/// the system or the file system has no nameless files, it has the hidden name from the beginning. Before it is renamed, its
+/// content is on the disk. Links are followed. What is no regular file (a pipe, a device) is written directly. "-" and
+/// "/dev/stdout" are standard output.
 ///
 ///     atomic_file file;
 ///     bat_status status = atomic_file_begin(path, &file, error);
@@ -34,7 +36,34 @@ bat_status atomic_file_commit(atomic_file *file, bat_error *error);
 /// Remove what was written. Does nothing after a commit.
 void atomic_file_abandon(atomic_file *file);
 
-/// Commit when `status` is BAT_OK, else abandon and hand the status back.
+/// Commit when `status` is BAT_OK, else abandon and return the status.
 bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *error);
+
+// What bat_outputs shares.
+
+/// Where a path leads.
+typedef struct atomic_target
+{
+    char *path; ///< the regular file, links followed; null for what is written directly. Release it with free()
+    bool exists;
+    struct stat existing; ///< of the file that is replaced, when it exists
+} atomic_target;
+
+/// Find where a path leads, and check that it can be written.
+/// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY
+bat_status atomic_target_find(const char *path, atomic_target *target, bat_error *error);
+
+/// A hidden name in the target's folder, with the target's ending. A file of such a name is written with no second
+/// temporary file, and only its owner can read it. Null when out of memory.
+char *atomic_hidden_name(const char *target, unsigned attempt);
+
+/// Force a folder's names to the disk: of the folder that holds `path`.
+void atomic_sync_folder(const char *path);
+
+/// Force a file's content to the disk; 0, or the errno of a failure. File systems that cannot do it are not a failure.
+int atomic_sync(int descriptor);
+
+/// Fail with "cannot write" and the text of an errno.
+bat_status atomic_access_error(bat_error *error, int reason);
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "batten/curve_picture.h"
 #include "draw/common/style.h"
 #include "draw/common/svg_numbers.h"
 
@@ -29,6 +30,12 @@ bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *
         }
     }
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture's name must end in .svg, .png or .pdf");
+}
+
+bat_status bat_picture_check(const char *path, bat_error *error)
+{
+    canvas_format format;
+    return canvas_format_of(path, &format, error);
 }
 
 static cairo_status_t append_bytes(void *context, const unsigned char *data, unsigned int length)

@@ -1,0 +1,259 @@
+#define _GNU_SOURCE // O_CLOEXEC
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/// One file.
+typedef struct output
+{
+    _Atomic(struct output *) next;
+    size_t index;      ///< in the order in which they were added
+    char *path;        ///< as it was given, where it is written directly
+    char *target;      ///< links followed; null for what is written directly
+    char *temporary;   ///< the hidden name beside the target
+    char *backup;      ///< another name of the file that is replaced, while several are; null for none
+    struct stat about; ///< of the file that is replaced; of a new one, its rights
+    struct stat folder;
+    bool exists;
+} output;
+
+/// A list that only grows, so that a signal handler can walk it at any time.
+struct bat_outputs
+{
+    _Atomic(output *) first;
+    output *last;
+    size_t count;
+};
+
+bat_status bat_outputs_new(bat_outputs **outputs, bat_error *error)
+{
+    bat_outputs *made = calloc(1, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, sizeof *made);
+    *outputs = made;
+    return BAT_OK;
+}
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash == NULL ? path : slash + 1;
+}
+
+static bool same_inode(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/// Whether two files that are to be replaced or made are one.
+static bool same_target(const output *a, const output *b)
+{
+    if (a->target == NULL || b->target == NULL || a->exists != b->exists)
+        return false;
+    if (a->exists)
+        return same_inode(&a->about, &b->about);
+    return same_inode(&a->folder, &b->folder) && strcmp(base_name(a->target), base_name(b->target)) == 0;
+}
+
+/// Make an empty file of a hidden name to learn what rights a new file gets, and remove it again.
+static int probe(output *file)
+{
+    int descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+        return errno;
+    struct stat about;
+    int reason = fstat(descriptor, &about) == 0 ? 0 : errno;
+    if (!file->exists)
+        file->about = about;
+    (void)close(descriptor);
+    (void)unlink(file->temporary);
+    return reason;
+}
+
+static bat_status find_folder(output *file, bat_error *error)
+{
+    const char *base = base_name(file->target);
+    char *folder = base == file->target ? strdup(".") : strndup(file->target, (size_t)(base - file->target));
+    if (folder == NULL)
+        return error_memory(error, strlen(file->target));
+    int reason = stat(folder, &file->folder) == 0 ? 0 : errno;
+    free(folder);
+    return reason == 0 ? BAT_OK : atomic_access_error(error, reason);
+}
+
+static bat_status prepare(const bat_outputs *outputs, const char *path, output *file, bat_error *error)
+{
+    atomic_target target;
+    bat_status status = atomic_target_find(path, &target, error);
+    if (status != BAT_OK)
+        return status;
+    *file = (output){.index = outputs->count, .target = target.path, .about = target.existing, .exists = target.exists};
+    file->path = strdup(path);
+    file->temporary = file->target != NULL ? atomic_hidden_name(file->target, (unsigned)outputs->count) : NULL;
+    if (file->path == NULL || (file->target != NULL && file->temporary == NULL))
+        return error_memory(error, strlen(path));
+    if (file->target == NULL)
+        return BAT_OK;
+    status = find_folder(file, error);
+    for (const output *other = outputs->first; status == BAT_OK && other != NULL; other = other->next)
+        if (same_target(file, other))
+            return error_set(error, BAT_INVALID_ARGUMENT, file->index, 0, "two outputs go to one file");
+    int reason = status == BAT_OK ? probe(file) : 0;
+    return reason == 0 ? status : atomic_access_error(error, reason);
+}
+
+static void output_free(output *file)
+{
+    free(file->path);
+    free(file->target);
+    free(file->temporary);
+    free(file->backup);
+    free(file);
+}
+
+bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **write_to, bat_error *error)
+{
+    if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, outputs->count, 0, "standard output is written after the files");
+    output *file = calloc(1, sizeof *file);
+    if (file == NULL)
+        return error_memory(error, sizeof *file);
+    bat_status status = prepare(outputs, path, file, error);
+    if (status != BAT_OK)
+    {
+        output_free(file);
+        if (error != NULL)
+            error->index = outputs->count;
+        return status;
+    }
+    if (outputs->last != NULL)
+        outputs->last->next = file;
+    else
+        outputs->first = file;
+    outputs->last = file;
+    outputs->count++;
+    *write_to = file->target != NULL ? file->temporary : file->path;
+    return BAT_OK;
+}
+
+/// The rights of the file that is replaced or that a new file gets, and all bytes on the disk; 0 or why it failed.
+static int finish(const output *file)
+{
+    enum
+    {
+        RIGHTS = 0777,
+        ALL_MODES = 07777 ///< with those that stand for the owner
+    };
+    int descriptor = open(file->temporary, O_RDWR | O_CLOEXEC);
+    if (descriptor < 0)
+        return errno;
+    bool owned = file->exists && fchown(descriptor, file->about.st_uid, file->about.st_gid) == 0;
+    (void)fchmod(descriptor, file->about.st_mode & (owned ? ALL_MODES : RIGHTS));
+    int reason = atomic_sync(descriptor);
+    (void)close(descriptor);
+    return reason;
+}
+
+/// Give the file that is replaced a second name, by which it can be brought back. Some file systems have no such names.
+static void keep_old(output *file)
+{
+    enum
+    {
+        AFTER_TEMPORARIES = 1 << 16
+    };
+    if (!file->exists)
+        return;
+    file->backup = atomic_hidden_name(file->target, AFTER_TEMPORARIES + (unsigned)file->index);
+    if (file->backup != NULL && link(file->target, file->backup) != 0)
+    {
+        free(file->backup);
+        file->backup = NULL;
+    }
+}
+
+/// Take back what was put in its place, before `end`.
+static void take_back(bat_outputs *outputs, const output *end)
+{
+    for (output *file = outputs->first; file != end; file = file->next)
+    {
+        if (file->target == NULL)
+            continue;
+        if (file->backup != NULL)
+            (void)rename(file->backup, file->target);
+        else if (!file->exists)
+            (void)unlink(file->target);
+        free(file->backup);
+        file->backup = NULL;
+    }
+}
+
+/// Put all files in their places; null, or the one that failed with errno.
+static output *place_all(bat_outputs *outputs)
+{
+    for (output *file = outputs->first; file != NULL; file = file->next)
+    {
+        if (file->target == NULL)
+            continue;
+        if (outputs->count > 1)
+            keep_old(file);
+        if (rename(file->temporary, file->target) == 0)
+            continue;
+        int reason = errno;
+        if (file->backup != NULL)
+            (void)unlink(file->backup);
+        take_back(outputs, file);
+        errno = reason;
+        return file;
+    }
+    return NULL;
+}
+
+bat_status bat_outputs_commit(bat_outputs *outputs, bat_error *error)
+{
+    for (output *file = outputs->first; file != NULL; file = file->next)
+    {
+        int reason = file->target != NULL ? finish(file) : 0;
+        if (reason != 0)
+            return error_set(error, BAT_FILE_ACCESS, file->index, 0, "cannot write: %s",
+                             reason == ENOENT ? "nothing was written to it" : strerror(reason));
+    }
+    const output *failed = place_all(outputs);
+    if (failed != NULL)
+        return error_set(error, BAT_FILE_ACCESS, failed->index, 0, "cannot write: %s", strerror(errno));
+    for (output *file = outputs->first; file != NULL; file = file->next)
+    {
+        if (file->target == NULL)
+            continue;
+        if (file->backup != NULL)
+            (void)unlink(file->backup);
+        atomic_sync_folder(file->target);
+    }
+    return BAT_OK;
+}
+
+void bat_outputs_remove(const bat_outputs *outputs)
+{
+    for (const output *file = outputs->first; file != NULL; file = file->next)
+        if (file->target != NULL)
+            (void)unlink(file->temporary);
+}
+
+void bat_outputs_free(bat_outputs *outputs)
+{
+    if (outputs == NULL)
+        return;
+    bat_outputs_remove(outputs);
+    for (output *file = outputs->first, *next; file != NULL; file = next)
+    {
+        next = file->next;
+        output_free(file);
+    }
+    free(outputs);
+}
