@@ -1,6 +1,5 @@
 #include "train_mesh.h"
 #include "arguments.h"
-#include "mesh_input.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -27,7 +26,7 @@ enum
 
 enum
 {
-    MOST_SHAPES = MOST_POSITIONAL - 1 + BAT_MESH_TRAINING_SHAPES
+    MOST_SHAPES = MAX_POSITIONAL - 1 + BAT_MESH_TRAINING_SHAPES
 };
 
 static const option_spec OPTIONS[] = {
@@ -62,8 +61,8 @@ static const verb_spec SPEC = {
         "Train a learned subdivision of meshes on shapes (OBJ, PLY, OFF, STL). Ctrl-C writes a checkpoint and stops; with "
         "--resume the same command goes on to the same result.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = MOST_POSITIONAL,
+    .min_positional = 1,
+    .max_positional = MAX_POSITIONAL,
 };
 
 static void leave_out(bat_mesh_train_options *options, int part)
@@ -139,8 +138,9 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
 {
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.triangulate = true;
+    options.repair = repair;
     bat_mesh mesh;
-    bat_status status = mesh_input_read(path, &options, repair, NULL, &mesh, error);
+    bat_status status = bat_mesh_read(path, &options, &mesh, error);
     if (status != BAT_OK)
         return status;
     status = check_shape(&mesh, error);

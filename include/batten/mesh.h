@@ -150,6 +150,9 @@ typedef struct bat_mesh_repair_report
     size_t unused_vertices;  ///< dropped: no face was left that has them
 } bat_mesh_repair_report;
 
+/// The number of places that were repaired: faces dropped or turned, edges cut and vertices split.
+BAT_API size_t bat_mesh_repair_places(const bat_mesh_repair_report *report);
+
 /// Make a mesh that bat_mesh_connect() accepts, changing no position: drop faces that have a vertex twice and repeated
 /// faces, orient the faces of each piece alike (the way that flips the fewer of them), and cut the rest at edges of more
 /// than two faces and where faces still run against each other. Cutting gives every fan of faces around a vertex a vertex of

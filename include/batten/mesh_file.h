@@ -34,6 +34,8 @@ typedef struct bat_mesh_read_options
     bool triangulate;
     /// Keep faces that have the same vertex twice, for bat_mesh_repair() to drop, instead of refusing them; default false.
     bool keep_degenerate;
+    bool repair;                     ///< bat_mesh_repair() the mesh; default false
+    bat_mesh_repair_report *repairs; ///< receives what was repaired, all 0 without `repair`; may be null, the default
 } bat_mesh_read_options;
 
 /// The options' default values.
@@ -47,8 +49,7 @@ BAT_API bat_mesh_read_options bat_mesh_read_defaults(void);
 /// @param mesh    receives the mesh; release it with bat_mesh_free()
 /// @param error   `line` is the line at fault where the format has lines; `index` the vertex or face of the file at fault
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY;
-/// `mesh` is
-///         untouched on failure
+///         with `repair` what bat_mesh_repair() returns; `mesh` is untouched on failure
 BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 /// The same from `size` bytes, which need no final zero. BAT_MESH_FORMAT_AUTO goes by the content.
 BAT_API bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,

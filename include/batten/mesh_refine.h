@@ -66,7 +66,8 @@ BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
 /// four-point rule in the butterfly. Vertices without a face stay. Channels go by the scheme's weights (halved along edges
 /// where the scheme is learned), but are not moved to the limit. Texture coordinates are halved along edges on their own
 /// side of each seam. Creases and corners act in Loop's scheme only; all schemes hand them on to the fine mesh, with what
-/// their sharpness has left.
+/// their sharpness has left. Square-root-three turns edges over, across seams and creases: texture, creases and corners are
+/// left out of its fine mesh.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
 /// @param options  what bat_mesh_refine_defaults() gives, changed as wanted
@@ -74,8 +75,8 @@ BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
 /// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for an option out of range, a
 /// learned
-///         scheme without a rule, or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`, texture,
-///         creases or corners, or a crease angle without Loop's scheme; BAT_TOO_LARGE where the fine mesh cannot be
+///         scheme without a rule, or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`,
+///         or a crease angle without Loop's scheme; BAT_TOO_LARGE where the fine mesh cannot be
 ///         numbered; BAT_NO_MEMORY; BAT_CANCELLED. Results are untouched on failure
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);

@@ -26,6 +26,10 @@ BAT_API bat_motion_options bat_motion_defaults(void);
 BAT_API bool bat_motion_has_times(const bat_curve_set *set);
 BAT_API bool bat_motion_has_velocities(const bat_curve_set *set);
 
+/// Whether a set is a motion, for which a Hermite scheme is the default: rotations, poses or tensors with times or
+/// velocities.
+BAT_API bool bat_motion_suits(const bat_curve_set *set);
+
 /// The Hermite data of one curve of a set: its points, its times if there are any, and its velocities; where it has none,
 /// tangents estimated with the order that the options say. Without a rate and for BAT_HERMITE_LANE_RIESENFELD the tangents
 /// are of unit length; for BAT_HERMITE_TRANSPORT they are derivatives by the index, for which times must be evenly spaced.

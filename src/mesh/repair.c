@@ -225,3 +225,9 @@ bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *repor
     work_free(&work);
     return status;
 }
+
+size_t bat_mesh_repair_places(const bat_mesh_repair_report *report)
+{
+    return report->degenerate_faces + report->duplicate_faces + report->flipped_faces + report->crowded_edges +
+           report->opposed_edges + report->split_vertices;
+}

@@ -57,6 +57,15 @@ bool bat_motion_has_velocities(const bat_curve_set *set)
     return channels_of(set).velocity_count > 0;
 }
 
+bool bat_motion_suits(const bat_curve_set *set)
+{
+    static const char *const spaces[] = {"rotation", "rigid", "spd"};
+    for (size_t i = 0; i < sizeof spaces / sizeof *spaces; i++)
+        if (strcmp(set->space->name, spaces[i]) == 0)
+            return bat_motion_has_times(set) || bat_motion_has_velocities(set);
+    return false;
+}
+
 static bat_status data_allocate(const bat_curve *curve, bool timed, bat_hermite_curve *keys, bat_error *error)
 {
     const bat_space *space = curve->space;

@@ -6,6 +6,7 @@
 #include "io/common/degrees.h"
 #include "io/curve/curve_formats.h"
 
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
@@ -86,13 +87,16 @@ static bat_status check_read_options(const bat_curve_read_options *options, bat_
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no format %d", (int)options->format);
     if (options->closed < -1 || options->closed > 1)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "closed must be -1, 0 or 1, not %d", options->closed);
+    if (!(options->translation_weight >= 0 && isfinite(options->translation_weight)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the weight of translations is %g, not positive",
+                         options->translation_weight);
     if (options->threads < 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
     return BAT_OK;
 }
 
-static bat_status read_text(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
-                            bat_curve_set *set, bat_error *error)
+static bat_status read_format(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
+                              bat_curve_set *set, bat_error *error)
 {
     if (format == BAT_CURVE_FORMAT_AUTO)
         format = format_of_text(text);
@@ -103,6 +107,15 @@ static bat_status read_text(const file_text *text, bat_curve_format format, cons
     if (format == BAT_CURVE_FORMAT_TUM)
         return tum_read(text, options, set, error);
     return csv_read(text, options, set, error);
+}
+
+static bat_status read_text(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
+                            bat_curve_set *set, bat_error *error)
+{
+    bat_status status = read_format(text, format, options, set, error);
+    if (status == BAT_OK && options->translation_weight > 0)
+        set->space->weight = options->translation_weight;
+    return status;
 }
 
 bat_status bat_curve_read(const char *path, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)

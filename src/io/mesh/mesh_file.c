@@ -115,8 +115,8 @@ static bat_mesh_format format_of_text(const file_text *text)
     return mesh_stl_resembles(text) ? BAT_MESH_FORMAT_STL : BAT_MESH_FORMAT_OBJ;
 }
 
-static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
-                            bat_mesh *mesh, bat_error *error)
+static bat_status read_format(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
+                              bat_mesh *mesh, bat_error *error)
 {
     if (format == BAT_MESH_FORMAT_AUTO)
         format = format_of_text(text);
@@ -127,6 +127,25 @@ static bat_status read_text(const file_text *text, bat_mesh_format format, const
     if (format == BAT_MESH_FORMAT_STL)
         return mesh_stl_read(text, options, mesh, error);
     return mesh_obj_read(text, options, mesh, error);
+}
+
+/// Read a mesh, and repair it where that is asked for.
+static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
+                            bat_mesh *mesh, bat_error *error)
+{
+    bat_mesh_read_options lenient = *options;
+    bat_mesh_repair_report report = {0};
+    bat_mesh broken;
+    lenient.keep_degenerate = options->keep_degenerate || options->repair;
+    bat_status status = read_format(text, format, &lenient, options->repair ? &broken : mesh, error);
+    if (status == BAT_OK && options->repair)
+    {
+        status = bat_mesh_repair(&broken, &report, mesh, error);
+        bat_mesh_free(&broken);
+    }
+    if (status == BAT_OK && options->repairs != NULL)
+        *options->repairs = report;
+    return status;
 }
 
 bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)

@@ -33,7 +33,7 @@ static bat_status check_options(const bat_mesh_refine_options *options, bat_erro
     return BAT_OK;
 }
 
-static bat_status check_support(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_error *error)
+static bat_status check_support(const bat_mesh_refine_options *options, bat_error *error)
 {
     bat_mesh_scheme last = last_scheme(options);
     if (options->crease_angle > 0 && last != BAT_MESH_SCHEME_LOOP)
@@ -43,20 +43,14 @@ static bat_status check_support(const bat_mesh *coarse, const bat_mesh_refine_op
     if (options->limit)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "square-root-three subdivision has no limit positions here");
-    if (coarse->texture_faces != NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "square-root-three subdivision turns edges, which texture seams cannot survive");
-    if (coarse->crease_count > 0 || coarse->corner_count > 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "square-root-three subdivision turns edges, which creases cannot survive");
     return BAT_OK;
 }
 
-bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error)
+bat_status mesh_plan_make(const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error)
 {
     bat_status status = check_options(options, error);
     if (status == BAT_OK)
-        status = check_support(coarse, options, error);
+        status = check_support(options, error);
     if (status != BAT_OK)
         return status;
     *plan = (mesh_plan){.options = *options};

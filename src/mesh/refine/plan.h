@@ -13,7 +13,7 @@ typedef struct mesh_plan
 
 /// Check the options.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED
-bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error);
+bat_status mesh_plan_make(const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error);
 
 /// Check that the finest mesh can be numbered. `texture_links` is all zero for none.
 /// @return BAT_OK or BAT_TOO_LARGE

@@ -369,16 +369,34 @@ static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivit
     return status;
 }
 
+/// Square-root-three turns edges over, across seams and creases: both are left out.
+static bat_mesh without_edges(const bat_mesh *coarse)
+{
+    bat_mesh plain = *coarse;
+    plain.texture = NULL;
+    plain.texture_faces = NULL;
+    plain.creases = NULL;
+    plain.corners = NULL;
+    plain.texture_count = plain.crease_count = plain.corner_count = 0;
+    return plain;
+}
+
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
                            bat_error *error)
 {
     mesh_plan plan;
+    bat_mesh plain;
     size_t fallbacks = 0;
     bat_mesh made = {0};
     bat_mesh_connectivity links = {0};
     bat_status status = bat_mesh_check(coarse, error);
     if (status == BAT_OK)
-        status = mesh_plan_make(coarse, options, &plan, error);
+        status = mesh_plan_make(options, &plan, error);
+    if (status == BAT_OK && plan.options.scheme == BAT_MESH_SCHEME_SQRT3)
+    {
+        plain = without_edges(coarse);
+        coarse = &plain;
+    }
     if (status == BAT_OK)
         status = bat_mesh_connect(coarse, &links, error);
     if (status == BAT_OK && options->levels > 0)
