@@ -1,6 +1,6 @@
 #include "analyze.h"
 
-#include "arguments.h"
+#include "outputs.h"
 #include "report.h"
 #include "verbs.h"
 
@@ -24,19 +24,22 @@ static const option_spec OPTIONS[] = {
     {"depth", 0, "N", "try products of N difference matrices, 1 to 24; more gives tighter bounds; default: 12"},
     {"sweep", 0, "NAME=A:B", "find where the limit is C^k as the scheme's setting NAME goes from A to B"},
     {"smoothness", 0, "K", "the k of C^k for --sweep; default: 1"},
-    {"tolerance", 0, "T", "the shortest interval of --sweep that is looked into; default: (B - A) / 32768"},
+    {"tolerance", 0, "T", "the shortest interval of --sweep that is divided; default: (B - A) / 32768"},
     {"picture", 0, "FILE", "draw the basic limit function to FILE: .svg, .png or .pdf"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
 
+static const file_option FILES[] = {{"picture", FILE_DRAWN}, {NULL, 0}};
+
 static const verb_spec SPEC = {
     .usage = "batten analyze SCHEME [options]",
-    .summary = "What a linear scheme does in the limit: symbol, local matrix and eigenvalues, limit stencils, polynomials,\n"
+    .summary = "Analyze a linear scheme in the limit: symbol, local matrix and eigenvalues, limit stencils, polynomials,\n"
                "convergence and smoothness with proven bounds. `batten list schemes` names the schemes.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
+    .files = FILES,
 };
 
 /// A family of schemes: a name with settings, and one more setting that varies.
@@ -145,7 +148,7 @@ static int run_sweep(const arguments *given, const bat_analysis_options *analysi
 }
 
 /// The basic limit function over its support.
-static int draw_basis(const char *path, const char *name, const bat_mask *mask)
+static int draw_basis(const char *path, const char *write_to, const char *name, const bat_mask *mask)
 {
     bat_basis basis;
     bat_error error = {.text = "out of memory"};
@@ -164,7 +167,7 @@ static int draw_basis(const char *path, const char *name, const bat_mask *mask)
         chart.title = name;
         chart.x_label = "parameter";
         chart.y_label = "basic limit function";
-        status = bat_chart_write(path, &chart, 1, NULL, &error);
+        status = bat_chart_write(write_to, &chart, 1, NULL, &error);
     }
     free(parameters);
     bat_basis_free(&basis);
@@ -181,11 +184,16 @@ static int run_analysis(const arguments *given, const bat_analysis_options *opti
     int code = check_linear(given, &scheme);
     if (code != EXIT_DONE)
         return code;
-    bat_analysis analysis;
+    outputs files;
+    bat_analysis analysis = {0};
+    code = outputs_open(given, &files);
+    if (code != EXIT_DONE)
+        return code;
     if (bat_mask_analyze(&scheme.mask, options, &analysis, &error) != BAT_OK)
-        return report_failure(NULL, &error);
-    if (argument(given, "picture") != NULL)
-        code = draw_basis(argument(given, "picture"), name, &scheme.mask);
+        code = report_failure(name, &error);
+    if (code == EXIT_DONE && files.count > 0)
+        code = draw_basis(argument(given, "picture"), output_path(&files, "picture"), name, &scheme.mask);
+    code = outputs_close(&files, code);
     if (code == EXIT_DONE && argument_flag(given, "json"))
         code = report_json(analyze_json(name, &analysis));
     else if (code == EXIT_DONE)

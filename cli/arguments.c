@@ -111,7 +111,7 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
             if (!read_option(given, argc, argv, &i, exit_code))
                 return false;
         }
-        else if (given->positional_count == spec->most_positional || given->positional_count == MOST_POSITIONAL)
+        else if (given->positional_count == spec->max_positional || given->positional_count == MAX_POSITIONAL)
         {
             *exit_code = usage_error(given, "'%s' is one argument too many", word);
             return false;
@@ -119,7 +119,7 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
         else
             given->positional[given->positional_count++] = word;
     }
-    if (given->positional_count < spec->least_positional)
+    if (given->positional_count < spec->min_positional)
     {
         *exit_code = usage_error(given, "an argument is missing");
         return false;
@@ -183,5 +183,58 @@ bool argument_word(const arguments *given, const char *name, const char *const *
         (void)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", words[i]);
     }
     (void)usage_error(given, "--%s takes one of %s, not '%s'", name, known, text);
+    return false;
+}
+
+bool argument_list(const arguments *given, const char *name, double low, double high, bool whole, number_list *list)
+{
+    const char *text = argument(given, name);
+    if (text == NULL)
+        return true;
+    number_list read = {.count = 0};
+    for (const char *at = text; read.count < MAX_LISTED;)
+    {
+        char *end;
+        double value = strtod(at, &end);
+        bool good = end != at && (*end == ',' || *end == '\0') && value >= low && value <= high;
+        if (!good || (whole && value != floor(value)))
+            break;
+        read.numbers[read.count++] = value;
+        if (*end == '\0')
+        {
+            *list = read;
+            return true;
+        }
+        at = end + 1;
+    }
+    (void)usage_error(given, "--%s takes up to %d %snumbers from %g to %g like %g,%g, not '%s'", name, MAX_LISTED,
+                      whole ? "whole " : "", low, high, low, high, text);
+    return false;
+}
+
+bool argument_threads(const arguments *given, int *threads)
+{
+    long value;
+    bool good = argument_whole(given, "threads", 1, MAX_THREADS, 0, &value);
+    *threads = (int)value;
+    return good;
+}
+
+bool argument_mesh_format(const arguments *given, const char *name, bat_mesh_format *format)
+{
+    bat_error error;
+    const char *text = argument(given, name);
+    if (text == NULL || bat_mesh_format_by_name(text, format, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
+}
+
+bool argument_mesh_ending(const arguments *given, bat_mesh_format to)
+{
+    const char *path = argument(given, "output");
+    if (path == NULL || to != BAT_MESH_FORMAT_AUTO || bat_mesh_format_of_path(path) != BAT_MESH_FORMAT_AUTO)
+        return true;
+    (void)usage_error(given, "the ending of '%s' names no format (.obj, .ply, .off, .stl); --to does", path);
     return false;
 }

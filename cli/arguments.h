@@ -1,6 +1,8 @@
 #ifndef CLI_ARGUMENTS_H
 #define CLI_ARGUMENTS_H
 
+#include "batten/mesh_file.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -9,9 +11,13 @@
 
 enum
 {
-    /// Files or names that a verb takes at most, and options in its table.
-    MOST_POSITIONAL = 64,
-    MOST_OPTIONS = 32,
+    /// The maximum number of files or names that a verb takes, and of options in its table.
+    MAX_POSITIONAL = 64,
+    MAX_OPTIONS = 32,
+    /// The maximum of --threads.
+    MAX_THREADS = 1024,
+    /// The maximum number of values in a list.
+    MAX_LISTED = 16,
 };
 
 /// The exit codes of the program.
@@ -31,22 +37,39 @@ typedef struct option_spec
     const char *help;
 } option_spec;
 
+/// What becomes of a file that an option names.
+typedef enum file_use
+{
+    FILE_READ,
+    FILE_WRITTEN,
+    FILE_DRAWN ///< a picture, written
+} file_use;
+
+/// An option whose value is a file.
+typedef struct file_option
+{
+    const char *name; ///< null ends a table
+    file_use use;
+} file_option;
+
 /// What a verb takes.
 typedef struct verb_spec
 {
     const char *usage;   ///< "batten curve IN [-o OUT] [options]"
     const char *summary; ///< one or a few lines
     const option_spec *options;
-    size_t least_positional, most_positional;
+    size_t min_positional, max_positional;
+    bool reads_files;         ///< the positional arguments are files that are read
+    const file_option *files; ///< null for none
 } verb_spec;
 
 /// What the user gave.
 typedef struct arguments
 {
     const verb_spec *spec;
-    const char *positional[MOST_POSITIONAL];
+    const char *positional[MAX_POSITIONAL];
     size_t positional_count;
-    const char *values[MOST_OPTIONS]; ///< in the table's order; null where not given; "" for a flag
+    const char *values[MAX_OPTIONS]; ///< in the table's order; null where not given; "" for a flag
 } arguments;
 
 /// Read the command line. --help and -h print the help.
@@ -63,6 +86,24 @@ bool argument_whole(const arguments *given, const char *name, long low, long hig
 bool argument_number(const arguments *given, const char *name, double absent, double *value);
 /// The index of the option's value in `words` (null-terminated), or `absent`; false after a message.
 bool argument_word(const arguments *given, const char *name, const char *const *words, int absent, int *index);
+
+/// Numbers that an option lists, as in "50,100,200".
+typedef struct number_list
+{
+    double numbers[MAX_LISTED];
+    size_t count;
+} number_list;
+
+/// Numbers from `low` to `high`; `list` is untouched when the option was not given. False after a message.
+bool argument_list(const arguments *given, const char *name, double low, double high, bool whole, number_list *list);
+
+/// --threads, or 0 for the default; false after a message.
+bool argument_threads(const arguments *given, int *threads);
+
+/// The mesh format that an option names; unchanged when the option is not given. False after a message.
+bool argument_mesh_format(const arguments *given, const char *name, bat_mesh_format *format);
+/// Whether the format of -o is known for a mesh: as `to`, or by its ending. False after a message.
+bool argument_mesh_ending(const arguments *given, bat_mesh_format to);
 
 /// Print "batten: message" and the usage line of the verb to standard error, and return EXIT_BAD_USAGE.
 int usage_error(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -10,14 +10,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum
 {
-    MOST_LEVELS = 60,
-    MOST_THREADS = 1024,
     /// Of degrees in GeoJSON.
-    MOST_DECIMALS = 12,
+    MAX_DECIMALS = 12,
 };
 
 /// The scheme whose angles a network gives.
@@ -35,9 +32,9 @@ static const option_spec OPTIONS[] = {
     {"fairness", 0, "F", "learned: from 0, nearest to the data, to 1, smoothest; default 0.5"},
     {"model", 0, "FILE", "learned: a trained network of your own, a safetensors file"},
     {"levels", 0, "K", "how often; every level doubles the number of edges; default 5"},
-    {"rate", 0, "R", "hermite: R points a unit of time, in place of --levels"},
-    {"velocities", 0, NULL, "hermite: write velocities even if IN has none"},
-    {"tangents", 0, "ORDER", "hermite: order of the tangents estimated where IN has none, 2 (default) or 4"},
+    {"rate", 0, "R", "of motions, see `batten motion --help`"},
+    {"velocities", 0, NULL, "of motions"},
+    {"tangents", 0, "ORDER", "of motions"},
     {"space", 0, "NAME",
      "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: what the file "
      "implies"},
@@ -64,14 +61,19 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
+static const file_option FILES[] = {
+    {"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ}, {"model", FILE_READ}, {NULL, 0}};
+
 static const verb_spec SPEC = {
     .usage = "batten curve IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
     .summary =
         "Refine the curves of a file (CSV, GeoJSON, OBJ; - for standard input). Without -o, --picture and --json the\n"
         "result goes to standard output in the format of the input.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
+    .reads_files = true,
+    .files = FILES,
 };
 
 static bool read_panels(const arguments *given, curve_job *job)
@@ -82,11 +84,11 @@ static bool read_panels(const arguments *given, curve_job *job)
         char *end;
         errno = 0;
         long level = strtol(at, &end, 10);
-        if (end == at || (*end != '\0' && *end != ',') || errno != 0 || level < 0 || level > MOST_LEVELS ||
-            job->panel_count == CURVE_MOST_PANELS)
+        if (end == at || (*end != '\0' && *end != ',') || errno != 0 || level < 0 || level > CURVE_MAX_LEVELS ||
+            job->panel_count == CURVE_MAX_PANELS)
         {
-            (void)usage_error(given, "--panel takes up to %d levels from 0 to %d, as in 0,1,2,5", CURVE_MOST_PANELS,
-                              MOST_LEVELS);
+            (void)usage_error(given, "--panel takes up to %d levels from 0 to %d, as in 0,1,2,5", CURVE_MAX_PANELS,
+                              CURVE_MAX_LEVELS);
             return false;
         }
         job->panels[job->panel_count++] = (size_t)level;
@@ -148,16 +150,6 @@ static bool check_needs(const arguments *given, const curve_job *job)
     return true;
 }
 
-/// Whether two paths, which may be null, lead to the same file.
-static bool same_file(const char *first, const char *second)
-{
-    struct stat a, b;
-    if (first == NULL || second == NULL)
-        return false;
-    return strcmp(first, second) == 0 ||
-           (stat(first, &a) == 0 && stat(second, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino);
-}
-
 /// Whether a scheme takes its angles from a tension.
 static bool has_tension(const bat_curve_scheme *scheme)
 {
@@ -166,15 +158,12 @@ static bool has_tension(const bat_curve_scheme *scheme)
 
 static bool check_exclusions(const arguments *given, const curve_job *job)
 {
-    const char *picture = job->picture;
     if (argument_flag(given, "closed") && argument_flag(given, "open"))
         (void)usage_error(given, "--closed and --open exclude each other");
     else if (job->json && argument_flag(given, "quiet"))
         (void)usage_error(given, "--json and --quiet exclude each other");
-    else if (job->json && job->output != NULL && strcmp(job->output, "-") == 0)
+    else if (job->json && is_standard_output(job->output))
         (void)usage_error(given, "--json and -o - exclude each other: both print on standard output");
-    else if (same_file(picture, job->output) || same_file(picture, job->input) || same_file(picture, job->truth))
-        (void)usage_error(given, "--picture would overwrite '%s', which holds curves", picture);
     else if (job->best_tension && job->scheme != NULL && (job->model_file != NULL || !has_tension(&job->refine.scheme)))
         (void)usage_error(given, "--best-tension goes with angle-based schemes, not '%s'", job->scheme);
     else
@@ -185,7 +174,8 @@ static bool check_exclusions(const arguments *given, const curve_job *job)
 static bool read_scheme(const arguments *given, curve_job *job)
 {
     bat_error error;
-    job->scheme = argument(given, "scheme");
+    if (job->is_motion)
+        return true;
     bool learned = job->scheme != NULL && strcmp(job->scheme, LEARNED) == 0;
     bool asks = job->model_file != NULL || argument(given, "fairness") != NULL;
     if (asks && job->scheme != NULL && !learned)
@@ -201,8 +191,6 @@ static bool read_scheme(const arguments *given, curve_job *job)
         (void)usage_error(given, "--fairness takes a number from 0 to 1");
         return false;
     }
-    if (job->hermite)
-        return true;
     if (asks || learned)
     {
         job->scheme = LEARNED;
@@ -217,20 +205,23 @@ static bool read_scheme(const arguments *given, curve_job *job)
 
 static bool read_numbers(const arguments *given, curve_job *job)
 {
-    long levels, threads, precision;
-    if (!argument_whole(given, "levels", 0, MOST_LEVELS, (long)job->refine.levels, &levels) ||
-        !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
-        !argument_whole(given, "precision", 0, MOST_DECIMALS, job->write.precision, &precision))
+    long levels, precision;
+    int threads;
+    if (!argument_whole(given, "levels", 0, CURVE_MAX_LEVELS, (long)job->refine.levels, &levels) ||
+        !argument_threads(given, &threads) ||
+        !argument_whole(given, "precision", 0, MAX_DECIMALS, job->write.precision, &precision))
         return false;
     job->refine.levels = (size_t)levels;
-    job->refine.threads = job->read.threads = job->write.threads = (int)threads;
+    job->refine.threads = job->read.threads = job->write.threads = threads;
     job->write.precision = (int)precision;
     return true;
 }
 
 static bool read_job(const arguments *given, curve_job *job)
 {
+    bool is_motion = job->is_motion;
     *job = (curve_job){
+        .is_motion = is_motion,
         .input = given->positional[0],
         .output = argument(given, "output"),
         .picture = argument(given, "picture"),
@@ -251,10 +242,9 @@ static bool read_job(const arguments *given, curve_job *job)
     job->draw.title = argument(given, "title");
     if (job->output == NULL && job->picture == NULL && !job->json)
         job->output = "-";
-    job->quiet = argument_flag(given, "quiet") || (job->output != NULL && strcmp(job->output, "-") == 0);
-    return read_numbers(given, job) && read_choices(given, job) && read_panels(given, job) &&
-           curve_hermite_read(given, job) && read_scheme(given, job) && check_exclusions(given, job) &&
-           check_needs(given, job);
+    job->quiet = argument_flag(given, "quiet") || is_standard_output(job->output);
+    return read_numbers(given, job) && read_choices(given, job) && read_panels(given, job) && motion_read(given, job) &&
+           read_scheme(given, job) && check_exclusions(given, job) && check_needs(given, job);
 }
 
 int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error)
@@ -276,8 +266,8 @@ int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed,
 
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine)
 {
-    if (job->hermite)
-        return curve_hermite_refine(job, coarse, levels, fine);
+    if (job->is_motion)
+        return motion_refine(job, coarse, levels, fine);
     bat_error error;
     bat_curve_refine_options how = job->refine;
     how.levels = levels;
@@ -322,22 +312,6 @@ static int choose_tension(curve_job *job, const bat_curve_set *coarse, const bat
     return EXIT_DONE;
 }
 
-/// The curves first, they are the job; the picture second, the report last.
-static int give_out(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth)
-{
-    bat_curve_set fine = {0};
-    bat_error error;
-    int code = curve_refine(job, coarse, job->refine.levels, &fine);
-    if (code == EXIT_DONE && job->output != NULL && bat_curve_write(job->output, &fine, &job->write, &error) != BAT_OK)
-        code = report_failure(job->output, &error);
-    if (code == EXIT_DONE && job->picture != NULL)
-        code = curve_draw(job, coarse, truth, &fine);
-    if (code == EXIT_DONE && !job->quiet)
-        code = curve_report(job, coarse, truth, &fine);
-    bat_curve_set_free(&fine);
-    return code;
-}
-
 /// The truth, a curve for each given one.
 static int read_truth(const curve_job *job, const bat_curve_set *coarse, bat_curve_set *truth)
 {
@@ -372,9 +346,10 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
 {
     double points = 0;
     bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension;
-    if (plain && curve_hermite_suits(coarse))
+    if (plain && bat_motion_suits(coarse))
     {
-        job->hermite = true;
+        job->is_motion = true;
+        job->hint = bat_motion_has_times(coarse) ? "has times: treated as a motion" : "has velocities: treated as a motion";
         job->scheme = "hermite";
         return;
     }
@@ -387,41 +362,80 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
     (void)bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, NULL);
 }
 
-/// Read, refine, give out.
-static int run_job(curve_job *job)
+/// The curves of a job.
+typedef struct curve_sets
 {
-    bat_curve_set coarse = {0}, truth = {0};
+    bat_curve_set coarse, truth, fine;
+} curve_sets;
+
+static int read_sets(curve_job *job, curve_sets *sets)
+{
     bat_error error;
-    if (bat_curve_read(job->input, &job->read, &coarse, &error) != BAT_OK)
+    if (job->model_file != NULL && !load_model(job))
+        return EXIT_BAD_INPUT;
+    if (bat_curve_read(job->input, &job->read, &sets->coarse, &error) != BAT_OK)
         return report_failure(job->input, &error);
-    if (job->translation_weight > 0)
-        coarse.space->weight = job->translation_weight;
     if (job->scheme == NULL)
-        choose_scheme(job, &coarse);
+        choose_scheme(job, &sets->coarse);
     int code = EXIT_DONE;
     if (job->truth != NULL)
-        code = read_truth(job, &coarse, &truth);
+        code = read_truth(job, &sets->coarse, &sets->truth);
     if (code == EXIT_DONE && job->best_tension)
-        code = choose_tension(job, &coarse, &truth);
+        code = choose_tension(job, &sets->coarse, &sets->truth);
+    return code;
+}
+
+static int write_curves(const curve_job *job, const bat_curve_set *fine, const char *path)
+{
+    bat_error error;
+    if (path == NULL || bat_curve_write(path, fine, &job->write, &error) == BAT_OK)
+        return EXIT_DONE;
+    return report_failure(job->output, &error);
+}
+
+/// Everything that can fail, the files included.
+static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
+{
+    int code = read_sets(job, sets);
+    const bat_curve_set *truth = job->truth != NULL ? &sets->truth : NULL;
     if (code == EXIT_DONE)
-        code = give_out(job, &coarse, job->truth != NULL ? &truth : NULL);
-    bat_curve_set_free(&coarse);
-    bat_curve_set_free(&truth);
+        code = curve_refine(job, &sets->coarse, job->refine.levels, &sets->fine);
+    if (code == EXIT_DONE && !job->quiet)
+        code = curve_measure(job, &sets->coarse, truth, &sets->fine, findings);
+    if (code == EXIT_DONE)
+        code = write_curves(job, &sets->fine, output_path(&job->files, "output"));
+    if (code == EXIT_DONE && job->picture != NULL)
+        code = curve_draw(job, &sets->coarse, truth, &sets->fine);
+    return code;
+}
+
+int curve_run(const arguments *given, curve_job *job)
+{
+    curve_sets sets = {.fine = {0}};
+    curve_findings findings;
+    if (!read_job(given, job))
+        return EXIT_BAD_USAGE;
+    int code = outputs_open(given, &job->files);
+    if (code != EXIT_DONE)
+        return code;
+    code = outputs_close(&job->files, make(job, &sets, &findings));
+    if (code == EXIT_DONE && job->hint != NULL && !argument_flag(given, "quiet"))
+        (void)fprintf(stderr, "batten: %s %s, see `batten motion --help`\n", job->input, job->hint);
+    if (code == EXIT_DONE && is_standard_output(job->output))
+        code = write_curves(job, &sets.fine, "-");
+    if (code == EXIT_DONE && !job->quiet)
+        code = curve_report(job, &sets.fine, &findings);
+    bat_curve_set_free(&sets.coarse);
+    bat_curve_set_free(&sets.truth);
+    bat_curve_set_free(&sets.fine);
+    bat_curve_model_free(job->model);
     return code;
 }
 
 int verb_curve(int argc, char **argv)
 {
     arguments given;
-    curve_job job;
-    int code = EXIT_DONE;
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    if (!read_job(&given, &job))
-        return EXIT_BAD_USAGE;
-    if (job.model_file != NULL && !load_model(&job))
-        return EXIT_BAD_INPUT;
-    code = run_job(&job);
-    bat_curve_model_free(job.model);
-    return code;
+    curve_job job = {.is_motion = false};
+    int code;
+    return arguments_read(&SPEC, argc, argv, &given, &code) ? curve_run(&given, &job) : code;
 }

@@ -1,7 +1,7 @@
 #ifndef CLI_CURVE_H
 #define CLI_CURVE_H
 
-#include "arguments.h"
+#include "outputs.h"
 
 #include "batten/curve_file.h"
 #include "batten/curve_picture.h"
@@ -10,29 +10,31 @@
 
 enum
 {
-    /// Levels that --panel draws side by side at most.
-    CURVE_MOST_PANELS = 12,
+    /// The maximum number of levels that --panel draws side by side.
+    CURVE_MAX_PANELS = 12,
+    CURVE_MAX_LEVELS = 60,
 };
 
-/// What the command line of `batten curve` asks for.
+/// What the command line of `batten curve` or `batten motion` asks for.
 typedef struct curve_job
 {
     const char *input;
     const char *output, *picture, *truth; ///< null where not wanted
+    outputs files;
     bat_curve_read_options read;
     bat_curve_write_options write;
     bat_curve_refine_options refine;
     double fairness;        ///< of the scheme "learned"
     const char *model_file; ///< of the scheme "learned"; null for the network that the library comes with
     bat_curve_model *model; ///< what it holds
-    bool hermite;           ///< the scheme takes tangents: `motion` in place of `refine`
+    bool is_motion;         ///< points with tangents: `motion` in place of `refine`
+    const char *hint;       ///< why `batten curve` treats the file as a motion; null when it does not
     bat_motion_options motion;
-    double translation_weight; ///< of the space rigid; 0: as it is
-    const char *scheme;        ///< its name; when the user gave none, null until the space is known
+    const char *scheme; ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;
-    size_t panels[CURVE_MOST_PANELS]; ///< the levels drawn side by side
-    size_t panel_count;               ///< 0: one panel, of refine.levels
-    char best_name[80];               ///< of the scheme that --best-tension finds
+    size_t panels[CURVE_MAX_PANELS]; ///< the levels drawn side by side
+    size_t panel_count;              ///< 0: one panel, of refine.levels
+    char best_name[80];              ///< of the scheme that --best-tension finds
     bool best_tension, json, quiet;
 } curve_job;
 
@@ -40,19 +42,40 @@ typedef struct curve_job
 /// following do.
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine);
 
-/// The options of Hermite schemes, once the others are read. False after a message.
-bool curve_hermite_read(const arguments *given, curve_job *job);
-/// curve_refine() by a Hermite scheme.
-int curve_hermite_refine(const curve_job *job, const bat_curve_set *keyframes, size_t levels, bat_curve_set *fine);
-/// Whether a Hermite scheme is the one to begin with: rotations, motions and tensors that come with times or velocities.
-bool curve_hermite_suits(const bat_curve_set *keyframes);
+/// Read the options that both verbs have, and run the job. Returns the program's exit code.
+int curve_run(const arguments *given, curve_job *job);
+
+/// Read the options of motions, once the others are read. False after a message.
+bool motion_read(const arguments *given, curve_job *job);
+/// curve_refine() of a motion.
+int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t levels, bat_curve_set *fine);
 /// Report that refining failed with curve `failed` of a set.
 int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error);
 
-/// Draw the picture; `truth` may be null.
+/// Draw the picture to job->files; `truth` may be null.
 int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine);
 
-/// Print what came out; `truth` may be null, else it has as many curves as `fine`.
-int curve_report(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine);
+/// The curves of a set in a few numbers.
+typedef struct curve_totals
+{
+    size_t points;  ///< of all
+    double length;  ///< of all
+    double bending; ///< mean over the curves
+    double g1;      ///< greatest of all
+} curve_totals;
+
+/// What is reported.
+typedef struct curve_findings
+{
+    curve_totals before, after;
+    bool compared;
+    double mean_nn, hausdorff; ///< when compared with the truth: means over the curves
+} curve_findings;
+
+/// Measure the result; `truth` may be null, else it has as many curves as `fine`.
+int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
+                  curve_findings *findings);
+/// Print the report.
+int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings);
 
 #endif

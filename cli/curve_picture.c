@@ -26,10 +26,10 @@ static size_t make_layers(const curve_job *job, const bat_curve_set *coarse, con
 typedef struct panel_set
 {
     size_t count;
-    bat_curve_set fine[CURVE_MOST_PANELS]; ///< empty where the job's own result is shown
-    bat_curve_picture_layer *layers[CURVE_MOST_PANELS];
-    char titles[CURVE_MOST_PANELS][24];
-    bat_curve_picture_panel panels[CURVE_MOST_PANELS];
+    bat_curve_set fine[CURVE_MAX_PANELS]; ///< empty where the job's own result is shown
+    bat_curve_picture_layer *layers[CURVE_MAX_PANELS];
+    char titles[CURVE_MAX_PANELS][24];
+    bat_curve_picture_panel panels[CURVE_MAX_PANELS];
 } panel_set;
 
 static int make_panel(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth,
@@ -61,7 +61,8 @@ int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curv
     size_t count = job->panel_count > 0 ? job->panel_count : 1;
     while (code == EXIT_DONE && set.count < count)
         code = make_panel(job, coarse, truth, fine, &set);
-    if (code == EXIT_DONE && bat_curve_picture_write(job->picture, set.panels, set.count, &job->draw, &error) != BAT_OK)
+    if (code == EXIT_DONE &&
+        bat_curve_picture_write(output_path(&job->files, "picture"), set.panels, set.count, &job->draw, &error) != BAT_OK)
         code = report_failure(job->picture, &error);
     for (size_t p = 0; p < set.count; p++)
     {

@@ -8,25 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The curves of a set in a few numbers.
-typedef struct totals
-{
-    size_t points;  ///< of all
-    double length;  ///< of all
-    double bending; ///< mean over the curves
-    double g1;      ///< greatest of all
-} totals;
-
 static bat_status no_memory(bat_error *error)
 {
     *error = (bat_error){.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX, .text = "out of memory"};
     return BAT_NO_MEMORY;
 }
 
-static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_measure_options *options, totals *sum,
+static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_measure_options *options, curve_totals *sum,
                                    bat_error *error)
 {
-    *sum = (totals){0};
+    *sum = (curve_totals){0};
     bat_curve_fairness_values *fairness = calloc(set->count, sizeof *fairness);
     if (fairness == NULL)
         return no_memory(error);
@@ -45,16 +36,10 @@ static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_mea
     return status;
 }
 
-/// How far the curves of two sets are apart, curve by curve: means over the pairs.
-typedef struct distances
-{
-    double mean_nn, hausdorff;
-} distances;
-
+/// The mean distances of the curves of two sets, curve by curve.
 static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_set *truth,
-                                    const bat_curve_measure_options *options, distances *mean, bat_error *error)
+                                    const bat_curve_measure_options *options, curve_findings *findings, bat_error *error)
 {
-    *mean = (distances){0};
     bat_curve_distance *each = calloc(fine->count, sizeof *each);
     if (each == NULL)
         return no_memory(error);
@@ -64,11 +49,26 @@ static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_s
     report_progress_end();
     for (size_t i = 0; i < fine->count && status == BAT_OK; i++)
     {
-        mean->mean_nn += each[i].mean_nn / (double)fine->count;
-        mean->hausdorff += each[i].hausdorff / (double)fine->count;
+        findings->mean_nn += each[i].mean_nn / (double)fine->count;
+        findings->hausdorff += each[i].hausdorff / (double)fine->count;
     }
     free(each);
     return status;
+}
+
+int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
+                  curve_findings *findings)
+{
+    bat_error error;
+    bat_curve_measure_options options = bat_curve_measure_defaults();
+    options.threads = job->read.threads;
+    *findings = (curve_findings){.compared = truth != NULL};
+    if (measure_fairness(coarse, &options, &findings->before, &error) != BAT_OK ||
+        measure_fairness(fine, &options, &findings->after, &error) != BAT_OK)
+        return report_failure(job->input, &error);
+    if (truth != NULL && measure_distances(fine, truth, &options, findings, &error) != BAT_OK)
+        return report_failure(job->truth, &error);
+    return EXIT_DONE;
 }
 
 /// "on the sphere", "in R^3", "in the space rotation".
@@ -86,14 +86,12 @@ static const char *place_of(const bat_space *space, char *text, size_t size)
     return text;
 }
 
-static void print_row(const char *name, const totals *t)
+static void print_row(const char *name, const curve_totals *t)
 {
     (void)printf("%-8s %12zu %12.6g %14.6g %15.6g\n", name, t->points, t->length, t->bending, t->g1);
 }
 
-/// `distance` may be null, here and below.
-static void print_report(const curve_job *job, const bat_curve_set *fine, const totals *before, const totals *after,
-                         const distances *distance)
+static void print_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     char place[32];
     bool many = fine->count > 1;
@@ -105,52 +103,40 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
         (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
     (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
                  many ? "mean bending" : "bending", "largest angle");
-    print_row("given", before);
-    print_row("refined", after);
-    if (distance != NULL)
+    print_row("given", &findings->before);
+    print_row("refined", &findings->after);
+    if (findings->compared)
         (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
-                     distance->mean_nn, distance->hausdorff);
+                     findings->mean_nn, findings->hausdorff);
 }
 
-static json_t *totals_json(const totals *t)
+static json_t *totals_json(const curve_totals *t)
 {
     return json_pack("{s:I, s:o, s:o, s:o}", "points", (json_int_t)t->points, "length", report_number(t->length), "bending",
                      report_number(t->bending), "g1", report_number(t->g1));
 }
 
-static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const totals *before, const totals *after,
-                         const distances *distance)
+static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     bool sampled = job->motion.rate > 0;
     json_t *amount = sampled ? json_real(job->motion.rate) : json_integer((json_int_t)job->refine.levels);
     json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
                                sampled ? "rate" : "levels", amount, "curves", (json_int_t)fine->count, "given",
-                               totals_json(before), "refined", totals_json(after));
-    if (distance == NULL)
+                               totals_json(&findings->before), "refined", totals_json(&findings->after));
+    if (!findings->compared)
         return object;
-    json_t *pair = json_pack("{s:o, s:o}", "mean_nn", report_number(distance->mean_nn), "hausdorff",
-                             report_number(distance->hausdorff));
+    json_t *pair = json_pack("{s:o, s:o}", "mean_nn", report_number(findings->mean_nn), "hausdorff",
+                             report_number(findings->hausdorff));
     if (json_object_set_new(object, "distance", pair) == 0)
         return object;
     json_decref(object);
     return NULL;
 }
 
-int curve_report(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine)
+int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
-    totals before, after;
-    distances distance;
-    bat_error error;
-    bat_curve_measure_options options = bat_curve_measure_defaults();
-    options.threads = job->read.threads;
-    if (measure_fairness(coarse, &options, &before, &error) != BAT_OK ||
-        measure_fairness(fine, &options, &after, &error) != BAT_OK)
-        return report_failure(job->input, &error);
-    if (truth != NULL && measure_distances(fine, truth, &options, &distance, &error) != BAT_OK)
-        return report_failure(job->truth, &error);
-    const distances *shown = truth != NULL ? &distance : NULL;
     if (job->json)
-        return report_json(make_json(job, fine, &before, &after, shown));
-    print_report(job, fine, &before, &after, shown);
+        return report_json(make_json(job, fine, findings));
+    print_report(job, fine, findings);
     return EXIT_DONE;
 }

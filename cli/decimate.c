@@ -1,12 +1,10 @@
 #include "verbs.h"
 
 #include "arguments.h"
-#include "mesh_input.h"
+#include "outputs.h"
 #include "report.h"
 
 #include "batten/batten.h"
-#include "batten/mesh.h"
-#include "batten/mesh_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,18 +16,21 @@ static const option_spec OPTIONS[] = {
     {"map", 0, "FILE", "write the bijective map between IN and OUT, a safetensors file"},
     {"random", 0, "K", "each time collapse the edge of least error among K random ones; default: among all"},
     {"seed", 0, "N", "of --random; default 1"},
-    {"least-normal", 0, "C", "the least cosine of a face's turn in a collapse, -1 to 1; default 0.2"},
-    {"least-quality", 0, "Q",
-     "the least quality of a triangle after a collapse, from 0 to 1 for an equilateral one; default 0.2"},
-    {"boundary-weight", 0, "W", "how much more a boundary's error counts than a face's; default 1000"},
+    {"min-normal", 0, "C", "the minimum cosine of the angle by which a collapse turns a face, -1 to 1; default 0.2"},
+    {"min-quality", 0, "Q",
+     "the minimum quality of a triangle after a collapse, from 0 to 1 for an equilateral one; default 0.2"},
+    {"boundary-weight", 0, "W", "the weight of the error at a boundary, that of a face being 1; default 1000"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
     {"repair", 0, NULL, "split edges of more than two faces and vertices of several fans first"},
     {"from", 0, "FORMAT", "obj, ply, off or stl; default: by the file's ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
+    {"threads", 0, "N", "of writing; default: all; the result does not depend on it"},
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
 };
+
+static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"map", FILE_WRITTEN}, {NULL, 0}};
 
 static const verb_spec SPEC = {
     .usage = "batten decimate IN -o OUT --vertices N [--map FILE] [options]",
@@ -38,18 +39,21 @@ static const verb_spec SPEC = {
         "(OBJ, PLY, OFF, STL; - for standard input). Topology, boundaries and creases stay; texture coordinates and\n"
         "values at the vertices go along by the map between the two meshes.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
+    .reads_files = true,
+    .files = FILES,
 };
 
 /// What the command line asks for.
 typedef struct decimate_job
 {
     const char *input, *output, *map;
+    outputs files;
     bat_mesh_read_options read;
     bat_mesh_write_options write;
     bat_mesh_decimate_options decimate;
-    bool repair, json, quiet;
+    bool json, quiet;
 } decimate_job;
 
 /// A job's meshes.
@@ -66,17 +70,17 @@ static bool read_numbers(const arguments *given, bat_mesh_decimate_options *opti
     if (!argument_whole(given, "vertices", 0, BAT_MESH_NONE, -1, &vertices) ||
         !argument_whole(given, "random", 1, 1000000, 0, &candidates) ||
         !argument_whole(given, "seed", 0, 1000000000, 1, &seed) ||
-        !argument_number(given, "least-normal", options->least_normal, &options->least_normal) ||
-        !argument_number(given, "least-quality", options->least_quality, &options->least_quality) ||
+        !argument_number(given, "min-normal", options->least_normal, &options->least_normal) ||
+        !argument_number(given, "min-quality", options->least_quality, &options->least_quality) ||
         !argument_number(given, "boundary-weight", options->boundary_weight, &options->boundary_weight))
         return false;
     const char *fault = NULL;
     if (!(options->least_normal >= -1 && options->least_normal <= 1))
-        fault = "--least-normal is from -1 to 1";
+        fault = "--min-normal takes a number from -1 to 1";
     else if (!(options->least_quality >= 0 && options->least_quality <= 1))
-        fault = "--least-quality is from 0 to 1";
+        fault = "--min-quality takes a number from 0 to 1";
     else if (!(options->boundary_weight >= 0))
-        fault = "--boundary-weight is 0 or above";
+        fault = "--boundary-weight takes a number of at least 0";
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     options->vertices = vertices < 0 ? 0 : (size_t)vertices;
@@ -94,14 +98,14 @@ static bool read_job(const arguments *given, decimate_job *job)
                           .read = bat_mesh_read_defaults(),
                           .write = bat_mesh_write_defaults(),
                           .decimate = bat_mesh_decimate_defaults(),
-                          .repair = argument_flag(given, "repair"),
                           .json = argument_flag(given, "json"),
                           .quiet = argument_flag(given, "quiet")};
     job->read.triangulate = argument_flag(given, "triangulate");
-    if (!read_numbers(given, &job->decimate) || !mesh_format_argument(given, "from", &job->read.format) ||
-        !mesh_format_argument(given, "to", &job->write.format))
+    job->read.repair = argument_flag(given, "repair");
+    if (!read_numbers(given, &job->decimate) || !argument_mesh_format(given, "from", &job->read.format) ||
+        !argument_mesh_format(given, "to", &job->write.format) || !argument_threads(given, &job->write.threads))
         return false;
-    bool piped = job->output != NULL && strcmp(job->output, "-") == 0;
+    bool piped = is_standard_output(job->output);
     const char *fault = NULL;
     if (job->output == NULL)
         fault = "-o OUT is missing";
@@ -111,20 +115,19 @@ static bool read_job(const arguments *given, decimate_job *job)
         fault = "--seed needs --random K";
     else if (job->json && (job->quiet || piped))
         fault = job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
-    else if (job->map != NULL && strcmp(job->map, "-") == 0)
-        fault = "--map cannot be standard output";
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     job->quiet = job->quiet || piped;
-    return fault == NULL;
+    return fault == NULL && argument_mesh_ending(given, job->write.format);
 }
 
 static int read_fine(const decimate_job *job, decimate_result *result)
 {
     bat_error error;
-    if (mesh_input_read(job->input, &job->read, job->repair, &result->repairs, &result->fine, &error) != BAT_OK)
-        return report_failure(job->input, &error);
-    return EXIT_DONE;
+    bat_mesh_read_options options = job->read;
+    options.repairs = &result->repairs;
+    return bat_mesh_read(job->input, &options, &result->fine, &error) == BAT_OK ? EXIT_DONE
+                                                                                : report_failure(job->input, &error);
 }
 
 static int decimate(const decimate_job *job, decimate_result *result)
@@ -141,14 +144,19 @@ static int decimate(const decimate_job *job, decimate_result *result)
     return status == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
 }
 
-static int write_files(const decimate_job *job, const decimate_result *result)
+static int write_mesh(const decimate_job *job, const bat_mesh *coarse, const char *path)
 {
     bat_error error;
-    if (job->map != NULL && bat_mesh_map_write(job->map, result->map, &error) != BAT_OK)
-        return report_failure(job->map, &error);
-    if (bat_mesh_write(job->output, &result->coarse, &job->write, &error) != BAT_OK)
-        return report_failure(job->output, &error);
-    return EXIT_DONE;
+    if (path == NULL || bat_mesh_write(path, coarse, &job->write, &error) == BAT_OK)
+        return EXIT_DONE;
+    return report_failure(job->output, &error);
+}
+
+static int write_map(const decimate_job *job, const bat_mesh_map *map)
+{
+    bat_error error;
+    const char *path = output_path(&job->files, "map");
+    return bat_mesh_map_write(path, map, &error) == BAT_OK ? EXIT_DONE : report_failure(job->map, &error);
 }
 
 static int report(const decimate_job *job, const decimate_result *result)
@@ -160,16 +168,27 @@ static int report(const decimate_job *job, const decimate_result *result)
                                      (json_int_t)fine->vertex_count, "faces", (json_int_t)fine->face_count, "coarse",
                                      "vertices", (json_int_t)coarse->vertex_count, "faces", (json_int_t)coarse->face_count,
                                      "wanted", (json_int_t)job->decimate.vertices, "reached", (int)reached, "repaired",
-                                     (json_int_t)mesh_input_repaired(&result->repairs), "map", job->map));
+                                     (json_int_t)bat_mesh_repair_places(&result->repairs), "map", job->map));
     if (job->quiet)
         return EXIT_DONE;
-    if (job->repair)
-        (void)printf("%zu places repaired\n", mesh_input_repaired(&result->repairs));
+    if (job->read.repair)
+        (void)printf("%zu places repaired\n", bat_mesh_repair_places(&result->repairs));
     (void)printf("%zu vertices, %zu faces -> %zu vertices, %zu faces\n", fine->vertex_count, fine->face_count,
                  coarse->vertex_count, coarse->face_count);
     if (!reached)
-        (void)printf("no further collapse passes the checks; --least-quality and --least-normal lower them\n");
+        (void)printf("no further collapse passes the checks; lower --min-quality or --min-normal\n");
     return EXIT_DONE;
+}
+
+/// Everything that can fail, the files included.
+static int make(const decimate_job *job, decimate_result *result)
+{
+    int code = read_fine(job, result);
+    if (code == EXIT_DONE)
+        code = decimate(job, result);
+    if (code == EXIT_DONE && job->map != NULL)
+        code = write_map(job, result->map);
+    return code == EXIT_DONE ? write_mesh(job, &result->coarse, output_path(&job->files, "output")) : code;
 }
 
 int verb_decimate(int argc, char **argv)
@@ -177,16 +196,17 @@ int verb_decimate(int argc, char **argv)
     arguments given;
     int code;
     decimate_job job;
+    decimate_result result = {.map = NULL};
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
     if (!read_job(&given, &job))
         return EXIT_BAD_USAGE;
-    decimate_result result = {.map = NULL};
-    code = read_fine(&job, &result);
-    if (code == EXIT_DONE)
-        code = decimate(&job, &result);
-    if (code == EXIT_DONE)
-        code = write_files(&job, &result);
+    code = outputs_open(&given, &job.files);
+    if (code != EXIT_DONE)
+        return code;
+    code = outputs_close(&job.files, make(&job, &result));
+    if (code == EXIT_DONE && is_standard_output(job.output))
+        code = write_mesh(&job, &result.coarse, "-");
     if (code == EXIT_DONE)
         code = report(&job, &result);
     bat_mesh_free(&result.fine);

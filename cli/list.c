@@ -19,8 +19,8 @@ static const verb_spec SPEC = {
     .usage = "batten list schemes|spaces|models|shapes|parameterizations|results [--json]",
     .summary = "The names that the other verbs take.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
 };
 
 static const struct

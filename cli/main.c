@@ -1,6 +1,7 @@
 #include "verbs.h"
 
 #include "arguments.h"
+#include "interrupt.h"
 #include "report.h"
 
 #include <stdio.h>
@@ -13,15 +14,16 @@ static const struct
     const char *summary;
 } VERBS[] = {
     {"curve", verb_curve, "refine the curves of a file, to a file and a picture"},
+    {"motion", verb_motion, "make a smooth motion of keyframes: points, rotations, poses or tensors in time"},
     {"decimate", verb_decimate, "make a coarse mesh of a fine one, with a map between the two"},
     {"mesh", verb_mesh, "refine a triangle mesh, to a file and a picture"},
     {"surface", verb_surface, "fit a spline surface to scattered points, to CAD files and a picture"},
-    {"measure", verb_measure, "how far two curves or meshes are apart, and each in figures"},
-    {"shape", verb_shape, "make a mesh of our own kinds: creatures, machine parts, knots, a cage"},
-    {"analyze", verb_analyze, "what a linear scheme does in the limit, with proven bounds"},
-    {"reproduce", verb_reproduce, "published tables and figures beside ours"},
+    {"measure", verb_measure, "measure curves or meshes, and the distances between two"},
+    {"shape", verb_shape, "make a test shape: creatures, machine parts, knots, a cage, clouds of points"},
+    {"analyze", verb_analyze, "analyze the limit of a linear scheme, with proven bounds"},
+    {"reproduce", verb_reproduce, "compute published tables and figures, beside the published ones"},
     {"train", verb_train, "train a learned scheme from the published recipe"},
-    {"list", verb_list, "the schemes, spaces, shapes and published results"},
+    {"list", verb_list, "list schemes, spaces, shapes and published results"},
 };
 enum
 {
@@ -79,5 +81,6 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    interrupt_catch();
     return report_end(run(argc, argv));
 }

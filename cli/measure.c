@@ -10,11 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    MOST_THREADS = 1024
-};
-
 static const option_spec OPTIONS[] = {
     {"geodesic", 0, NULL, "geodesic distances; default: straight ones between coordinates, as published"},
     {"to-segments", 0, NULL, "distances to the other curve's edges instead of its points"},
@@ -34,18 +29,21 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
+static const file_option FILES[] = {{"picture", FILE_DRAWN}, {NULL, 0}};
+
 static const verb_spec SPEC = {
     .usage = "batten measure A [B] [options]",
     .summary =
-        "How fair the curves of A and B are (bending energy, largest exterior angle), and how far they are from each "
-        "other:\n"
-        "nearest-neighbour and Hausdorff distances, curve i of A with curve i of B. Files of several curves give the\n"
+        "Measure the fairness of the curves of A and B (bending energy, largest exterior angle) and their distances:\n"
+        "nearest-neighbour and Hausdorff, curve i of A with curve i of B. Files of several curves give the\n"
         "mean and the median over the curves.\n"
-        "Of one mesh its figures (size, topology, area, volume, quality), of two the Hausdorff and mean distances of\n"
+        "Of one mesh: size, topology, area, volume, quality; of two: the Hausdorff and mean distances of\n"
         "their surfaces, by Metro's definitions.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 2,
+    .min_positional = 1,
+    .max_positional = 2,
+    .reads_files = true,
+    .files = FILES,
 };
 
 /// What is measured of a set of curves, one result each.
@@ -136,7 +134,7 @@ static bat_status summarize(const results *all, bool compared, json_t *object, b
     return status;
 }
 
-static int report(const results *all, bool compared, bool as_json)
+static int report(const char *path, const results *all, bool compared, bool as_json)
 {
     json_t *object = as_json ? json_pack("{s:I}", "curves", (json_int_t)all->count) : NULL;
     if (as_json && object == NULL)
@@ -148,10 +146,10 @@ static int report(const results *all, bool compared, bool as_json)
     if (status == BAT_OK && as_json)
         return report_json(object);
     json_decref(object);
-    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+    return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
 }
 
-/// Say which curve of a file is at fault.
+/// Report which curve of a file is at fault.
 static int report_curve(const char *path, const bat_curve_set *set, size_t curve, bat_error *error)
 {
     bat_error named = *error;
@@ -174,8 +172,8 @@ static int measure_fairness(const char *path, const bat_curve_set *set, const ba
     return status == BAT_OK ? EXIT_DONE : report_curve(path, set, failed, &error);
 }
 
-static int measure_distances(const bat_curve_set *a, const bat_curve_set *b, const bat_curve_measure_options *options,
-                             bat_curve_distance *distances)
+static int measure_distances(const char *const paths[2], const bat_curve_set *a, const bat_curve_set *b,
+                             const bat_curve_measure_options *options, bat_curve_distance *distances)
 {
     bat_error error;
     size_t failed = BAT_NO_INDEX;
@@ -185,9 +183,7 @@ static int measure_distances(const bat_curve_set *a, const bat_curve_set *b, con
     report_progress_end();
     if (status == BAT_OK)
         return EXIT_DONE;
-    // The message says of which curve, so that no file is blamed for the other.
-    error.index = BAT_NO_INDEX;
-    return report_curve(NULL, b, failed, &error);
+    return report_curve(measure_file_at_fault(paths, &error), strstr(error.text, "first") != NULL ? a : b, failed, &error);
 }
 
 static int measure_sets(const measure_job *job, const bat_curve_set *a, const bat_curve_set *b)
@@ -207,15 +203,15 @@ static int measure_sets(const measure_job *job, const bat_curve_set *a, const ba
     };
     int code = EXIT_DONE;
     if (all.fairness[0] == NULL || all.fairness[1] == NULL || all.distances == NULL)
-        code = report_failure(NULL, &(bat_error){.text = "out of memory"});
+        code = report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
     if (code == EXIT_DONE)
         code = measure_fairness(job->paths[0], a, &job->measure, all.fairness[0]);
     if (code == EXIT_DONE && compared)
-        code = measure_distances(a, b, &job->measure, all.distances);
+        code = measure_distances(job->paths, a, b, &job->measure, all.distances);
     if (code == EXIT_DONE && compared)
         code = measure_fairness(job->paths[1], b, &job->measure, all.fairness[1]);
     if (code == EXIT_DONE)
-        code = report(&all, compared, job->json);
+        code = report(job->paths[0], &all, compared, job->json);
     free(all.fairness[0]);
     free(all.fairness[1]);
     free(all.distances);
@@ -240,7 +236,7 @@ static int read_and_measure(const measure_job *job)
 static bool read_job(const arguments *given, measure_job *job)
 {
     bat_error error;
-    long threads;
+    int threads;
     *job = (measure_job){
         .read = bat_curve_read_defaults(), .measure = bat_curve_measure_defaults(), .json = argument_flag(given, "json")};
     for (size_t i = 0; i < given->positional_count; i++)
@@ -250,9 +246,9 @@ static bool read_job(const arguments *given, measure_job *job)
     job->read.project = argument_flag(given, "project");
     job->measure.geodesic = argument_flag(given, "geodesic");
     job->measure.to_segments = argument_flag(given, "to-segments");
-    if (!argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads))
+    if (!argument_threads(given, &threads))
         return false;
-    job->read.threads = job->measure.threads = (int)threads;
+    job->read.threads = job->measure.threads = threads;
     const char *format = argument(given, "from");
     const char *fault = NULL;
     if (format != NULL && bat_curve_format_by_name(format, &job->read.format, &error) != BAT_OK)

@@ -1,5 +1,6 @@
 #include "measure_mesh.h"
 
+#include "outputs.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -12,8 +13,7 @@
 
 enum
 {
-    MOST_THREADS = 1024,
-    MOST_SAMPLES = 1000000000
+    MAX_SAMPLES = 1000000000
 };
 
 /// What a file's ending or content says.
@@ -237,6 +237,7 @@ typedef struct mesh_job
 {
     const char *paths[2]; ///< the second null when there is only A
     const char *picture;  ///< null for none
+    outputs files;
     bat_mesh_read_options read;
     bat_mesh_compare_options compare;
     bool json;
@@ -280,39 +281,52 @@ static int draw_distances(const mesh_job *job, const bat_mesh meshes[2], double 
     options.threads = job->compare.threads;
     options.value_label = "distance, % of the diagonal";
     if (status == BAT_OK)
-        status = bat_mesh_picture_write(job->picture, panels, 2, &options, &error);
+        status = bat_mesh_picture_write(output_path(&job->files, "picture"), panels, 2, &options, &error);
     free(shares[0]);
     free(shares[1]);
     return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
 }
 
-static int report_distance(const mesh_job *job, const bat_mesh meshes[2])
+const char *measure_file_at_fault(const char *const paths[2], const bat_error *error)
 {
-    bat_mesh_distance distance;
+    static const char FIRST[] = "the first ";
+    return paths[1] == NULL || strncmp(error->text, FIRST, sizeof FIRST - 1) == 0 ? paths[0] : paths[1];
+}
+
+static int compare(const mesh_job *job, const bat_mesh meshes[2], bat_mesh_distance *distance)
+{
     bat_error error;
     bat_mesh_compare_options how = job->compare;
     how.progress = report_progress("measuring distances");
-    bat_status status = bat_mesh_compare(&meshes[0], &meshes[1], &how, &distance, &error);
+    bat_status status = bat_mesh_compare(&meshes[0], &meshes[1], &how, distance, &error);
     report_progress_end();
     if (status != BAT_OK)
-        return report_failure(NULL, &error);
-    if (job->picture != NULL && draw_distances(job, meshes, distance.diagonal) != EXIT_DONE)
-        return EXIT_BAD_INPUT;
-    if (!job->json)
-        (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
-    return report_rows(DISTANCES, sizeof DISTANCES / sizeof DISTANCES[0], &distance, distance.diagonal, job->json);
+        return report_failure(measure_file_at_fault(job->paths, &error), &error);
+    return job->picture != NULL ? draw_distances(job, meshes, distance->diagonal) : EXIT_DONE;
 }
 
-static int read_and_measure(const mesh_job *job)
+static int report_distance(const mesh_job *job, const bat_mesh_distance *distance)
+{
+    if (!job->json)
+        (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
+    return report_rows(DISTANCES, sizeof DISTANCES / sizeof DISTANCES[0], distance, distance->diagonal, job->json);
+}
+
+static int read_and_measure(mesh_job *job)
 {
     bat_mesh meshes[2] = {{0}, {0}};
+    bat_mesh_distance distance;
     bat_error error;
     int code = EXIT_DONE;
+    bool compared = job->paths[1] != NULL;
     for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
         if (bat_mesh_read(job->paths[i], &job->read, &meshes[i], &error) != BAT_OK)
             code = report_failure(job->paths[i], &error);
+    if (code == EXIT_DONE && compared)
+        code = compare(job, meshes, &distance);
+    code = outputs_close(&job->files, code);
     if (code == EXIT_DONE)
-        code = job->paths[1] == NULL ? report_summary(job, &meshes[0]) : report_distance(job, meshes);
+        code = compared ? report_distance(job, &distance) : report_summary(job, &meshes[0]);
     bat_mesh_free(&meshes[0]);
     bat_mesh_free(&meshes[1]);
     return code;
@@ -340,27 +354,21 @@ static bool check_options(const arguments *given)
 
 static bool read_job(const arguments *given, mesh_job *job)
 {
-    bat_error error;
-    long threads, samples;
-    const char *from = argument(given, "from");
+    long samples;
     *job = (mesh_job){
         .read = bat_mesh_read_defaults(), .compare = bat_mesh_compare_defaults(), .json = argument_flag(given, "json")};
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
-    if (!check_options(given) || !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
-        !argument_whole(given, "samples", 1, MOST_SAMPLES, (long)job->compare.samples, &samples) ||
+    if (!check_options(given) || !argument_threads(given, &job->compare.threads) ||
+        !argument_whole(given, "samples", 1, MAX_SAMPLES, (long)job->compare.samples, &samples) ||
         !argument_number(given, "tolerance", job->compare.tolerance, &job->compare.tolerance))
         return false;
-    job->compare.threads = (int)threads;
     job->compare.samples = (size_t)samples;
     job->picture = argument(given, "picture");
     job->compare.vertices = argument_flag(given, "vertices");
     job->read.triangulate = argument_flag(given, "triangulate");
-    if (from != NULL && bat_mesh_format_by_name(from, &job->read.format, &error) != BAT_OK)
-    {
-        (void)usage_error(given, "%s", error.text);
+    if (!argument_mesh_format(given, "from", &job->read.format))
         return false;
-    }
     if (job->compare.tolerance < 0)
     {
         (void)usage_error(given, "--tolerance is at least 0");
@@ -372,5 +380,8 @@ static bool read_job(const arguments *given, mesh_job *job)
 int measure_meshes(const arguments *given)
 {
     mesh_job job;
-    return read_job(given, &job) ? read_and_measure(&job) : EXIT_BAD_USAGE;
+    if (!read_job(given, &job))
+        return EXIT_BAD_USAGE;
+    int code = outputs_open(given, &job.files);
+    return code == EXIT_DONE ? read_and_measure(&job) : code;
 }

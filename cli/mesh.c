@@ -1,7 +1,7 @@
 #include "verbs.h"
 
 #include "arguments.h"
-#include "mesh_input.h"
+#include "outputs.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -12,8 +12,7 @@
 
 enum
 {
-    MOST_LEVELS = 32,
-    MOST_THREADS = 1024
+    MAX_LEVELS = 32
 };
 
 static const double DEGREE = 3.14159265358979323846 / 180;
@@ -38,14 +37,18 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
+static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"model", FILE_READ}, {NULL, 0}};
+
 static const verb_spec SPEC = {
     .usage = "batten mesh IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
     .summary =
         "Refine a triangle mesh by subdivision (OBJ, PLY, OFF, STL; - for standard input).\n"
         "Texture coordinates, values at the vertices, creases and corners go along as far as OUT's format holds them.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
+    .reads_files = true,
+    .files = FILES,
 };
 
 /// The names of bat_mesh_scheme, in its order.
@@ -59,11 +62,12 @@ static const char *const GOING_ON[] = {"midpoint", "loop", "butterfly", NULL};
 typedef struct mesh_job
 {
     const char *input, *output, *picture, *model; ///< all but the first may be null
+    outputs files;
     bat_mesh_read_options read;
     bat_mesh_write_options write;
     bat_mesh_refine_options refine;
     int beside; ///< a bat_mesh_scheme; -1 for none
-    bool repair, json, quiet;
+    bool json, quiet;
 } mesh_job;
 
 /// What becomes of it.
@@ -73,24 +77,21 @@ typedef struct mesh_result
     bat_mesh_model *model; ///< null when no scheme is learned
     bat_mesh_repair_report repairs;
     size_t boundary_edges, fallback; ///< boundary edges of the coarse mesh
-    bool texture_dropped;
 } mesh_result;
 
 static bool read_refinement(const arguments *given, bat_mesh_refine_options *options)
 {
     int scheme, then;
-    long levels, threads;
+    long levels;
     double degrees;
     if (!argument_word(given, "scheme", SCHEMES, BAT_MESH_SCHEME_LEARNED, &scheme) ||
         !argument_word(given, "then", GOING_ON, BAT_MESH_SCHEME_LOOP, &then) ||
-        !argument_whole(given, "levels", 0, MOST_LEVELS, 2, &levels) ||
-        !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads) ||
+        !argument_whole(given, "levels", 0, MAX_LEVELS, 2, &levels) || !argument_threads(given, &options->threads) ||
         !argument_number(given, "crease-angle", 0, &degrees))
         return false;
     options->scheme = (bat_mesh_scheme)scheme;
     options->then = (bat_mesh_scheme)then;
     options->levels = (size_t)levels;
-    options->threads = (int)threads;
     options->crease_angle = degrees * DEGREE;
     options->limit = argument_flag(given, "limit");
     return true;
@@ -99,7 +100,7 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
 /// What options contradict each other; null for nothing.
 static const char *find_fault(const arguments *given, const mesh_job *job)
 {
-    bool piped = job->output != NULL && strcmp(job->output, "-") == 0;
+    bool piped = is_standard_output(job->output);
     bool learned = job->refine.scheme == BAT_MESH_SCHEME_LEARNED;
     bat_mesh_scheme last = learned ? job->refine.then : job->refine.scheme;
     if (job->output == NULL && job->picture == NULL && !job->json && job->quiet)
@@ -127,51 +128,35 @@ static bool read_job(const arguments *given, mesh_job *job)
                       .read = bat_mesh_read_defaults(),
                       .write = bat_mesh_write_defaults(),
                       .refine = bat_mesh_refine_defaults(),
-                      .repair = argument_flag(given, "repair"),
                       .json = argument_flag(given, "json"),
                       .quiet = argument_flag(given, "quiet")};
     if (!argument_word(given, "beside", BESIDE, -1, &job->beside))
         return false;
     job->read.triangulate = argument_flag(given, "triangulate");
-    if (!read_refinement(given, &job->refine) || !mesh_format_argument(given, "from", &job->read.format) ||
-        !mesh_format_argument(given, "to", &job->write.format))
+    job->read.repair = argument_flag(given, "repair");
+    if (!read_refinement(given, &job->refine) || !argument_mesh_format(given, "from", &job->read.format) ||
+        !argument_mesh_format(given, "to", &job->write.format))
         return false;
     job->write.threads = job->refine.threads;
     const char *fault = find_fault(given, job);
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
-    job->quiet = job->quiet || (job->output != NULL && strcmp(job->output, "-") == 0);
-    return fault == NULL;
-}
-
-/// Edges turned over cross seams and creases: take both away.
-static void drop_texture(mesh_result *result)
-{
-    bat_mesh *mesh = &result->coarse;
-    result->texture_dropped = mesh->texture_faces != NULL || mesh->crease_count > 0 || mesh->corner_count > 0;
-    free(mesh->texture);
-    free(mesh->texture_faces);
-    free(mesh->creases);
-    free(mesh->corners);
-    mesh->texture = NULL;
-    mesh->texture_faces = NULL;
-    mesh->creases = NULL;
-    mesh->corners = NULL;
-    mesh->texture_count = mesh->crease_count = mesh->corner_count = 0;
+    job->quiet = job->quiet || is_standard_output(job->output);
+    return fault == NULL && argument_mesh_ending(given, job->write.format);
 }
 
 static int read_coarse(const mesh_job *job, mesh_result *result)
 {
     bat_error error;
-    if (mesh_input_read(job->input, &job->read, job->repair, &result->repairs, &result->coarse, &error) != BAT_OK)
+    bat_mesh_read_options options = job->read;
+    options.repairs = &result->repairs;
+    if (bat_mesh_read(job->input, &options, &result->coarse, &error) != BAT_OK)
         return report_failure(job->input, &error);
     bat_mesh_connectivity links;
     if (bat_mesh_connect(&result->coarse, &links, &error) != BAT_OK)
         return report_failure(job->input, &error);
     result->boundary_edges = links.boundary_edge_count;
     bat_mesh_connectivity_free(&links);
-    if (job->refine.scheme == BAT_MESH_SCHEME_SQRT3)
-        drop_texture(result);
     return EXIT_DONE;
 }
 
@@ -227,23 +212,18 @@ static int draw(const mesh_job *job, const mesh_result *result)
     };
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.threads = job->refine.threads;
-    bat_status status = bat_mesh_picture_write(job->picture, panels, job->beside < 0 ? 2 : 3, &options, &error);
+    bat_status status =
+        bat_mesh_picture_write(output_path(&job->files, "picture"), panels, job->beside < 0 ? 2 : 3, &options, &error);
     bat_mesh_free(&other);
     return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
 }
 
-static int write_files(const mesh_job *job, const mesh_result *result)
+static int write_mesh(const mesh_job *job, const bat_mesh *fine, const char *path)
 {
     bat_error error;
-    if (job->picture != NULL)
-    {
-        int code = draw(job, result);
-        if (code != EXIT_DONE)
-            return code;
-    }
-    if (job->output != NULL && bat_mesh_write(job->output, &result->fine, &job->write, &error) != BAT_OK)
-        return report_failure(job->output, &error);
-    return EXIT_DONE;
+    if (path == NULL || bat_mesh_write(path, fine, &job->write, &error) == BAT_OK)
+        return EXIT_DONE;
+    return report_failure(job->output, &error);
 }
 
 static json_t *size_json(const bat_mesh *mesh)
@@ -251,13 +231,15 @@ static json_t *size_json(const bat_mesh *mesh)
     return json_pack("{s:I, s:I}", "vertices", (json_int_t)mesh->vertex_count, "faces", (json_int_t)mesh->face_count);
 }
 
-/// Say on standard error what is not as one might expect.
+/// Warn of what the result lacks, on standard error.
 static void warn(const mesh_job *job, const mesh_result *result)
 {
+    const bat_mesh *coarse = &result->coarse;
+    bool textured = coarse->texture_faces != NULL || coarse->crease_count > 0 || coarse->corner_count > 0;
     if (result->fallback > 0)
         (void)fprintf(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->input,
                       result->fallback);
-    if (result->texture_dropped)
+    if (textured && job->refine.scheme == BAT_MESH_SCHEME_SQRT3)
         (void)fprintf(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
                       job->input);
 }
@@ -270,15 +252,26 @@ static int report(const mesh_job *job, const mesh_result *result)
                                      (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine),
                                      "boundary_edges", (json_int_t)result->boundary_edges, "fallback",
                                      (json_int_t)result->fallback, "repaired",
-                                     (json_int_t)mesh_input_repaired(&result->repairs)));
+                                     (json_int_t)bat_mesh_repair_places(&result->repairs)));
     if (job->quiet)
         return EXIT_DONE;
-    if (job->repair)
-        (void)printf("%zu places repaired\n", mesh_input_repaired(&result->repairs));
+    if (job->read.repair)
+        (void)printf("%zu places repaired\n", bat_mesh_repair_places(&result->repairs));
     (void)printf("%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n", SCHEMES[job->refine.scheme],
                  job->refine.levels, coarse->vertex_count, coarse->face_count, fine->vertex_count, fine->face_count,
                  result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
+}
+
+/// Everything that can fail, the files included.
+static int make(const mesh_job *job, mesh_result *result)
+{
+    int code = read_coarse(job, result);
+    if (code == EXIT_DONE)
+        code = refine(job, result);
+    if (code == EXIT_DONE && job->picture != NULL)
+        code = draw(job, result);
+    return code == EXIT_DONE ? write_mesh(job, &result->fine, output_path(&job->files, "output")) : code;
 }
 
 int verb_mesh(int argc, char **argv)
@@ -286,21 +279,21 @@ int verb_mesh(int argc, char **argv)
     arguments given;
     int code;
     mesh_job job;
+    mesh_result result = {.model = NULL};
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
     if (!read_job(&given, &job))
         return EXIT_BAD_USAGE;
-    mesh_result result = {.model = NULL};
-    code = read_coarse(&job, &result);
+    code = outputs_open(&given, &job.files);
+    if (code != EXIT_DONE)
+        return code;
+    code = outputs_close(&job.files, make(&job, &result));
     if (code == EXIT_DONE)
-        code = refine(&job, &result);
-    if (code == EXIT_DONE)
-        code = write_files(&job, &result);
-    if (code == EXIT_DONE)
-    {
         warn(&job, &result);
+    if (code == EXIT_DONE && is_standard_output(job.output))
+        code = write_mesh(&job, &result.fine, "-");
+    if (code == EXIT_DONE)
         code = report(&job, &result);
-    }
     bat_mesh_free(&result.coarse);
     bat_mesh_free(&result.fine);
     bat_mesh_model_free(result.model);

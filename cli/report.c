@@ -1,9 +1,9 @@
 #include "report.h"
 
 #include "arguments.h"
+#include "interrupt.h"
 
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -13,10 +13,7 @@ static struct
     const char *what; ///< null when there is none
     bool drawn;       ///< standard error is a terminal
     int percent;      ///< the one drawn last; -1 for none
-    struct sigaction on_interrupt_before;
 } work;
-
-static volatile sig_atomic_t interrupted;
 
 int(report_failure)(const char *file, const bat_error *error)
 {
@@ -29,23 +26,6 @@ int(report_failure)(const char *file, const bat_error *error)
     return EXIT_BAD_INPUT;
 }
 
-static void on_interrupt(int signal_number)
-{
-    (void)signal_number;
-    interrupted = 1;
-}
-
-/// Let Ctrl-C ask for a stop, unless the program was started with it switched off.
-static void catch_interrupt(void)
-{
-    struct sigaction action = {.sa_handler = on_interrupt};
-    action.sa_flags = (int)(SA_RESETHAND | (unsigned)SA_RESTART);
-    (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, NULL, &work.on_interrupt_before);
-    if (work.on_interrupt_before.sa_handler != SIG_IGN)
-        (void)sigaction(SIGINT, &action, NULL);
-}
-
 static bool draw_progress(void *context, double fraction)
 {
     (void)context;
@@ -53,13 +33,12 @@ static bool draw_progress(void *context, double fraction)
     if (work.drawn && percent != work.percent)
         (void)fprintf(stderr, "\r%s %3d %%\033[K", work.what, percent);
     work.percent = percent;
-    return interrupted == 0;
+    return !interrupt_pending();
 }
 
 bat_progress report_progress(const char *what)
 {
-    if (work.what == NULL)
-        catch_interrupt();
+    interrupt_use(INTERRUPT_COOPERATIVE);
     work.what = what;
     work.drawn = isatty(STDERR_FILENO) != 0;
     work.percent = -1;
@@ -73,12 +52,7 @@ void report_progress_end(void)
     work.what = NULL;
     if (work.drawn && work.percent >= 0)
         (void)fputs("\r\033[K", stderr);
-    (void)sigaction(SIGINT, &work.on_interrupt_before, NULL);
-    if (interrupted)
-    {
-        (void)fputs("batten: stopped\n", stderr);
-        (void)raise(SIGINT);
-    }
+    interrupt_use(INTERRUPT_AT_ONCE);
 }
 
 json_t *report_number(double value)

@@ -11,11 +11,10 @@
 /// Print "batten: FILE:LINE: text" (as far as file and line are known) to standard error and return EXIT_BAD_INPUT.
 int report_failure(const char *file, const bat_error *error);
 
-/// A progress function that draws a line on standard error when that is a terminal, and stops the work once the user has
-/// pressed Ctrl-C. `what` names the work and must outlive it. Ctrl-C is caught from here to report_progress_end() and only
-/// there; a second one ends the program at once.
+/// A progress function that draws a line on standard error when that is a terminal, and stops the work once a signal such as
+/// that of Ctrl-C has come. `what` names the work and must outlive it. A second signal ends the program at once.
 bat_progress report_progress(const char *what);
-/// Take the progress line away. Ends the program, as Ctrl-C does elsewhere, when the user has pressed it during the work.
+/// Take the progress line away. Ends the program when a signal has come during the work.
 void report_progress_end(void);
 /// A number, or null for one that is not finite, which JSON cannot say.
 json_t *report_number(double value);

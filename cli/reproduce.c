@@ -40,7 +40,7 @@ typedef enum cloud_use
 
 enum
 {
-    MOST_SHAPES = MOST_POSITIONAL - 1,
+    MOST_SHAPES = MAX_POSITIONAL - 1,
     MOST_NUMBER = 1000000
 };
 
@@ -223,8 +223,8 @@ static const verb_spec SPEC = {
         "which it tests\n"
         "on; mesh-style from a smooth and a sharp one; without any, both make their own.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = MOST_POSITIONAL,
+    .min_positional = 1,
+    .max_positional = MAX_POSITIONAL,
 };
 
 static bool any_given(const arguments *given, const char *const *options)

@@ -1,7 +1,7 @@
 #ifndef CLI_REPRODUCE_H
 #define CLI_REPRODUCE_H
 
-#include "number_list.h"
+#include "arguments.h"
 
 #include "batten/curve_scheme.h"
 #include "batten/mesh.h"

@@ -1,6 +1,6 @@
 #include "verbs.h"
 
-#include "arguments.h"
+#include "outputs.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -14,8 +14,8 @@
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the mesh or cloud to OUT (- for standard output; clouds as XYZ)"},
     {"vertices", 0, "N",
-     "about so many vertices or points, 200 to 1000000; default 10000, of clouds 9600. A cage has its own number"},
-    {"seed", 0, "S", "another number, another shape of that kind; default 1"},
+     "the approximate number of vertices or points, 200 to 1000000; default 10000, of clouds 9600; not for a cage"},
+    {"seed", 0, "S", "of the random numbers; another seed gives another shape of that kind; default 1"},
     {"picture", 0, "FILE", "draw the mesh, or the cloud and its parameters (.png, .svg or .pdf)"},
     {"to", 0, "FORMAT", "of meshes: obj, ply, off or stl; default: by the file's ending"},
     {"json", 0, NULL, "print the report as one JSON object"},
@@ -23,20 +23,23 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
+static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {NULL, 0}};
+
 static const verb_spec SPEC = {
     .usage = "batten shape KIND [-o OUT] [--vertices N] [--seed S] [--picture FILE] [options]",
-    .summary =
-        "Make a triangle mesh or a cloud of points to try things on and to train with; `batten list shapes` names the\n"
-        "kinds. The same kind, number and seed give the same shape.",
+    .summary = "Make a triangle mesh or a cloud of points for tests and trainings; `batten list shapes` names the\n"
+               "kinds. The same kind, number and seed give the same shape.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
+    .files = FILES,
 };
 
 /// What the command line asks for.
 typedef struct shape_job
 {
     const char *kind, *output, *picture; ///< the last two may be null
+    outputs files;
     size_t vertices;
     uint64_t seed;
     bat_mesh_write_options write;
@@ -62,7 +65,7 @@ static bool is_mesh_kind(const char *name)
 /// What is wrong with the command line; null for nothing.
 static const char *find_fault(const shape_job *job)
 {
-    bool piped = job->output != NULL && strcmp(job->output, "-") == 0;
+    bool piped = is_standard_output(job->output);
     if (!job->is_cloud && !is_mesh_kind(job->kind))
         return "there is no shape of that kind; `batten list shapes` names them";
     if (job->output == NULL && job->picture == NULL && job->quiet)
@@ -97,19 +100,27 @@ static bool read_job(const arguments *given, shape_job *job)
         fault = error.text;
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
-    job->quiet = job->quiet || (job->output != NULL && strcmp(job->output, "-") == 0);
+    else if (!job->is_cloud && !argument_mesh_ending(given, job->write.format))
+        return false;
+    job->quiet = job->quiet || is_standard_output(job->output);
     return fault == NULL;
 }
 
-static int write_mesh(const shape_job *job, const bat_mesh *mesh)
+static int draw_mesh(const shape_job *job, const bat_mesh *mesh)
 {
     bat_error error;
     bat_mesh_picture_panel panel = {.mesh = mesh, .title = job->kind};
-    if (job->picture != NULL && bat_mesh_picture_write(job->picture, &panel, 1, NULL, &error) != BAT_OK)
-        return report_failure(job->picture, &error);
-    if (job->output != NULL && bat_mesh_write(job->output, mesh, &job->write, &error) != BAT_OK)
-        return report_failure(job->output, &error);
-    return EXIT_DONE;
+    return bat_mesh_picture_write(output_path(&job->files, "picture"), &panel, 1, NULL, &error) == BAT_OK
+               ? EXIT_DONE
+               : report_failure(job->picture, &error);
+}
+
+static int write_mesh(const shape_job *job, const bat_mesh *mesh, const char *path)
+{
+    bat_error error;
+    if (path == NULL || bat_mesh_write(path, mesh, &job->write, &error) == BAT_OK)
+        return EXIT_DONE;
+    return report_failure(job->output, &error);
 }
 
 static int report_mesh(const shape_job *job, const bat_mesh *mesh)
@@ -122,28 +133,39 @@ static int report_mesh(const shape_job *job, const bat_mesh *mesh)
     return EXIT_DONE;
 }
 
-static int make_mesh(const shape_job *job)
+static int make_mesh(shape_job *job)
 {
-    bat_mesh mesh;
+    bat_mesh mesh = {0};
     bat_error error;
+    int code = EXIT_DONE;
     if (bat_mesh_shape(job->kind, job->vertices, job->seed, &mesh, &error) != BAT_OK)
-        return report_failure(NULL, &error);
-    int code = write_mesh(job, &mesh);
+        code = report_failure(NULL, &error);
+    if (code == EXIT_DONE && job->picture != NULL)
+        code = draw_mesh(job, &mesh);
+    if (code == EXIT_DONE)
+        code = write_mesh(job, &mesh, output_path(&job->files, "output"));
+    code = outputs_close(&job->files, code);
+    if (code == EXIT_DONE && is_standard_output(job->output))
+        code = write_mesh(job, &mesh, "-");
     if (code == EXIT_DONE)
         code = report_mesh(job, &mesh);
     bat_mesh_free(&mesh);
     return code;
 }
 
-static int write_cloud(const shape_job *job, const bat_cloud *cloud, const double *parameters)
+static int draw_cloud(const shape_job *job, const bat_cloud *cloud, const double *parameters)
 {
     bat_error error;
     bat_surface_picture_row panel = {.cloud = cloud, .title = job->kind, .parameters = parameters};
-    if (job->picture != NULL && bat_surface_picture_write(job->picture, &panel, 1, NULL, &error) != BAT_OK)
-        return report_failure(job->picture, &error);
-    if (job->output != NULL && bat_cloud_write(job->output, cloud, &error) != BAT_OK)
-        return report_failure(job->output, &error);
-    return EXIT_DONE;
+    return bat_surface_picture_write(output_path(&job->files, "picture"), &panel, 1, NULL, &error) == BAT_OK
+               ? EXIT_DONE
+               : report_failure(job->picture, &error);
+}
+
+static int write_cloud(const shape_job *job, const bat_cloud *cloud, const char *path)
+{
+    bat_error error;
+    return bat_cloud_write(path, cloud, &error) == BAT_OK ? EXIT_DONE : report_failure(job->output, &error);
 }
 
 static int report_cloud(const shape_job *job, const bat_cloud *cloud)
@@ -156,14 +178,22 @@ static int report_cloud(const shape_job *job, const bat_cloud *cloud)
     return EXIT_DONE;
 }
 
-static int make_cloud(const shape_job *job)
+static int make_cloud(shape_job *job)
 {
-    bat_cloud cloud;
-    double *parameters;
+    bat_cloud cloud = {0};
+    double *parameters = NULL;
     bat_error error;
+    int code = EXIT_DONE;
+    bool piped = is_standard_output(job->output);
     if (bat_cloud_shape(job->kind, job->vertices, job->seed, &cloud, &parameters, &error) != BAT_OK)
-        return report_failure(NULL, &error);
-    int code = write_cloud(job, &cloud, parameters);
+        code = report_failure(NULL, &error);
+    if (code == EXIT_DONE && job->picture != NULL)
+        code = draw_cloud(job, &cloud, parameters);
+    if (code == EXIT_DONE && job->output != NULL && !piped)
+        code = write_cloud(job, &cloud, output_path(&job->files, "output"));
+    code = outputs_close(&job->files, code);
+    if (code == EXIT_DONE && piped)
+        code = write_cloud(job, &cloud, "-");
     if (code == EXIT_DONE)
         code = report_cloud(job, &cloud);
     bat_cloud_free(&cloud);
@@ -180,5 +210,8 @@ int verb_shape(int argc, char **argv)
         return code;
     if (!read_job(&given, &job))
         return EXIT_BAD_USAGE;
+    code = outputs_open(&given, &job.files);
+    if (code != EXIT_DONE)
+        return code;
     return job.is_cloud ? make_cloud(&job) : make_mesh(&job);
 }

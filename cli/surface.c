@@ -1,21 +1,20 @@
 #include "verbs.h"
 
-#include "arguments.h"
+#include "outputs.h"
 #include "report.h"
-#include "surface_input.h"
 #include "surface_report.h"
 
 #include "batten/batten.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum
 {
-    MOST_FUNCTIONS = 100000000,
-    MOST_ROUNDS = 1000,
-    MOST_THREADS = 1024
+    MAX_FUNCTIONS = 100000000,
+    MAX_ROUNDS = 1000
 };
 
 static const option_spec OPTIONS[] = {
@@ -23,9 +22,10 @@ static const option_spec OPTIONS[] = {
     {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 2"},
     {"tolerance", 0, "T", "refine where points are farther off than this, in their units"},
     {"functions", 0, "N",
-     "the most functions, which is control points; default without --tolerance: a quarter of the points"},
+     "the maximum number of functions, which is that of control points; default without --tolerance: a quarter of the "
+     "points"},
     {"share", 0, "S", "stop when this share of the points is within the tolerance; default 1"},
-    {"iterations", 0, "N", "the most refinements; default 30"},
+    {"iterations", 0, "N", "the maximum number of refinements; default 30"},
     {"smoothing", 0, "WEIGHT", "of the thin plate; default: found by likelihood, or by --noise"},
     {"noise", 0, "D", "standard deviation of a coordinate: smooth until the distances match it"},
     {"robust", 0, NULL, "points far off count less"},
@@ -54,25 +54,106 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
+static const file_option FILES[] = {{"output", FILE_WRITTEN},
+                                    {"picture", FILE_DRAWN},
+                                    {"parameters", FILE_WRITTEN},
+                                    {"model", FILE_READ},
+                                    {"boundary", FILE_READ},
+                                    {"parameterization", FILE_READ},
+                                    {NULL, 0}};
+
 static const verb_spec SPEC = {
     .usage = "batten surface IN [-o OUT] [--tolerance T|--functions N] [--degree P,Q] [--picture FILE] [options]",
     .summary =
         "Fit an adaptive spline surface to the points of a file (XYZ, CSV, PLY, OBJ; - for standard input): a patch with "
         "one\nboundary, or a mesh of one. A spline surface (.xml, .json) as IN is written in another format.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
+    .reads_files = true,
+    .files = FILES,
 };
+
+/// What the command line says about the cloud.
+typedef struct surface_input
+{
+    const char *path;
+    bat_cloud_read_options read;
+    size_t corners[4]; ///< points of the input
+    bool has_corners;
+} surface_input;
 
 /// What the command line asks for.
 typedef struct surface_job
 {
     surface_input input;
+    outputs files;
     const char *output, *picture, *parameters, *model, *given; ///< files; may be null
     bat_surface_options options;
     bat_surface_write_options write;
     bool json, quiet;
 } surface_job;
+
+/// A whole number of 0 or more; false where the text is anything else.
+static bool is_count(const char *text, const char **end, size_t *count)
+{
+    char *stop;
+    if (*text < '0' || *text > '9')
+        return false;
+    unsigned long long value = strtoull(text, &stop, 10);
+    *end = stop;
+    *count = (size_t)value;
+    return value < LONG_MAX;
+}
+
+/// "A,B,C,D"
+static bool read_corners(const char *text, size_t corners[4])
+{
+    for (int k = 0; k < 4; k++)
+    {
+        if (!is_count(text, &text, &corners[k]) || *text != (k < 3 ? ',' : '\0'))
+            return false;
+        text++;
+    }
+    return true;
+}
+
+static void read_boundary(const char *text, bat_cloud_read_options *read)
+{
+    const char *end;
+    size_t count;
+    if (is_count(text, &end, &count) && *end == '\0')
+        read->boundary = count;
+    else
+        read->boundary_path = text;
+}
+
+static bool read_input(const arguments *given, surface_input *input)
+{
+    bat_error error;
+    const char *from = argument(given, "from"), *boundary = argument(given, "boundary"),
+               *corners = argument(given, "corners");
+    *input = (surface_input){.path = given->positional[0], .has_corners = corners != NULL};
+    input->read.drop_duplicates = argument_flag(given, "drop-duplicates");
+    if (from != NULL && bat_cloud_format_by_name(from, &input->read.format, &error) != BAT_OK)
+    {
+        (void)usage_error(given, "%s", error.text);
+        return false;
+    }
+    if (corners != NULL && !read_corners(corners, input->corners))
+    {
+        (void)usage_error(given, "--corners takes four numbers of points like 0,33,66,99, not '%s'", corners);
+        return false;
+    }
+    if (boundary != NULL)
+        read_boundary(boundary, &input->read);
+    if (boundary != NULL && input->read.boundary_path == NULL && input->read.boundary < 4)
+    {
+        (void)usage_error(given, "--boundary takes a file, or a number of points from 4, not '%s'", boundary);
+        return false;
+    }
+    return true;
+}
 
 static bool read_degrees(const arguments *given, int degree[2])
 {
@@ -111,20 +192,19 @@ static bool read_smoothing(const arguments *given, bat_surface_fit_options *fit)
 
 static bool read_fit(const arguments *given, bat_surface_fit_options *fit)
 {
-    long functions, iterations, corrections, final_corrections, threads;
+    long functions, iterations, corrections, final_corrections;
     if (!read_degrees(given, fit->space.degree) || !argument_number(given, "tolerance", 0, &fit->tolerance) ||
         !argument_number(given, "share", 1, &fit->share) || !read_smoothing(given, fit) ||
-        !argument_whole(given, "functions", 1, MOST_FUNCTIONS, 0, &functions) ||
-        !argument_whole(given, "iterations", 0, MOST_ROUNDS, fit->iterations, &iterations) ||
-        !argument_whole(given, "corrections", 0, MOST_ROUNDS, fit->corrections, &corrections) ||
-        !argument_whole(given, "final-corrections", 0, MOST_ROUNDS, 0, &final_corrections) ||
-        !argument_whole(given, "threads", 1, MOST_THREADS, 0, &threads))
+        !argument_whole(given, "functions", 1, MAX_FUNCTIONS, 0, &functions) ||
+        !argument_whole(given, "iterations", 0, MAX_ROUNDS, fit->iterations, &iterations) ||
+        !argument_whole(given, "corrections", 0, MAX_ROUNDS, fit->corrections, &corrections) ||
+        !argument_whole(given, "final-corrections", 0, MAX_ROUNDS, 0, &final_corrections) ||
+        !argument_threads(given, &fit->threads))
         return false;
     fit->functions = (size_t)functions;
     fit->iterations = (int)iterations;
     fit->corrections = (int)corrections;
     fit->final_corrections = (int)final_corrections;
-    fit->threads = (int)threads;
     fit->robust = argument_flag(given, "robust");
     return true;
 }
@@ -157,7 +237,7 @@ static bool read_parameterization(const arguments *given, surface_job *job)
 static const char *find_fault(const arguments *given, const surface_job *job)
 {
     const bat_surface_fit_options *fit = &job->options.fit;
-    bool piped = job->output != NULL && strcmp(job->output, "-") == 0;
+    bool piped = is_standard_output(job->output);
     if (fit->tolerance < 0 || (fit->tolerance == 0 && argument(given, "tolerance") != NULL))
         return "--tolerance takes a number above 0";
     if (!(fit->share > 0 && fit->share <= 1))
@@ -194,9 +274,9 @@ static bool read_job(const arguments *given, surface_job *job)
                          .options = bat_surface_defaults(),
                          .json = argument_flag(given, "json"),
                          .quiet = argument_flag(given, "quiet")};
-    if (!surface_input_arguments(given, &job->input) || !read_fit(given, &job->options.fit) ||
-        !read_parameterization(given, job) || !argument_word(given, "sides", SIDES, BAT_CLOUD_SIDES_CHORD_LENGTH, &sides) ||
-        !argument_whole(given, "samples", 1, MOST_ROUNDS, 0, &samples))
+    if (!read_input(given, &job->input) || !read_fit(given, &job->options.fit) || !read_parameterization(given, job) ||
+        !argument_word(given, "sides", SIDES, BAT_CLOUD_SIDES_CHORD_LENGTH, &sides) ||
+        !argument_whole(given, "samples", 1, MAX_ROUNDS, 0, &samples))
         return false;
     job->options.sides = (bat_cloud_sides)sides;
     job->options.published = argument_flag(given, "published");
@@ -208,17 +288,35 @@ static bool read_job(const arguments *given, surface_job *job)
         fault = error.text;
     if (fault == NULL && to == NULL && job->output != NULL &&
         bat_surface_format_of_path(job->output) == BAT_SURFACE_FORMAT_AUTO)
-        fault = "OUT's ending tells no format (.step, .xml, .vtk, .obj, .json): --to does";
+        fault = "the ending of OUT names no format (.step, .xml, .vtk, .obj, .json); --to does";
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
-    job->quiet = job->quiet || (job->output != NULL && strcmp(job->output, "-") == 0);
+    job->quiet = job->quiet || is_standard_output(job->output);
     return fault == NULL;
 }
 
 // A fit
 
+/// Read the cloud, and its boundary and corners as far as they are given. Returns the program's exit code.
+static int read_cloud(const surface_input *input, bat_cloud *cloud)
+{
+    bat_error error;
+    bat_status status = bat_cloud_read(input->path, &input->read, cloud, &error);
+    if (status != BAT_OK)
+        return report_failure(input->path, &error);
+    if (input->has_corners && cloud->boundary_count == 0)
+        status = bat_cloud_find_boundary(cloud, &error);
+    if (input->has_corners && status == BAT_OK)
+        status = bat_cloud_set_corners(cloud, input->corners, &error);
+    if (status == BAT_OK)
+        return EXIT_DONE;
+    bat_cloud_free(cloud);
+    return report_failure(input->path, &error);
+}
+
 /// Read the network and the parameters that are given, as far as they are. Returns the program's exit code.
-static int read_helpers(const surface_job *job, const bat_cloud *cloud, bat_surface_model **model, double **given)
+static int read_model_and_parameters(const surface_job *job, const bat_cloud *cloud, bat_surface_model **model,
+                                     double **given)
 {
     bat_error error;
     if (job->model != NULL && bat_surface_model_read(job->model, model, &error) != BAT_OK)
@@ -233,7 +331,7 @@ static int reconstruct(const surface_job *job, bat_cloud *cloud, bat_surface_res
     bat_error error;
     bat_surface_model *model = NULL;
     double *given = NULL;
-    int code = read_helpers(job, cloud, &model, &given);
+    int code = read_model_and_parameters(job, cloud, &model, &given);
     if (code == EXIT_DONE)
     {
         bat_surface_options options = job->options;
@@ -262,37 +360,56 @@ static int draw(const surface_job *job, const bat_cloud *cloud, const bat_surfac
                                      .surface = &result->surface,
                                      .distances = result->report.distances,
                                      .parameters = result->parameters};
-    return bat_surface_picture_write(job->picture, &panel, 1, NULL, &error) == BAT_OK ? EXIT_DONE
-                                                                                      : report_failure(job->picture, &error);
+    return bat_surface_picture_write(output_path(&job->files, "picture"), &panel, 1, NULL, &error) == BAT_OK
+               ? EXIT_DONE
+               : report_failure(job->picture, &error);
 }
 
-static int write_files(const surface_job *job, const bat_cloud *cloud, const bat_surface_result *result)
+static int write_parameters(const surface_job *job, const bat_cloud *cloud, const bat_surface_result *result)
+{
+    bat_error error;
+    const char *path = output_path(&job->files, "parameters");
+    return bat_cloud_parameters_write(path, cloud, result->parameters, &error) == BAT_OK
+               ? EXIT_DONE
+               : report_failure(job->parameters, &error);
+}
+
+/// Write a surface; the distances of a cloud go along where the format holds them. `cloud` may be null.
+static int write_surface(const surface_job *job, const bat_cloud *cloud, const bat_surface_result *result, const char *path)
 {
     bat_error error;
     bat_surface_write_options write = job->write;
-    write.points = cloud->points;
-    write.errors = result->report.distances;
-    write.point_count = cloud->count;
-    int code = job->picture != NULL ? draw(job, cloud, result) : EXIT_DONE;
-    if (code == EXIT_DONE && job->parameters != NULL &&
-        bat_cloud_parameters_write(job->parameters, cloud, result->parameters, &error) != BAT_OK)
-        code = report_failure(job->parameters, &error);
-    if (code == EXIT_DONE && job->output != NULL &&
-        bat_surface_write(job->output, &result->surface, &write, &error) != BAT_OK)
-        code = report_failure(job->output, &error);
-    return code;
+    if (cloud != NULL)
+    {
+        write.points = cloud->points;
+        write.errors = result->report.distances;
+        write.point_count = cloud->count;
+    }
+    if (path == NULL || bat_surface_write(path, &result->surface, &write, &error) == BAT_OK)
+        return EXIT_DONE;
+    return report_failure(job->output, &error);
 }
 
-static int fit(const surface_job *job)
+/// Everything that can fail, the files included.
+static int make_fit(const surface_job *job, bat_cloud *cloud, bat_surface_result *result)
 {
-    bat_cloud cloud;
-    bat_surface_result result = {0};
-    int code = surface_input_read(&job->input, &cloud);
-    if (code != EXIT_DONE)
-        return code;
-    code = reconstruct(job, &cloud, &result);
+    int code = read_cloud(&job->input, cloud);
     if (code == EXIT_DONE)
-        code = write_files(job, &cloud, &result);
+        code = reconstruct(job, cloud, result);
+    if (code == EXIT_DONE && job->picture != NULL)
+        code = draw(job, cloud, result);
+    if (code == EXIT_DONE && job->parameters != NULL)
+        code = write_parameters(job, cloud, result);
+    return code == EXIT_DONE ? write_surface(job, cloud, result, output_path(&job->files, "output")) : code;
+}
+
+static int fit(surface_job *job)
+{
+    bat_cloud cloud = {0};
+    bat_surface_result result = {0};
+    int code = outputs_close(&job->files, make_fit(job, &cloud, &result));
+    if (code == EXIT_DONE && is_standard_output(job->output))
+        code = write_surface(job, &cloud, &result, "-");
     surface_findings findings = {job->input.path, &cloud, &job->options, &result};
     if (code == EXIT_DONE && job->json)
         code = report_json(surface_report_json(&findings));
@@ -320,36 +437,55 @@ static const char *find_fit_option(const arguments *given)
     return NULL;
 }
 
-static int write_converted(const surface_job *job, const bat_spline_surface *surface)
+static int draw_converted(const surface_job *job, const bat_spline_surface *surface)
 {
     bat_error error;
     bat_surface_picture_row panel = {.title = job->input.path, .surface = surface};
-    if (job->picture != NULL && bat_surface_picture_write(job->picture, &panel, 1, NULL, &error) != BAT_OK)
-        return report_failure(job->picture, &error);
-    if (job->output != NULL && bat_surface_write(job->output, surface, &job->write, &error) != BAT_OK)
-        return report_failure(job->output, &error);
+    return bat_surface_picture_write(output_path(&job->files, "picture"), &panel, 1, NULL, &error) == BAT_OK
+               ? EXIT_DONE
+               : report_failure(job->picture, &error);
+}
+
+static int report_converted(const surface_job *job, const bat_spline_surface *surface)
+{
+    bat_hierarchical_options space = bat_hierarchical_space_options(surface->space);
+    size_t functions = bat_hierarchical_space_functions(surface->space);
+    size_t levels = bat_hierarchical_space_levels(surface->space);
+    if (job->json)
+        return report_json(json_pack("{s:[ii], s:I, s:I, s:I}", "degree", space.degree[0], space.degree[1], "functions",
+                                     (json_int_t)functions, "levels", (json_int_t)levels, "dimension",
+                                     (json_int_t)surface->dimension));
+    if (!job->quiet)
+        (void)printf("%s: bidegree (%d, %d), %zu functions on %zu levels\n", job->input.path, space.degree[0],
+                     space.degree[1], functions, levels);
     return EXIT_DONE;
 }
 
-static int convert(const surface_job *job)
+static int convert(surface_job *job)
 {
     bat_error error;
-    bat_spline_surface surface;
-    if (bat_surface_read(job->input.path, &surface, &error) != BAT_OK)
-        return report_failure(job->input.path, &error);
-    int code = write_converted(job, &surface);
-    bat_hierarchical_options space = bat_hierarchical_space_options(surface.space);
-    size_t functions = bat_hierarchical_space_functions(surface.space);
-    size_t levels = bat_hierarchical_space_levels(surface.space);
-    if (code == EXIT_DONE && job->json)
-        code = report_json(json_pack("{s:[ii], s:I, s:I, s:I}", "degree", space.degree[0], space.degree[1], "functions",
-                                     (json_int_t)functions, "levels", (json_int_t)levels, "dimension",
-                                     (json_int_t)surface.dimension));
-    else if (code == EXIT_DONE && !job->quiet)
-        (void)printf("%s: bidegree (%d, %d), %zu functions on %zu levels\n", job->input.path, space.degree[0],
-                     space.degree[1], functions, levels);
-    bat_spline_surface_free(&surface);
+    bat_surface_result result = {0};
+    int code = EXIT_DONE;
+    if (bat_surface_read(job->input.path, &result.surface, &error) != BAT_OK)
+        code = report_failure(job->input.path, &error);
+    if (code == EXIT_DONE && job->picture != NULL)
+        code = draw_converted(job, &result.surface);
+    if (code == EXIT_DONE)
+        code = write_surface(job, NULL, &result, output_path(&job->files, "output"));
+    code = outputs_close(&job->files, code);
+    if (code == EXIT_DONE && is_standard_output(job->output))
+        code = write_surface(job, NULL, &result, "-");
+    if (code == EXIT_DONE)
+        code = report_converted(job, &result.surface);
+    bat_spline_surface_free(&result.surface);
     return code;
+}
+
+/// Whether a file holds a spline surface, by its name: there is nothing to fit then.
+static bool is_surface(const char *path)
+{
+    bat_surface_format format = bat_surface_format_of_path(path);
+    return format == BAT_SURFACE_FORMAT_XML || format == BAT_SURFACE_FORMAT_JSON || format == BAT_SURFACE_FORMAT_STEP;
 }
 
 int verb_surface(int argc, char **argv)
@@ -361,10 +497,12 @@ int verb_surface(int argc, char **argv)
         return code;
     if (!read_job(&given, &job))
         return EXIT_BAD_USAGE;
-    if (!surface_input_is_surface(job.input.path))
-        return fit(&job);
-    const char *option = find_fit_option(&given);
+    bool converts = is_surface(job.input.path);
+    const char *option = converts ? find_fit_option(&given) : NULL;
     if (option != NULL)
         return usage_error(&given, "IN is a spline surface already: --%s goes with points", option);
-    return convert(&job);
+    code = outputs_open(&given, &job.files);
+    if (code != EXIT_DONE)
+        return code;
+    return converts ? convert(&job) : fit(&job);
 }

@@ -48,8 +48,8 @@ static const verb_spec SPEC = {
         "the same result. `batten train mesh --help` tells of meshes, `batten train surface --help` of "
         "scattered points.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
 };
 
 static void leave_out(bat_tension_train_options *options, int term)

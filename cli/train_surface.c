@@ -45,8 +45,8 @@ static const verb_spec SPEC = {
                "checkpoint and "
                "stops; with --resume the same command goes on to the same result.",
     .options = OPTIONS,
-    .least_positional = 1,
-    .most_positional = 1,
+    .min_positional = 1,
+    .max_positional = 1,
 };
 
 /// "A-B", or "A" for both; what they are stays when the option was not given. False after a message.

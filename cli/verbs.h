@@ -8,6 +8,7 @@ int verb_decimate(int argc, char **argv);
 int verb_list(int argc, char **argv);
 int verb_measure(int argc, char **argv);
 int verb_mesh(int argc, char **argv);
+int verb_motion(int argc, char **argv);
 int verb_reproduce(int argc, char **argv);
 int verb_shape(int argc, char **argv);
 int verb_surface(int argc, char **argv);

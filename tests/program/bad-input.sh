@@ -274,7 +274,7 @@ refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
 refused 2 '--vertices N is missing' decimate mesh.in.obj -o out.csv
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
-refused 2 'least-quality is from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --least-quality 2
+refused 2 'min-quality takes a number from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2
 refused 1 'fins.in.obj: .*third at the edge' decimate fins.in.obj -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 
@@ -363,7 +363,7 @@ refused 2 'four numbers' surface cloud.in.xyz --corners 1,2,3
 refused 2 'parameterization takes' surface cloud.in.xyz --parameterization fancy
 refused 2 'goes with auto and learned' surface cloud.in.xyz --parameterization uniform --model good.in.csv
 refused 2 'one of chord-length' surface cloud.in.xyz --sides short
-refused 2 "ending tells no format" surface cloud.in.xyz -o out.csv
+refused 2 "ending of OUT names no format" surface cloud.in.xyz -o out.csv
 refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to iges
 refused 2 'no cloud format' surface cloud.in.xyz --from stl
 refused 2 'both need standard output' surface cloud.in.xyz -o - --to step --json

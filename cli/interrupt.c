@@ -1,0 +1,75 @@
+#include "interrupt.h"
+
+#include "arguments.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t pending, mode;
+static const bat_outputs *_Atomic files;
+static pthread_t main_thread;
+static bool on_terminal; ///< standard error is one
+
+/// End the program. Everything here may be called from a signal handler.
+static void stop(void)
+{
+    static const char text[] = "batten: stopped\n", erase[] = "\r\033[K";
+    if (files != NULL)
+        bat_outputs_remove(files);
+    if (on_terminal && write(STDERR_FILENO, erase, sizeof erase - 1) < 0)
+        _exit(EXIT_BAD_INPUT);
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        _exit(EXIT_BAD_INPUT);
+    _exit(EXIT_BAD_INPUT);
+}
+
+static void on_signal(int signal_number)
+{
+    // The files under way belong to the main thread.
+    if (!pthread_equal(pthread_self(), main_thread))
+    {
+        (void)pthread_kill(main_thread, signal_number);
+        return;
+    }
+    if (mode == INTERRUPT_AT_ONCE || (mode == INTERRUPT_COOPERATIVE && pending))
+        stop();
+    pending = 1;
+}
+
+void interrupt_catch(void)
+{
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    main_thread = pthread_self();
+    on_terminal = isatty(STDERR_FILENO) != 0;
+    struct sigaction action = {.sa_handler = on_signal};
+    action.sa_flags = SA_RESTART;
+    (void)sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+    {
+        struct sigaction before;
+        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            (void)sigaction(signals[i], &action, NULL);
+    }
+}
+
+void interrupt_files(const bat_outputs *new_files)
+{
+    files = new_files;
+}
+
+void interrupt_use(interrupt_mode new_mode)
+{
+    // What came while it could not be obeyed came too late.
+    if (mode == INTERRUPT_NEVER)
+        pending = 0;
+    mode = (sig_atomic_t)new_mode;
+    if (new_mode == INTERRUPT_AT_ONCE && pending)
+        stop();
+}
+
+bool interrupt_pending(void)
+{
+    return pending != 0;
+}
