@@ -45,6 +45,40 @@ static void rotations_have_three_forms(void **state)
     bat_curve_set_free(&set);
 }
 
+static void motions_are_manifolds_in_time(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text, *space;
+        bool suits;
+    } cases[] = {{"time,qw,qx,qy,qz\n0,1,0,0,0\n", NULL, true},
+                 {"qw,qx,qy,qz\n1,0,0,0\n", NULL, false},
+                 {"xx,xy,yy,vxx,vxy,vyy\n2,1,2,0,0,0\n", "spd", true},
+                 {"time,x,y\n0,1,2\n", "plane", false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_curve_set set = must_read(cases[i].text, CSV, cases[i].space);
+        assert_int_equal(bat_motion_suits(&set), cases[i].suits);
+        bat_curve_set_free(&set);
+    }
+}
+
+static void the_weight_of_translations_is_read(void **state)
+{
+    (void)state;
+    static const char text[] = "time,tx,ty,tz,qx,qy,qz,qw\n0,1,2,3,0,0,0,1\n1,2,2,3,0,0,0,1\n";
+    bat_curve_read_options options = bat_curve_read_defaults();
+    bat_curve_set set;
+    options.format = CSV;
+    options.translation_weight = 3;
+    assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, NULL), BAT_OK);
+    assert_true(set.space->distance(set.space, set.curves[0].points, set.curves[0].points + 7) == 3);
+    bat_curve_set_free(&set);
+    options.translation_weight = -1;
+    assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, NULL), BAT_INVALID_ARGUMENT);
+}
+
 static void names_alone_imply_rotations_and_poses(void **state)
 {
     (void)state;
@@ -462,6 +496,8 @@ int main(void)
         cmocka_unit_test(bad_keyframes_name_their_lines),
         cmocka_unit_test(motions_may_rest),
         cmocka_unit_test(forms_agree),
+        cmocka_unit_test(motions_are_manifolds_in_time),
+        cmocka_unit_test(the_weight_of_translations_is_read),
         cmocka_unit_test(velocities_are_derivatives_of_the_columns),
         cmocka_unit_test(names_of_schemes),
     };

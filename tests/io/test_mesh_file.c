@@ -179,10 +179,45 @@ static void test_real_meshes(void **state)
     assert_true(count > 0);
 }
 
+/// Three faces at an edge, one of them twice, and a face with a vertex twice.
+static void test_reading_can_repair(void **state)
+{
+    (void)state;
+    static const char FINS[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\nf 1 2 5\nf 1 1 2\n";
+    bat_mesh_read_options options = bat_mesh_read_defaults();
+    bat_mesh_repair_report report = {.flipped_faces = 7};
+    bat_mesh mesh, kept, repaired;
+    bat_mesh_connectivity links;
+    options.format = BAT_MESH_FORMAT_OBJ;
+    options.repair = true;
+    options.repairs = &report;
+    assert_int_equal(bat_mesh_read_memory(FINS, sizeof FINS - 1, &options, &mesh, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_connect(&mesh, &links, NULL), BAT_OK);
+    bat_mesh_connectivity_free(&links);
+    assert_int_equal(report.degenerate_faces, 1);
+    assert_int_equal(report.duplicate_faces, 1);
+    size_t places = bat_mesh_repair_places(&report);
+    assert_true(places >= 3);
+    options.repair = false;
+    options.keep_degenerate = true;
+    assert_int_equal(bat_mesh_read_memory(FINS, sizeof FINS - 1, &options, &kept, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_repair_places(&report), 0);
+    assert_int_equal(bat_mesh_repair(&kept, &report, &repaired, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_repair_places(&report), places);
+    assert_int_equal(repaired.face_count, mesh.face_count);
+    assert_memory_equal(repaired.faces, mesh.faces, 3 * mesh.face_count * sizeof *mesh.faces);
+    bat_mesh_free(&mesh);
+    bat_mesh_free(&kept);
+    bat_mesh_free(&repaired);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_formats_by_name_and_ending),
-                                       cmocka_unit_test(test_options_are_checked), cmocka_unit_test(test_files),
-                                       cmocka_unit_test(test_locales), cmocka_unit_test(test_real_meshes)};
+                                       cmocka_unit_test(test_options_are_checked),
+                                       cmocka_unit_test(test_reading_can_repair),
+                                       cmocka_unit_test(test_files),
+                                       cmocka_unit_test(test_locales),
+                                       cmocka_unit_test(test_real_meshes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

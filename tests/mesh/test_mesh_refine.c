@@ -530,6 +530,37 @@ static bool stop_at_once(void *context, double fraction)
     return false;
 }
 
+/// Square-root-three turns edges over: it leaves out what lies along them.
+static void test_turned_edges_lose_texture_and_creases(void **state)
+{
+    (void)state;
+    bat_mesh mesh = mesh_octahedron(), plain = mesh, fine, expected;
+    bat_mesh_crease crease = {mesh.faces[0], mesh.faces[1], 2};
+    bat_mesh_corner corner = {0, 1};
+    double texture[] = {0, 0};
+    uint32_t *texture_faces = calloc(3 * mesh.face_count, sizeof *texture_faces);
+    mesh.creases = &crease;
+    mesh.corners = &corner;
+    mesh.crease_count = mesh.corner_count = mesh.texture_count = 1;
+    mesh.texture = texture;
+    mesh.texture_faces = texture_faces;
+    bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.scheme = BAT_MESH_SCHEME_SQRT3;
+    for (options.levels = 0; options.levels <= 2; options.levels += 2)
+    {
+        assert_int_equal(bat_mesh_refine(&mesh, &options, &fine, NULL, NULL), BAT_OK);
+        assert_int_equal(bat_mesh_refine(&plain, &options, &expected, NULL, NULL), BAT_OK);
+        assert_null(fine.texture_faces);
+        assert_int_equal(fine.crease_count + fine.corner_count + fine.texture_count, 0);
+        assert_int_equal(fine.vertex_count, expected.vertex_count);
+        assert_memory_equal(fine.positions, expected.positions, 3 * fine.vertex_count * sizeof *fine.positions);
+        bat_mesh_free(&fine);
+        bat_mesh_free(&expected);
+    }
+    free(texture_faces);
+    bat_mesh_free(&plain);
+}
+
 static void test_refusals(void **state)
 {
     (void)state;
@@ -667,15 +698,25 @@ static void test_boundary_stands_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_split_links),       cmocka_unit_test(test_split_links_of_faces_without_edges),
-        cmocka_unit_test(test_levels_add_up),     cmocka_unit_test(test_affine_maps),
-        cmocka_unit_test(test_planes_stay),       cmocka_unit_test(test_topology_stays),
-        cmocka_unit_test(test_vertices_stay),     cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_renumbering),       cmocka_unit_test(test_polynomials),
-        cmocka_unit_test(test_loop_lifts_a_bowl), cmocka_unit_test(test_isolated_vertices),
-        cmocka_unit_test(test_channels),          cmocka_unit_test(test_texture),
-        cmocka_unit_test(test_refusals),          cmocka_unit_test(test_no_levels),
-        cmocka_unit_test(test_learned),           cmocka_unit_test(test_boundary_stands_alone),
+        cmocka_unit_test(test_split_links),
+        cmocka_unit_test(test_split_links_of_faces_without_edges),
+        cmocka_unit_test(test_levels_add_up),
+        cmocka_unit_test(test_affine_maps),
+        cmocka_unit_test(test_planes_stay),
+        cmocka_unit_test(test_topology_stays),
+        cmocka_unit_test(test_vertices_stay),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_renumbering),
+        cmocka_unit_test(test_polynomials),
+        cmocka_unit_test(test_loop_lifts_a_bowl),
+        cmocka_unit_test(test_isolated_vertices),
+        cmocka_unit_test(test_channels),
+        cmocka_unit_test(test_texture),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_no_levels),
+        cmocka_unit_test(test_learned),
+        cmocka_unit_test(test_boundary_stands_alone),
+        cmocka_unit_test(test_turned_edges_lose_texture_and_creases),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
