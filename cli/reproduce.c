@@ -1,6 +1,7 @@
 #include "reproduce.h"
 
 #include "arguments.h"
+#include "interrupt.h"
 #include "report.h"
 #include "verbs.h"
 
@@ -10,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /// When a result comes with pictures.
 typedef enum pictures
@@ -313,6 +315,22 @@ static const char *folder_of(const arguments *given, size_t index)
     return folder != NULL ? folder : RESULTS[index].folder;
 }
 
+/// Put the pictures in their places when `code` is EXIT_DONE, else remove them. Returns the program's exit code.
+static int put_in_place(reproduce_job *job, int code)
+{
+    bat_error error;
+    if (code == EXIT_DONE)
+    {
+        interrupt_use(INTERRUPT_NEVER);
+        if (bat_outputs_commit(job->files, &error) != BAT_OK)
+            code = report_failure(job->folder, &error);
+    }
+    interrupt_files(NULL);
+    interrupt_use(INTERRUPT_AT_ONCE);
+    bat_outputs_free(job->files);
+    return code;
+}
+
 static int run(const arguments *given, size_t index)
 {
     // In the order of bat_tension_set_kind.
@@ -335,9 +353,10 @@ static int run(const arguments *given, size_t index)
     pictures drawn = RESULTS[index].drawn;
     const char *folder = folder_of(given, index);
     // Trainings make their folders themselves.
-    if (folder != NULL && drawn != TRAINING && mkdir(folder, 0777) != 0 && errno != EEXIST)
+    bool makes_folder = folder != NULL && drawn != TRAINING, made = makes_folder && mkdir(folder, 0777) == 0;
+    bat_error error = {0};
+    if (makes_folder && !made && errno != EEXIST)
     {
-        bat_error error = {0};
         (void)snprintf(error.text, sizeof error.text, "the folder cannot be made: %s", strerror(errno));
         return report_failure(folder, &error);
     }
@@ -358,7 +377,13 @@ static int run(const arguments *given, size_t index)
                          .points = points,
                          .noises = noises,
                          .degrees = degrees};
-    return RESULTS[index].run(&job);
+    if (bat_outputs_new(&job.files, &error) != BAT_OK)
+        return report_failure(NULL, &error);
+    interrupt_files(job.files);
+    code = put_in_place(&job, RESULTS[index].run(&job));
+    if (code != EXIT_DONE && made)
+        (void)rmdir(folder);
+    return code;
 }
 
 int verb_reproduce(int argc, char **argv)

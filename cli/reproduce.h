@@ -17,6 +17,7 @@ bool reproduce_row(size_t index, const char **name, const char **summary);
 typedef struct reproduce_job
 {
     const char *folder; ///< for pictures or trainings; null for none
+    bat_outputs *files; ///< the pictures, which appear together
     const char *model;  ///< the file of a network; null for none
     uint64_t seed;
     bat_tension_set_kind curves; ///< which curves table 1 is taken on
@@ -58,8 +59,18 @@ enum
     REPRODUCE_PATH_SIZE = 4096
 };
 
-/// Draw the rows of table 1, `count` in all: how near against how fair, in each space.
-int reproduce_draw_frontier(const bat_tension_row *rows, size_t count, const char *path);
+/// A picture: where it goes, and where it is written first.
+typedef struct reproduce_picture
+{
+    char path[REPRODUCE_PATH_SIZE];
+    const char *write_to;
+} reproduce_picture;
+
+/// Add a picture of that name in the job's folder. Returns the program's exit code.
+int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_picture *picture);
+
+/// Draw the rows of table 1, `count` in all: distance to the truth against fairness, in each space.
+int reproduce_draw_frontier(const reproduce_job *job, const bat_tension_row *rows, size_t count);
 
 /// Read the model that is asked for, or take the published recipe's where none is. Returns the program's exit code.
 int reproduce_model(const reproduce_job *job, bat_curve_model **model);

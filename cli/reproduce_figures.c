@@ -19,8 +19,7 @@ enum
     MIDDLE = 3, ///< the panels of level 10 …
     LAST = 4,   ///< … and of level 20
     MOST_OUTLINES = BAT_SHAPE_MAX_OUTLINES,
-    NAME_SIZE = 64,
-    PATH_SIZE = 4096,
+    NAME_SIZE = 64
 };
 
 /// The levels that the study shows.
@@ -127,11 +126,11 @@ static void figure_free(figure *f)
 }
 
 /// Write the five panels, as SVG and as PNG.
-static int figure_draw(const figure *f, const char *folder)
+static int figure_draw(const figure *f, const reproduce_job *job)
 {
     bat_curve_picture_layer layers[PANELS][MOST_OUTLINES];
     bat_curve_picture_panel panels[PANELS];
-    char titles[PANELS][NAME_SIZE], heading[2 * NAME_SIZE], path[PATH_SIZE];
+    char titles[PANELS][NAME_SIZE], heading[2 * NAME_SIZE], name[NAME_SIZE + 8];
     for (size_t panel = 0; panel < PANELS; panel++)
     {
         for (size_t o = 0; o < f->shape->outline_count; o++)
@@ -146,10 +145,13 @@ static int figure_draw(const figure *f, const char *folder)
     for (size_t i = 0; i < sizeof ENDINGS / sizeof ENDINGS[0]; i++)
     {
         bat_error error;
-        if ((size_t)snprintf(path, sizeof path, "%s/%s.%s", folder, f->name, ENDINGS[i]) >= sizeof path)
-            return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
-        if (bat_curve_picture_write(path, panels, PANELS, &how, &error) != BAT_OK)
-            return report_failure(path, &error);
+        reproduce_picture picture;
+        (void)snprintf(name, sizeof name, "%s.%s", f->name, ENDINGS[i]);
+        int code = reproduce_picture_add(job, name, &picture);
+        if (code != EXIT_DONE)
+            return code;
+        if (bat_curve_picture_write(picture.write_to, panels, PANELS, &how, &error) != BAT_OK)
+            return report_failure(picture.path, &error);
     }
     return EXIT_DONE;
 }
@@ -186,14 +188,15 @@ static void print_foot(const char *folder)
 }
 
 /// Make, draw and report one figure, and let go of its points.
-static int reproduce_figure(const bat_curve_shape *shape, const bat_shape_figure *study, const char *folder, json_t *array)
+static int reproduce_figure(const bat_curve_shape *shape, const bat_shape_figure *study, const reproduce_job *job,
+                            json_t *array)
 {
     bat_space plane = bat_euclidean(2);
     bat_error error;
     figure f;
     bat_status status = figure_make(shape, study, &plane, &f, &error);
     report_progress_end();
-    int code = status == BAT_OK ? figure_draw(&f, folder) : report_failure(shape->name, &error);
+    int code = status == BAT_OK ? figure_draw(&f, job) : report_failure(shape->name, &error);
     if (code == EXIT_DONE && array != NULL && json_array_append_new(array, figure_json(&f)) != 0)
         code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     else if (code == EXIT_DONE && array == NULL)
@@ -215,7 +218,7 @@ int reproduce_curve_figures(const reproduce_job *job)
     {
         const bat_curve_shape *shape = bat_curve_shape_at(s);
         for (size_t k = 0; k < shape->figure_count && code == EXIT_DONE; k++)
-            code = reproduce_figure(shape, &shape->figures[k], job->folder, array);
+            code = reproduce_figure(shape, &shape->figures[k], job, array);
     }
     if (code == EXIT_DONE && as_json)
         return report_json(json_pack("{s:o}", "figures", array));

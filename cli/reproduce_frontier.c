@@ -80,7 +80,7 @@ static bat_chart chart_of(frontier *f, const char *space, bool bending)
     return chart;
 }
 
-int reproduce_draw_frontier(const bat_tension_row *rows, size_t count, const char *path)
+int reproduce_draw_frontier(const reproduce_job *job, const bat_tension_row *rows, size_t count)
 {
     frontier frontiers[CHARTS] = {0};
     bat_chart charts[CHARTS];
@@ -96,6 +96,9 @@ int reproduce_draw_frontier(const bat_tension_row *rows, size_t count, const cha
     draw.columns = SPACES;
     draw.width = 1400;
     draw.height = 900;
-    bat_status status = bat_chart_write(path, charts, CHARTS, &draw, &error);
-    return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
+    reproduce_picture picture;
+    int code = reproduce_picture_add(job, "tension-frontier.png", &picture);
+    if (code == EXIT_DONE && bat_chart_write(picture.write_to, charts, CHARTS, &draw, &error) != BAT_OK)
+        code = report_failure(picture.path, &error);
+    return code;
 }

@@ -12,7 +12,6 @@ enum
 {
     PANELS = BAT_HERMITE_FIGURE_PANELS,
     CURVES = BAT_HERMITE_FIGURE_CURVES,
-    PATH_SIZE = 4096,
     TITLE_SIZE = 128
 };
 
@@ -37,11 +36,11 @@ static void scheme_words(const bat_hermite_panel *panel, char *text, size_t size
         (void)snprintf(text, size, "%s", panel->scheme);
 }
 
-static int draw_figure(const bat_hermite_figure *figure, const char *folder)
+static int draw_figure(const bat_hermite_figure *figure, const reproduce_job *job)
 {
     bat_curve_picture_layer layers[PANELS][CURVES];
     bat_curve_picture_panel panels[PANELS];
-    char titles[PANELS][TITLE_SIZE], path[PATH_SIZE];
+    char titles[PANELS][TITLE_SIZE], name[TITLE_SIZE];
     for (size_t p = 0; p < figure->panel_count; p++)
     {
         const bat_hermite_panel *panel = &figure->panels[p];
@@ -60,10 +59,13 @@ static int draw_figure(const bat_hermite_figure *figure, const char *folder)
     for (size_t i = 0; i < sizeof ENDINGS / sizeof *ENDINGS; i++)
     {
         bat_error error;
-        if ((size_t)snprintf(path, sizeof path, "%s/hermite-%s.%s", folder, figure->name, ENDINGS[i]) >= sizeof path)
-            return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
-        if (bat_curve_picture_write(path, panels, figure->panel_count, &how, &error) != BAT_OK)
-            return report_failure(path, &error);
+        reproduce_picture picture;
+        (void)snprintf(name, sizeof name, "hermite-%s.%s", figure->name, ENDINGS[i]);
+        int code = reproduce_picture_add(job, name, &picture);
+        if (code != EXIT_DONE)
+            return code;
+        if (bat_curve_picture_write(picture.write_to, panels, figure->panel_count, &how, &error) != BAT_OK)
+            return report_failure(picture.path, &error);
     }
     return EXIT_DONE;
 }
@@ -85,13 +87,13 @@ static void print_panel(const bat_hermite_panel *panel, size_t number)
 }
 
 /// Make, draw and report figure `index`; add its rows to the array where there is one.
-static int reproduce_figure(size_t index, const char *folder, json_t *rows)
+static int reproduce_figure(size_t index, const reproduce_job *job, json_t *rows)
 {
     bat_hermite_figure figure;
     bat_error error;
     if (bat_hermite_figure_make(index, &figure, &error) != BAT_OK)
         return report_failure(NULL, &error);
-    int code = draw_figure(&figure, folder);
+    int code = draw_figure(&figure, job);
     for (size_t p = 0; p < figure.panel_count && code == EXIT_DONE; p++)
     {
         if (rows == NULL)
@@ -115,7 +117,7 @@ int reproduce_hermite_figures(const reproduce_job *job)
             "figure", "data", "points", "scheme", "error");
     int code = EXIT_DONE;
     for (size_t i = 0; i < BAT_HERMITE_FIGURE_COUNT && code == EXIT_DONE; i++)
-        code = reproduce_figure(i, job->folder, rows);
+        code = reproduce_figure(i, job, rows);
     if (code == EXIT_DONE && job->json)
         return report_json(json_pack("{s:o}", "rows", rows));
     json_decref(rows);

@@ -209,13 +209,17 @@ static int add_rows(const table *t, const char *name, const bat_mesh *shape, con
 static int draw(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse, const bat_mesh *fine,
                 const bat_mesh_score *scores)
 {
-    char path[PATH_SIZE];
+    char file[PATH_SIZE];
+    reproduce_picture picture;
     bat_error error;
-    if ((size_t)snprintf(path, sizeof path, "%s/%s.png", t->job->folder, name) >= sizeof path)
-        return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
-    if (bat_mesh_study_draw(path, name, shape, coarse, t->methods + BUTTERFLY, fine + BUTTERFLY, scores + BUTTERFLY,
-                            t->method_count - BUTTERFLY, 0, &error) != BAT_OK)
-        return report_failure(path, &error);
+    if ((size_t)snprintf(file, sizeof file, "%s.png", name) >= sizeof file)
+        return report_failure(NULL, &(bat_error){.text = "the shape's name is too long"});
+    int code = reproduce_picture_add(t->job, file, &picture);
+    if (code != EXIT_DONE)
+        return code;
+    if (bat_mesh_study_draw(picture.write_to, name, shape, coarse, t->methods + BUTTERFLY, fine + BUTTERFLY,
+                            scores + BUTTERFLY, t->method_count - BUTTERFLY, 0, &error) != BAT_OK)
+        return report_failure(picture.path, &error);
     return EXIT_DONE;
 }
 

@@ -9,11 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum
-{
-    PATH_SIZE = 4096
-};
-
 static bat_mesh_study_options options_of(const reproduce_job *job)
 {
     bat_mesh_study_options options = bat_mesh_study_defaults();
@@ -164,12 +159,10 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
 int reproduce_mesh_style(const reproduce_job *job)
 {
     bat_mesh_study_options options = options_of(job);
-    char picture[PATH_SIZE];
+    reproduce_picture picture;
     bat_mesh_style style = {0};
     bat_mesh *shapes = NULL;
     bat_error error;
-    if ((size_t)snprintf(picture, sizeof picture, "%s/style.png", job->folder) >= sizeof picture)
-        return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
     int code = read_shapes(job, &shapes);
     if (code == EXIT_DONE)
     {
@@ -178,9 +171,11 @@ int reproduce_mesh_style(const reproduce_job *job)
         bat_status status =
             bat_mesh_style_make(given ? &shapes[0] : NULL, given ? &shapes[1] : NULL, NULL, &options, &style, &error);
         report_progress_end();
-        if (status == BAT_OK)
-            status = bat_mesh_style_draw(picture, &style, 0, &error);
-        code = status == BAT_OK ? print_style(job, &style, picture) : report_failure(NULL, &error);
+        code = status == BAT_OK ? reproduce_picture_add(job, "style.png", &picture) : report_failure(NULL, &error);
+        if (code == EXIT_DONE && bat_mesh_style_draw(picture.write_to, &style, 0, &error) != BAT_OK)
+            code = report_failure(picture.path, &error);
+        if (code == EXIT_DONE)
+            code = print_style(job, &style, picture.path);
     }
     bat_mesh_style_free(&style);
     free_shapes(job, shapes);

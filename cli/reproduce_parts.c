@@ -36,3 +36,12 @@ int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PAT
         return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
     return EXIT_DONE;
 }
+
+int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_picture *picture)
+{
+    bat_error error;
+    int code = reproduce_path(job->folder, name, picture->path);
+    if (code == EXIT_DONE && bat_outputs_add(job->files, picture->path, &picture->write_to, &error) != BAT_OK)
+        code = report_failure(picture->path, &error);
+    return code;
+}

@@ -183,11 +183,12 @@ static int draw_fits(const scan_study *study, const published_fit *what, const b
                      const bat_surface_method *methods, const bat_surface_trial *trials)
 {
     bat_error error;
-    char file[80], path[REPRODUCE_PATH_SIZE];
+    char file[80];
+    reproduce_picture picture;
     (void)snprintf(file, sizeof file, "%s-%d-%d.png", what->name, what->degree[0], what->degree[1]);
-    int code = reproduce_path(study->job->folder, file, path);
-    if (code == EXIT_DONE && bat_surface_study_draw(path, cloud, methods, trials, FITTED, &error) != BAT_OK)
-        code = report_failure(path, &error);
+    int code = reproduce_picture_add(study->job, file, &picture);
+    if (code == EXIT_DONE && bat_surface_study_draw(picture.write_to, cloud, methods, trials, FITTED, &error) != BAT_OK)
+        code = report_failure(picture.path, &error);
     return code;
 }
 

@@ -166,23 +166,23 @@ int reproduce_tension_table1(const reproduce_job *job)
     if (status != BAT_OK)
         return report_failure(NULL, &error);
     const size_t count = sizeof rows / sizeof *rows;
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s/tension-frontier.png", job->folder != NULL ? job->folder : ".");
-    int code = job->folder != NULL ? reproduce_draw_frontier(rows, count, path) : EXIT_DONE;
+    int code = job->folder != NULL ? reproduce_draw_frontier(job, rows, count) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
     return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->json);
 }
 
-static int draw_iss(const char *folder)
+static int draw_iss(const reproduce_job *job)
 {
     bat_space sphere = bat_sphere(2);
     bat_curve truth, control, fine = {0};
     bat_error error;
+    reproduce_picture picture;
+    int code = reproduce_picture_add(job, "tension-iss.png", &picture);
+    if (code != EXIT_DONE)
+        return code;
     if (bat_tension_iss_track(&sphere, &truth, &control, &error) != BAT_OK)
         return report_failure(NULL, &error);
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s/tension-iss.png", folder);
     bat_status status = bat_curve_refine(&control, NULL, &fine, &error);
     if (status == BAT_OK)
     {
@@ -194,12 +194,12 @@ static int draw_iss(const char *folder)
         bat_curve_picture_panel panel = {.layers = layers, .layer_count = 3};
         bat_curve_picture_options draw = bat_curve_picture_defaults();
         draw.projection = BAT_CURVE_PROJECTION_BOTH;
-        status = bat_curve_picture_write(path, &panel, 1, &draw, &error);
+        status = bat_curve_picture_write(picture.write_to, &panel, 1, &draw, &error);
     }
     bat_curve_free(&truth);
     bat_curve_free(&control);
     bat_curve_free(&fine);
-    return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
+    return status == BAT_OK ? EXIT_DONE : report_failure(picture.path, &error);
 }
 
 int reproduce_tension_iss(const reproduce_job *job)
@@ -219,7 +219,7 @@ int reproduce_tension_iss(const reproduce_job *job)
     networks_free(&compared);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    int code = job->folder != NULL ? draw_iss(job->folder) : EXIT_DONE;
+    int code = job->folder != NULL ? draw_iss(job) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
     return print_rows(rows, BAT_TENSION_METHODS + OWN,

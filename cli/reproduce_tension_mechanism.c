@@ -32,12 +32,12 @@ static void fill_bars(const bat_tension_effective *effective, double *x, double 
     }
 }
 
-static int draw(const char *folder, const bat_tension_mechanism_report *report)
+static int draw(const reproduce_job *job, const bat_tension_mechanism_report *report)
 {
     double x[2 * SPACES][BINS], y[2 * SPACES][BINS];
     bat_chart_series series[2 * SPACES];
     bat_chart charts[2 * SPACES];
-    char titles[2 * SPACES][40], path[4096];
+    char titles[2 * SPACES][40];
     for (size_t i = 0; i < 2 * (size_t)SPACES; i++)
     {
         bool printed = i < SPACES;
@@ -56,8 +56,11 @@ static int draw(const char *folder, const bat_tension_mechanism_report *report)
     bat_curve_picture_options options = bat_curve_picture_defaults();
     options.columns = SPACES;
     bat_error error;
-    (void)snprintf(path, sizeof path, "%s/tension-mechanism.png", folder);
-    return bat_chart_write(path, charts, 2 * SPACES, &options, &error) == BAT_OK ? EXIT_DONE : report_failure(path, &error);
+    reproduce_picture picture;
+    int code = reproduce_picture_add(job, "tension-mechanism.png", &picture);
+    if (code == EXIT_DONE && bat_chart_write(picture.write_to, charts, 2 * SPACES, &options, &error) != BAT_OK)
+        code = report_failure(picture.path, &error);
+    return code;
 }
 
 // The figures
@@ -169,7 +172,7 @@ int reproduce_tension_mechanism(const reproduce_job *job)
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(status == BAT_BAD_FILE || status == BAT_FILE_ACCESS ? job->model : NULL, &error);
-    int code = job->folder != NULL ? draw(job->folder, &report) : EXIT_DONE;
+    int code = job->folder != NULL ? draw(job, &report) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
     return job->json ? print_json(&report, &options) : print_text(&report, &options, job->folder);
