@@ -74,19 +74,13 @@ static const verb_spec SPEC = {
     .files = FILES,
 };
 
-/// What the command line says about the cloud.
-typedef struct surface_input
-{
-    const char *path;
-    bat_cloud_read_options read;
-    size_t corners[4]; ///< points of the input
-    bool has_corners;
-} surface_input;
-
 /// What the command line asks for.
 typedef struct surface_job
 {
-    surface_input input;
+    const char *input;
+    bat_cloud_read_options read;
+    size_t corners[4]; ///< points of the input
+    bool has_corners;
     outputs files;
     const char *output, *picture, *parameters, *model, *given; ///< files; may be null
     bat_surface_options options;
@@ -128,26 +122,27 @@ static void read_boundary(const char *text, bat_cloud_read_options *read)
         read->boundary_path = text;
 }
 
-static bool read_input(const arguments *given, surface_input *input)
+/// What the command line says about the cloud. False after a message.
+static bool read_input(const arguments *given, surface_job *job)
 {
     bat_error error;
     const char *from = argument(given, "from"), *boundary = argument(given, "boundary"),
                *corners = argument(given, "corners");
-    *input = (surface_input){.path = given->positional[0], .has_corners = corners != NULL};
-    input->read.drop_duplicates = argument_flag(given, "drop-duplicates");
-    if (from != NULL && bat_cloud_format_by_name(from, &input->read.format, &error) != BAT_OK)
+    job->has_corners = corners != NULL;
+    job->read.drop_duplicates = argument_flag(given, "drop-duplicates");
+    if (from != NULL && bat_cloud_format_by_name(from, &job->read.format, &error) != BAT_OK)
     {
         (void)usage_error(given, "%s", error.text);
         return false;
     }
-    if (corners != NULL && !read_corners(corners, input->corners))
+    if (corners != NULL && !read_corners(corners, job->corners))
     {
         (void)usage_error(given, "--corners takes four numbers of points like 0,33,66,99, not '%s'", corners);
         return false;
     }
     if (boundary != NULL)
-        read_boundary(boundary, &input->read);
-    if (boundary != NULL && input->read.boundary_path == NULL && input->read.boundary < 4)
+        read_boundary(boundary, &job->read);
+    if (boundary != NULL && job->read.boundary_path == NULL && job->read.boundary < 4)
     {
         (void)usage_error(given, "--boundary takes a file, or a number of points from 4, not '%s'", boundary);
         return false;
@@ -267,14 +262,15 @@ static bool read_job(const arguments *given, surface_job *job)
     long samples;
     bat_error error;
     const char *to = argument(given, "to");
-    *job = (surface_job){.output = argument(given, "output"),
+    *job = (surface_job){.input = given->positional[0],
+                         .output = argument(given, "output"),
                          .picture = argument(given, "picture"),
                          .parameters = argument(given, "parameters"),
                          .model = argument(given, "model"),
                          .options = bat_surface_defaults(),
                          .json = argument_flag(given, "json"),
                          .quiet = argument_flag(given, "quiet")};
-    if (!read_input(given, &job->input) || !read_fit(given, &job->options.fit) || !read_parameterization(given, job) ||
+    if (!read_input(given, job) || !read_fit(given, &job->options.fit) || !read_parameterization(given, job) ||
         !argument_word(given, "sides", SIDES, BAT_CLOUD_SIDES_CHORD_LENGTH, &sides) ||
         !argument_whole(given, "samples", 1, MAX_ROUNDS, 0, &samples))
         return false;
@@ -297,21 +293,13 @@ static bool read_job(const arguments *given, surface_job *job)
 
 // A fit
 
-/// Read the cloud, and its boundary and corners as far as they are given. Returns the program's exit code.
-static int read_cloud(const surface_input *input, bat_cloud *cloud)
+/// Returns the program's exit code.
+static int read_cloud(const surface_job *job, bat_cloud *cloud)
 {
     bat_error error;
-    bat_status status = bat_cloud_read(input->path, &input->read, cloud, &error);
-    if (status != BAT_OK)
-        return report_failure(input->path, &error);
-    if (input->has_corners && cloud->boundary_count == 0)
-        status = bat_cloud_find_boundary(cloud, &error);
-    if (input->has_corners && status == BAT_OK)
-        status = bat_cloud_set_corners(cloud, input->corners, &error);
-    if (status == BAT_OK)
-        return EXIT_DONE;
-    bat_cloud_free(cloud);
-    return report_failure(input->path, &error);
+    bat_cloud_read_options options = job->read;
+    options.corners = job->has_corners ? job->corners : NULL;
+    return bat_cloud_read(job->input, &options, cloud, &error) == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
 }
 
 /// Read the network and the parameters that are given, as far as they are. Returns the program's exit code.
@@ -341,7 +329,7 @@ static int reconstruct(const surface_job *job, bat_cloud *cloud, bat_surface_res
         bat_status status = bat_surface_reconstruct(cloud, &options, result, &error);
         report_progress_end();
         if (status != BAT_OK)
-            code = report_failure(job->input.path, &error);
+            code = report_failure(job->input, &error);
     }
     bat_surface_model_free(model);
     free(given);
@@ -393,7 +381,7 @@ static int write_surface(const surface_job *job, const bat_cloud *cloud, const b
 /// Everything that can fail, the files included.
 static int make_fit(const surface_job *job, bat_cloud *cloud, bat_surface_result *result)
 {
-    int code = read_cloud(&job->input, cloud);
+    int code = read_cloud(job, cloud);
     if (code == EXIT_DONE)
         code = reconstruct(job, cloud, result);
     if (code == EXIT_DONE && job->picture != NULL)
@@ -410,7 +398,7 @@ static int fit(surface_job *job)
     int code = outputs_close(&job->files, make_fit(job, &cloud, &result));
     if (code == EXIT_DONE && is_standard_output(job->output))
         code = write_surface(job, &cloud, &result, "-");
-    surface_findings findings = {job->input.path, &cloud, &job->options, &result};
+    surface_findings findings = {job->input, &cloud, &job->options, &result};
     if (code == EXIT_DONE && job->json)
         code = report_json(surface_report_json(&findings));
     else if (code == EXIT_DONE && !job->quiet)
@@ -440,7 +428,7 @@ static const char *find_fit_option(const arguments *given)
 static int draw_converted(const surface_job *job, const bat_spline_surface *surface)
 {
     bat_error error;
-    bat_surface_picture_row panel = {.title = job->input.path, .surface = surface};
+    bat_surface_picture_row panel = {.title = job->input, .surface = surface};
     return bat_surface_picture_write(output_path(&job->files, "picture"), &panel, 1, NULL, &error) == BAT_OK
                ? EXIT_DONE
                : report_failure(job->picture, &error);
@@ -456,8 +444,8 @@ static int report_converted(const surface_job *job, const bat_spline_surface *su
                                      (json_int_t)functions, "levels", (json_int_t)levels, "dimension",
                                      (json_int_t)surface->dimension));
     if (!job->quiet)
-        (void)printf("%s: bidegree (%d, %d), %zu functions on %zu levels\n", job->input.path, space.degree[0],
-                     space.degree[1], functions, levels);
+        (void)printf("%s: bidegree (%d, %d), %zu functions on %zu levels\n", job->input, space.degree[0], space.degree[1],
+                     functions, levels);
     return EXIT_DONE;
 }
 
@@ -466,8 +454,8 @@ static int convert(surface_job *job)
     bat_error error;
     bat_surface_result result = {0};
     int code = EXIT_DONE;
-    if (bat_surface_read(job->input.path, &result.surface, &error) != BAT_OK)
-        code = report_failure(job->input.path, &error);
+    if (bat_surface_read(job->input, &result.surface, &error) != BAT_OK)
+        code = report_failure(job->input, &error);
     if (code == EXIT_DONE && job->picture != NULL)
         code = draw_converted(job, &result.surface);
     if (code == EXIT_DONE)
@@ -497,7 +485,7 @@ int verb_surface(int argc, char **argv)
         return code;
     if (!read_job(&given, &job))
         return EXIT_BAD_USAGE;
-    bool converts = is_surface(job.input.path);
+    bool converts = is_surface(job.input);
     const char *option = converts ? find_fit_option(&given) : NULL;
     if (option != NULL)
         return usage_error(&given, "IN is a spline surface already: --%s goes with points", option);

@@ -34,6 +34,9 @@ typedef struct bat_cloud_read_options
     const char *boundary_path;
     /// Leave out points that repeat an earlier one instead of failing; in a mesh, join vertices in the same place.
     bool drop_duplicates;
+    /// Four points of the file, counted from 0, for bat_cloud_set_corners(); the boundary is found where it is not known.
+    /// Null: as the file says, the default.
+    const size_t *corners;
 } bat_cloud_read_options;
 
 /// Read a cloud. A PLY or OBJ file with faces is a mesh and goes through bat_cloud_from_mesh().
@@ -43,9 +46,9 @@ typedef struct bat_cloud_read_options
 /// @return BAT_OK; BAT_BAD_FILE with the line; BAT_INVALID_POINT with line and point that is not finite (in PLY and OBJ that
 /// is
 ///         BAT_BAD_FILE) or repeats another; BAT_INVALID_ARGUMENT for an option that the file contradicts; what
-///         bat_cloud_from_mesh() returns; BAT_FILE_ACCESS, BAT_TOO_LARGE, BAT_UNSUPPORTED, BAT_NO_MEMORY; `cloud` is
-///         untouched on failure. Text about the boundary's file says so and names its line; bat_error::line is one of the
-///         main file
+///         bat_cloud_from_mesh() and, with corners, bat_cloud_find_boundary() and bat_cloud_set_corners() return;
+///         BAT_FILE_ACCESS, BAT_TOO_LARGE, BAT_UNSUPPORTED, BAT_NO_MEMORY; `cloud` is untouched on failure. Text about the
+///         boundary's file says so and names its line; bat_error::line is one of the main file
 BAT_API bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud,
                                   bat_error *error);
 /// Write a cloud as XYZ, CSV, PLY or OBJ, by the ending; "-" is standard output in XYZ. All four are text that brings back

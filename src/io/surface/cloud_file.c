@@ -322,6 +322,17 @@ static bat_status read_file(const char *path, bat_cloud_format *format, file_tex
     return status;
 }
 
+/// Set the corners of the options, on a boundary that is found where it is not known.
+static bat_status place_corners(const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    if (options->corners == NULL)
+        return BAT_OK;
+    if (cloud->boundary_count == 0)
+        status = bat_cloud_find_boundary(cloud, error);
+    return status == BAT_OK ? bat_cloud_set_corners(cloud, options->corners, error) : status;
+}
+
 bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
 {
     static const bat_cloud_read_options defaults = {0};
@@ -332,6 +343,7 @@ bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *option
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the boundary is either the first points or in a file of its own");
     file_text text = {0}, boundary_text = {0};
+    bat_cloud made = {0};
     bat_cloud_format format = options->format, boundary_format = BAT_CLOUD_FORMAT_AUTO;
     bat_error found = {.index = BAT_NO_INDEX};
     bat_status status = read_file(path, &format, &text, error);
@@ -343,8 +355,14 @@ bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *option
     }
     if (status == BAT_OK)
         status = cloud_text_read(&text, format, options->boundary_path != NULL ? &boundary_text : NULL, boundary_format,
-                                 options, cloud, error);
+                                 options, &made, error);
     file_text_free(&text);
     file_text_free(&boundary_text);
+    if (status == BAT_OK)
+        status = place_corners(options, &made, error);
+    if (status == BAT_OK)
+        *cloud = made;
+    else
+        bat_cloud_free(&made);
     return status;
 }
