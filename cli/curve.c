@@ -177,8 +177,8 @@ static bool read_scheme(const arguments *given, curve_job *job)
     if (job->is_motion)
         return true;
     bool learned = job->scheme != NULL && strcmp(job->scheme, LEARNED) == 0;
-    bool asks = job->model_file != NULL || argument(given, "fairness") != NULL;
-    if (asks && job->scheme != NULL && !learned)
+    bool chooses_network = job->model_file != NULL || argument(given, "fairness") != NULL;
+    if (chooses_network && job->scheme != NULL && !learned)
     {
         (void)usage_error(given, "--%s goes with --scheme learned, not '%s'", job->model_file != NULL ? "model" : "fairness",
                           job->scheme);
@@ -191,7 +191,7 @@ static bool read_scheme(const arguments *given, curve_job *job)
         (void)usage_error(given, "--fairness takes a number from 0 to 1");
         return false;
     }
-    if (asks || learned)
+    if (chooses_network || learned)
     {
         job->scheme = LEARNED;
         job->refine.scheme = bat_curve_scheme_learned(job->fairness);

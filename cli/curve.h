@@ -15,7 +15,7 @@ enum
     CURVE_MAX_LEVELS = 60,
 };
 
-/// What the command line of `batten curve` or `batten motion` asks for.
+/// The command line of `batten curve` or `batten motion`.
 typedef struct curve_job
 {
     const char *input;

@@ -45,7 +45,7 @@ static const verb_spec SPEC = {
     .files = FILES,
 };
 
-/// What the command line asks for.
+/// The command line.
 typedef struct decimate_job
 {
     const char *input, *output, *map;

@@ -18,7 +18,7 @@ static const option_spec OPTIONS[] = {
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
     {"project", 0, NULL, "move points that are off their space onto it"},
-    {"mesh", 0, NULL, "take the files as meshes; default: where their endings or contents say so"},
+    {"mesh", 0, NULL, "take the files as meshes; default: by their endings or contents"},
     {"vertices", 0, NULL, "distances of meshes from their vertices alone; default: from the whole surface"},
     {"samples", 0, "N", "points on the surface of each mesh; default: 200000"},
     {"tolerance", 0, "SHARE", "of the Hausdorff distance of meshes; 0: that of the samples; default: 1e-4"},
@@ -74,7 +74,7 @@ static const struct
     {"g1_b", "largest exterior angle of B", FAIRNESS_OF_B, offsetof(bat_curve_fairness_values, g1)},
 };
 
-/// What the command line asks for.
+/// The command line.
 typedef struct measure_job
 {
     const char *paths[2]; ///< the second null when there is only A

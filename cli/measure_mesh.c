@@ -16,7 +16,7 @@ enum
     MAX_SAMPLES = 1000000000
 };
 
-/// What a file's ending or content says.
+/// The kind of a file.
 typedef enum kind
 {
     KIND_UNCLEAR,
@@ -24,7 +24,7 @@ typedef enum kind
     KIND_MESH
 } kind;
 
-/// What a line of an OBJ file says when it begins with that word, or the first line of a format of meshes.
+/// The kind that a line of an OBJ file, or the first line of another format, indicates by its first word.
 static kind kind_by_line(const char *word, bool first)
 {
     static const char *const FORMATS[] = {"ply", "OFF"};
@@ -35,7 +35,7 @@ static kind kind_by_line(const char *word, bool first)
     return !ended || strchr("fl", word[0]) == NULL ? KIND_UNCLEAR : word[0] == 'f' ? KIND_MESH : KIND_CURVES;
 }
 
-/// What the first line that says something says. A pipe is left alone: what is read from it is gone.
+/// The kind that the first telling line indicates. A pipe is not read: its content would be lost.
 static kind kind_by_content(const char *path)
 {
     char text[256];
@@ -83,7 +83,7 @@ bool measure_means_meshes(const arguments *given)
     return found == KIND_MESH;
 }
 
-/// How a figure is printed.
+/// How a value is printed.
 typedef enum form
 {
     FORM_LENGTH, ///< also as a share of the diagonal
@@ -232,7 +232,7 @@ static int report_rows(const row *rows, size_t count, const void *base, double d
     return report_json(object);
 }
 
-/// What the command line asks for.
+/// The command line.
 typedef struct mesh_job
 {
     const char *paths[2]; ///< the second null when there is only A

@@ -58,7 +58,7 @@ static const char *const BESIDE[] = {"midpoint", "loop", "butterfly", "sqrt3", N
 /// Those that can go on after a learned one.
 static const char *const GOING_ON[] = {"midpoint", "loop", "butterfly", NULL};
 
-/// What the command line asks for.
+/// The command line.
 typedef struct mesh_job
 {
     const char *input, *output, *picture, *model; ///< all but the first may be null
@@ -104,7 +104,7 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
     bool learned = job->refine.scheme == BAT_MESH_SCHEME_LEARNED;
     bat_mesh_scheme last = learned ? job->refine.then : job->refine.scheme;
     if (job->output == NULL && job->picture == NULL && !job->json && job->quiet)
-        return "nothing is asked for: give -o OUT, --picture FILE or --json";
+        return "there is no output: give -o OUT, --picture FILE or --json";
     if (job->json && (job->quiet || piped))
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
     if (!learned && (job->model != NULL || argument(given, "then") != NULL))

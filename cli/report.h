@@ -6,7 +6,7 @@
 #include <jansson.h>
 
 /// @file
-/// What the program says: errors in one line, progress, JSON.
+/// Errors in one line, progress, JSON.
 
 /// Print "batten: FILE:LINE: text" (as far as file and line are known) to standard error and return EXIT_BAD_INPUT.
 int report_failure(const char *file, const bat_error *error);
@@ -16,7 +16,7 @@ int report_failure(const char *file, const bat_error *error);
 bat_progress report_progress(const char *what);
 /// Take the progress line away. Ends the program when a signal has come during the work.
 void report_progress_end(void);
-/// A number, or null for one that is not finite, which JSON cannot say.
+/// A number, or null for one that is not finite, which JSON cannot hold.
 json_t *report_number(double value);
 /// Print one JSON object on standard output and release it; a null one means that memory ran out. Numbers keep 17 digits.
 /// Returns the program's exit code.

@@ -43,8 +43,8 @@ typedef enum cloud_use
 
 enum
 {
-    MOST_SHAPES = MAX_POSITIONAL - 1,
-    MOST_NUMBER = 1000000
+    MAX_SHAPES = MAX_POSITIONAL - 1,
+    MAX_NUMBER = 1000000
 };
 
 static const struct
@@ -57,7 +57,7 @@ static const struct
     bool sets;    ///< whether there are other curves than the published ones
     const char *summary;
     meshes meshes;
-    size_t most_meshes;
+    size_t max_meshes;
     const char *folder; ///< the default one of ALWAYS and TRAINING
     cloud_use clouds;
     const char *data; ///< the files that SCANS needs
@@ -116,7 +116,7 @@ static const struct
      .learned = true,
      .summary = "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured",
      .meshes = SUBDIVIDES,
-     .most_meshes = MOST_SHAPES},
+     .max_meshes = MAX_SHAPES},
     {.name = "mesh-ablations",
      .run = reproduce_mesh_ablations,
      .drawn = TRAINING,
@@ -124,7 +124,7 @@ static const struct
      .summary = "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some "
                 "minutes",
      .meshes = LEARNS,
-     .most_meshes = MOST_SHAPES,
+     .max_meshes = MAX_SHAPES,
      .folder = "out/mesh-ablations"},
     {.name = "mesh-style",
      .run = reproduce_mesh_style,
@@ -132,7 +132,7 @@ static const struct
      .seeded = true,
      .summary = "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice",
      .meshes = LEARNS,
-     .most_meshes = 2,
+     .max_meshes = 2,
      .folder = "out/mesh-style"},
     {.name = "surface-ablation",
      .run = reproduce_surface_ablation,
@@ -246,10 +246,10 @@ static int check_meshes(const arguments *given, size_t index)
     const char *name = RESULTS[index].name;
     meshes use = RESULTS[index].meshes;
     size_t count = given->positional_count - 1;
-    if (count > RESULTS[index].most_meshes)
+    if (count > RESULTS[index].max_meshes)
         return use == NO_MESHES ? usage_error(given, "one argument too many: %s takes no shapes", name)
-                                : usage_error(given, "%s takes %zu shapes at most", name, RESULTS[index].most_meshes);
-    if (RESULTS[index].most_meshes == 2 && count == 1)
+                                : usage_error(given, "%s takes %zu shapes at most", name, RESULTS[index].max_meshes);
+    if (RESULTS[index].max_meshes == 2 && count == 1)
         return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
     if (RESULTS[index].clouds != NO_CLOUDS)
         return EXIT_DONE;
@@ -343,10 +343,10 @@ static int run(const arguments *given, size_t index)
         return EXIT_BAD_USAGE;
     if (code != EXIT_DONE || !argument_whole(given, "seed", 0, 1000000000, 1, &seed))
         return EXIT_BAD_USAGE;
-    if (!argument_whole(given, "vertices", 4, MOST_NUMBER, 0, &vertices) ||
-        !argument_whole(given, "epochs", 1, MOST_NUMBER, 0, &epochs) ||
-        !argument_whole(given, "pairs", 1, MOST_NUMBER, 0, &pairs) ||
-        !argument_whole(given, "clouds", 1, MOST_NUMBER, 0, &clouds) ||
+    if (!argument_whole(given, "vertices", 4, MAX_NUMBER, 0, &vertices) ||
+        !argument_whole(given, "epochs", 1, MAX_NUMBER, 0, &epochs) ||
+        !argument_whole(given, "pairs", 1, MAX_NUMBER, 0, &pairs) ||
+        !argument_whole(given, "clouds", 1, MAX_NUMBER, 0, &clouds) ||
         !argument_whole(given, "corrections", 0, 100, 1, &corrections) ||
         !argument_list(given, "points", 1, 100000, true, &points) || !argument_list(given, "noise", 0, 10, false, &noises) ||
         !argument_list(given, "degrees", 1, BAT_SPLINE_MAX_DEGREE, true, &degrees))

@@ -13,7 +13,7 @@
 /// The published results that can be reproduced; `index` from 0 on. False past the last.
 bool reproduce_row(size_t index, const char **name, const char **summary);
 
-/// What the command line of `batten reproduce` asks for beside the result's name.
+/// The command line of `batten reproduce`, without the name of the result.
 typedef struct reproduce_job
 {
     const char *folder; ///< for pictures or trainings; null for none
@@ -72,7 +72,7 @@ int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_
 /// Draw the rows of table 1, `count` in all: distance to the truth against fairness, in each space.
 int reproduce_draw_frontier(const reproduce_job *job, const bat_tension_row *rows, size_t count);
 
-/// Read the model that is asked for, or take the published recipe's where none is. Returns the program's exit code.
+/// Read the model that --model names, or take the published one. Returns the program's exit code.
 int reproduce_model(const reproduce_job *job, bat_curve_model **model);
 /// A figure and, where there is a published one, its ratio to that in brackets.
 void reproduce_print_figure(double ours, double published, int width);
@@ -80,7 +80,7 @@ void reproduce_print_figure(double ours, double published, int width);
 void reproduce_set_number(json_t *object, const char *key, double value);
 /// "folder/file" in a buffer. Returns the program's exit code.
 int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE]);
-/// Read a shape, repairing it where that is needed, and say so. Returns the program's exit code.
+/// Read a shape and repair it where needed, with a message. Returns the program's exit code.
 int reproduce_read_shape(const char *path, bat_mesh *mesh);
 
 #endif

@@ -18,19 +18,19 @@ enum
     PANELS = 5,
     MIDDLE = 3, ///< the panels of level 10 …
     LAST = 4,   ///< … and of level 20
-    MOST_OUTLINES = BAT_SHAPE_MAX_OUTLINES,
+    MAX_OUTLINES = BAT_SHAPE_MAX_OUTLINES,
     NAME_SIZE = 64
 };
 
 /// The levels that the study shows.
 static const size_t LEVELS[PANELS] = {0, 1, 2, 10, 20};
 
-/// One figure of the study: a shape at every level, and what it says in numbers.
+/// One figure of the study: a shape at every level, and its measurements.
 typedef struct figure
 {
     const bat_curve_shape *shape;
     const bat_shape_figure *study;
-    bat_curve curves[PANELS][MOST_OUTLINES];
+    bat_curve curves[PANELS][MAX_OUTLINES];
     char name[NAME_SIZE]; ///< of its files, without folder and ending
     size_t vertices, points;
     double seconds;          ///< to refine by the last level
@@ -121,14 +121,14 @@ static bat_status figure_make(const bat_curve_shape *shape, const bat_shape_figu
 static void figure_free(figure *f)
 {
     for (size_t panel = 0; panel < PANELS; panel++)
-        for (size_t o = 0; o < MOST_OUTLINES; o++)
+        for (size_t o = 0; o < MAX_OUTLINES; o++)
             bat_curve_free(&f->curves[panel][o]);
 }
 
 /// Write the five panels, as SVG and as PNG.
 static int figure_draw(const figure *f, const reproduce_job *job)
 {
-    bat_curve_picture_layer layers[PANELS][MOST_OUTLINES];
+    bat_curve_picture_layer layers[PANELS][MAX_OUTLINES];
     bat_curve_picture_panel panels[PANELS];
     char titles[PANELS][NAME_SIZE], heading[2 * NAME_SIZE], name[NAME_SIZE + 8];
     for (size_t panel = 0; panel < PANELS; panel++)

@@ -12,7 +12,7 @@
 
 enum
 {
-    MOST_POINTS = 32,
+    MAX_POINTS = 32,
     SPACES = BAT_TENSION_SPACE_COUNT,
     CHARTS = 2 * SPACES
 };
@@ -20,8 +20,8 @@ enum
 /// The figures of one space: the learned scheme's from near to fair, and the others'.
 typedef struct frontier
 {
-    double learned_x[MOST_POINTS], learned_y[MOST_POINTS], other_x[MOST_POINTS], other_y[MOST_POINTS];
-    const char *other_names[MOST_POINTS];
+    double learned_x[MAX_POINTS], learned_y[MAX_POINTS], other_x[MAX_POINTS], other_y[MAX_POINTS];
+    const char *other_names[MAX_POINTS];
     size_t learned, others;
     bat_chart_series series[2];
     char title[64];
@@ -40,7 +40,7 @@ static bool is_shown(const bat_tension_row *row)
 
 static void collect(const bat_tension_row *rows, size_t count, bool bending, frontier *f)
 {
-    for (size_t i = 0; i < count && f->learned < MOST_POINTS && f->others < MOST_POINTS; i++)
+    for (size_t i = 0; i < count && f->learned < MAX_POINTS && f->others < MAX_POINTS; i++)
     {
         if (isfinite(rows[i].fairness))
         {

@@ -17,8 +17,8 @@ enum
     NAME_SIZE = 256,
     PATH_SIZE = 4096,
     LEAST_VERTICES = 1000, ///< of shapes worth decimating
-    MOST_METHODS = 4,
-    MOST_SHAPES = 1024
+    MAX_METHODS = 4,
+    MAX_SHAPES = 1024
 };
 
 /// The method that others are divided by.
@@ -46,7 +46,7 @@ enum
 /// Files to take shapes from; all owned.
 typedef struct file_list
 {
-    char *paths[MOST_SHAPES];
+    char *paths[MAX_SHAPES];
     size_t count;
 } file_list;
 
@@ -89,7 +89,7 @@ static int add_file(file_list *files, const char *folder, const char *file)
 {
     char path[PATH_SIZE];
     int length = snprintf(path, sizeof path, "%s%s%s", folder != NULL ? folder : "", folder != NULL ? "/" : "", file);
-    if (files->count == MOST_SHAPES || length < 0 || (size_t)length >= sizeof path)
+    if (files->count == MAX_SHAPES || length < 0 || (size_t)length >= sizeof path)
         return report_failure(file, &(bat_error){.text = "too many shapes, or too long a name"});
     files->paths[files->count] = strdup(path);
     if (files->paths[files->count] == NULL)
@@ -150,10 +150,10 @@ typedef struct table
 {
     const reproduce_job *job;
     bat_mesh_study_options options;
-    bat_mesh_method methods[MOST_METHODS];
+    bat_mesh_method methods[MAX_METHODS];
     size_t method_count;
-    json_t *rows, *left_out;        ///< null where text is printed
-    double ratios[2][MOST_METHODS]; ///< sums of the ratios to butterfly: Hausdorff, mean
+    json_t *rows, *left_out;       ///< null where text is printed
+    double ratios[2][MAX_METHODS]; ///< sums of the ratios to butterfly: Hausdorff, mean
     size_t measured;
 } table;
 
@@ -225,8 +225,8 @@ static int draw(const table *t, const char *name, const bat_mesh *shape, const b
 
 static int measure_shape(table *t, const char *path, const char *name, const bat_mesh *shape)
 {
-    bat_mesh coarse, fine[MOST_METHODS];
-    bat_mesh_score scores[MOST_METHODS];
+    bat_mesh coarse, fine[MAX_METHODS];
+    bat_mesh_score scores[MAX_METHODS];
     bat_error error;
     t->options.progress = report_progress(name);
     bat_status status = bat_mesh_study_shape(shape, t->methods, t->method_count, &t->options, &coarse, fine, scores, &error);

@@ -47,7 +47,7 @@ static int study_begin(const reproduce_job *job, scan_study *study)
     return status == BAT_OK ? EXIT_DONE : report_failure(job->model, &error);
 }
 
-/// Print the JSON where that is asked for, and release all.
+/// Print the JSON where it is wanted, and release everything.
 static int study_end(scan_study *study, int code)
 {
     if (code == EXIT_DONE && study->job->json)

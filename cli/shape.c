@@ -35,7 +35,7 @@ static const verb_spec SPEC = {
     .files = FILES,
 };
 
-/// What the command line asks for.
+/// The command line.
 typedef struct shape_job
 {
     const char *kind, *output, *picture; ///< the last two may be null
@@ -69,7 +69,7 @@ static const char *find_fault(const shape_job *job)
     if (!job->is_cloud && !is_mesh_kind(job->kind))
         return "there is no shape of that kind; `batten list shapes` names them";
     if (job->output == NULL && job->picture == NULL && job->quiet)
-        return "nothing is asked for: give -o OUT or --picture FILE";
+        return "there is no output: give -o OUT or --picture FILE";
     if (job->json && job->quiet)
         return "--json and --quiet exclude each other";
     return job->json && piped ? "--json and -o - both need standard output" : NULL;

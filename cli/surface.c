@@ -74,7 +74,7 @@ static const verb_spec SPEC = {
     .files = FILES,
 };
 
-/// What the command line asks for.
+/// The command line.
 typedef struct surface_job
 {
     const char *input;
@@ -248,7 +248,7 @@ static const char *find_fault(const arguments *given, const surface_job *job)
     if (job->model != NULL && job->options.parameters > BAT_SURFACE_PARAMETERS_LEARNED)
         return "--model goes with auto and learned parameters";
     if (job->output == NULL && job->picture == NULL && job->parameters == NULL && job->quiet)
-        return "nothing is asked for: give -o OUT, --picture FILE or --parameters FILE";
+        return "there is no output: give -o OUT, --picture FILE or --parameters FILE";
     if (job->json && job->quiet)
         return "--json and --quiet exclude each other";
     return job->json && piped ? "--json and -o - both need standard output" : NULL;

@@ -6,7 +6,7 @@
 #include <jansson.h>
 
 /// @file
-/// What `batten surface` says of a fit.
+/// The report of `batten surface`.
 
 /// What is reported on.
 typedef struct surface_findings
@@ -17,7 +17,7 @@ typedef struct surface_findings
     const bat_surface_result *result;
 } surface_findings;
 
-/// Why these parameters were taken, in a few words.
+/// Why these parameters were chosen, in a few words.
 void surface_report_reason(const surface_findings *findings, char *text, size_t size);
 
 void surface_report_print(const surface_findings *findings);

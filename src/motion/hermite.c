@@ -10,7 +10,7 @@
 
 enum
 {
-    /// Points that a thread checks at a time.
+    /// The number of points that a thread checks at a time.
     BLOCK = 1024
 };
 
@@ -34,16 +34,16 @@ static const double *tangent_of(const bat_hermite_curve *curve, size_t index)
 
 static bat_status check_counts(const bat_hermite_curve *curve, bat_error *error)
 {
-    size_t least = curve->closed ? 3 : 2;
-    if (curve->count < least)
+    size_t minimum = curve->closed ? 3 : 2;
+    if (curve->count < minimum)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s curve needs at least %zu points, not %zu",
-                         curve->closed ? "a closed" : "an open", least, curve->count);
+                         curve->closed ? "a closed" : "an open", minimum, curve->count);
     if (curve->points == NULL || curve->tangents == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a Hermite curve has points and tangents");
     return BAT_OK;
 }
 
-/// Transport from a point to itself is the identity on its tangent space, and on nothing else that coordinates can hold.
+/// A vector is tangent at a point exactly when transport from the point to itself leaves it unchanged.
 static bool is_tangent(const bat_space *space, const double *point, const double *tangent)
 {
     double same[BAT_SPACE_MAX_DIM], largest = 0, change = 0;
@@ -115,7 +115,7 @@ static bat_status check_edge(const bat_hermite_curve *curve, size_t before, size
     return BAT_OK;
 }
 
-/// Point `index` and, when asked for, the edge that ends there.
+/// Check point `index` and, where the options say so, the edge that ends there.
 static bat_status check_index(const bat_hermite_curve *curve, size_t index, hermite_check_parts parts, bat_error *error)
 {
     bat_status status = check_point(curve, index, parts.unit, error);

@@ -11,8 +11,7 @@ static void scale_into(size_t n, double factor, const double *vector, double *sc
         scaled[i] = factor * vector[i];
 }
 
-/// Cut one block into vectors of n numbers. Arrays of their own, each as long as the longest vector, would all lie in the
-/// same lines of the cache.
+/// Divide one block into vectors of n numbers. Separate arrays of the maximum length would share lines of the cache.
 static void lay_out(double *block, size_t n, size_t count, double **vectors)
 {
     for (size_t i = 0; i < count; i++)
@@ -24,12 +23,13 @@ static size_t widest(const bat_space *space)
     return space->point_dim > space->tangent_dim ? space->point_dim : space->tangent_dim;
 }
 
-/// The length of a tangent vector at p, which leads to q. Where its square may have lost digits the distance says it better.
+/// The length of a tangent vector at p, which leads to q. Where its square may have lost digits, the distance of p and q is
+/// more accurate.
 static double length_of_log(const bat_space *space, const double *p, const double *q, const double *log)
 {
-    const double least = 1e-280, most = 1e280;
+    const double minimum = 1e-280, maximum = 1e280;
     double squared = space->inner(space, p, log, log);
-    return squared > least && squared < most ? sqrt(squared) : space->distance(space, p, q);
+    return squared > minimum && squared < maximum ? sqrt(squared) : space->distance(space, p, q);
 }
 
 /// |u + sign v| for tangent vectors at p.
@@ -53,7 +53,7 @@ static void half_angle(const bat_space *space, const double *point, const double
 bat_status hermite_edge_measure(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                 const double *v1, hermite_edge *edge)
 {
-    const double least_cosine = cos(0.5 * BAT_HERMITE_ANGLE_LIMIT);
+    const double min_cosine = cos(0.5 * BAT_HERMITE_ANGLE_LIMIT);
     double block[2 * BAT_SPACE_MAX_DIM], *along[2], sine[2], cosine[2];
     size_t n = space->tangent_dim;
     lay_out(block, n, 2, along);
@@ -73,11 +73,11 @@ bat_status hermite_edge_measure(const bat_space *space, const double *p0, const 
     edge->half_turn_cosine = cosine[0] * cosine[1] - sine[0] * sine[1];
     // 3 cos^2(x / 4) = 3 (1 + cos(x / 2)) / 2
     edge->reach = 2 * edge->length / (3 * (1 + edge->half_turn_cosine));
-    return edge->half_turn_cosine >= least_cosine ? BAT_OK : BAT_INVALID_POINT;
+    return edge->half_turn_cosine >= min_cosine ? BAT_OK : BAT_INVALID_POINT;
 }
 
 /// The first round's outer points lie on the geodesics that make the inner control points, so that only its middle point
-/// asks for a logarithm.
+/// needs a logarithm.
 bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
                               double weight, double *before, double *after)
 {
@@ -105,7 +105,7 @@ bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const do
 }
 
 /// The point at share `weight` of the geodesic from a to b, and the unit velocity there: the way on to b, or back to a where
-/// that is farther. Step 7 of algorithm 3 always looks to b, however near, and loses digits.
+/// that is farther. Step 7 of algorithm 3 always takes the direction to b and loses digits near b.
 static bat_status last_geodesic(const bat_space *space, const double *a, const double *b, double weight, double *point,
                                 double *direction)
 {

@@ -3,7 +3,7 @@
 
 #include "batten/motion_hermite.h"
 
-/// What to look at, besides points, tangents and times by themselves.
+/// The checks beyond those of single points, tangents and times.
 typedef struct hermite_check_parts
 {
     bool unit;       ///< tangents are of unit length

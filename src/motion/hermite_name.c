@@ -6,14 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// What a name's settings may say.
+/// The values of the settings of a name.
 typedef struct settings
 {
     double order, lambda, mu;
     bat_curve_base base;
 } settings;
 
-/// One name: what it takes, and how the settings become options.
+/// One name: its settings, and the function that converts them to options.
 typedef struct entry
 {
     const char *name, *settings, *summary;

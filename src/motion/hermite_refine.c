@@ -14,8 +14,8 @@
 
 enum
 {
-    /// Numbers of the result made at a time, before its rows are taken apart: work for many threads, little beside the
-    /// result.
+    /// The number of values computed at a time before the rows are separated: enough for many threads, and small compared
+    /// with the result.
     SLAB_NUMBERS = 1 << 21
 };
 
@@ -31,7 +31,7 @@ bat_hermite_options bat_hermite_defaults(void)
     };
 }
 
-/// A refinement laid out. While it is computed, a row is a point, its tangent and, where there are times, its time.
+/// The plan of a refinement. During the computation a row is a point, its tangent and, where there are times, its time.
 typedef struct hermite_plan
 {
     const bat_hermite_curve *coarse;
@@ -96,7 +96,7 @@ static bat_status lay_out(hermite_plan *plan, bat_error *error)
     return BAT_OK;
 }
 
-/// Rows of the coarse data, as the plan says.
+/// The rows of the coarse data that the plan needs.
 static bat_status load_rows(hermite_plan *plan, bat_error *error)
 {
     const bat_hermite_curve *coarse = plan->coarse;
@@ -116,7 +116,7 @@ static bat_status load_rows(hermite_plan *plan, bat_error *error)
     return BAT_OK;
 }
 
-/// The rows of a closed curve again, `laps` times around.
+/// Repeat the rows of a closed curve for `laps` periods.
 static void wrap_row(const hermite_plan *plan, ptrdiff_t index)
 {
     const bat_hermite_curve *coarse = plan->coarse;
@@ -186,7 +186,7 @@ static bat_status extend_rows(const hermite_plan *plan, bat_error *error)
     return BAT_OK;
 }
 
-/// Take rows apart into the curve's arrays, from its point `index` on.
+/// Separate rows into the arrays of the curve, from its point `index` on.
 static void store_rows(const hermite_plan *plan, const double *rows, size_t count, size_t index, bat_hermite_curve *fine)
 {
     for (size_t i = 0; i < count; i++)
@@ -212,7 +212,7 @@ static void store_ends(const hermite_plan *plan, bat_hermite_curve *fine)
     }
 }
 
-/// Slab by slab through the cascade.
+/// Compute the result in parts by the cascade.
 static bat_status run_slabs(const hermite_plan *plan, double *slab, size_t slab_rows, bat_hermite_curve *fine,
                             bat_error *error)
 {
@@ -233,7 +233,7 @@ static bat_status run_slabs(const hermite_plan *plan, double *slab, size_t slab_
     return BAT_OK;
 }
 
-/// What is left of the period after the last point.
+/// The rest of the period after the last point.
 static void close_times(const hermite_plan *plan, bat_hermite_curve *fine)
 {
     const bat_hermite_curve *coarse = plan->coarse;
@@ -270,7 +270,7 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
     return BAT_OK;
 }
 
-/// The checks that cost as much as a step are left to the step itself; when one fails, they say what it was.
+/// The checks that cost as much as a step run only when the step fails, to find the cause.
 static bat_status explain(const hermite_plan *plan, bat_status status, bat_error *error)
 {
     bool directions = plan->options->kind == BAT_HERMITE_LANE_RIESENFELD;
@@ -300,7 +300,7 @@ bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite
     bat_hermite_options defaults = bat_hermite_defaults();
     hermite_plan plan = {.coarse = coarse, .options = options != NULL ? options : &defaults};
     bool directions = plan.options->kind == BAT_HERMITE_LANE_RIESENFELD;
-    // Without a step, or with one that does not mind, every edge is looked at here.
+    // Without a step, or with one that does not check its edges, every edge is checked here.
     hermite_check_parts parts = {.unit = directions, .edges = !directions || plan.options->levels == 0};
     parts.admissible = directions && parts.edges;
     bat_status status = check_options(plan.options, error);

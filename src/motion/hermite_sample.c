@@ -15,7 +15,8 @@ static const double DIFFERENCE_STEP = 1.0 / 256;
 /// The last sample of a rate may be this share of a step late.
 static const double RATE_TOLERANCE = 1e-9;
 
-/// One interval between two points, with what the cubic needs: a third of the way that the velocities go in its time.
+/// One interval between two points, with the inner control vectors of the cubic: the velocities times a third of its
+/// duration.
 typedef struct interval
 {
     const bat_space *space;
@@ -24,7 +25,7 @@ typedef struct interval
     double begin, length;
 } interval;
 
-/// Where a curve is in time.
+/// The interval and share of a time on a curve.
 static double time_of(const bat_hermite_curve *curve, size_t index)
 {
     if (index < curve->count)
@@ -45,7 +46,7 @@ static double wrapped(const bat_hermite_curve *curve, double time)
     return begin + (since < 0 ? since + period : since);
 }
 
-/// The interval that a time lies in, the later of two; the last one has its end, too.
+/// The interval that contains a time: the later one at a given point, but the last one at the end.
 static size_t find_interval(const bat_hermite_curve *curve, double time)
 {
     size_t low = 0, high = interval_count(curve);
@@ -108,7 +109,7 @@ static bat_status velocity_at(const interval *span, double share, const double *
     return BAT_OK;
 }
 
-/// Given points and velocities come back bit for bit.
+/// The given points and velocities are returned bit for bit.
 static bat_status sample_interval(const interval *span, double time, double *point, double *velocity)
 {
     size_t point_size = span->space->point_dim * sizeof *point, tangent_size = span->space->tangent_dim * sizeof *point;
@@ -155,7 +156,7 @@ bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *time
     return status;
 }
 
-/// How many samples a rate makes.
+/// The number of samples at a rate.
 static bat_status count_samples(const bat_hermite_curve *curve, double rate, size_t *count, bat_error *error)
 {
     double duration = time_of(curve, interval_count(curve)) - time_of(curve, 0), steps = duration * rate;

@@ -5,20 +5,20 @@
 
 enum
 {
-    /// Pairs averaged at a time.
+    /// The number of pairs averaged at a time.
     BLOCK = 64,
     /// Coordinates of the largest sphere, that of unit quaternions.
-    MOST_DIM = 4
+    MAX_DIM = 4
 };
 
-/// The largest squared reach that the polynomials of lanes.h are used for.
+/// The maximum squared argument that the polynomials of lanes.h are used for.
 static const double SQUARED_PI = 9.8696044010893586188;
 /// Edges shorter than this are left to the general code: their squares lose digits to underflow.
-static const double LEAST_SQUARED_CHORD = 1e-200;
-/// Likewise arcs whose points are nearly antipodal.
-static const double LEAST_SQUARED_SUM = 1e-4;
+static const double MIN_SQUARED_CHORD = 1e-200;
+/// Arcs whose points are nearly antipodal are left to it too.
+static const double MIN_SQUARED_SUM = 1e-4;
 
-/// Which unit sphere. A constant wherever it goes, so that loops over coordinates vanish.
+/// The kind of unit sphere. It is a compile-time constant in each caller, so that loops over coordinates are unrolled.
 typedef struct sphere_kind
 {
     int dim;         ///< of the space around the sphere
@@ -31,9 +31,9 @@ static const sphere_kind QUATERNIONS = {4, true};
 /// Pairs of neighbours, coordinate by coordinate: rows i and i + 1 of the first two arrays make row i of the last two.
 typedef struct sphere_block
 {
-    double point[MOST_DIM][BLOCK + 1], direction[MOST_DIM][BLOCK + 1];
-    double new_point[MOST_DIM][BLOCK], new_direction[MOST_DIM][BLOCK];
-    double is_easy[BLOCK]; ///< 0 where the general code must have a look
+    double point[MAX_DIM][BLOCK + 1], direction[MAX_DIM][BLOCK + 1];
+    double new_point[MAX_DIM][BLOCK], new_direction[MAX_DIM][BLOCK];
+    double is_easy[BLOCK]; ///< 0 where the general code must compute the pair
 } sphere_block;
 
 /// Functions that must be inlined for the loops over pairs to become vector code.
@@ -83,20 +83,20 @@ LANE double midpoint(sphere_kind s, const double *p, const double *q, double *mi
 /// The squares of twice the sine and twice the cosine of half the angle between two unit vectors.
 LANE void half_angle(sphere_kind s, const double *u, const double *v, double *squared_sine, double *squared_cosine)
 {
-    double difference[MOST_DIM] = {0}, sum[MOST_DIM] = {0};
+    double difference[MAX_DIM] = {0}, sum[MAX_DIM] = {0};
     add(s, u, v, -1, difference);
     add(s, u, v, 1, sum);
     *squared_sine = squared_length(s, difference);
     *squared_cosine = squared_length(s, sum);
 }
 
-/// alpha of eq. (3.6) for two points with directions, and whether all went well. The geodesic's directions at its ends are
+/// alpha of eq. (3.6) for two points with directions, and whether it is accurate. The geodesic's directions at its ends are
 /// the parts of the chord orthogonal to them; the chord to the antipode has the same parts, and loses less where it is
 /// shorter.
 LANE double reach(sphere_kind s, const double *p, const double *v, const double *q, const double *w, bool *is_easy)
 {
-    const double least_cosine = -0.99875026039496624656; // cos(BAT_HERMITE_ANGLE_LIMIT / 2)
-    double difference[MOST_DIM] = {0}, sum[MOST_DIM] = {0}, at_p[MOST_DIM] = {0}, at_q[MOST_DIM] = {0};
+    const double min_cosine = -0.99875026039496624656; // cos(BAT_HERMITE_ANGLE_LIMIT / 2)
+    double difference[MAX_DIM] = {0}, sum[MAX_DIM] = {0}, at_p[MAX_DIM] = {0}, at_q[MAX_DIM] = {0};
     add(s, q, p, -1, difference);
     add(s, q, p, 1, sum);
     double squared_difference = squared_length(s, difference), squared_sum = squared_length(s, sum);
@@ -117,18 +117,18 @@ LANE double reach(sphere_kind s, const double *p, const double *v, const double 
     double half_turn_cosine = 0.25 * (sqrt(cosine[0] * cosine[1]) - sqrt(sine[0] * sine[1]));
     double length = 2 * lane_atan2(root_difference, root_sum);
     double result = 2 * length / (3 * (1 + half_turn_cosine));
-    *is_easy = (squared_difference > LEAST_SQUARED_CHORD) & (squared_sum > SPHERE_ANTIPODAL_SQUARED_LENGTH) &
-               (half_turn_cosine >= least_cosine) & (result * result < SQUARED_PI);
+    *is_easy = (squared_difference > MIN_SQUARED_CHORD) & (squared_sum > SPHERE_ANTIPODAL_SQUARED_LENGTH) &
+               (half_turn_cosine >= min_cosine) & (result * result < SQUARED_PI);
     return result;
 }
 
-/// The average at 1/2 of one pair. Returns whether it is to be trusted.
+/// The average at 1/2 of one pair. Returns whether it is accurate.
 LANE bool average(sphere_kind s, const double *p, const double *v, const double *q, const double *w, double *point,
                   double *direction)
 {
     bool is_easy;
-    double inner[2][MOST_DIM] = {{0}}, first[3][MOST_DIM] = {{0}}, second[2][MOST_DIM] = {{0}}, sum[MOST_DIM] = {0},
-           difference[MOST_DIM] = {0};
+    double inner[2][MAX_DIM] = {{0}}, first[3][MAX_DIM] = {{0}}, second[2][MAX_DIM] = {{0}}, sum[MAX_DIM] = {0},
+           difference[MAX_DIM] = {0};
     double alpha = reach(s, p, v, q, w, &is_easy);
     double cosine = lane_cos_root(alpha * alpha), sine = alpha * lane_sinc_root(alpha * alpha);
     for (int c = 0; c < s.dim; c++)
@@ -136,11 +136,11 @@ LANE bool average(sphere_kind s, const double *p, const double *v, const double 
         inner[0][c] = cosine * p[c] + sine * v[c];
         inner[1][c] = cosine * q[c] - sine * w[c];
     }
-    double least = midpoint(s, p, inner[0], first[0]);
-    least = lower(least, midpoint(s, inner[0], inner[1], first[1]));
-    least = lower(least, midpoint(s, inner[1], q, first[2]));
-    least = lower(least, midpoint(s, first[0], first[1], second[0]));
-    least = lower(least, midpoint(s, first[1], first[2], second[1]));
+    double minimum = midpoint(s, p, inner[0], first[0]);
+    minimum = lower(minimum, midpoint(s, inner[0], inner[1], first[1]));
+    minimum = lower(minimum, midpoint(s, inner[1], q, first[2]));
+    minimum = lower(minimum, midpoint(s, first[0], first[1], second[0]));
+    minimum = lower(minimum, midpoint(s, first[1], first[2], second[1]));
     double sign = side(s, second[0], second[1]);
     for (int c = 0; c < s.dim; c++)
     {
@@ -156,16 +156,16 @@ LANE bool average(sphere_kind s, const double *p, const double *v, const double 
         point[c] = sum[c] * inverse_sum;
         direction[c] = difference[c] * inverse_difference;
     }
-    return is_easy & (least > LEAST_SQUARED_SUM) & (squared_sum > LEAST_SQUARED_SUM) &
-           (squared_difference > LEAST_SQUARED_CHORD);
+    return is_easy & (minimum > MIN_SQUARED_SUM) & (squared_sum > MIN_SQUARED_SUM) &
+           (squared_difference > MIN_SQUARED_CHORD);
 }
 
 LANE void average_pairs(sphere_kind s, sphere_block *block, size_t count)
 {
     for (size_t i = 0; i < count; i++)
     {
-        double p[MOST_DIM] = {0}, v[MOST_DIM] = {0}, q[MOST_DIM] = {0}, w[MOST_DIM] = {0}, point[MOST_DIM] = {0},
-               direction[MOST_DIM] = {0};
+        double p[MAX_DIM] = {0}, v[MAX_DIM] = {0}, q[MAX_DIM] = {0}, w[MAX_DIM] = {0}, point[MAX_DIM] = {0},
+               direction[MAX_DIM] = {0};
         for (int c = 0; c < s.dim; c++)
         {
             p[c] = block->point[c][i];
@@ -209,10 +209,10 @@ LANE void product_of(const double *p, const double *q, double *product)
     product[3] = p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1];
 }
 
-/// A rotation's direction is seen from the moving body; on the sphere of quaternions it is q (0, v), of the same length.
+/// The direction v of a rotation is in body coordinates; on the sphere of quaternions it is q (0, v), of the same length.
 LANE void load_row(sphere_kind s, sphere_block *block, const double *row, size_t i)
 {
-    double moved[MOST_DIM] = {0};
+    double moved[MAX_DIM] = {0};
     if (s.projective)
     {
         double turning[4] = {0, row[4], row[5], row[6]};
@@ -227,7 +227,7 @@ LANE void load_row(sphere_kind s, sphere_block *block, const double *row, size_t
 
 LANE void store_row(sphere_kind s, const sphere_block *block, size_t i, double *row)
 {
-    double point[MOST_DIM] = {0}, moved[MOST_DIM] = {0}, turning[4] = {0};
+    double point[MAX_DIM] = {0}, moved[MAX_DIM] = {0}, turning[4] = {0};
     for (int c = 0; c < s.dim; c++)
     {
         row[c] = point[c] = block->new_point[c][i];
@@ -242,7 +242,7 @@ LANE void store_row(sphere_kind s, const sphere_block *block, size_t i, double *
         row[s.dim + c] = s.projective ? turning[c + 1] : moved[c];
 }
 
-/// Rows upwards, so that averages may take the place of the rows they are made of.
+/// Rows in increasing order, so that averages may overwrite the rows they are made of.
 LANE bat_status finish_rows(sphere_kind s, const refine_kernel *kernel, const sphere_block *block, const double *rows,
                             size_t count, double *averages, size_t stride, size_t *fault)
 {

@@ -13,7 +13,7 @@ enum
     HIGHEST_ORDER = 4
 };
 
-/// What estimates at all points share.
+/// The data that the estimates at all points share.
 typedef struct estimate
 {
     bat_hermite_curve *curve;
@@ -37,7 +37,7 @@ static size_t end_of_edge(const bat_hermite_curve *curve, size_t edge)
     return edge + 1 == curve->count ? 0 : edge + 1;
 }
 
-/// How far a point `offset` steps away lies in the parameter; negative before point `index`.
+/// The parameter of the point `offset` steps away, relative to point `index`; negative before it.
 static double parameter_of(const estimate *e, size_t index, ptrdiff_t offset)
 {
     double sum = 0;
@@ -64,8 +64,8 @@ static size_t neighbour_of(const bat_hermite_curve *curve, size_t index, ptrdiff
     return (size_t)((ptrdiff_t)index + offset + (ptrdiff_t)curve->count) % curve->count;
 }
 
-/// Add up the ways from point to point, each transported back to point `index`: about where the logarithm would be if the
-/// points did not go round the space.
+/// Sum the logarithms from point to point, each transported back to point `index`: an approximation of the logarithm where
+/// the points wind around the space.
 static bat_status add_ways(const bat_hermite_curve *curve, size_t index, ptrdiff_t offset, double *sum)
 {
     const bat_space *space = curve->space;
@@ -87,8 +87,8 @@ static bat_status add_ways(const bat_hermite_curve *curve, size_t index, ptrdiff
     return BAT_OK;
 }
 
-/// The logarithm of a neighbour, or the sum of the ways to it where the shortest way is not the one that the points go: two
-/// turns by 100 degrees are not one by -160.
+/// The logarithm of a neighbour, or the sum of the logarithms on the path to it where the points do not follow the shortest
+/// geodesic: two turns by 100 degrees are not one by -160.
 static bat_status way_to(const bat_hermite_curve *curve, size_t index, ptrdiff_t offset, double *way)
 {
     const bat_space *space = curve->space;
@@ -151,7 +151,7 @@ static bat_status estimate_all(const estimate *e, bool directions, bat_error *er
     return directions ? bat_hermite_normalize(e->curve, error) : BAT_OK;
 }
 
-/// Edges measured by time.
+/// The lengths of edges in time.
 static bat_status measure_times(estimate *e, bat_error *error)
 {
     const bat_hermite_curve *curve = e->curve;
@@ -227,14 +227,14 @@ static bat_status estimate_velocities(estimate *e, size_t order, bat_error *erro
 
 bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order, bat_error *error)
 {
-    size_t least = curve->closed ? 3 : 2;
+    size_t minimum = curve->closed ? 3 : 2;
     if (order != 2 && order != HIGHEST_ORDER)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangents are estimated with order 2 or 4, not %zu",
                          order);
-    if (curve->count < least || curve->points == NULL || curve->tangents == NULL)
+    if (curve->count < minimum || curve->points == NULL || curve->tangents == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "%s curve needs at least %zu points and room for tangents", curve->closed ? "a closed" : "an open",
-                         least);
+                         minimum);
     bat_status status = bat_space_check(curve->space, curve->points, curve->count, error);
     if (status != BAT_OK)
         return status;

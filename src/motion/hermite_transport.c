@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/// How far the sums of a mask's weights may be from what they should be.
+/// The tolerance of the sums of a mask's weights.
 static const double SUM_TOLERANCE = 1e-12;
 
 bat_hermite_mask bat_hermite_mask_merrien(double lambda, double mu)

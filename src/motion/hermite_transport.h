@@ -4,8 +4,8 @@
 #include "batten/motion_hermite.h"
 #include "curve/kernel.h"
 
-/// Whether a mask can be worked with: finite matrices, and weights of points that sum to 1 for every new point and to 0 for
-/// every new derivative, as geometry asks.
+/// Whether a mask is valid: finite matrices, and weights of points that sum to 1 for every new point and to 0 for
+/// every new derivative, as invariance under translations requires.
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status hermite_mask_check(const bat_hermite_mask *mask, bat_error *error);
 

@@ -17,7 +17,7 @@ bat_motion_options bat_motion_defaults(void)
     return (bat_motion_options){.scheme = bat_hermite_defaults(), .tangent_order = 2};
 }
 
-/// How the points of a set are written, and so its velocities.
+/// The form in which the points and velocities of a set are written.
 static const point_form *form_of(const bat_curve_set *set)
 {
     const point_form *form = set->attributes != NULL ? set->attributes->csv.form : NULL;
@@ -82,7 +82,7 @@ static bat_status data_allocate(const bat_curve *curve, bool timed, bat_hermite_
     return error_memory(error, curve->count * space->point_dim * sizeof(double));
 }
 
-/// The times of a curve; a closed one takes the mean step from its last point to its first.
+/// The times of a curve. The time from the last point of a closed one to its first is the mean step.
 static bat_status take_times(const bat_curve *curve, size_t channel, bat_hermite_curve *keys, bat_error *error)
 {
     for (size_t i = 0; i < keys->count; i++)
@@ -113,8 +113,8 @@ static bat_status take_velocities(const bat_curve *curve, const point_form *form
     return BAT_OK;
 }
 
-/// Neighbours must have one shortest geodesic, and be distinct where there is nothing but their distance to tell how they
-/// follow each other. The message names both lines.
+/// Neighbours must have one shortest geodesic, and be distinct where their distance is the parameter. The message names both
+/// lines.
 static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const bat_hermite_curve *keys, bool distinct,
                                    bat_error *error)
 {
@@ -159,8 +159,8 @@ static void scale_tangents(bat_hermite_curve *curve, double scale)
         curve->tangents[i] *= scale;
 }
 
-/// From velocities to what the scheme refines, or estimates where there are none. Data for BAT_HERMITE_TRANSPORT have times
-/// here.
+/// Convert velocities to the tangents that the scheme refines, or estimate tangents where there are none. Data for
+/// BAT_HERMITE_TRANSPORT have times here.
 static bat_status make_tangents(bat_hermite_curve *keys, bool given, const bat_motion_options *options, bat_error *error)
 {
     double *times = keys->times;
@@ -246,7 +246,7 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
     return status;
 }
 
-/// What the columns of the result are.
+/// The columns of the result.
 typedef struct result_columns
 {
     bat_curve_attributes *attributes;
@@ -255,7 +255,7 @@ typedef struct result_columns
     size_t channel_count;
 } result_columns;
 
-/// Names for points, and for times and velocities where they are wanted.
+/// Name the columns of points, and of times and velocities where they are wanted.
 static bool name_columns(const bat_curve_set *set, const point_form *form, const motion_channels *wanted,
                          csv_columns *columns)
 {
@@ -279,7 +279,7 @@ static bool name_columns(const bat_curve_set *set, const point_form *form, const
     return globe ? csv_columns_use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form);
 }
 
-/// The columns of the keyframes, where they have all that is wanted; else columns in our order: times, points, velocities.
+/// The columns of the keyframes where they suffice, else columns in the order times, points, velocities.
 static bat_status choose_columns(const bat_curve_set *set, const bat_motion_options *options, result_columns *result,
                                  bat_error *error)
 {
@@ -335,7 +335,7 @@ static void continue_signs(const bat_hermite_curve *smooth)
         quaternion_continue(smooth->points + (i - 1) * dim + place, smooth->points + i * dim + place);
 }
 
-/// From Hermite data to a curve with channels. The points move over.
+/// Make a curve with channels of Hermite data. The curve takes over the points.
 static bat_status make_curve(bat_hermite_curve *smooth, const result_columns *columns, bat_curve *curve, bat_error *error)
 {
     continue_signs(smooth);
@@ -355,7 +355,7 @@ static bat_status make_curve(bat_hermite_curve *smooth, const result_columns *co
     return BAT_OK;
 }
 
-/// The way from a point to the one before it, or 0 at the beginning of an open curve; likewise the time.
+/// The distance from a point to the one before it, or 0 at the beginning of an open curve, and the time between them.
 static double step_before(const bat_hermite_curve *curve, size_t index, double *time)
 {
     const bat_space *space = curve->space;
@@ -368,7 +368,7 @@ static double step_before(const bat_hermite_curve *curve, size_t index, double *
     return space->distance(space, curve->points + before * space->point_dim, curve->points + index * space->point_dim);
 }
 
-/// From directions to velocities: the speed is that of the way to both neighbours in the time between them.
+/// Convert directions to velocities: the speed is the distance to both neighbours divided by the time between them.
 static void speed_up(bat_hermite_curve *smooth)
 {
     size_t dim = smooth->space->tangent_dim;
@@ -382,8 +382,8 @@ static void speed_up(bat_hermite_curve *smooth)
     }
 }
 
-/// Evenly spaced times for what a mask has made of evenly spaced ones: at the vertices of the finest level, or in the middle
-/// of its edges and at the ends of an open curve.
+/// The evenly spaced times of a result by a mask: at the vertices of the finest level, or in the middle of its edges and at
+/// the ends of an open curve.
 static void space_times(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
 {
     double step = ldexp(keys->times[1] - keys->times[0], -(int)scheme->levels);
@@ -398,8 +398,8 @@ static void space_times(const bat_hermite_curve *keys, const bat_hermite_options
     }
 }
 
-/// From what the scheme gives to velocities and times. Derivatives by the index of new points become velocities, or
-/// derivatives by the index of the given ones; directions become velocities where there are times.
+/// Convert the output of the scheme to velocities and times. Derivatives by the index of new points become velocities, or
+/// derivatives by the index of the given points; directions become velocities where there are times.
 static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
 {
     if (scheme->kind == BAT_HERMITE_TRANSPORT)

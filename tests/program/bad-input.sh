@@ -279,7 +279,7 @@ refused 1 'fins.in.obj: .*third at the edge' decimate fins.in.obj -o out.csv --t
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 
 refused 2 'missing' mesh
-refused 2 'nothing is asked for' mesh mesh.in.obj --quiet
+refused 2 'there is no output' mesh mesh.in.obj --quiet
 refused 2 'one of midpoint' mesh mesh.in.obj -o out.csv --scheme chaikin
 refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --scheme loop --then loop
 refused 2 "need Loop's scheme" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
@@ -298,7 +298,7 @@ refused 2 '--to is for meshes' shape hull -o out.csv --to obj
 refused 2 'no shape of that kind' shape unicorn -o out.csv --to obj
 refused 2 '--vertices takes a whole number from 200' shape stone -o out.csv --to obj --vertices 100
 refused 2 'whole number' shape stone -o out.csv --to obj --seed -1
-refused 2 'nothing is asked for' shape stone --quiet
+refused 2 'there is no output' shape stone --quiet
 refused 2 'exclude each other' shape cage -o out.csv --to obj --json --quiet
 refused 2 'both need standard output' shape cage -o - --to obj --json
 refused 2 'format' shape cage -o out.csv --to xyz
@@ -367,7 +367,7 @@ refused 2 "ending of OUT names no format" surface cloud.in.xyz -o out.csv
 refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to iges
 refused 2 'no cloud format' surface cloud.in.xyz --from stl
 refused 2 'both need standard output' surface cloud.in.xyz -o - --to step --json
-refused 2 'nothing is asked for' surface cloud.in.xyz --quiet
+refused 2 'there is no output' surface cloud.in.xyz --quiet
 refused 2 'surface already: --tolerance goes with points' surface fit.in.xml --tolerance 1
 
 refused 2 'needs --data FOLDER with nefertiti' reproduce surface-nefertiti
