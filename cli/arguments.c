@@ -133,6 +133,11 @@ const char *argument(const arguments *given, const char *name)
     return index < 0 ? NULL : given->values[index];
 }
 
+bool argument_exists(const arguments *given, const char *name)
+{
+    return find(given->spec, name, strlen(name)) >= 0;
+}
+
 bool argument_flag(const arguments *given, const char *name)
 {
     return argument(given, name) != NULL;

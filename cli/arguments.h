@@ -79,6 +79,8 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
 /// The value of an option, null when it was not given; "" for a flag that was.
 const char *argument(const arguments *given, const char *name);
 bool argument_flag(const arguments *given, const char *name);
+/// Whether the verb has an option of that name.
+bool argument_exists(const arguments *given, const char *name);
 
 /// A whole number from `low` to `high`, or `absent` when the option was not given; false after a message.
 bool argument_whole(const arguments *given, const char *name, long low, long high, long absent, long *value);

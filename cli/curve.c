@@ -65,7 +65,8 @@ static const file_option FILES[] = {
     {"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ}, {"model", FILE_READ}, {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage = "batten curve IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
+    .usage =
+        "batten curve IN [-o OUT] [--space NAME] [--scheme NAME] [--levels K] [--closed|--open] [--picture FILE] [options]",
     .summary =
         "Refine the curves of a file (CSV, GeoJSON, OBJ; - for standard input). Without -o, --picture and --json the\n"
         "result goes to standard output in the format of the input.",
@@ -221,6 +222,7 @@ static bool read_job(const arguments *given, curve_job *job)
 {
     bool is_motion = job->is_motion;
     *job = (curve_job){
+        .given = given,
         .is_motion = is_motion,
         .input = given->positional[0],
         .output = argument(given, "output"),
@@ -319,7 +321,7 @@ static int read_truth(const curve_job *job, const bat_curve_set *coarse, bat_cur
     bat_curve_read_options options = job->read;
     options.format = BAT_CURVE_FORMAT_AUTO;
     if (bat_curve_read(job->truth, &options, truth, &error) != BAT_OK)
-        return report_failure(job->truth, &error);
+        return report_bad_input(job->given, job->truth, &error);
     if (truth->count == coarse->count)
         return EXIT_DONE;
     error.line = 0;
@@ -374,7 +376,7 @@ static int read_sets(curve_job *job, curve_sets *sets)
     if (job->model_file != NULL && !load_model(job))
         return EXIT_BAD_INPUT;
     if (bat_curve_read(job->input, &job->read, &sets->coarse, &error) != BAT_OK)
-        return report_failure(job->input, &error);
+        return report_bad_input(job->given, job->input, &error);
     if (job->scheme == NULL)
         choose_scheme(job, &sets->coarse);
     int code = EXIT_DONE;

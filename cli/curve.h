@@ -18,6 +18,7 @@ enum
 /// The command line of `batten curve` or `batten motion`.
 typedef struct curve_job
 {
+    const arguments *given;
     const char *input;
     const char *output, *picture, *truth; ///< null where not wanted
     outputs files;

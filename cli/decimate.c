@@ -48,6 +48,7 @@ static const verb_spec SPEC = {
 /// The command line.
 typedef struct decimate_job
 {
+    const arguments *given;
     const char *input, *output, *map;
     outputs files;
     bat_mesh_read_options read;
@@ -92,7 +93,8 @@ static bool read_numbers(const arguments *given, bat_mesh_decimate_options *opti
 /// False after a message.
 static bool read_job(const arguments *given, decimate_job *job)
 {
-    *job = (decimate_job){.input = given->positional[0],
+    *job = (decimate_job){.given = given,
+                          .input = given->positional[0],
                           .output = argument(given, "output"),
                           .map = argument(given, "map"),
                           .read = bat_mesh_read_defaults(),
@@ -126,8 +128,9 @@ static int read_fine(const decimate_job *job, decimate_result *result)
     bat_error error;
     bat_mesh_read_options options = job->read;
     options.repairs = &result->repairs;
-    return bat_mesh_read(job->input, &options, &result->fine, &error) == BAT_OK ? EXIT_DONE
-                                                                                : report_failure(job->input, &error);
+    return bat_mesh_read(job->input, &options, &result->fine, &error) == BAT_OK
+               ? EXIT_DONE
+               : report_bad_input(job->given, job->input, &error);
 }
 
 static int decimate(const decimate_job *job, decimate_result *result)
@@ -141,7 +144,7 @@ static int decimate(const decimate_job *job, decimate_result *result)
     report_progress_end();
     if (status == BAT_OK && carried)
         status = bat_mesh_map_transfer(result->map, &result->fine, &result->coarse, 0, &result->coarse, &error);
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
+    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->given, job->input, &error);
 }
 
 static int write_mesh(const decimate_job *job, const bat_mesh *coarse, const char *path)

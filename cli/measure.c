@@ -77,6 +77,7 @@ static const struct
 /// The command line.
 typedef struct measure_job
 {
+    const arguments *given;
     const char *paths[2]; ///< the second null when there is only A
     bat_curve_read_options read;
     bat_curve_measure_options measure;
@@ -225,7 +226,7 @@ static int read_and_measure(const measure_job *job)
     int code = EXIT_DONE;
     for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
         if (bat_curve_read(job->paths[i], &job->read, &sets[i], &error) != BAT_OK)
-            code = report_failure(job->paths[i], &error);
+            code = report_bad_input(job->given, job->paths[i], &error);
     if (code == EXIT_DONE)
         code = measure_sets(job, &sets[0], &sets[1]);
     bat_curve_set_free(&sets[0]);
@@ -237,8 +238,10 @@ static bool read_job(const arguments *given, measure_job *job)
 {
     bat_error error;
     int threads;
-    *job = (measure_job){
-        .read = bat_curve_read_defaults(), .measure = bat_curve_measure_defaults(), .json = argument_flag(given, "json")};
+    *job = (measure_job){.given = given,
+                         .read = bat_curve_read_defaults(),
+                         .measure = bat_curve_measure_defaults(),
+                         .json = argument_flag(given, "json")};
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
     job->read.space = argument(given, "space");

@@ -235,6 +235,7 @@ static int report_rows(const row *rows, size_t count, const void *base, double d
 /// The command line.
 typedef struct mesh_job
 {
+    const arguments *given;
     const char *paths[2]; ///< the second null when there is only A
     const char *picture;  ///< null for none
     outputs files;
@@ -321,7 +322,7 @@ static int read_and_measure(mesh_job *job)
     bool compared = job->paths[1] != NULL;
     for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
         if (bat_mesh_read(job->paths[i], &job->read, &meshes[i], &error) != BAT_OK)
-            code = report_failure(job->paths[i], &error);
+            code = report_bad_input(job->given, job->paths[i], &error);
     if (code == EXIT_DONE && compared)
         code = compare(job, meshes, &distance);
     code = outputs_close(&job->files, code);
@@ -355,8 +356,10 @@ static bool check_options(const arguments *given)
 static bool read_job(const arguments *given, mesh_job *job)
 {
     long samples;
-    *job = (mesh_job){
-        .read = bat_mesh_read_defaults(), .compare = bat_mesh_compare_defaults(), .json = argument_flag(given, "json")};
+    *job = (mesh_job){.given = given,
+                      .read = bat_mesh_read_defaults(),
+                      .compare = bat_mesh_compare_defaults(),
+                      .json = argument_flag(given, "json")};
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
     if (!check_options(given) || !argument_threads(given, &job->compare.threads) ||

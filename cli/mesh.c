@@ -61,6 +61,7 @@ static const char *const GOING_ON[] = {"midpoint", "loop", "butterfly", NULL};
 /// The command line.
 typedef struct mesh_job
 {
+    const arguments *given;
     const char *input, *output, *picture, *model; ///< all but the first may be null
     outputs files;
     bat_mesh_read_options read;
@@ -121,7 +122,8 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
 /// False after a message.
 static bool read_job(const arguments *given, mesh_job *job)
 {
-    *job = (mesh_job){.input = given->positional[0],
+    *job = (mesh_job){.given = given,
+                      .input = given->positional[0],
                       .output = argument(given, "output"),
                       .picture = argument(given, "picture"),
                       .model = argument(given, "model"),
@@ -151,10 +153,10 @@ static int read_coarse(const mesh_job *job, mesh_result *result)
     bat_mesh_read_options options = job->read;
     options.repairs = &result->repairs;
     if (bat_mesh_read(job->input, &options, &result->coarse, &error) != BAT_OK)
-        return report_failure(job->input, &error);
+        return report_bad_input(job->given, job->input, &error);
     bat_mesh_connectivity links;
     if (bat_mesh_connect(&result->coarse, &links, &error) != BAT_OK)
-        return report_failure(job->input, &error);
+        return report_bad_input(job->given, job->input, &error);
     result->boundary_edges = links.boundary_edge_count;
     bat_mesh_connectivity_free(&links);
     return EXIT_DONE;
@@ -175,7 +177,7 @@ static int refine(const mesh_job *job, mesh_result *result)
     options.progress = report_progress("refining");
     bat_status status = bat_mesh_refine(&result->coarse, &options, &result->fine, &result->fallback, &error);
     report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
+    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->given, job->input, &error);
 }
 
 static void make_title(bat_mesh_scheme scheme, size_t levels, char title[80])
@@ -202,7 +204,7 @@ static int draw(const mesh_job *job, const mesh_result *result)
     bat_mesh other = {0};
     char title[80], beside_title[80];
     if (job->beside >= 0 && refine_beside(job, &result->coarse, &other, &error) != BAT_OK)
-        return report_failure(job->input, &error);
+        return report_bad_input(job->given, job->input, &error);
     make_title(job->refine.scheme, job->refine.levels, title);
     make_title((bat_mesh_scheme)(job->beside < 0 ? 0 : job->beside), job->refine.levels, beside_title);
     bat_mesh_picture_panel panels[3] = {

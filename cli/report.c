@@ -1,10 +1,10 @@
 #include "report.h"
 
-#include "arguments.h"
 #include "interrupt.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 /// The work under way, one at a time.
@@ -24,6 +24,37 @@ int(report_failure)(const char *file, const bat_error *error)
         (void)fprintf(stderr, "%zu:", error->line);
     (void)fprintf(stderr, "%s%s\n", file != NULL || error->line > 0 ? " " : "", error->text);
     return EXIT_BAD_INPUT;
+}
+
+/// Options that lead out of a failure, by its status and a part of its text.
+static const struct
+{
+    bat_status status;
+    const char *part;
+    const char *option, *effect;
+} WAYS_OUT[] = {
+    {BAT_NOT_MANIFOLD, "", "repair", "cuts the mesh there"},
+    {BAT_BAD_FILE, "twice", "repair", "drops the face"},
+    {BAT_BAD_FILE, "option `triangulate`", "triangulate", "cuts it into triangles"},
+    {BAT_BAD_FILE, "unit length", "project", "moves points onto the space"},
+    {BAT_INVALID_POINT, "repeats", "drop-duplicates", "leaves it out"},
+};
+
+int report_bad_input(const arguments *given, const char *file, const bat_error *error)
+{
+    bat_error whole = *error;
+    for (size_t i = 0; i < sizeof WAYS_OUT / sizeof *WAYS_OUT; i++)
+    {
+        const char *option = WAYS_OUT[i].option, *end;
+        if (error->status != WAYS_OUT[i].status || strstr(error->text, WAYS_OUT[i].part) == NULL ||
+            !argument_exists(given, option) || argument_flag(given, option))
+            continue;
+        end = strchr(error->text, ';');
+        int length = end != NULL ? (int)(end - error->text) : (int)strlen(error->text);
+        (void)snprintf(whole.text, sizeof whole.text, "%.*s; --%s %s", length, error->text, option, WAYS_OUT[i].effect);
+        break;
+    }
+    return report_failure(file, &whole);
 }
 
 static bool draw_progress(void *context, double fraction)

@@ -1,6 +1,8 @@
 #ifndef CLI_REPORT_H
 #define CLI_REPORT_H
 
+#include "arguments.h"
+
 #include "batten/base.h"
 
 #include <jansson.h>
@@ -10,6 +12,9 @@
 
 /// Print "batten: FILE:LINE: text" (as far as file and line are known) to standard error and return EXIT_BAD_INPUT.
 int report_failure(const char *file, const bat_error *error);
+
+/// report_failure() for a file that was read, with the option of the verb that leads out, where there is one.
+int report_bad_input(const arguments *given, const char *file, const bat_error *error);
 
 /// A progress function that draws a line on standard error when that is a terminal, and stops the work once a signal such as
 /// that of Ctrl-C has come. `what` names the work and must outlive it. A second signal ends the program at once.

@@ -77,12 +77,13 @@ static const verb_spec SPEC = {
 /// The command line.
 typedef struct surface_job
 {
+    const arguments *given;
     const char *input;
     bat_cloud_read_options read;
     size_t corners[4]; ///< points of the input
     bool has_corners;
     outputs files;
-    const char *output, *picture, *parameters, *model, *given; ///< files; may be null
+    const char *output, *picture, *parameters, *model, *parameter_file; ///< files; may be null
     bat_surface_options options;
     bat_surface_write_options write;
     bool json, quiet;
@@ -217,7 +218,7 @@ static bool read_parameterization(const arguments *given, surface_job *job)
             return true;
         }
     job->options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
-    job->given = text;
+    job->parameter_file = text;
     if (strpbrk(text, "./") != NULL)
         return true;
     (void)usage_error(given,
@@ -262,7 +263,8 @@ static bool read_job(const arguments *given, surface_job *job)
     long samples;
     bat_error error;
     const char *to = argument(given, "to");
-    *job = (surface_job){.input = given->positional[0],
+    *job = (surface_job){.given = given,
+                         .input = given->positional[0],
                          .output = argument(given, "output"),
                          .picture = argument(given, "picture"),
                          .parameters = argument(given, "parameters"),
@@ -299,7 +301,8 @@ static int read_cloud(const surface_job *job, bat_cloud *cloud)
     bat_error error;
     bat_cloud_read_options options = job->read;
     options.corners = job->has_corners ? job->corners : NULL;
-    return bat_cloud_read(job->input, &options, cloud, &error) == BAT_OK ? EXIT_DONE : report_failure(job->input, &error);
+    return bat_cloud_read(job->input, &options, cloud, &error) == BAT_OK ? EXIT_DONE
+                                                                         : report_bad_input(job->given, job->input, &error);
 }
 
 /// Read the network and the parameters that are given, as far as they are. Returns the program's exit code.
@@ -309,8 +312,8 @@ static int read_model_and_parameters(const surface_job *job, const bat_cloud *cl
     bat_error error;
     if (job->model != NULL && bat_surface_model_read(job->model, model, &error) != BAT_OK)
         return report_failure(job->model, &error);
-    if (job->given != NULL && bat_cloud_parameters_read(job->given, cloud, given, &error) != BAT_OK)
-        return report_failure(job->given, &error);
+    if (job->parameter_file != NULL && bat_cloud_parameters_read(job->parameter_file, cloud, given, &error) != BAT_OK)
+        return report_failure(job->parameter_file, &error);
     return EXIT_DONE;
 }
 
@@ -329,7 +332,7 @@ static int reconstruct(const surface_job *job, bat_cloud *cloud, bat_surface_res
         bat_status status = bat_surface_reconstruct(cloud, &options, result, &error);
         report_progress_end();
         if (status != BAT_OK)
-            code = report_failure(job->input, &error);
+            code = report_bad_input(job->given, job->input, &error);
     }
     bat_surface_model_free(model);
     free(given);
@@ -455,7 +458,7 @@ static int convert(surface_job *job)
     bat_surface_result result = {0};
     int code = EXIT_DONE;
     if (bat_surface_read(job->input, &result.surface, &error) != BAT_OK)
-        code = report_failure(job->input, &error);
+        code = report_bad_input(job->given, job->input, &error);
     if (code == EXIT_DONE && job->picture != NULL)
         code = draw_converted(job, &result.surface);
     if (code == EXIT_DONE)

@@ -97,6 +97,23 @@ rm -f twin.obj link.obj
 check "a mesh that does not fit the disk is reported" test $? -eq 0
 check "nothing is left of it" test ! -e gear.obj -a ! -e gear.svg -a -z "$(ls -A | grep '^\.')"
 
+# The option that leads out.
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n' > square.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\nf 1 2 3\n' > thin.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.obj
+printf '1,0,0\n0,2,0\n' > long.csv
+awk '{ print } NR == 5 { print }' cloud.xyz > twice.xyz
+nothing 1 'square.obj:5: .*; --triangulate cuts' mesh square.obj -o out.obj
+nothing 1 'square.obj:5: .*; --triangulate cuts' measure square.obj
+nothing 1 'thin.obj:4: .*; --repair drops' decimate thin.obj -o out.obj --vertices 3
+nothing 1 'fins.obj: .*; --repair cuts' mesh fins.obj -o out.obj
+nothing 1 'long.csv:2: .*; --project moves' curve long.csv --space sphere -o out.csv
+nothing 1 'twice.xyz:6: .*; --drop-duplicates leaves' surface twice.xyz -o out.obj
+nothing 1 'huge.obj: the first mesh: vertex 1' measure huge.obj mesh.obj
+nothing 1 'huge.obj: the second mesh: vertex 1' measure mesh.obj huge.obj
+nothing 1 'sphere.csv: ' measure good.csv sphere.csv
+nothing 1 'fins.obj: [^-]*$' surface fins.obj -o out.obj
+
 # Together.
 printf 'old' > out.csv
 chmod 640 out.csv
