@@ -184,7 +184,8 @@ static int measure_distances(const char *const paths[2], const bat_curve_set *a,
     report_progress_end();
     if (status == BAT_OK)
         return EXIT_DONE;
-    return report_curve(measure_file_at_fault(paths, &error), strstr(error.text, "first") != NULL ? a : b, failed, &error);
+    const char *path = measure_file_at_fault(paths, &error);
+    return report_curve(path, path == paths[0] ? a : b, failed, &error);
 }
 
 static int measure_sets(const measure_job *job, const bat_curve_set *a, const bat_curve_set *b)

@@ -290,8 +290,8 @@ static int draw_distances(const mesh_job *job, const bat_mesh meshes[2], double 
 
 const char *measure_file_at_fault(const char *const paths[2], const bat_error *error)
 {
-    static const char FIRST[] = "the first ";
-    return paths[1] == NULL || strncmp(error->text, FIRST, sizeof FIRST - 1) == 0 ? paths[0] : paths[1];
+    bool first = strstr(error->text, "first") != NULL && strstr(error->text, "second") == NULL;
+    return first || paths[1] == NULL ? paths[0] : paths[1];
 }
 
 static int compare(const mesh_job *job, const bat_mesh meshes[2], bat_mesh_distance *distance)

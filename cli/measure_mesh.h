@@ -5,7 +5,7 @@
 
 #include "batten/base.h"
 
-/// The file that a failed comparison is about, by its text: the first or the second, else the second.
+/// The file at fault in a comparison: the first one where the text of the error names it alone, else the second.
 const char *measure_file_at_fault(const char *const paths[2], const bat_error *error);
 
 /// Whether the files of `batten measure` are meshes: by --mesh or --from, else by the first file whose ending or content is
