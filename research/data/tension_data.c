@@ -1,10 +1,9 @@
 #include "batten/research/curve_data.h"
 
 #include "base/error.h"
-#include "research/data/arc_samples.h"
+#include "research/data/control_polygon.h"
 #include "research/data/tension_curves.h"
 #include "research/data/tension_set.h"
-#include "research/data/tension_ties.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,5 @@
 #include "research/data/tension_family.h"
 
-#include "research/data/tension_family_lists.h"
-
 #include <math.h>
 
 static tension_family_list families_of(bat_tension_space space, bool unseen)

@@ -1,6 +1,6 @@
 #include "research/data/fillet.h"
-#include "research/data/fourier_curve.h"
-#include "research/data/tension_family_lists.h"
+#include "research/data/tension_family.h"
+#include "research/data/wave.h"
 
 /// No curve leaves the hyperbolic disk of this radius about the origin: Euclidean 0.947.
 static const double MOST_RADIUS = 3.6;

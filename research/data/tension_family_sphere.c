@@ -1,6 +1,6 @@
 #include "research/data/fillet.h"
-#include "research/data/fourier_curve.h"
-#include "research/data/tension_family_lists.h"
+#include "research/data/tension_family.h"
+#include "research/data/wave.h"
 
 static const double PI = WAVE_PI;
 

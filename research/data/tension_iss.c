@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "research/data/arc_samples.h"
+#include "research/data/control_polygon.h"
 #include "space/known.h"
 
 #include <math.h>

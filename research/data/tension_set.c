@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "research/data/tension_control.h"
+#include "research/data/control_polygon.h"
 #include "research/data/tension_family.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-#include "research/shapes/mesh_primitive.h"
 #include "linalg/vector3.h"
+#include "research/shapes/mesh_shape.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "research/data/wave.h"
-#include "research/shapes/surface_cloud.h"
+#include "research/shapes/cloud_sampling.h"
 
 #include <math.h>
 

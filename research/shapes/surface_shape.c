@@ -3,8 +3,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "batten/research/surface_shapes.h"
-#include "research/shapes/surface_scan.h"
-#include "research/shapes/surface_spread.h"
+#include "research/shapes/cloud_sampling.h"
 
 #include <string.h>
 

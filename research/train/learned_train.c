@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "curve/network/learned_network.h"
-#include "research/data/tension_control.h"
+#include "research/data/control_polygon.h"
 #include "research/data/tension_family.h"
 #include "research/data/tension_set.h"
 #include "research/data/wave.h"

@@ -3,9 +3,8 @@
 #include "batten/curve_measure.h"
 #include "batten/research/curve_data.h"
 #include "learn/safetensors.h"
-#include "research/data/arc_samples.h"
+#include "research/data/control_polygon.h"
 #include "research/data/tension_curves.h"
-#include "research/data/tension_ties.h"
 
 static const double PI = 3.14159265358979323846;
 static const size_t TRUTH = BAT_TENSION_TRUTH_POINTS, CONTROL = BAT_TENSION_CONTROL_POINTS;

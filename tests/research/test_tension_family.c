@@ -2,9 +2,8 @@
 
 #include "batten/curve.h"
 #include "batten/curve_measure.h"
-#include "research/data/arc_samples.h"
+#include "research/data/control_polygon.h"
 #include "research/data/fillet.h"
-#include "research/data/tension_control.h"
 #include "research/data/tension_family.h"
 
 enum

@@ -1,7 +1,8 @@
-#ifndef RESEARCH_SHAPES_SURFACE_CLOUD_H
-#define RESEARCH_SHAPES_SURFACE_CLOUD_H
+#ifndef RESEARCH_SHAPES_CLOUD_SAMPLING_H
+#define RESEARCH_SHAPES_CLOUD_SAMPLING_H
 
 #include "batten/cloud.h"
+#include "research/shapes/surface_shape.h"
 
 /// @file
 /// What clouds sampled at known parameters begin with.
@@ -31,5 +32,24 @@ static inline void square_side_at(int side, double share, double parameter[2])
 
 /// Add Gaussian noise to each coordinate of a cloud.
 void cloud_add_noise(bat_cloud *cloud, double deviation, bat_random *random);
+
+/// @file
+/// Points spread evenly over a surface, whatever its parameters: in strips of even width across its longer way, each with as
+/// many points as its area asks for, a little out of line.
+
+/// @param points of the whole cloud; the boundary has what suits the distance between neighbours, which is even along each
+/// side
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status surface_spread(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
+                          bat_error *error);
+
+/// @file
+/// What a scanner that looks along z makes of a surface: lines, denser along themselves than across, fewer points on steep
+/// places, a second sweep over a part, a gap where nothing was seen, noise, no order.
+
+/// @param points about how many
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status surface_scan(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
+                        bat_error *error);
 
 #endif
