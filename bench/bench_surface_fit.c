@@ -7,7 +7,7 @@
 
 #include "batten/surface_fit.h"
 #include "surface/fit/fit_solve.h"
-#include "surface/fit/fit_system.h"
+#include "surface/fit/system.h"
 
 #include <math.h>
 #include <stdio.h>

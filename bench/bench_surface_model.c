@@ -5,7 +5,7 @@
 #include "learn/blas.h"
 #include "research/train/surface_network_tape.h"
 #include "research/train/surface_sample.h"
-#include "surface/network/surface_inference.h"
+#include "surface/network/bidgcn.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 #include "research/train/surface_sample.h"
-#include "surface/network/surface_chart.h"
-#include "surface/network/surface_chart_network.h"
+#include "surface/network/chart_network.h"
 
 #include <math.h>
 

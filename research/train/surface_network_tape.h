@@ -2,7 +2,7 @@
 #define RESEARCH_TRAIN_SURFACE_NETWORK_TAPE_H
 
 #include "research/train/surface_network_training.h"
-#include "surface/network/surface_network.h"
+#include "surface/network/bidgcn.h"
 
 /// @file
 /// The published network of surface/network/surface_network.h on a tape, for training.

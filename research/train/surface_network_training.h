@@ -3,7 +3,7 @@
 
 #include "batten/research/surface_train.h"
 #include "learn/operations.h"
-#include "surface/network/surface_network_kind.h"
+#include "surface/network/model.h"
 
 /// @file
 /// What training needs of a network that parameterizes clouds, beside its kind.

@@ -2,7 +2,7 @@
 #define RESEARCH_TRAIN_TAPE_GRAPH_H
 
 #include "learn/operations.h"
-#include "surface/network/surface_graph.h"
+#include "surface/network/radius_graph.h"
 
 /// @file
 /// What networks do along the edges of radius graphs, on a tape: nothing is kept for an edge but its bit.

@@ -1,7 +1,7 @@
 #include "hierarchical_helpers.h"
 
-#include "surface/spline/blossom.h"
 #include "surface/spline/hierarchical_space.h"
+#include "surface/spline/tensor_surface.h"
 
 #include <lapacke.h>
 

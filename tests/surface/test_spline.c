@@ -2,7 +2,7 @@
 
 #include "batten/spline.h"
 
-#include "surface/spline/tensor_refine.h"
+#include "surface/spline/tensor_surface.h"
 #include "surface/spline/uniform_basis.h"
 
 #include <float.h>

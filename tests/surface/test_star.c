@@ -3,7 +3,6 @@
 #include "check.h"
 
 #include "surface/parameterize/star.h"
-#include "surface/parameterize/triangulated_star.h"
 
 #include "batten/base.h"
 

@@ -2,8 +2,8 @@
 
 #include "patch_clouds.h"
 
-#include "surface/network/surface_chart.h"
-#include "surface/network/surface_extension.h"
+#include "surface/network/chart_network.h"
+#include "surface/network/biharmonic_extension.h"
 
 // Helpers
 

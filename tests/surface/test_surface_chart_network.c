@@ -5,8 +5,7 @@
 
 #include "batten/cloud_parameterize.h"
 #include "research/train/surface_sample.h"
-#include "surface/network/surface_chart.h"
-#include "surface/network/surface_chart_network.h"
+#include "surface/network/chart_network.h"
 
 #include <unistd.h>
 

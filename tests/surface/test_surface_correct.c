@@ -2,7 +2,7 @@
 
 #include "surface_fit_helpers.h"
 
-#include "surface/fit/fit_correct.h"
+#include "surface/fit/foot_points.h"
 
 /// A surface of bidegree (3, 3) close to a shape.
 static bat_spline_surface surface_of(surface_shape shape)

@@ -2,7 +2,7 @@
 
 #include "surface_fit_helpers.h"
 
-#include "surface/fit/fit_system.h"
+#include "surface/fit/system.h"
 
 #include <lapacke.h>
 

@@ -3,7 +3,7 @@
 #include "check.h"
 
 #include "batten/base.h"
-#include "surface/network/surface_graph.h"
+#include "surface/network/radius_graph.h"
 
 static void *test_memory(size_t count, size_t size)
 {

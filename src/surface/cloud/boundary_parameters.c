@@ -1,12 +1,442 @@
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/cloud.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/loop.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/// A closed line through points, by arc length.
+typedef struct cloud_loop
+{
+    const double *points; ///< count x 3, the caller's; squares of their differences must fit a double
+    size_t count;
+    double *arc; ///< count + 1: the length from point 0 to each point, and the whole length
+} cloud_loop;
+
+static inline double cloud_loop_length(const cloud_loop *loop)
+{
+    return loop->arc[loop->count];
+}
+
+/// @return BAT_OK or BAT_NO_MEMORY
+static bat_status cloud_loop_make(const double *points, size_t count, cloud_loop *loop, bat_error *error)
+{
+    cloud_loop made = {.points = points, .count = count, .arc = memory_array(count + 1, sizeof *made.arc)};
+    if (made.arc == NULL)
+        return error_memory(error, (count + 1) * sizeof *made.arc);
+    made.arc[0] = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        double side[3];
+        vector3_subtract(points + 3 * ((i + 1) % count), points + 3 * i, side);
+        made.arc[i + 1] = made.arc[i] + sqrt(vector3_dot(side, side));
+    }
+    *loop = made;
+    return BAT_OK;
+}
+
+static void cloud_loop_free(cloud_loop *loop)
+{
+    free(loop->arc);
+    *loop = (cloud_loop){0};
+}
+
+/// The place on the loop at a length from point 0, which may be any.
+static void cloud_loop_at(const cloud_loop *loop, double length, double place[3])
+{
+    double whole = cloud_loop_length(loop);
+    length -= whole * floor(length / whole);
+    size_t low = 0, high = loop->count; // arc[low] <= length < arc[high], up to rounding at the end
+    while (high - low > 1)
+    {
+        size_t middle = low + (high - low) / 2;
+        if (loop->arc[middle] <= length)
+            low = middle;
+        else
+            high = middle;
+    }
+    const double *from = loop->points + 3 * low, *to = loop->points + 3 * ((low + 1) % loop->count);
+    double side = loop->arc[low + 1] - loop->arc[low], share = side > 0 ? (length - loop->arc[low]) / side : 0;
+    for (int k = 0; k < 3; k++)
+        place[k] = from[k] + share * (to[k] - from[k]);
+}
+
+// Four corners are the places of a loop with the greatest sum of
+//
+//     sharpness at the corners - EVENNESS * sum over sides (side / length - 1/4)^2.
+//
+// Sharpness is how far the loop turns towards the patch, in the patch's tangent plane, from a chord behind the corner to a
+// chord ahead of it; the chords span a share of the loop, so that the teeth of a jagged loop do not count. What a circle
+// turns over the same span does not count either: a smooth loop is split evenly.
+
+enum
+{
+    CORNERS = 4,
+    WINDOWS = 3,
+    /// Places that are compared, the sharpest of each of so many equal parts of the loop.
+    MOST_CANDIDATES = 100,
+    /// Points of the cloud that show where the patch lies.
+    MOST_SAMPLES = 8192,
+    LEAST_NEIGHBOURS = 12
+};
+
+static const double PI = 3.14159265358979323846;
+/// The chords, as shares of the loop.
+static const double WINDOW_SHARES[WINDOWS] = {1.0 / 40, 3.0 / 80, 1.0 / 20};
+/// A side's least share of the loop.
+#define LEAST_SIDE (1.0 / 40)
+static const double EVENNESS = 6.0;
+/// What turns less than so many times as a circle is smooth; what turns further than MOST_TURN is no sharper.
+static const double SMOOTH_TURN = 2.0;
+static const double MOST_TURN = 2.0943951023931953; // 2 pi / 3
+/// Of turns out of the tangent plane, so that they decide where nothing else does.
+static const double TURN_IN_SPACE = 0.1;
+
+/// A cloud whose corners are sought.
+typedef struct corner_search
+{
+    cloud_loop loop;
+    double *points;  ///< of the cloud, in unit size
+    double *samples; ///< some of them
+    size_t sample_count;
+    neighbour_tree tree; ///< of the samples
+    neighbour_list near;
+    double *sharpness; ///< of every point of the loop
+} corner_search;
+
+static void search_free(corner_search *search)
+{
+    cloud_loop_free(&search->loop);
+    neighbour_tree_free(&search->tree);
+    neighbour_list_free(&search->near);
+    free(search->points);
+    free(search->samples);
+    free(search->sharpness);
+}
+
+/// Every so many-th point, interior ones before those of the boundary.
+static bat_status take_samples(const bat_cloud *cloud, corner_search *search, bat_error *error)
+{
+    size_t count = cloud->count, stride = count / MOST_SAMPLES + 1;
+    search->sample_count = (count + stride - 1) / stride;
+    search->samples = memory_array(search->sample_count, 3 * sizeof *search->samples);
+    if (search->samples == NULL)
+        return error_memory(error, count * 3 * sizeof *search->samples);
+    for (size_t i = 0; i < search->sample_count; i++)
+        memcpy(search->samples + 3 * i, search->points + 3 * i * stride, 3 * sizeof *search->samples);
+    return neighbour_tree_build(search->samples, search->sample_count, &search->tree, error);
+}
+
+static bat_status search_begin(const bat_cloud *cloud, corner_search *search, bat_error *error)
+{
+    search->points = points_to_unit_size(cloud->points, cloud->count);
+    search->sharpness = memory_array(cloud->boundary_count, sizeof *search->sharpness);
+    if (search->points == NULL || search->sharpness == NULL)
+        return error_memory(error, cloud->count * 3 * sizeof *search->points);
+    bat_status status = cloud_loop_make(search->points, cloud->boundary_count, &search->loop, error);
+    if (status == BAT_OK && !(cloud_loop_length(&search->loop) > 0))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary has no length");
+    return status == BAT_OK ? take_samples(cloud, search, error) : status;
+}
+
+/// Take the part of a vector in a plane.
+static void flatten(double vector[3], const double normal[3])
+{
+    double out = vector3_dot(vector, normal);
+    for (int k = 0; k < 3; k++)
+        vector[k] -= out * normal[k];
+}
+
+static double angle_between(const double a[3], const double b[3])
+{
+    double across[3];
+    vector3_cross(a, b, across);
+    return atan2(sqrt(vector3_dot(across, across)), vector3_dot(a, b));
+}
+
+/// How far the loop turns at a point, over chords of a length: in space, and in the plane towards its inside.
+static void turns_at(const corner_search *search, size_t at, double chord, const local_plane *plane, double *in_space,
+                     double *in_plane)
+{
+    const double *here = search->points + 3 * at;
+    double before[3], after[3], behind[3], ahead[3], bend[3], inward[3];
+    cloud_loop_at(&search->loop, search->loop.arc[at] - chord, before);
+    cloud_loop_at(&search->loop, search->loop.arc[at] + chord, after);
+    vector3_subtract(here, before, behind);
+    vector3_subtract(after, here, ahead);
+    *in_space = angle_between(behind, ahead);
+    flatten(behind, plane->axes[2]);
+    flatten(ahead, plane->axes[2]);
+    vector3_subtract(ahead, behind, bend);
+    vector3_subtract(plane->centre, here, inward);
+    double angle = angle_between(behind, ahead);
+    *in_plane = vector3_dot(bend, inward) >= 0 ? angle : -angle;
+}
+
+static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
+{
+    double length = cloud_loop_length(&search->loop), space_sum = 0, plane_sum = 0, circle_sum = 0;
+    const double *here = search->points + 3 * at;
+    bat_status status = neighbours_within(&search->tree, here, WINDOW_SHARES[WINDOWS - 1] * length, &search->near, error);
+    if (status == BAT_OK && search->near.count < LEAST_NEIGHBOURS)
+        status = neighbours_nearest(&search->tree, here, LEAST_NEIGHBOURS, &search->near, error);
+    if (status != BAT_OK)
+        return status;
+    local_plane plane = local_plane_fit(search->samples, &search->near);
+    for (int w = 0; w < WINDOWS; w++)
+    {
+        double in_space, in_plane;
+        turns_at(search, at, WINDOW_SHARES[w] * length, &plane, &in_space, &in_plane);
+        space_sum += in_space / WINDOWS;
+        plane_sum += in_plane / WINDOWS;
+        circle_sum += 2 * PI * WINDOW_SHARES[w] / WINDOWS;
+    }
+    double sharp = fmin(plane_sum, MOST_TURN) - SMOOTH_TURN * circle_sum;
+    search->sharpness[at] = fmax(sharp, 0) + TURN_IN_SPACE * space_sum;
+    return BAT_OK;
+}
+
+/// Points that may become corners.
+typedef struct candidate_set
+{
+    size_t points[MOST_CANDIDATES];
+    double shares[MOST_CANDIDATES]; ///< of the loop's length that lie before them
+    double sharpness[MOST_CANDIDATES];
+    size_t count;
+} candidate_set;
+
+/// The sharpest point of each of many equal parts of the loop; equal in length, or in number of points.
+static void choose_candidates(const corner_search *search, bool by_length, candidate_set *set)
+{
+    const cloud_loop *loop = &search->loop;
+    size_t last_part = SIZE_MAX;
+    set->count = 0;
+    for (size_t i = 0; i < loop->count; i++)
+    {
+        double share = by_length ? loop->arc[i] / cloud_loop_length(loop) : (double)i / (double)loop->count;
+        size_t part = loop->count <= MOST_CANDIDATES ? i : (size_t)(share * MOST_CANDIDATES);
+        part = part < MOST_CANDIDATES ? part : MOST_CANDIDATES - 1;
+        if (part != last_part)
+            set->points[set->count++] = i;
+        else if (search->sharpness[i] > search->sharpness[set->points[set->count - 1]])
+            set->points[set->count - 1] = i;
+        last_part = part;
+    }
+    for (size_t c = 0; c < set->count; c++)
+    {
+        set->shares[c] = loop->arc[set->points[c]] / cloud_loop_length(loop);
+        set->sharpness[c] = search->sharpness[set->points[c]];
+    }
+}
+
+/// What a side costs that is a share of the loop.
+static double side_cost(double share, double least_side)
+{
+    double off = share - 1.0 / CORNERS;
+    return share < least_side ? INFINITY : EVENNESS * off * off;
+}
+
+/// The best choice found so far, and room for the choices that begin with the same corner.
+typedef struct corner_choice
+{
+    double best;
+    size_t corners[CORNERS];                ///< candidates
+    double value[CORNERS][MOST_CANDIDATES]; ///< the best sum of so many corners, the last one at a candidate
+    size_t from[CORNERS][MOST_CANDIDATES];  ///< the candidate before it
+} corner_choice;
+
+/// The best corner before candidate `c`, which is corner number k.
+static void choose_before(const candidate_set *set, int k, size_t c, size_t first, double least_side, corner_choice *choice)
+{
+    double best = -INFINITY;
+    size_t from = first;
+    for (size_t b = first; b < c; b++)
+    {
+        double value = choice->value[k - 1][b] - side_cost(set->shares[c] - set->shares[b], least_side);
+        if (value > best)
+        {
+            best = value;
+            from = b;
+        }
+    }
+    choice->value[k][c] = best + set->sharpness[c];
+    choice->from[k][c] = from;
+}
+
+/// Among all choices whose first corner is a given candidate, by dynamic programming over the corners.
+static void choose_from(const candidate_set *set, size_t first, double least_side, corner_choice *choice)
+{
+    for (size_t c = first; c < set->count; c++)
+        choice->value[0][c] = c == first ? set->sharpness[c] : -INFINITY;
+    for (int k = 1; k < CORNERS; k++)
+        for (size_t c = first; c < set->count; c++)
+            choose_before(set, k, c, first, least_side, choice);
+    for (size_t c = first; c < set->count; c++)
+    {
+        double last_side = 1 - set->shares[c] + set->shares[first];
+        double value = choice->value[CORNERS - 1][c] - side_cost(last_side, least_side);
+        if (!(value > choice->best))
+            continue;
+        choice->best = value;
+        size_t at = c;
+        for (int k = CORNERS - 1; k > 0; k--)
+        {
+            choice->corners[k] = at;
+            at = choice->from[k][at];
+        }
+        choice->corners[0] = at;
+    }
+}
+
+static bat_status choose(const corner_search *search, size_t corners[CORNERS], bat_error *error)
+{
+    // Points may be so uneven that no four of them lie far apart.
+    static const struct
+    {
+        bool by_length;
+        double least_side;
+    } tries[] = {{true, LEAST_SIDE}, {true, 0}, {false, 0}};
+    corner_choice *choice = memory_array(1, sizeof *choice);
+    candidate_set *set = memory_array(1, sizeof *set);
+    if (choice == NULL || set == NULL)
+    {
+        free(choice);
+        free(set);
+        return error_memory(error, sizeof *choice + sizeof *set);
+    }
+    choice->best = -INFINITY;
+    for (size_t i = 0; i < sizeof tries / sizeof *tries && choice->best == -INFINITY; i++)
+    {
+        choose_candidates(search, tries[i].by_length, set);
+        for (size_t first = 0; first < set->count; first++)
+            choose_from(set, first, tries[i].least_side, choice);
+    }
+    for (int k = 0; k < CORNERS; k++)
+        corners[k] = set->points[choice->corners[k]];
+    free(choice);
+    free(set);
+    return BAT_OK;
+}
+
+/// Find four corners of a cloud's boundary, which must be known: see bat_cloud_find_corners().
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY
+static bat_status cloud_loop_corners(const bat_cloud *cloud, size_t corners[4], bat_error *error)
+{
+    if (cloud->boundary_count < CORNERS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no boundary to find corners on");
+    corner_search search = {0};
+    bat_status status = search_begin(cloud, &search, error);
+    for (size_t i = 0; i < cloud->boundary_count && status == BAT_OK; i++)
+        status = measure_at(&search, i, error);
+    if (status == BAT_OK)
+        status = choose(&search, corners, error);
+    search_free(&search);
+    return status;
+}
+
+bat_status bat_cloud_find_corners(bat_cloud *cloud, bat_error *error)
+{
+    bat_status status = cloud_loop_corners(cloud, cloud->corners, error);
+    if (status == BAT_OK)
+        cloud->has_corners = true;
+    return status;
+}
+
+/// Where the loop has a point of the input.
+static size_t find_place(const bat_cloud *cloud, size_t point)
+{
+    for (size_t i = 0; i < cloud->boundary_count; i++)
+        if ((cloud->order == NULL ? i : cloud->order[i]) == point)
+            return i;
+    return BAT_NO_INDEX;
+}
+
+/// How places of the loop move: one becomes the first, and the way round may turn over.
+typedef struct loop_turn
+{
+    size_t first, count;
+    bool reversed;
+} loop_turn;
+
+static size_t turned_place(const loop_turn *turn, size_t place)
+{
+    return turn->reversed ? (turn->first + turn->count - place) % turn->count
+                          : (place + turn->count - turn->first) % turn->count;
+}
+
+/// Whether the other corners follow the first one around the loop; `turned` receives their places then.
+static bool corners_rise(const loop_turn *turn, const size_t places[4], size_t turned[4])
+{
+    for (int k = 0; k < 4; k++)
+        turned[k] = turned_place(turn, places[k]);
+    return turned[0] < turned[1] && turned[1] < turned[2] && turned[2] < turned[3];
+}
+
+static void turn_triangles(bat_cloud *cloud, const loop_turn *turn)
+{
+    for (size_t i = 0; i < 3 * cloud->triangle_count; i++)
+        if (cloud->triangles[i] < turn->count)
+            cloud->triangles[i] = (uint32_t)turned_place(turn, cloud->triangles[i]);
+    for (size_t t = 0; t < cloud->triangle_count && turn->reversed; t++)
+    {
+        uint32_t *triangle = cloud->triangles + 3 * t, corner = triangle[1];
+        triangle[1] = triangle[2];
+        triangle[2] = corner;
+    }
+}
+
+static bat_status turn_loop(bat_cloud *cloud, const loop_turn *turn, bat_error *error)
+{
+    size_t count = turn->count;
+    double *points = memory_array(count, 3 * sizeof *points);
+    size_t *order = memory_array(cloud->count, sizeof *order);
+    if (points == NULL || order == NULL)
+    {
+        free(points);
+        free(order);
+        return error_memory(error, cloud->count * 3 * sizeof *points);
+    }
+    for (size_t i = 0; i < cloud->count; i++)
+        order[i < count ? turned_place(turn, i) : i] = cloud->order == NULL ? i : cloud->order[i];
+    for (size_t i = 0; i < count; i++)
+        memcpy(points + 3 * turned_place(turn, i), cloud->points + 3 * i, 3 * sizeof *points);
+    memcpy(cloud->points, points, 3 * count * sizeof *points);
+    turn_triangles(cloud, turn);
+    free(cloud->order);
+    free(points);
+    cloud->order = order;
+    return BAT_OK;
+}
+
+bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_error *error)
+{
+    size_t places[4], turned[4];
+    if (cloud->boundary_count < 4)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no boundary");
+    for (int k = 0; k < 4; k++)
+    {
+        places[k] = find_place(cloud, corners[k]);
+        if (places[k] == BAT_NO_INDEX)
+            return error_set(error, BAT_INVALID_ARGUMENT, corners[k], 0, "corner %zu is no point of the boundary",
+                             corners[k]);
+    }
+    loop_turn turn = {places[0], cloud->boundary_count, false};
+    if (!corners_rise(&turn, places, turned))
+        turn.reversed = true;
+    if (!corners_rise(&turn, places, turned))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "corners %zu, %zu, %zu, %zu do not follow each other around the boundary", corners[0], corners[1],
+                         corners[2], corners[3]);
+    bat_status status = turn_loop(cloud, &turn, error);
+    if (status != BAT_OK)
+        return status;
+    memcpy(cloud->corners, turned, sizeof turned);
+    cloud->has_corners = true;
+    return BAT_OK;
+}
 
 /// What the way from a point of the loop to the next counts.
 static double step_between(const double *from, const double *to, bat_cloud_sides method)

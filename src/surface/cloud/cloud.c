@@ -1,5 +1,4 @@
 #include "batten/cloud.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/point_table.h"
@@ -128,4 +127,144 @@ bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error)
     if (status == BAT_OK)
         status = check_finite(cloud, error);
     return status == BAT_OK ? check_distinct(cloud, error) : status;
+}
+
+/// A mesh that becomes a cloud.
+typedef struct mesh_patch
+{
+    const bat_mesh *mesh;
+    bat_mesh_connectivity connectivity;
+    uint32_t *new_number; ///< a vertex's place in the cloud, or BAT_MESH_NONE
+    size_t *order;        ///< the other way round
+    size_t boundary_count, count;
+} mesh_patch;
+
+static bat_status unsupported(bat_error *error, const char *fault)
+{
+    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the mesh %s; it must be a patch with one boundary loop",
+                     fault);
+}
+
+static void number_vertex(mesh_patch *patch, uint32_t vertex)
+{
+    patch->new_number[vertex] = (uint32_t)patch->count;
+    patch->order[patch->count++] = vertex;
+}
+
+/// Number the loop from its lowest vertex on, faces to the left, and then all other vertices that have faces.
+static bat_status number_vertices(mesh_patch *patch, bat_error *error)
+{
+    const bat_mesh_connectivity *connectivity = &patch->connectivity;
+    size_t vertices = patch->mesh->vertex_count;
+    if (connectivity->boundary_edge_count == 0)
+        return unsupported(error, "is closed");
+    memset(patch->new_number, 0xff, vertices * sizeof *patch->new_number);
+    uint32_t begin = 0;
+    while (connectivity->first[begin] == BAT_MESH_NONE || connectivity->twin[connectivity->first[begin]] != BAT_MESH_NONE)
+        begin++;
+    uint32_t vertex = begin;
+    do
+    {
+        number_vertex(patch, vertex);
+        vertex = patch->mesh->faces[bat_mesh_next(connectivity->first[vertex])];
+    } while (vertex != begin);
+    patch->boundary_count = patch->count;
+    if (patch->boundary_count < connectivity->boundary_edge_count)
+        return unsupported(error, "has several boundary loops");
+    for (vertex = 0; vertex < vertices; vertex++)
+        if (patch->new_number[vertex] == BAT_MESH_NONE && connectivity->first[vertex] != BAT_MESH_NONE)
+            number_vertex(patch, vertex);
+    return BAT_OK;
+}
+
+/// Whether all faces hang together. `waiting` has room for every face.
+static bool is_one_part(const bat_mesh_connectivity *connectivity, uint32_t *waiting, bool *seen)
+{
+    size_t top = 0, reached = 1;
+    memset(seen, 0, connectivity->face_count * sizeof *seen);
+    seen[0] = true;
+    waiting[top++] = 0;
+    while (top > 0)
+    {
+        uint32_t face = waiting[--top];
+        for (uint32_t h = 3 * face; h < 3 * face + 3; h++)
+        {
+            uint32_t twin = connectivity->twin[h];
+            if (twin == BAT_MESH_NONE || seen[twin / 3])
+                continue;
+            seen[twin / 3] = true;
+            waiting[top++] = twin / 3;
+            reached++;
+        }
+    }
+    return reached == connectivity->face_count;
+}
+
+static bat_status check_disk(const mesh_patch *patch, bat_error *error)
+{
+    const bat_mesh_connectivity *connectivity = &patch->connectivity;
+    uint32_t *waiting = memory_array(connectivity->face_count, sizeof *waiting);
+    bool *seen = memory_array(connectivity->face_count, sizeof *seen);
+    bat_status status = BAT_OK;
+    if (waiting == NULL || seen == NULL)
+        status = error_memory(error, connectivity->face_count * sizeof *waiting);
+    else if (!is_one_part(connectivity, waiting, seen))
+        status = unsupported(error, "has several parts");
+    else if (patch->count + connectivity->face_count != connectivity->edge_count + 1) // Euler's formula for a disk
+        status = unsupported(error, "has handles");
+    free(waiting);
+    free(seen);
+    return status;
+}
+
+/// The points and triangles by their new numbers.
+static bat_status make_cloud(mesh_patch *patch, bat_cloud *cloud, bat_error *error)
+{
+    const bat_mesh *mesh = patch->mesh;
+    bat_cloud made = {.points = memory_array(patch->count, 3 * sizeof(double)),
+                      .count = patch->count,
+                      .boundary_count = patch->boundary_count,
+                      .triangles = memory_array(mesh->face_count, 3 * sizeof(uint32_t)),
+                      .triangle_count = mesh->face_count};
+    if (made.points == NULL || made.triangles == NULL)
+    {
+        bat_cloud_free(&made);
+        return error_memory(error, patch->count * 3 * sizeof(double));
+    }
+    made.order = patch->order;
+    patch->order = NULL;
+    for (size_t i = 0; i < made.count; i++)
+        memcpy(made.points + 3 * i, mesh->positions + 3 * made.order[i], 3 * sizeof(double));
+    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+        made.triangles[i] = patch->new_number[mesh->faces[i]];
+    bat_status status = bat_cloud_check(&made, error);
+    if (status != BAT_OK)
+        bat_cloud_free(&made);
+    else
+        *cloud = made;
+    return status;
+}
+
+bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error *error)
+{
+    mesh_patch patch = {.mesh = mesh};
+    if (mesh->face_count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has no faces");
+    bat_status status = bat_mesh_connect(mesh, &patch.connectivity, error);
+    if (status != BAT_OK)
+        return status;
+    patch.new_number = memory_array(mesh->vertex_count, sizeof *patch.new_number);
+    patch.order = memory_array(mesh->vertex_count, sizeof *patch.order);
+    if (patch.new_number == NULL || patch.order == NULL)
+        status = error_memory(error, mesh->vertex_count * sizeof *patch.order);
+    if (status == BAT_OK)
+        status = number_vertices(&patch, error);
+    if (status == BAT_OK)
+        status = check_disk(&patch, error);
+    if (status == BAT_OK)
+        status = make_cloud(&patch, cloud, error);
+    bat_mesh_connectivity_free(&patch.connectivity);
+    free(patch.new_number);
+    free(patch.order);
+    return status;
 }

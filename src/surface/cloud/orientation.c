@@ -1,7 +1,7 @@
 #include "surface/cloud/orientation.h"
 
 #include "linalg/vector3.h"
-#include "surface/cloud/neighbourhood.h"
+#include "surface/cloud/local_plane.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,7 +1,7 @@
 #ifndef SURFACE_FIT_FIT_SOLVE_H
 #define SURFACE_FIT_FIT_SOLVE_H
 
-#include "surface/fit/fit_pattern.h"
+#include "surface/fit/pattern.h"
 
 /// @file
 /// Sparse symmetric positive definite systems of one pattern: the only place that knows CHOLMOD (Chen, Davis, Hager and

@@ -1,9 +1,11 @@
 #include "surface/spline/hierarchical_space.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /// @file
 /// From the box tree to the active cells and the selected functions, level by level, as sets of runs.
@@ -97,6 +99,262 @@ static void list_level(bat_hierarchical_space *space, uint32_t level)
     for (const grid_run *run = selected->runs; run < run_set_end(selected); run++)
         for (uint32_t i = run->begin; i < run->end; i++)
             space->functions[run->number + (i - run->begin)] = (bat_spline_function){level, i, run->row};
+}
+
+/// @file
+/// The extraction of the cells: what coarser functions are on a cell, in the cell's local functions. It is found level by
+/// level, of refined cells as of active ones. On a cell each function of the basis of coarser levels is a row of numbers. On
+/// a refined cell those that its level selects join. The two-scale relation says the rows in the functions of the next level
+/// on each quarter of the cell; of the truncated basis those numbers are then set to zero that belong to functions with
+/// support in the next region, and what has become zero is gone.
+
+/// The rows of the refined cells of a level, one cell after the other.
+typedef struct refined_rows
+{
+    double *values;
+    uint32_t *indices; ///< of the functions
+    size_t *first;     ///< cells + 1; null before level 0
+    size_t count, value_capacity, index_capacity;
+} refined_rows;
+
+/// Where the last searches in a set ended, one for each row of local functions.
+typedef struct near_runs
+{
+    size_t row[BAT_SPLINE_MAX_DEGREE + 1];
+} near_runs;
+
+/// The rows of a cell in the making.
+typedef struct cell_rows
+{
+    double *values;      ///< room for those of all levels
+    uint32_t *indices;   ///< of the functions
+    uint32_t *supported; ///< numbers of the local functions in the level's sets
+    uint32_t *selected;
+    size_t count;
+    near_runs near_supported, near_selected, near_parent;
+} cell_rows;
+
+/// The numbers in a set of functions of the local functions of a cell; UINT32_MAX for those not in it.
+/// @return how many are in it
+static size_t find_numbers(const bat_hierarchical_space *space, const run_set *functions, uint32_t column, uint32_t row,
+                           near_runs *near, uint32_t *numbers)
+{
+    uint32_t columns = (uint32_t)space->options.degree[0] + 1, rows = (uint32_t)space->options.degree[1] + 1;
+    size_t found = 0;
+    memset(numbers, 0xff, hierarchical_locals(space) * sizeof *numbers);
+    for (uint32_t b = 0; b < rows; b++)
+    {
+        size_t i = run_set_seek_near(functions, row + b, column, &near->row[b]);
+        for (; i < functions->count; i++)
+        {
+            const grid_run *run = &functions->runs[i];
+            if (run->row != row + b || run->begin >= column + columns)
+                break;
+            uint32_t begin = run->begin > column ? run->begin : column;
+            uint32_t end = run->end < column + columns ? run->end : column + columns;
+            for (uint32_t a = begin; a < end; a++)
+                numbers[b * columns + (a - column)] = run->number + (a - run->begin);
+            found += end - begin;
+        }
+    }
+    return found;
+}
+
+/// One row, coefficients b (p + 1) + a, by both two-scale relations.
+static void refine_row(const uniform_refinement *across, const uniform_refinement *along, size_t columns, size_t rows,
+                       double *row)
+{
+    double half[(BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1)];
+    memset(half, 0, columns * rows * sizeof *half);
+    for (size_t b = 0; b < rows; b++)
+        for (size_t a = 0; a < columns; a++)
+        {
+            double value = row[b * columns + a];
+            const double *relation = across->rows + a * across->stride;
+            for (size_t c = 0; c < columns && value != 0; c++)
+                half[b * columns + c] += value * relation[c];
+        }
+    memset(row, 0, columns * rows * sizeof *row);
+    for (size_t b = 0; b < rows; b++)
+        for (size_t d = 0; d < rows; d++)
+        {
+            double value = along->rows[b * along->stride + d];
+            for (size_t c = 0; c < columns && value != 0; c++)
+                row[d * columns + c] += value * half[b * columns + c];
+        }
+}
+
+void hierarchical_refine_rows(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row, size_t count,
+                              double *rows)
+{
+    uniform_refinement across =
+        uniform_basis_refinement(&space->bases[0], hierarchical_spans(space, level, 0), column / 2, column % 2);
+    uniform_refinement along =
+        uniform_basis_refinement(&space->bases[1], hierarchical_spans(space, level, 1), row / 2, row % 2);
+    size_t locals = hierarchical_locals(space);
+    for (size_t k = 0; k < count; k++)
+        refine_row(&across, &along, (size_t)space->options.degree[0] + 1, (size_t)space->options.degree[1] + 1,
+                   rows + k * locals);
+}
+
+/// Set the numbers of supported functions to zero, and drop the rows that are zero then.
+static void truncate_rows(const uint32_t *supported, size_t locals, cell_rows *rows)
+{
+    size_t kept = 0;
+    for (size_t k = 0; k < rows->count; k++)
+    {
+        const double *row = rows->values + k * locals;
+        double *to = rows->values + kept * locals;
+        bool zero = true;
+        for (size_t a = 0; a < locals; a++)
+        {
+            to[a] = supported[a] == UINT32_MAX ? row[a] : 0;
+            zero = zero && to[a] == 0;
+        }
+        rows->indices[kept] = rows->indices[k];
+        kept += !zero;
+    }
+    rows->count = kept;
+}
+
+/// What coarser functions are on a cell, from the rows of the refined cell that it is a quarter of.
+/// @param supported numbers of the cell's local functions; not read in the plain basis
+static void take_from_parent(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row,
+                             const uint32_t *supported, const refined_rows *parents, cell_rows *rows)
+{
+    size_t locals = hierarchical_locals(space);
+    const run_set *refined = &space->level[level - 1].refined;
+    const grid_run *run = &refined->runs[run_set_seek_near(refined, row / 2, column / 2, &rows->near_parent.row[0])];
+    size_t parent = run->number + (column / 2 - run->begin), first = parents->first[parent];
+    rows->count = parents->first[parent + 1] - first;
+    if (rows->count == 0 || parents->values == NULL)
+        return;
+    memcpy(rows->values, parents->values + first * locals, rows->count * locals * sizeof *rows->values);
+    memcpy(rows->indices, parents->indices + first, rows->count * sizeof *rows->indices);
+    hierarchical_refine_rows(space, level - 1, column, row, rows->count, rows->values);
+    if (space->options.truncated)
+        truncate_rows(supported, locals, rows);
+}
+
+/// Add the functions that a refined cell's level selects, each being a local function there.
+static void add_selected(size_t locals, cell_rows *rows)
+{
+    for (size_t a = 0; a < locals; a++)
+    {
+        if (rows->selected[a] == UINT32_MAX)
+            continue;
+        double *values = rows->values + rows->count * locals;
+        memset(values, 0, locals * sizeof *values);
+        values[a] = 1;
+        rows->indices[rows->count++] = rows->selected[a];
+    }
+}
+
+/// Find the rows of a refined cell and put them behind those of the cells before it.
+static bool store_refined(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row,
+                          const refined_rows *parents, cell_rows *rows, refined_rows *stored)
+{
+    size_t locals = hierarchical_locals(space);
+    const hierarchical_level *sets = &space->level[level];
+    size_t supported = find_numbers(space, &sets->supported, column, row, &rows->near_supported, rows->supported);
+    find_numbers(space, &sets->selected, column, row, &rows->near_selected, rows->selected);
+    rows->count = 0;
+    if (parents->first != NULL && (supported < locals || !space->options.truncated))
+        take_from_parent(space, level, column, row, rows->supported, parents, rows);
+    add_selected(locals, rows);
+    size_t count = stored->count + rows->count;
+    if (!array_grow((void **)&stored->values, &stored->value_capacity, count * locals, sizeof *stored->values) ||
+        !array_grow((void **)&stored->indices, &stored->index_capacity, count, sizeof *stored->indices))
+        return false;
+    if (rows->count > 0)
+    {
+        memcpy(stored->values + stored->count * locals, rows->values, rows->count * locals * sizeof *rows->values);
+        memcpy(stored->indices + stored->count, rows->indices, rows->count * sizeof *rows->indices);
+    }
+    stored->count = count;
+    return true;
+}
+
+/// Find what coarser functions are on an active cell and put it with the cell's own functions behind the cells before it. Of
+/// the functions that do not vanish on an active cell, its level selects those it supports.
+static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, const refined_rows *parents, cell_rows *rows)
+{
+    size_t locals = hierarchical_locals(space), level = cell->level;
+    size_t own =
+        find_numbers(space, &space->level[level].selected, cell->column, cell->row, &rows->near_selected, rows->selected);
+    rows->count = 0;
+    if (parents->first != NULL && (own < locals || !space->options.truncated))
+        take_from_parent(space, level, cell->column, cell->row, rows->selected, parents, rows);
+    cell->active = (uint32_t)(rows->count + own);
+    cell->coarse = (uint32_t)rows->count;
+    cell->first = space->active_count;
+    cell->matrix = space->extraction_count;
+    if (!array_grow((void **)&space->active, &space->active_capacity, space->active_count + cell->active,
+                    sizeof *space->active) ||
+        !array_grow((void **)&space->extraction, &space->extraction_capacity, space->extraction_count + rows->count * locals,
+                    sizeof *space->extraction))
+        return false;
+    if (rows->count > 0)
+    {
+        memcpy(space->extraction + cell->matrix, rows->values, rows->count * locals * sizeof *rows->values);
+        memcpy(space->active + cell->first, rows->indices, rows->count * sizeof *rows->indices);
+    }
+    space->extraction_count += rows->count * locals;
+    uint32_t *next = space->active + cell->first + rows->count;
+    for (size_t a = 0; a < locals; a++)
+        if (rows->selected[a] != UINT32_MAX)
+            *next++ = rows->selected[a];
+    space->active_count += cell->active;
+    space->most_active = cell->active > space->most_active ? cell->active : space->most_active;
+    return true;
+}
+
+/// All cells of a level, from the rows of the level before.
+static bool extract_level(bat_hierarchical_space *space, size_t level, const refined_rows *parents, cell_rows *rows,
+                          refined_rows *stored)
+{
+    const run_set *refined = &space->level[level].refined, *cells = &space->level[level].cells;
+    rows->near_supported = rows->near_selected = rows->near_parent = (near_runs){0};
+    stored->count = 0;
+    free(stored->first);
+    stored->first = memory_array((size_t)run_set_size(refined) + 1, sizeof *stored->first);
+    bool made = stored->first != NULL;
+    for (const grid_run *run = refined->runs; run < run_set_end(refined) && made; run++)
+        for (uint32_t i = run->begin; i < run->end && made; i++)
+        {
+            stored->first[run->number + (i - run->begin)] = stored->count;
+            made = store_refined(space, level, i, run->row, parents, rows, stored);
+        }
+    if (made)
+        stored->first[run_set_size(refined)] = stored->count;
+    for (const grid_run *run = cells->runs; run < run_set_end(cells) && made; run++)
+        for (uint32_t i = run->begin; i < run->end && made; i++)
+            made = store_cell(space, &space->cells[run->number + (i - run->begin)], parents, rows);
+    return made;
+}
+
+static bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error)
+{
+    size_t locals = hierarchical_locals(space), room = space->levels * locals;
+    cell_rows rows = {.values = memory_array(room * locals, sizeof *rows.values),
+                      .indices = memory_array(room, sizeof *rows.indices),
+                      .supported = memory_array(locals, sizeof *rows.supported),
+                      .selected = memory_array(locals, sizeof *rows.selected)};
+    refined_rows levels[2] = {{0}};
+    bool made = rows.values != NULL && rows.indices != NULL && rows.supported != NULL && rows.selected != NULL;
+    for (size_t l = 0; l < space->levels && made; l++)
+        made = extract_level(space, l, &levels[(l + 1) % 2], &rows, &levels[l % 2]);
+    for (size_t k = 0; k < 2; k++)
+    {
+        free(levels[k].values);
+        free(levels[k].indices);
+        free(levels[k].first);
+    }
+    free(rows.values);
+    free(rows.indices);
+    free(rows.supported);
+    free(rows.selected);
+    return made ? BAT_OK : error_memory(error, (space->extraction_count + room * locals) * sizeof *rows.values);
 }
 
 bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error)

@@ -78,13 +78,6 @@ static inline size_t hierarchical_local(const bat_hierarchical_space *space, con
 /// Build all but options, tree and bases, which are there already. The space can be freed on failure, too.
 bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error);
 
-/// A set of cells of a level as disjoint boxes, behind `*count` boxes of an array from malloc().
-bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_spline_box **boxes, size_t *count, size_t *capacity,
-                              bat_error *error);
-
-/// Make the lists of active functions and the extraction of all cells.
-bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error);
-
 /// Say rows of numbers, coefficients of a cell's local functions, in those of one of its four quarters, cells of the next
 /// level.
 /// @param level   of the cell
@@ -92,13 +85,6 @@ bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error)
 /// @param rows    count x locals, replaced
 void hierarchical_refine_rows(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row, size_t count,
                               double *rows);
-
-/// The univariate functions of an active cell and their derivatives by u or v.
-/// @param direction   0 for u, 1 for v
-/// @param derivatives 0 to 2
-/// @param values      receives (derivatives + 1) x (degree + 1) numbers
-void hierarchical_values(const bat_hierarchical_space *space, const hierarchical_cell *cell, int direction, double parameter,
-                         int derivatives, double *values);
 
 /// The local functions of an active cell and their derivatives, as rows in the order of bat_hierarchical_space_basis().
 /// @param values receives (1, 3 or 6) x locals numbers

@@ -1,7 +1,5 @@
 #include "batten/spline.h"
 
-#include "surface/spline/blossom.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -156,22 +154,5 @@ void bat_knot_vector_greville(const bat_knot_vector *knots, double *abscissae)
         for (size_t k = 1; k < p; k++)
             sum += inner[k] - inner[0];
         abscissae[i] = inner[0] + sum / (double)p;
-    }
-}
-
-void blossom_weights(const bat_knot_vector *knots, size_t span, const double *arguments, double *weights)
-{
-    const double *after = knots->knots + span + 1;
-    weights[0] = 1;
-    for (int j = 1; j <= knots->degree; j++)
-    {
-        double t = arguments[j - 1], saved = 0;
-        for (int r = 0; r < j; r++)
-        {
-            double upper = after[r], lower = after[r - j], share = weights[r] / (upper - lower);
-            weights[r] = saved + (upper - t) * share;
-            saved = (t - lower) * share;
-        }
-        weights[j] = saved;
     }
 }

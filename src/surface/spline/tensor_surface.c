@@ -1,7 +1,8 @@
-#include "batten/spline.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/spline.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -114,4 +115,249 @@ bat_status bat_tensor_surface_evaluate(const bat_tensor_surface *surface, const 
         evaluate_point(surface, parameter, derivatives, values + i * size);
     }
     return BAT_OK;
+}
+
+/// @file
+/// Other knot vectors of the same surface. Every new control point is a sum of up to degree + 1 old ones of its row (or
+/// column), the same for all rows: the blossom at the knots of the new one.
+
+void blossom_weights(const bat_knot_vector *knots, size_t span, const double *arguments, double *weights)
+{
+    const double *after = knots->knots + span + 1;
+    weights[0] = 1;
+    for (int j = 1; j <= knots->degree; j++)
+    {
+        double t = arguments[j - 1], saved = 0;
+        for (int r = 0; r < j; r++)
+        {
+            double upper = after[r], lower = after[r - j], share = weights[r] / (upper - lower);
+            weights[r] = saved + (upper - t) * share;
+            saved = (t - lower) * share;
+        }
+        weights[j] = saved;
+    }
+}
+
+/// New functions of a direction in old ones: row i has degree + 1 weights of old functions first[i] on.
+typedef struct conversion
+{
+    bat_knot_vector knots; ///< the new ones
+    size_t *first;
+    double *weights;
+} conversion;
+
+static void conversion_free(conversion *made)
+{
+    bat_knot_vector_free(&made->knots);
+    free(made->first);
+    free(made->weights);
+}
+
+/// Room for a conversion to `count` knots of a degree.
+static bat_status conversion_make(const bat_knot_vector *old, size_t count, int degree, conversion *made, bat_error *error)
+{
+    size_t functions = count - (size_t)degree - 1, width = (size_t)old->degree + 1;
+    *made = (conversion){.knots = {memory_array(count, sizeof *made->knots.knots), count, degree},
+                         .first = memory_array(functions, sizeof *made->first),
+                         .weights = memory_array(functions * width, sizeof *made->weights)};
+    if (made->knots.knots != NULL && made->first != NULL && made->weights != NULL)
+        return BAT_OK;
+    conversion_free(made);
+    return error_memory(error, functions * width * sizeof *made->weights);
+}
+
+/// Give a surface the new functions of a direction; takes the conversion's knots on success.
+static bat_status convert(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
+{
+    bat_knot_vector *old = &surface->knots[direction];
+    size_t width = (size_t)old->degree + 1, dimension = surface->dimension, old_rows = bat_knot_vector_functions(old);
+    size_t rows = bat_knot_vector_functions(&to->knots), others = bat_knot_vector_functions(&surface->knots[1 - direction]);
+    double *control = calloc(rows * others * dimension, sizeof *control);
+    if (control == NULL)
+        return error_memory(error, rows * others * dimension * sizeof *control);
+    // Function i of the direction and k of the other one is at i step + k across.
+    size_t step = direction == 0 ? 1 : others, across = direction == 0 ? rows : 1,
+           old_across = direction == 0 ? old_rows : 1;
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < others; k++)
+        {
+            double *point = control + (i * step + k * across) * dimension;
+            for (size_t w = 0; w < width; w++)
+            {
+                double weight = to->weights[i * width + w];
+                const double *from = surface->control + ((to->first[i] + w) * step + k * old_across) * dimension;
+                for (size_t d = 0; d < dimension && weight != 0; d++)
+                    point[d] += weight * from[d];
+            }
+        }
+    free(surface->control);
+    surface->control = control;
+    bat_knot_vector_free(old);
+    *old = to->knots;
+    to->knots = (bat_knot_vector){0};
+    return BAT_OK;
+}
+
+/// Convert, whatever comes of it, and clean up.
+static bat_status finish(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
+{
+    bat_status status = convert(surface, direction, to, error);
+    conversion_free(to);
+    return status;
+}
+
+static bat_status check_direction(const bat_tensor_surface *surface, int direction, bat_error *error)
+{
+    if (direction != 0 && direction != 1)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "direction %d is neither 0 nor 1", direction);
+    return bat_tensor_surface_check(surface, error);
+}
+
+/// The last knot that is not above t, which is not the last of all.
+static size_t last_not_above(const bat_knot_vector *knots, double t)
+{
+    size_t last = knots->count - 1;
+    while (knots->knots[last] > t)
+        last--;
+    return last;
+}
+
+/// Boehm's algorithm: function i of the new knots is share of old function i and the rest of i - 1.
+static void insert_weights(const bat_knot_vector *old, double knot, size_t span, conversion *to)
+{
+    size_t p = (size_t)old->degree, functions = bat_knot_vector_functions(old);
+    memset(to->weights, 0, (functions + 1) * (p + 1) * sizeof *to->weights);
+    for (size_t i = 0; i <= functions; i++)
+    {
+        double share = i + p <= span ? 1 : 0;
+        if (i + p > span && i <= span && i < functions)
+            share = (knot - old->knots[i]) / (old->knots[i + p] - old->knots[i]);
+        // A row of weights never reaches past the last old function.
+        size_t first = i < functions - p ? i : functions - p - 1;
+        first -= first == i && i > 0 && share < 1;
+        to->first[i] = first;
+        if (share > 0)
+            to->weights[i * (p + 1) + i - first] = share;
+        if (share < 1)
+            to->weights[i * (p + 1) + i - 1 - first] = 1 - share;
+    }
+}
+
+bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direction, double knot, bat_error *error)
+{
+    bat_status status = check_direction(surface, direction, error);
+    if (status != BAT_OK)
+        return status;
+    const bat_knot_vector *old = &surface->knots[direction];
+    size_t p = (size_t)old->degree;
+    if (!(knot >= old->knots[p] && knot <= old->knots[bat_knot_vector_functions(old)]))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the knot %g is not in the domain, %g to %g", knot,
+                         old->knots[p], old->knots[bat_knot_vector_functions(old)]);
+    size_t span = last_not_above(old, knot);
+    if (span >= p && old->knots[span - p] == knot)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the knot %g is there %zu times already", knot,
+                         p + 1);
+    conversion to;
+    status = conversion_make(old, old->count + 1, old->degree, &to, error);
+    if (status != BAT_OK)
+        return status;
+    memcpy(to.knots.knots, old->knots, (span + 1) * sizeof *old->knots);
+    to.knots.knots[span + 1] = knot;
+    memcpy(to.knots.knots + span + 2, old->knots + span + 1, (old->count - span - 1) * sizeof *old->knots);
+    insert_weights(old, knot, span, &to);
+    return finish(surface, direction, &to, error);
+}
+
+/// The knots of the degree above: those of the domain are there once more than before; of those outside nothing depends.
+static bat_status elevate_knots(const bat_knot_vector *old, conversion *to, bat_error *error)
+{
+    size_t p = (size_t)old->degree, last = old->count - 1, functions = bat_knot_vector_functions(old);
+    const double *knots = old->knots;
+    // The last knot at the domain's beginning and the first at its end.
+    size_t begin = last_not_above(old, knots[p]), end = functions, inner = 0;
+    while (knots[end - 1] == knots[functions])
+        end--;
+    for (size_t i = begin + 1; i < end; i++)
+        inner += knots[i] != knots[i - 1] ? 2 : 1;
+    size_t before = begin + 2, after = last - end + 2;
+    bat_status status = conversion_make(old, before + inner + after, old->degree + 1, to, error);
+    if (status != BAT_OK)
+        return status;
+    double *next = to->knots.knots;
+    memcpy(next, knots, (begin + 1) * sizeof *next);
+    next += begin + 1;
+    *next++ = knots[begin];
+    for (size_t i = begin + 1; i < end; i++)
+    {
+        *next++ = knots[i];
+        if (i + 1 == end || knots[i + 1] != knots[i])
+            *next++ = knots[i];
+    }
+    *next++ = knots[end];
+    memcpy(next, knots + end, (last - end + 1) * sizeof *next);
+    return BAT_OK;
+}
+
+/// Function i of the new degree is the mean of the blossom over the ways to leave out one of its degree + 1 inner knots.
+static void elevate_weights(const bat_knot_vector *old, conversion *to)
+{
+    size_t p = (size_t)old->degree, functions = bat_knot_vector_functions(&to->knots);
+    double begin = old->knots[p], end = old->knots[bat_knot_vector_functions(old)];
+    memset(to->weights, 0, functions * (p + 1) * sizeof *to->weights);
+    for (size_t i = 0; i < functions; i++)
+    {
+        // Any segment of the support will do; the middle one is best conditioned.
+        const double *support = to->knots.knots + i, *inner = support + 1;
+        double low = fmax(fmin(support[0], end), begin), high = fmin(fmax(support[p + 2], begin), end);
+        size_t span = bat_knot_vector_span(old, low + (high - low) / 2);
+        to->first[i] = span - p;
+        for (size_t left_out = 0; left_out <= p; left_out++)
+        {
+            double arguments[BAT_SPLINE_MAX_DEGREE + 1], weights[BAT_SPLINE_MAX_DEGREE + 1];
+            for (size_t k = 0; k < p; k++)
+                arguments[k] = inner[k < left_out ? k : k + 1];
+            blossom_weights(old, span, arguments, weights);
+            for (size_t w = 0; w <= p; w++)
+                to->weights[i * (p + 1) + w] += weights[w] / (double)(p + 1);
+        }
+    }
+}
+
+bat_status bat_tensor_surface_elevate(bat_tensor_surface *surface, int direction, bat_error *error)
+{
+    bat_status status = check_direction(surface, direction, error);
+    if (status != BAT_OK)
+        return status;
+    const bat_knot_vector *old = &surface->knots[direction];
+    if (old->degree == BAT_SPLINE_MAX_DEGREE)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree is %d already, the highest",
+                         BAT_SPLINE_MAX_DEGREE);
+    conversion to;
+    status = elevate_knots(old, &to, error);
+    if (status != BAT_OK)
+        return status;
+    elevate_weights(old, &to);
+    return finish(surface, direction, &to, error);
+}
+
+bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, double low, double high, bat_error *error)
+{
+    const bat_knot_vector *old = &surface->knots[direction];
+    size_t p = (size_t)old->degree, begin = last_not_above(old, low) + 1, end = begin;
+    while (old->knots[end] < high)
+        end++;
+    conversion to;
+    bat_status status = conversion_make(old, end - begin + 2 * (p + 1), old->degree, &to, error);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < to.knots.count; i++)
+        to.knots.knots[i] = i <= p ? low : i - p - 1 < end - begin ? old->knots[begin + (i - p - 1)] : high;
+    for (size_t i = 0; i < bat_knot_vector_functions(&to.knots); i++)
+    {
+        const double *support = to.knots.knots + i;
+        size_t span = bat_knot_vector_span(old, support[0] + (support[p + 1] - support[0]) / 2);
+        to.first[i] = span - p;
+        blossom_weights(old, span, support + 1, to.weights + i * (p + 1));
+    }
+    return finish(surface, direction, &to, error);
 }

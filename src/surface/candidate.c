@@ -1,0 +1,334 @@
+#include "surface/candidate.h"
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "surface/cloud/neighbours.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    POINTS_PER_FUNCTION = 4 ///< of a fit to a part of the points, at least
+};
+
+// How many times as far as another one a surface may stray.
+static const double STRAYING = 2;
+
+void surface_candidate_free(surface_candidate *candidate)
+{
+    free(candidate->parameters);
+    free(candidate->corrected);
+    bat_spline_surface_free(&candidate->surface);
+    bat_surface_fit_report_free(&candidate->fit);
+    *candidate = (surface_candidate){0};
+}
+
+/// A failure that ends all: there is no memory, or the caller wants to stop.
+static bool ends_all(bat_status status)
+{
+    return status == BAT_NO_MEMORY || status == BAT_CANCELLED;
+}
+
+/// Note a failure of the candidate alone.
+static bat_status settle(bat_status status, const bat_error *failure, surface_candidate *candidate, bat_error *error)
+{
+    if (status == BAT_OK)
+        return BAT_OK;
+    if (ends_all(status))
+        return error_set(error, status, failure->index, failure->line, "%s", failure->text);
+    candidate->report.failure = *failure;
+    candidate->report.mean_squared = NAN;
+    return BAT_OK;
+}
+
+static bat_status parameterize_learned(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
+                                       double *parameters, bat_error *error)
+{
+    bat_surface_model *builtin = NULL;
+    bat_status status = options->model != NULL ? BAT_OK : bat_surface_model_builtin(&builtin, error);
+    if (status == BAT_OK)
+        status = bat_surface_model_parameterize(options->model != NULL ? options->model : builtin, cloud, boundary,
+                                                options->fit.threads, parameters, error);
+    bat_surface_model_free(builtin);
+    return status;
+}
+
+static bat_status parameterize_classical(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
+                                         bat_surface_parameters kind, double *parameters, bat_error *error)
+{
+    static const bat_cloud_parameterization METHODS[BAT_SURFACE_PARAMETERS_COUNT] = {
+        [BAT_SURFACE_PARAMETERS_UNIFORM] = BAT_CLOUD_PARAMETERIZE_UNIFORM,
+        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE,
+        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,
+        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,
+        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
+    };
+    bat_cloud_parameterize_options how = bat_cloud_parameterize_defaults();
+    how.method = METHODS[kind];
+    how.published = options->published && how.method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
+    how.threads = options->fit.threads;
+    return bat_cloud_parameterize(cloud, boundary, &how, parameters, error);
+}
+
+static bat_status parameterize(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
+                               bat_surface_parameters kind, double *parameters, bat_error *error)
+{
+    if (kind == BAT_SURFACE_PARAMETERS_LEARNED)
+        return parameterize_learned(cloud, boundary, options, parameters, error);
+    if (kind != BAT_SURFACE_PARAMETERS_GIVEN)
+        return parameterize_classical(cloud, boundary, options, kind, parameters, error);
+    memcpy(parameters, options->given, 2 * cloud->count * sizeof *parameters);
+    return BAT_OK;
+}
+
+static bool has_faults(const bat_cloud_parameters_report *report)
+{
+    return report->folded + report->outside + report->coincident > 0;
+}
+
+/// Parameters of which many are folded would be others altogether once unfolded, and not compete under their name.
+static bat_status check_folds(const bat_cloud *cloud, const bat_cloud_parameters_report *folds, bat_error *error)
+{
+    size_t interior = cloud->count - cloud->boundary_count;
+    if (4 * folds->folded <= interior)
+        return BAT_OK;
+    return error_set(error, BAT_NO_CONVERGENCE, folds->first, 0, "%zu of %zu points are folded", folds->folded, interior);
+}
+
+bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
+                                  bat_surface_parameters kind, surface_candidate *candidate, bat_error *error)
+{
+    bat_error failure = {0};
+    *candidate = (surface_candidate){.report = {.parameters = kind, .mean_squared = NAN},
+                                     .parameters = memory_array(cloud->count, 2 * sizeof(double))};
+    if (candidate->parameters == NULL)
+        return error_memory(error, cloud->count * 2 * sizeof(double));
+    double begin = clock_seconds();
+    bat_status status = parameterize(cloud, boundary, options, kind, candidate->parameters, &failure);
+    candidate->report.seconds = clock_seconds() - begin;
+    if (status == BAT_OK && boundary != NULL)
+        status = bat_cloud_parameters_check(cloud, candidate->parameters, &candidate->report.folds, &failure);
+    candidate->report.repaired = candidate->report.folds;
+    if (status == BAT_OK && options->parameters == BAT_SURFACE_PARAMETERS_AUTO)
+        status = check_folds(cloud, &candidate->report.folds, &failure);
+    if (status == BAT_OK && !options->no_repair && kind != BAT_SURFACE_PARAMETERS_GIVEN &&
+        has_faults(&candidate->report.folds))
+        status = bat_cloud_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
+    return settle(status, &failure, candidate, error);
+}
+
+enum
+{
+    SAMPLES = 5 ///< of a cell
+};
+
+/// Corners and middle of all cells.
+static double *sample_cells(const bat_hierarchical_space *space, size_t cells)
+{
+    static const double AT[SAMPLES][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0.5}};
+    bat_hierarchical_options options = bat_hierarchical_space_options(space);
+    double *parameters = memory_array(cells, SAMPLES * 2 * sizeof *parameters);
+    for (size_t c = 0; c < cells && parameters != NULL; c++)
+    {
+        bat_spline_box cell = bat_hierarchical_space_cell(space, c);
+        for (size_t s = 0; s < SAMPLES; s++)
+            for (size_t d = 0; d < 2; d++)
+                parameters[2 * (c * SAMPLES + s) + d] =
+                    fmin((cell.low[d] + AT[s][d]) / ldexp((double)options.spans[d], (int)cell.level), 1);
+    }
+    return parameters;
+}
+
+static bat_status measure(const double *places, size_t count, const neighbour_tree *tree, double *stray, bat_error *error)
+{
+    neighbour_list list = {0};
+    bat_status status = BAT_OK;
+    *stray = 0;
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        status = neighbours_nearest(tree, places + 3 * i, 1, &list, error);
+        if (status == BAT_OK)
+            *stray = fmax(*stray, sqrt(list.entries[0].squared));
+    }
+    neighbour_list_free(&list);
+    return status;
+}
+
+static bat_status surface_distance(const bat_spline_surface *surface, const double *points, size_t count, double *stray,
+                                   bat_error *error)
+{
+    size_t cells = bat_hierarchical_space_cells(surface->space), samples = cells * SAMPLES;
+    neighbour_tree tree;
+    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    if (status != BAT_OK)
+        return status;
+    double *parameters = sample_cells(surface->space, cells), *places = memory_array(samples, 3 * sizeof *places);
+    if (parameters == NULL || places == NULL)
+        status = error_memory(error, samples * 5 * sizeof *places);
+    if (status == BAT_OK)
+        status = bat_spline_surface_evaluate(surface, parameters, samples, 0, places, error);
+    if (status == BAT_OK)
+        status = measure(places, samples, &tree, stray, error);
+    free(parameters);
+    free(places);
+    neighbour_tree_free(&tree);
+    return status;
+}
+
+// Fits
+
+static int compare_numbers(const void *a, const void *b)
+{
+    double first = *(const double *)a, second = *(const double *)b;
+    return (first > second) - (first < second);
+}
+
+/// The median of squared distances: what outliers do not change.
+static bat_status median_squared(const double *distances, size_t count, double *median, bat_error *error)
+{
+    double *sorted = memory_array(count, sizeof *sorted);
+    if (sorted == NULL)
+        return error_memory(error, count * sizeof *sorted);
+    memcpy(sorted, distances, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, compare_numbers);
+    *median = sorted[count / 2] * sorted[count / 2];
+    free(sorted);
+    return BAT_OK;
+}
+
+/// The figures of a fit to some points.
+static bat_status note_figures(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
+                               const bat_spline_surface *surface, const bat_surface_fit_report *fit,
+                               bat_surface_candidate *report, bat_error *error)
+{
+    const bat_surface_fit_round *last = &fit->rounds[fit->count - 1];
+    report->functions = last->functions;
+    report->mean_squared = last->mean_squared;
+    report->reached = fit->reached;
+    report->fit_seconds = last->seconds;
+    bat_status status = surface_distance(surface, data->points, data->count, &report->stray, error);
+    if (status == BAT_OK && options->robust)
+        status = median_squared(fit->distances, data->count, &report->mean_squared, error);
+    return status;
+}
+
+/// Whether parameters of the boundary lie on the square's sides, as they do unless they were given.
+static bool bounds(const bat_cloud *cloud, const double *parameters)
+{
+    for (size_t i = 0; i < cloud->boundary_count; i++)
+    {
+        double u = parameters[2 * i], v = parameters[2 * i + 1];
+        if (u != 0 && u != 1 && v != 0 && v != 1)
+            return false;
+    }
+    return true;
+}
+
+bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
+                                 surface_candidate *candidate, bat_error *error)
+{
+    bat_error failure = {0};
+    candidate->corrected = memory_array(cloud->count, 2 * sizeof *candidate->corrected);
+    if (candidate->corrected == NULL)
+        return error_memory(error, cloud->count * 2 * sizeof *candidate->corrected);
+    memcpy(candidate->corrected, candidate->parameters, 2 * cloud->count * sizeof *candidate->corrected);
+    bat_surface_fit_data data = {.points = cloud->points,
+                                 .parameters = candidate->corrected,
+                                 .count = cloud->count,
+                                 .dimension = 3,
+                                 .boundary_count = bounds(cloud, candidate->parameters) ? cloud->boundary_count : 0,
+                                 .slides = slides};
+    bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
+    if (status == BAT_OK)
+        status = note_figures(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
+    return settle(status, &failure, candidate, error);
+}
+
+/// A part of a cloud's points with their parameters, boundary first.
+typedef struct cloud_part
+{
+    double *points, *parameters;
+    size_t count, boundary_count;
+} cloud_part;
+
+/// Points are drawn by chance, as their order in a file may follow the lines of a scanner; the boundary keeps its share.
+static bat_status take_part(const bat_cloud *cloud, const double *parameters, size_t wanted, cloud_part *part,
+                            bat_error *error)
+{
+    bat_random random = bat_random_seed(1);
+    *part =
+        (cloud_part){memory_array(cloud->count, 3 * sizeof(double)), memory_array(cloud->count, 2 * sizeof(double)), 0, 0};
+    if (part->points == NULL || part->parameters == NULL)
+        return error_memory(error, cloud->count * 5 * sizeof(double));
+    double share = (double)wanted / (double)cloud->count;
+    for (size_t i = 0; i < cloud->count; i++)
+    {
+        if (bat_random_uniform(&random) >= share)
+            continue;
+        memcpy(part->points + 3 * part->count, cloud->points + 3 * i, 3 * sizeof *part->points);
+        memcpy(part->parameters + 2 * part->count, parameters + 2 * i, 2 * sizeof *part->parameters);
+        part->count++;
+        part->boundary_count += i < cloud->boundary_count;
+    }
+    return BAT_OK;
+}
+
+bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides, size_t points,
+                                 surface_candidate *candidate, bat_error *error)
+{
+    bat_error failure = {0};
+    cloud_part part;
+    bat_surface_fit_options trial = *options;
+    bat_spline_surface surface = {0};
+    bat_surface_fit_report fit = {0};
+    bat_status status = take_part(cloud, candidate->parameters, points, &part, &failure);
+    size_t most = part.count / POINTS_PER_FUNCTION;
+    if (trial.functions == 0 || trial.functions > most)
+        trial.functions = most;
+    bat_surface_fit_data data = {.points = part.points,
+                                 .parameters = part.parameters,
+                                 .count = part.count,
+                                 .dimension = 3,
+                                 .boundary_count = part.boundary_count,
+                                 .slides = slides};
+    if (status == BAT_OK)
+        status = bat_surface_fit(&data, &trial, &surface, &fit, &failure);
+    if (status == BAT_OK)
+        status = note_figures(&data, options, &surface, &fit, &candidate->report, &failure);
+    bat_spline_surface_free(&surface);
+    bat_surface_fit_report_free(&fit);
+    free(part.points);
+    free(part.parameters);
+    return settle(status, &failure, candidate, error);
+}
+
+static bool is_better(const bat_surface_candidate *first, const bat_surface_candidate *second,
+                      const bat_surface_fit_options *options)
+{
+    if (options->tolerance > 0 && first->reached != second->reached)
+        return first->reached;
+    if (options->tolerance > 0 && first->reached && first->functions != second->functions)
+        return first->functions < second->functions;
+    return first->mean_squared < second->mean_squared;
+}
+
+size_t surface_candidate_best(surface_candidate *candidates, size_t count, const bat_surface_fit_options *options)
+{
+    double least = INFINITY;
+    size_t best = BAT_NO_INDEX;
+    for (size_t i = 0; i < count; i++)
+        if (isfinite(candidates[i].report.mean_squared))
+            least = fmin(least, candidates[i].report.stray);
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_surface_candidate *report = &candidates[i].report;
+        report->strays = isfinite(report->mean_squared) && report->stray > STRAYING * least;
+        if (isfinite(report->mean_squared) && !report->strays &&
+            (best == BAT_NO_INDEX || is_better(report, &candidates[best].report, options)))
+            best = i;
+    }
+    return best == BAT_NO_INDEX ? 0 : best;
+}

@@ -1,0 +1,425 @@
+#include "base/ascending.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/surface_fit.h"
+#include "surface/fit/foot_points.h"
+#include "surface/fit/marking.h"
+#include "surface/fit/smoothing.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    POINTS_PER_FUNCTION = 4, ///< where neither a tolerance nor a budget says when to stop
+    SMALL_SYSTEM = 500,      ///< functions up to which weights cost next to nothing to try
+    TRIALS_FIRST = 12,       ///< weights tried in the first round and in those of small systems,
+    TRIALS = 4,              ///< in those of larger ones,
+    TRIALS_LAST = 6,         ///< and in the one that fills the budget
+    NEWTON_STEPS = 3         ///< of a parameter, in one correction of the loop
+};
+
+// A parameter has settled, in the loop, when a step is shorter than this part of a cell.
+static const double SETTLED = 1e-3;
+// A budget is met from this part of it on; refinement adds a few functions at a time at least.
+static const double FILLED = 0.99;
+// Distances below this part of the points' size are rounding.
+static const double EXACT = 1e-13;
+
+bat_surface_fit_options bat_surface_fit_defaults(void)
+{
+    return (bat_surface_fit_options){
+        .space = {.degree = {2, 2}, .spans = {1, 1}, .truncated = true},
+        .share = 1,
+        .iterations = 30,
+        .neighbours = 1,
+        .smoothing = BAT_SURFACE_SMOOTHING_LIKELIHOOD,
+        .corrections = 1,
+    };
+}
+
+void bat_surface_fit_report_free(bat_surface_fit_report *report)
+{
+    free(report->rounds);
+    free(report->distances);
+    *report = (bat_surface_fit_report){0};
+}
+
+static bat_status check_options(const bat_surface_fit_options *options, bat_error *error)
+{
+    const char *wrong = NULL;
+    if (!(options->tolerance >= 0 && isfinite(options->tolerance)))
+        wrong = "the tolerance must be finite and not negative";
+    else if (!(options->share > 0 && options->share <= 1))
+        wrong = "the share of points must be above 0 and at most 1";
+    else if (options->iterations < 0 || options->corrections < 0 || options->final_corrections < 0)
+        wrong = "iterations and corrections must not be negative";
+    else if (options->neighbours < 0 || options->neighbours > BAT_SURFACE_FIT_MAX_NEIGHBOURS)
+        wrong = "the rings of neighbours must be from 0 to 64";
+    else if (options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN && !(options->weight >= 0 && isfinite(options->weight)))
+        wrong = "the weight of smoothing must be finite and not negative";
+    else if (options->smoothing == BAT_SURFACE_SMOOTHING_DISCREPANCY && !(options->noise > 0 && isfinite(options->noise)))
+        wrong = "the noise must be finite and above 0";
+    return wrong == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+}
+
+enum
+{
+    NEIGHBOURS = 48 ///< points that share a scale
+};
+
+// The median of absolute values times this is the standard deviation of a normal distribution.
+static const double NORMAL_SCALE = 1.4826;
+// Where Tukey's biweight reaches zero, in scales: 95 per cent as efficient as least squares on normal noise.
+static const double TUKEY_REACH = 4.685;
+// No scale is below this part of the points' size: points that are met to rounding are no outliers.
+static const double LEAST_SCALE = 1e-12;
+
+/// The upper median; sorts the values.
+static double median(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, ascending);
+    return values[count / 2];
+}
+
+static double size_of(const fit_points *points)
+{
+    double largest = 0;
+    for (size_t k = 0; k < points->count * points->dimension; k++)
+        largest = fmax(largest, fabs(points->position[k]));
+    return largest;
+}
+
+static double biweight(double distance, double scale)
+{
+    double share = distance / (TUKEY_REACH * scale), left = 1 - share * share;
+    return share < 1 ? left * left : 0;
+}
+
+static bat_status fit_robust_weigh(fit_points *points, size_t *outliers, bat_error *error)
+{
+    double *sorted = memory_array(points->count, sizeof *sorted);
+    if (sorted == NULL)
+        return error_memory(error, points->count * sizeof *sorted);
+    memcpy(sorted, points->distance, points->count * sizeof *sorted);
+    double whole = fmax(NORMAL_SCALE * median(sorted, points->count), LEAST_SCALE * size_of(points));
+    *outliers = 0;
+    for (size_t begin = 0; begin < points->count; begin += NEIGHBOURS)
+    {
+        size_t end = begin + NEIGHBOURS < points->count ? begin + NEIGHBOURS : points->count;
+        memcpy(sorted, points->distance + begin, (end - begin) * sizeof *sorted);
+        double scale = fmax(NORMAL_SCALE * median(sorted, end - begin), whole);
+        for (size_t row = begin; row < end; row++)
+        {
+            points->weight[row] = scale > 0 ? biweight(points->distance[row], scale) : 1;
+            *outliers += points->weight[row] == 0;
+        }
+    }
+    free(sorted);
+    return BAT_OK;
+}
+
+/// All that the loop works with.
+typedef struct fit_loop
+{
+    const bat_surface_fit_options *options;
+    fit_points points;
+    bat_hierarchical_space *space;
+    fit_system system;
+    fit_solver *solver;
+    double *control; ///< functions x dimension
+    fit_nets nets;
+    double lambda; ///< of the last fit; 0 before the first
+    size_t budget; ///< of functions; 0: none
+    double size;   ///< the largest coordinate of a point
+    bool full;     ///< nothing more fits the budget
+    size_t outliers;
+    bat_surface_fit_round *rounds; ///< iterations + 1
+    size_t count;
+    double begin, told; ///< seconds of the clock, and the share of the work last reported
+} fit_loop;
+
+static void loop_free_fit(fit_loop *loop)
+{
+    fit_solver_free(loop->solver);
+    loop->solver = NULL;
+    fit_system_free(&loop->system);
+    fit_nets_free(&loop->nets);
+    free(loop->control);
+    loop->control = NULL;
+}
+
+static void loop_free(fit_loop *loop)
+{
+    loop_free_fit(loop);
+    fit_points_free(&loop->points);
+    bat_hierarchical_space_free(loop->space);
+    free(loop->rounds);
+}
+
+static bat_status loop_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options, fit_loop *loop,
+                            bat_error *error)
+{
+    *loop = (fit_loop){.options = options, .begin = clock_seconds()};
+    loop->budget = options->functions > 0   ? options->functions
+                   : options->tolerance > 0 ? 0
+                                            : (data->count + POINTS_PER_FUNCTION - 1) / POINTS_PER_FUNCTION;
+    loop->rounds = memory_array((size_t)options->iterations + 1, sizeof *loop->rounds);
+    if (loop->rounds == NULL)
+        return error_memory(error, ((size_t)options->iterations + 1) * sizeof *loop->rounds);
+    bat_status status = bat_hierarchical_space_make(&options->space, &loop->space, error);
+    if (status == BAT_OK)
+        status = fit_points_make(data, NULL, options->space.truncated, &loop->points, error);
+    for (size_t k = 0; status == BAT_OK && k < data->count * data->dimension; k++)
+        loop->size = fmax(loop->size, fabs(loop->points.position[k]));
+    return status;
+}
+
+/// The share of the work done: of the way to the budget on a logarithmic scale, or of the iterations.
+static double share_done(const fit_loop *loop)
+{
+    double first = (double)(loop->count > 0 ? loop->rounds[0].functions : 1);
+    double now = (double)bat_hierarchical_space_functions(loop->space);
+    double share = (double)loop->count / ((double)loop->options->iterations + 1);
+    if (loop->budget > 0 && (double)loop->budget > first && loop->count > 0)
+        share = fmax(share, log(now / first) / log((double)loop->budget / first));
+    return fmin(share, 0.99);
+}
+
+/// Report; false when the caller wants to stop. Asked with a share that it does not use, as part of a search for a weight.
+static bool loop_goes_on(void *context, double unused)
+{
+    (void)unused;
+    fit_loop *loop = context;
+    const bat_progress *progress = &loop->options->progress;
+    loop->told = fmax(loop->told, share_done(loop));
+    return progress->report == NULL || progress->report(progress->context, loop->told);
+}
+
+static bat_status loop_check(fit_loop *loop, bat_error *error)
+{
+    return loop_goes_on(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+}
+
+/// The most weights to try in this round.
+static int trials_for(const fit_loop *loop)
+{
+    size_t functions = loop->system.functions;
+    if (functions <= SMALL_SYSTEM || loop->count == 0)
+        return TRIALS_FIRST;
+    return loop->budget > 0 && (double)functions >= FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
+}
+
+/// Fit over the space at hand, whose system is there, to points that know their cells.
+/// @param search whether a weight is looked for, or the last one taken
+static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
+{
+    const bat_surface_fit_options *options = loop->options;
+    bat_status status = loop_check(loop, error);
+    if (status == BAT_OK)
+        status = fit_points_sort(&loop->points, loop->space, error);
+    if (status == BAT_OK)
+        status = fit_system_gather(&loop->system, &loop->points, error);
+    if (status != BAT_OK)
+        return status;
+    bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN;
+    fit_weight_search wanted = {.smoothing = search ? options->smoothing : BAT_SURFACE_SMOOTHING_GIVEN,
+                                .noise = options->noise,
+                                .lambda = given ? options->weight : loop->lambda,
+                                .trials = trials_for(loop),
+                                .progress = {loop_goes_on, loop}};
+    status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, loop->control, error);
+    fit_nets_free(&loop->nets);
+    if (status == BAT_OK)
+        status = fit_nets_make(loop->space, loop->control, loop->points.dimension, options->threads, &loop->nets, error);
+    return status;
+}
+
+/// Measure distances, or move the parameters to their feet, and weigh the points anew.
+static bat_status measure_now(fit_loop *loop, bool correct, bat_error *error)
+{
+    fit_correction correction = {NEWTON_STEPS, SETTLED};
+    int threads = loop->options->threads;
+    size_t moved;
+    bat_status status = loop_check(loop, error);
+    if (status == BAT_OK && !correct)
+        status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
+    if (status == BAT_OK && correct)
+        status = fit_correct(&loop->nets, &loop->points, correction, threads, &moved, error);
+    if (status == BAT_OK && correct)
+        status = fit_correct_lost(&loop->nets, &loop->points, correction, threads, &moved, error);
+    if (status == BAT_OK && loop->options->robust)
+        status = fit_robust_weigh(&loop->points, &loop->outliers, error);
+    return status;
+}
+
+/// The system of a new space.
+static bat_status begin_round(fit_loop *loop, bat_error *error)
+{
+    size_t functions = bat_hierarchical_space_functions(loop->space);
+    loop_free_fit(loop);
+    bat_status status = fit_system_make(loop->space, loop->points.dimension, loop->options->threads, &loop->system, error);
+    if (status == BAT_OK)
+        status = fit_solver_make(&loop->system.pattern, &loop->solver, error);
+    if (status != BAT_OK)
+        return status;
+    fit_points_locate(&loop->points, loop->space, loop->options->threads);
+    loop->control = memory_array(functions * loop->points.dimension, sizeof *loop->control);
+    return loop->control == NULL ? error_memory(error, functions * loop->points.dimension * sizeof *loop->control) : BAT_OK;
+}
+
+static bat_status fit_round(fit_loop *loop, bat_error *error)
+{
+    bat_status status = begin_round(loop, error);
+    if (status == BAT_OK)
+        status = fit_now(loop, true, error);
+    if (status == BAT_OK && loop->options->corrections == 0)
+        status = measure_now(loop, false, error);
+    for (int k = 0; k < loop->options->corrections && status == BAT_OK; k++)
+    {
+        if (k > 0)
+            status = fit_now(loop, false, error);
+        if (status == BAT_OK)
+            status = measure_now(loop, true, error);
+    }
+    return status;
+}
+
+static bat_status fit_finally(fit_loop *loop, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    int rounds = loop->options->final_corrections;
+    if (rounds > 0 && loop->options->corrections == 0)
+        status = measure_now(loop, true, error);
+    for (int k = 0; k < rounds && status == BAT_OK; k++)
+    {
+        status = fit_now(loop, k == 0, error);
+        if (status == BAT_OK)
+            status = measure_now(loop, true, error);
+    }
+    return status;
+}
+
+static bat_surface_fit_round measure_round(const fit_loop *loop)
+{
+    const fit_points *points = &loop->points;
+    bat_surface_fit_round round = {.functions = loop->system.functions,
+                                   .levels = bat_hierarchical_space_levels(loop->space),
+                                   .weight = loop->lambda,
+                                   .seconds = clock_seconds() - loop->begin};
+    size_t within = 0;
+    double sum = 0;
+    for (size_t row = 0; row < points->count; row++)
+    {
+        double distance = points->distance[row];
+        sum += distance * distance;
+        within += distance <= loop->options->tolerance;
+        if (distance > round.largest)
+        {
+            round.largest = distance;
+            round.worst = points->number[row];
+        }
+    }
+    round.mean_squared = sum / (double)points->count;
+    round.rms = sqrt(round.mean_squared);
+    round.within = (double)within / (double)points->count;
+    return round;
+}
+
+/// Whether what was asked for is there: the share within the tolerance, the budget, or a surface exact to rounding.
+static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round)
+{
+    if (loop->options->tolerance > 0)
+        return round->within >= loop->options->share;
+    bool filled = loop->full || (double)round->functions >= FILLED * (double)loop->budget;
+    return filled || round->largest <= EXACT * loop->size;
+}
+
+/// Refine where the points are farthest off.
+/// @param refined receives whether there was anything to refine
+static bat_status refine_now(fit_loop *loop, bool *refined, bat_error *error)
+{
+    const bat_surface_fit_options *options = loop->options;
+    fit_marking marking = {options->tolerance, loop->budget, options->neighbours};
+    bat_hierarchical_space *finer = NULL;
+    bat_status status = fit_points_sort(&loop->points, loop->space, error);
+    if (status == BAT_OK)
+        status = fit_mark_refine(loop->space, &loop->points, &marking, &finer, error);
+    *refined = finer != NULL;
+    loop->full = loop->budget > 0 && finer == NULL;
+    if (finer != NULL)
+    {
+        loop_free_fit(loop);
+        bat_hierarchical_space_free(loop->space);
+        loop->space = finer;
+    }
+    return status;
+}
+
+static bat_status run(fit_loop *loop, bat_error *error)
+{
+    bool refined = true;
+    while (refined)
+    {
+        bat_status status = fit_round(loop, error);
+        if (status != BAT_OK)
+            return status;
+        bat_surface_fit_round *round = &loop->rounds[loop->count++];
+        *round = measure_round(loop);
+        if (has_reached(loop, round) || loop->count > (size_t)loop->options->iterations)
+            break;
+        status = refine_now(loop, &refined, error);
+        if (status != BAT_OK)
+            return status;
+    }
+    bat_status status = fit_finally(loop, error);
+    if (status == BAT_OK)
+        loop->rounds[loop->count - 1] = measure_round(loop);
+    return status;
+}
+
+/// Hand the surface, the parameters and the report over.
+static bat_status hand_over(fit_loop *loop, bat_surface_fit_data *data, bat_spline_surface *surface,
+                            bat_surface_fit_report *report, bat_error *error)
+{
+    double *distances = report == NULL ? NULL : memory_array(data->count, sizeof *distances);
+    if (report != NULL && distances == NULL)
+        return error_memory(error, data->count * sizeof *distances);
+    for (size_t row = 0; report != NULL && row < data->count; row++)
+        distances[loop->points.number[row]] = loop->points.distance[row];
+    size_t moved = fit_points_return(&loop->points, data);
+    fit_points_restore(&loop->points, loop->system.functions, loop->control);
+    if (report != NULL)
+        *report = (bat_surface_fit_report){.rounds = loop->rounds,
+                                           .count = loop->count,
+                                           .distances = distances,
+                                           .moved = moved,
+                                           .outliers = loop->outliers,
+                                           .reached = has_reached(loop, &loop->rounds[loop->count - 1])};
+    else
+        free(loop->rounds);
+    *surface = (bat_spline_surface){loop->space, loop->control, data->dimension};
+    loop->rounds = NULL;
+    loop->space = NULL;
+    loop->control = NULL;
+    return BAT_OK;
+}
+
+bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options, bat_spline_surface *surface,
+                           bat_surface_fit_report *report, bat_error *error)
+{
+    fit_loop loop = {0};
+    bat_status status = check_options(options, error);
+    if (status == BAT_OK)
+        status = fit_points_check(data, error);
+    if (status == BAT_OK)
+        status = loop_make(data, options, &loop, error);
+    if (status == BAT_OK)
+        status = run(&loop, error);
+    if (status == BAT_OK)
+        status = hand_over(&loop, data, surface, report, error);
+    loop_free(&loop);
+    return status;
+}

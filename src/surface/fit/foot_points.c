@@ -1,0 +1,381 @@
+#include "surface/fit/foot_points.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bat_status fit_nets_make(const bat_hierarchical_space *space, const double *control, size_t dimension, int threads,
+                         fit_nets *nets, bat_error *error)
+{
+    size_t cells = bat_hierarchical_space_cells(space), stride = hierarchical_locals(space) * dimension, numbers;
+    *nets = (fit_nets){.space = space, .dimension = dimension, .stride = stride};
+    if (size_multiply_overflows(cells, stride, &numbers))
+        return error_memory(error, SIZE_MAX);
+    nets->control = memory_array(numbers, sizeof *nets->control);
+    if (nets->control == NULL)
+        return error_memory(error, numbers * sizeof *nets->control);
+    // As if every cell had as many coarser functions as local ones.
+    double operations = (double)cells * (double)(hierarchical_locals(space) * stride);
+#pragma omp parallel for schedule(static) num_threads(threads_worth(threads, cells, operations))
+    for (size_t c = 0; c < cells; c++)
+        hierarchical_local_control(space, &space->cells[c], control, dimension, nets->control + c * stride);
+    return BAT_OK;
+}
+
+void fit_nets_free(fit_nets *nets)
+{
+    free(nets->control);
+    *nets = (fit_nets){0};
+}
+
+static void measure_point(const fit_nets *nets, fit_points *points, size_t row, double *scratch, double *residual)
+{
+    size_t dimension = nets->dimension;
+    const double *position = points->position + row * dimension;
+    double *value = scratch + fit_nets_scratch(nets), square = 0;
+    fit_nets_evaluate(nets, points->cell[row], points->parameter + 2 * row, 0, scratch, value);
+    for (size_t k = 0; k < dimension; k++)
+    {
+        double apart = position[k] - value[k];
+        square += apart * apart;
+        if (residual != NULL)
+            residual[row * dimension + k] = apart;
+    }
+    points->distance[row] = sqrt(square);
+}
+
+bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, double *residual, int threads, bat_error *error)
+{
+    size_t room = fit_nets_scratch(nets) + nets->dimension;
+    double operations = (double)points->count * fit_nets_operations(nets, 0);
+    bool whole = true;
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : whole)
+    {
+        double *scratch = memory_array(room, sizeof *scratch);
+        whole = scratch != NULL;
+#pragma omp for schedule(static)
+        for (size_t row = 0; row < points->count; row++)
+            if (scratch != NULL)
+                measure_point(nets, points, row, scratch, residual);
+        free(scratch);
+    }
+    return whole ? BAT_OK : error_memory(error, room * sizeof(double));
+}
+
+enum
+{
+    MOST_STEPS = 50,
+    MOST_HALVINGS = 10,
+    MOST_LOST = 64 ///< points that look for their feet elsewhere, in one go
+};
+
+// The longest step in a direction, in cells.
+static const double LONGEST_STEP = 1;
+// A matrix whose determinant is less than this part of the product of its diagonal is as good as singular.
+static const double LEAST_DETERMINANT = 1e-10;
+
+// A point this many times as far off as the mean may have lost its way.
+static const double FAR_OFF = 10;
+
+fit_correction fit_correction_full(void)
+{
+    return (fit_correction){.steps = MOST_STEPS, .settled = 4 * DBL_EPSILON};
+}
+
+/// A place on the surface and what is known there.
+typedef struct foot_point
+{
+    double at[2];
+    size_t cell;
+    double square;      ///< of the distance to the point
+    double gradient[2]; ///< of half the square
+    double full[3];     ///< second derivatives by uu, uv, vv
+    double gauss[3];    ///< the same without the surface's second derivatives
+} foot_point;
+
+static void foot_measure(const fit_nets *nets, const double *position, double *scratch, foot_point *foot)
+{
+    size_t dimension = nets->dimension;
+    double *value = scratch + fit_nets_scratch(nets);
+    fit_nets_evaluate(nets, foot->cell, foot->at, 2, scratch, value);
+    const double *du = value + dimension, *dv = du + dimension, *duu = dv + dimension, *duv = duu + dimension,
+                 *dvv = duv + dimension;
+    double square = 0, gradient[2] = {0, 0}, bent[3] = {0, 0, 0}, gauss[3] = {0, 0, 0};
+    for (size_t k = 0; k < dimension; k++)
+    {
+        double apart = value[k] - position[k];
+        square += apart * apart;
+        gradient[0] += apart * du[k];
+        gradient[1] += apart * dv[k];
+        bent[0] += apart * duu[k];
+        bent[1] += apart * duv[k];
+        bent[2] += apart * dvv[k];
+        gauss[0] += du[k] * du[k];
+        gauss[1] += du[k] * dv[k];
+        gauss[2] += dv[k] * dv[k];
+    }
+    foot->square = square;
+    memcpy(foot->gradient, gradient, sizeof gradient);
+    memcpy(foot->gauss, gauss, sizeof gauss);
+    for (int k = 0; k < 3; k++)
+        foot->full[k] = gauss[k] + bent[k];
+}
+
+/// Where a parameter may go.
+typedef struct foot_limits
+{
+    double low[2], high[2];
+} foot_limits;
+
+static const foot_limits WHOLE_SQUARE = {{0, 0}, {1, 1}};
+
+/// Whether a parameter may follow the gradient: there is room, and it is not pressed against its end.
+static bool may_move(const foot_point *foot, const foot_limits *limits, int direction)
+{
+    double low = limits->low[direction], high = limits->high[direction];
+    bool pressed = (foot->at[direction] <= low && foot->gradient[direction] > 0) ||
+                   (foot->at[direction] >= high && foot->gradient[direction] < 0);
+    return high > low && !pressed;
+}
+
+static bool solve_both(const double *matrix, const double *gradient, double *step)
+{
+    double determinant = matrix[0] * matrix[2] - matrix[1] * matrix[1];
+    if (!(matrix[0] > 0 && matrix[2] > 0 && determinant > LEAST_DETERMINANT * matrix[0] * matrix[2]))
+        return false;
+    step[0] = (matrix[1] * gradient[1] - matrix[2] * gradient[0]) / determinant;
+    step[1] = (matrix[1] * gradient[0] - matrix[0] * gradient[1]) / determinant;
+    return true;
+}
+
+/// The step along one direction: by Newton's method where the square of the distance is convex.
+static double solve_one(const foot_point *foot, int direction)
+{
+    double full = foot->full[2 * direction], gauss = foot->gauss[2 * direction];
+    double curvature = full > 0 ? full : gauss;
+    return curvature > 0 ? -foot->gradient[direction] / curvature : 0;
+}
+
+static void choose_step(const foot_point *foot, const foot_limits *limits, double *step)
+{
+    bool moves[2] = {may_move(foot, limits, 0), may_move(foot, limits, 1)};
+    if (moves[0] && moves[1] &&
+        (solve_both(foot->full, foot->gradient, step) || solve_both(foot->gauss, foot->gradient, step)))
+        return;
+    for (int k = 0; k < 2; k++)
+        step[k] = moves[k] ? solve_one(foot, k) : 0;
+}
+
+/// Shorten a step that is longer than the method can be trusted for.
+/// @return its length in cells
+static double limit_step(const fit_nets *nets, const foot_point *foot, double *step)
+{
+    uint32_t level = nets->space->cells[foot->cell].level;
+    double length = 0;
+    for (int k = 0; k < 2; k++)
+        length = fmax(length, fabs(step[k]) * (double)hierarchical_spans(nets->space, level, k));
+    if (length <= LONGEST_STEP)
+        return length;
+    step[0] *= LONGEST_STEP / length;
+    step[1] *= LONGEST_STEP / length;
+    return LONGEST_STEP;
+}
+
+/// Go along a step, half as far again and again until the distance falls.
+static bool go(const fit_nets *nets, const double *position, const foot_limits *limits, const double *step, double *scratch,
+               foot_point *now)
+{
+    foot_point next;
+    double share = 1;
+    for (int k = 0; k < MOST_HALVINGS; k++, share *= 0.5)
+    {
+        for (int d = 0; d < 2; d++)
+            next.at[d] = fmin(fmax(now->at[d] + share * step[d], limits->low[d]), limits->high[d]);
+        if (next.at[0] == now->at[0] && next.at[1] == now->at[1])
+            return false;
+        next.cell = bat_hierarchical_space_locate(nets->space, next.at[0], next.at[1]);
+        foot_measure(nets, position, scratch, &next);
+        if (next.square < now->square)
+        {
+            *now = next;
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Follow Newton's method from a place where the surface has been measured.
+static void descend(const fit_nets *nets, const double *position, const foot_limits *limits, fit_correction correction,
+                    double *scratch, foot_point *now)
+{
+    for (int k = 0; k < correction.steps; k++)
+    {
+        double step[2];
+        choose_step(now, limits, step);
+        double length = limit_step(nets, now, step);
+        if (length <= correction.settled || !go(nets, position, limits, step, scratch, now))
+            return;
+    }
+}
+
+/// Give a row what was found for it.
+static bool settle(fit_points *points, size_t row, const foot_point *found)
+{
+    double *at = points->parameter + 2 * row;
+    bool moved = found->at[0] != at[0] || found->at[1] != at[1];
+    memcpy(at, found->at, sizeof found->at);
+    points->cell[row] = (uint32_t)found->cell;
+    points->distance[row] = sqrt(found->square);
+    return moved;
+}
+
+/// Where a point may go: a free one anywhere, one of the boundary along its side, at most half way to the corners.
+static foot_limits limits_of(const fit_points *points, size_t row)
+{
+    const double *at = points->parameter + 2 * row;
+    fit_freedom freedom = (fit_freedom)points->freedom[row];
+    if (freedom == FIT_FREE)
+        return WHOLE_SQUARE;
+    foot_limits limits = {{at[0], at[1]}, {at[0], at[1]}};
+    if (freedom != FIT_FIXED)
+    {
+        int along = freedom == FIT_ALONG_U ? 0 : 1;
+        limits.low[along] = 0.5 * at[along];
+        limits.high[along] = 0.5 * (1 + at[along]);
+    }
+    return limits;
+}
+
+static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, fit_correction correction, double *scratch)
+{
+    const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * row;
+    foot_limits limits = limits_of(points, row);
+    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
+    foot_measure(nets, position, scratch, &now);
+    descend(nets, position, &limits, correction, scratch, &now);
+    return settle(points, row, &now);
+}
+
+/// A point far off, for sorting.
+typedef struct far_point
+{
+    double distance;
+    size_t row;
+} far_point;
+
+static int compare_far(const void *a, const void *b)
+{
+    const far_point *x = a, *y = b;
+    if (x->distance != y->distance)
+        return x->distance < y->distance ? 1 : -1;
+    return (x->row > y->row) - (x->row < y->row);
+}
+
+/// The free points that are farthest off, many times as far as the mean, farthest first.
+/// @return how many there are, at most MOST_LOST
+static size_t find_lost(const fit_points *points, double mean, far_point *lost)
+{
+    size_t count = 0;
+    for (size_t row = 0; row < points->count; row++)
+        if (points->freedom[row] == FIT_FREE && points->distance[row] > FAR_OFF * mean)
+        {
+            if (count == 2 * MOST_LOST)
+            {
+                qsort(lost, count, sizeof *lost, compare_far);
+                count = MOST_LOST;
+            }
+            lost[count++] = (far_point){points->distance[row], row};
+        }
+    qsort(lost, count, sizeof *lost, compare_far);
+    return count < MOST_LOST ? count : MOST_LOST;
+}
+
+/// The nearest point in space that is near its own foot.
+static size_t nearest_found(const fit_points *points, size_t row, double mean)
+{
+    size_t dimension = points->dimension, nearest = row;
+    double least = INFINITY;
+    const double *position = points->position + row * dimension;
+    for (size_t other = 0; other < points->count; other++)
+    {
+        double square = 0;
+        for (size_t k = 0; k < dimension; k++)
+        {
+            double apart = points->position[other * dimension + k] - position[k];
+            square += apart * apart;
+        }
+        if (square < least && other != row && points->distance[other] <= mean)
+        {
+            least = square;
+            nearest = other;
+        }
+    }
+    return nearest;
+}
+
+/// The foot of a point from where the nearest one has its own.
+static foot_point seek(const fit_nets *nets, const fit_points *points, size_t row, double mean, fit_correction correction,
+                       double *scratch)
+{
+    size_t from = nearest_found(points, row, mean);
+    const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * from;
+    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[from]};
+    foot_measure(nets, position, scratch, &now);
+    descend(nets, position, &WHOLE_SQUARE, correction, scratch, &now);
+    return now;
+}
+
+bat_status fit_correct_lost(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
+                            bat_error *error)
+{
+    far_point lost[2 * MOST_LOST];
+    foot_point found[MOST_LOST];
+    double mean = 0;
+    for (size_t row = 0; row < points->count; row++)
+        mean += points->distance[row] / (double)points->count;
+    size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = find_lost(points, mean, lost);
+    double operations = (double)count * (double)points->count * 2 * (double)nets->dimension;
+    bool whole = true;
+#pragma omp parallel num_threads(threads_worth(threads, count, operations)) reduction(&& : whole)
+    {
+        double *scratch = memory_array(room, sizeof *scratch);
+        whole = scratch != NULL;
+#pragma omp for schedule(dynamic)
+        for (size_t k = 0; k < count; k++)
+            if (scratch != NULL)
+                found[k] = seek(nets, points, lost[k].row, mean, correction, scratch);
+        free(scratch);
+    }
+    if (!whole)
+        return error_memory(error, room * sizeof(double));
+    *moved = 0;
+    for (size_t k = 0; k < count; k++)
+        if (sqrt(found[k].square) < lost[k].distance)
+            *moved += settle(points, lost[k].row, &found[k]);
+    return BAT_OK;
+}
+
+bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
+                       bat_error *error)
+{
+    size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
+    double operations = (double)points->count * fit_nets_operations(nets, 2);
+    bool whole = true;
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : whole) reduction(+ : count)
+    {
+        double *scratch = memory_array(room, sizeof *scratch);
+        whole = scratch != NULL;
+#pragma omp for schedule(dynamic, 256)
+        for (size_t row = 0; row < points->count; row++)
+            if (scratch != NULL)
+                count += correct_point(nets, points, row, correction, scratch);
+        free(scratch);
+    }
+    *moved = count;
+    return whole ? BAT_OK : error_memory(error, room * sizeof(double));
+}

@@ -1,0 +1,257 @@
+#include "surface/fit/marking.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// Without a tolerance, the worst cells that have this share of the squared error are marked (Doerfler, 1996).
+static const double BULK = 0.3;
+// As many cells are marked as it takes for so many times the functions, so that rounds do not creep.
+static const double LEAST_GROWTH = 1.1;
+// Points are told apart when they are spread over this part of a cell in one direction.
+static const double APART = 1.0 / 16;
+
+enum
+{
+    /// A cell and so many rings hold functions of the next level of any degree.
+    ENOUGH_RINGS = BAT_SPLINE_MAX_DEGREE / 4 + 1,
+    /// This part of a budget is small enough to be left over.
+    CLOSE = 500
+};
+
+/// A cell and the sum of squared errors of its points.
+typedef struct ranked_cell
+{
+    double score;
+    uint32_t cell;
+} ranked_cell;
+
+static int compare_ranked(const void *a, const void *b)
+{
+    const ranked_cell *x = a, *y = b;
+    if (x->score != y->score)
+        return x->score < y->score ? 1 : -1;
+    return (x->cell > y->cell) - (x->cell < y->cell);
+}
+
+/// What a cell's points say of it.
+typedef struct cell_points
+{
+    double sum;     ///< of weighted squared distances
+    double largest; ///< distance
+    double count;
+    double low[2], high[2]; ///< the parameters lie between
+} cell_points;
+
+static cell_points look_at(const fit_points *points, size_t cell)
+{
+    cell_points seen = {.low = {1, 1}};
+    for (size_t place = points->first[cell]; place < points->first[cell + 1]; place++)
+    {
+        size_t row = points->order[place];
+        if (points->weight[row] == 0)
+            continue;
+        seen.sum += points->weight[row] * points->distance[row] * points->distance[row];
+        seen.largest = fmax(seen.largest, points->distance[row]);
+        seen.count++;
+        for (int k = 0; k < 2; k++)
+        {
+            seen.low[k] = fmin(seen.low[k], points->parameter[2 * row + (size_t)k]);
+            seen.high[k] = fmax(seen.high[k], points->parameter[2 * row + (size_t)k]);
+        }
+    }
+    return seen;
+}
+
+/// Whether finer functions could tell the points of a cell apart. Those that cannot be told apart have lost their way, and
+/// would draw functions without end.
+static bool are_apart(const bat_hierarchical_space *space, const cell_points *seen, uint32_t level)
+{
+    bat_hierarchical_options options = bat_hierarchical_space_options(space);
+    for (int k = 0; k < 2; k++)
+        if ((seen->high[k] - seen->low[k]) * (double)(options.spans[k] << level) >= APART)
+            return true;
+    return false;
+}
+
+/// The score of a cell; 0 when all its points lie within the tolerance, and for cells of the last level. Without a tolerance
+/// few points in a cell count less, as they say less of it.
+static double score_of(const bat_hierarchical_space *space, const fit_points *points, size_t cell, double tolerance)
+{
+    uint32_t level = bat_hierarchical_space_cell(space, cell).level;
+    cell_points seen = look_at(points, cell);
+    if (seen.largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
+        return 0;
+    if (tolerance > 0)
+        return seen.sum;
+    return are_apart(space, &seen, level) ? seen.sum * (seen.count - 1) / seen.count : 0;
+}
+
+/// Rank the cells that have an error.
+/// @return how many there are
+static size_t rank_cells(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
+                         ranked_cell *ranked)
+{
+    size_t count = 0;
+    for (size_t c = 0; c < points->cells; c++)
+    {
+        double score = score_of(space, points, c, tolerance);
+        if (score > 0)
+            ranked[count++] = (ranked_cell){score, (uint32_t)c};
+    }
+    qsort(ranked, count, sizeof *ranked, compare_ranked);
+    return count;
+}
+
+/// The number of first cells that have the bulk of the error.
+static size_t bulk_of(const ranked_cell *ranked, size_t count)
+{
+    double total = 0, sum = 0;
+    for (size_t k = 0; k < count; k++)
+        total += ranked[k].score;
+    size_t wanted = 0;
+    while (wanted < count && sum < BULK * total)
+        sum += ranked[wanted++].score;
+    return wanted;
+}
+
+/// Everything a refinement is chosen from.
+typedef struct mark_choice
+{
+    const bat_hierarchical_space *space;
+    const ranked_cell *ranked;
+    int rings;
+} mark_choice;
+
+/// The side of a cell with its rings, in cells.
+static size_t side_of(const mark_choice *choice)
+{
+    return 2 * (size_t)choice->rings + 1;
+}
+
+/// A cell and those in its rings that are active cells of its own level. Rings across coarser ones would refine those
+/// through several levels at once, which costs more functions than it takes off the error.
+/// @param boxes receives up to side_of()^2 boxes
+static size_t surround(const mark_choice *choice, bat_spline_box cell, bat_spline_box *boxes)
+{
+    bat_hierarchical_options options = bat_hierarchical_space_options(choice->space);
+    size_t count = 0;
+    double spans[2];
+    for (int k = 0; k < 2; k++)
+        spans[k] = (double)(options.spans[k] << cell.level);
+    for (int down = -choice->rings; down <= choice->rings; down++)
+        for (int across = -choice->rings; across <= choice->rings; across++)
+        {
+            double u = ((double)cell.low[0] + across + 0.5) / spans[0], v = ((double)cell.low[1] + down + 0.5) / spans[1];
+            if (u < 0 || u > 1 || v < 0 || v > 1)
+                continue;
+            size_t there = bat_hierarchical_space_locate(choice->space, u, v);
+            bat_spline_box box = bat_hierarchical_space_cell(choice->space, there);
+            if (box.level == cell.level)
+                boxes[count++] = box;
+        }
+    return count;
+}
+
+/// A copy of the space with the first cells and their rings refined.
+static bat_status refine_first(const mark_choice *choice, size_t count, bat_hierarchical_space **refined, bat_error *error)
+{
+    size_t side = side_of(choice), boxes_count = 0;
+    bat_spline_box *boxes = memory_array(count, side * side * sizeof *boxes);
+    if (boxes == NULL)
+        return error_memory(error, count * side * side * sizeof *boxes);
+    for (size_t k = 0; k < count; k++)
+    {
+        bat_spline_box cell = bat_hierarchical_space_cell(choice->space, choice->ranked[k].cell);
+        boxes_count += surround(choice, cell, boxes + boxes_count);
+    }
+    bat_hierarchical_space *copy = NULL;
+    bat_status status = bat_hierarchical_space_copy(choice->space, &copy, error);
+    if (status == BAT_OK)
+        status = bat_hierarchical_space_refine(copy, boxes, boxes_count, error);
+    free(boxes);
+    if (status == BAT_OK)
+        *refined = copy;
+    else
+        bat_hierarchical_space_free(copy);
+    return status;
+}
+
+/// Refine the most first cells that fit the budget, by regula falsi kept off the ends: 0 fit, `count` do not.
+static bat_status fill_budget(const mark_choice *choice, size_t count, size_t count_functions, size_t budget,
+                              bat_hierarchical_space **refined, bat_error *error)
+{
+    size_t before = bat_hierarchical_space_functions(choice->space);
+    size_t low = 0, high = count, low_functions = before, high_functions = count_functions;
+    while (high - low > 1 && budget - low_functions > budget / CLOSE)
+    {
+        double share = (double)(budget - low_functions) / (double)(high_functions - low_functions);
+        size_t try = low + (size_t)(fmin(fmax(share, 0.1), 0.9) * (double)(high - low));
+        try = try <= low ? low + 1 : try >= high ? high - 1 : try;
+        bat_hierarchical_space *made;
+        bat_status status = refine_first(choice, try, &made, error);
+        if (status != BAT_OK)
+            return status;
+        size_t functions = bat_hierarchical_space_functions(made);
+        bool fits = functions <= budget;
+        *(fits ? &low : &high) = try;
+        *(fits ? &low_functions : &high_functions) = functions;
+        bat_hierarchical_space *dropped = fits && functions > before ? *refined : made;
+        *refined = fits && functions > before ? made : *refined;
+        bat_hierarchical_space_free(dropped);
+    }
+    return BAT_OK;
+}
+
+/// Refine the first `wanted` cells, or as many as fit. Where that gives few functions, more cells are taken, up to `most`,
+/// and then more rings.
+static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t most, size_t budget,
+                                bat_hierarchical_space **refined, bat_error *error)
+{
+    size_t before = bat_hierarchical_space_functions(choice->space);
+    for (;;)
+    {
+        bat_hierarchical_space *made;
+        bat_status status = refine_first(choice, wanted, &made, error);
+        if (status != BAT_OK)
+            return status;
+        size_t functions = bat_hierarchical_space_functions(made);
+        bool few = wanted < most && (double)functions < LEAST_GROWTH * (double)before;
+        if (!few && functions > before && (budget == 0 || functions <= budget))
+        {
+            *refined = made;
+            return BAT_OK;
+        }
+        bat_hierarchical_space_free(made);
+        if (few)
+            wanted = 2 * wanted < most ? 2 * wanted : most;
+        else if (functions > before)
+            return fill_budget(choice, wanted, functions, budget, refined, error);
+        else if (choice->rings++ >= ENOUGH_RINGS)
+            return BAT_OK;
+    }
+}
+
+bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
+                           bat_hierarchical_space **refined, bat_error *error)
+{
+    *refined = NULL;
+    if (marking->budget > 0 && bat_hierarchical_space_functions(space) >= marking->budget)
+        return BAT_OK;
+    ranked_cell *ranked = memory_array(points->cells, sizeof *ranked);
+    if (ranked == NULL)
+        return error_memory(error, points->cells * sizeof *ranked);
+    size_t count = rank_cells(space, points, marking->tolerance, ranked);
+    size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
+    mark_choice choice = {space, ranked, marking->neighbours};
+    bat_status status = wanted > 0 ? refine_wanted(&choice, wanted, count, marking->budget, refined, error) : BAT_OK;
+    if (status != BAT_OK)
+    {
+        bat_hierarchical_space_free(*refined);
+        *refined = NULL;
+    }
+    free(ranked);
+    return status;
+}

@@ -1,0 +1,280 @@
+#include "surface/fit/pattern.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    BATCH_NUMBERS = 4 << 20, ///< room for what cells add before it is summed, at least that of one cell
+    OPERATIONS_AN_ENTRY = 10 ///< of a cell's matrix, for threads_worth()
+};
+
+/// The cells of every function, in rising order.
+typedef struct function_cells
+{
+    size_t *first; ///< functions + 2
+    uint32_t *cell;
+} function_cells;
+
+static bat_status function_cells_make(const bat_hierarchical_space *space, function_cells *cells, bat_error *error)
+{
+    size_t functions = bat_hierarchical_space_functions(space), cell_count = bat_hierarchical_space_cells(space);
+    const uint32_t *active;
+    *cells = (function_cells){.first = calloc(functions + 2, sizeof *cells->first)};
+    if (cells->first == NULL)
+        return error_memory(error, (functions + 2) * sizeof *cells->first);
+    for (size_t c = 0; c < cell_count; c++)
+        for (size_t k = bat_hierarchical_space_active(space, c, &active); k-- > 0;)
+            cells->first[active[k] + 2]++;
+    for (size_t f = 0; f <= functions; f++)
+        cells->first[f + 1] += cells->first[f];
+    cells->cell = memory_array(cells->first[functions + 1], sizeof *cells->cell);
+    if (cells->cell == NULL)
+        return error_memory(error, cells->first[functions + 1] * sizeof *cells->cell);
+    for (size_t c = 0; c < cell_count; c++)
+        for (size_t k = bat_hierarchical_space_active(space, c, &active); k-- > 0;)
+            cells->cell[cells->first[active[k] + 1]++] = (uint32_t)c;
+    return BAT_OK;
+}
+
+static void function_cells_free(function_cells *cells)
+{
+    free(cells->first);
+    free(cells->cell);
+}
+
+static int compare_rows(const void *a, const void *b)
+{
+    int x = *(const int *)a, y = *(const int *)b;
+    return (x > y) - (x < y);
+}
+
+/// The functions that meet function f and do not come before it, in rising order.
+/// @param seen for every function the last one, plus one, that it was found to meet
+static size_t find_rows(const bat_hierarchical_space *space, const function_cells *cells, size_t f, uint32_t *seen,
+                        int *rows)
+{
+    size_t count = 0;
+    for (size_t c = cells->first[f]; c < cells->first[f + 1]; c++)
+    {
+        const uint32_t *active;
+        size_t active_count = bat_hierarchical_space_active(space, cells->cell[c], &active);
+        for (size_t k = active_count; k-- > 0 && active[k] >= f;)
+            if (seen[active[k]] != f + 1)
+            {
+                seen[active[k]] = (uint32_t)f + 1;
+                rows[count++] = (int)active[k];
+            }
+    }
+    qsort(rows, count, sizeof *rows, compare_rows);
+    return count;
+}
+
+/// Find all rows of one function after another, on one thread for a range of them.
+static void find_range(const bat_hierarchical_space *space, const function_cells *cells, size_t begin, size_t end,
+                       uint32_t *seen, int *rows, fit_pattern *pattern, bool counting)
+{
+    for (size_t f = begin; f < end; f++)
+        if (counting)
+            pattern->first[f + 1] = (int)find_rows(space, cells, f, seen, rows);
+        else
+            (void)find_rows(space, cells, f, seen, pattern->row + pattern->first[f]);
+}
+
+/// Count the rows of all columns, or find them.
+static bool find_all(const bat_hierarchical_space *space, const function_cells *cells, int threads, fit_pattern *pattern,
+                     bool counting)
+{
+    size_t functions = pattern->functions, most = functions;
+    double active = (double)bat_hierarchical_space_max_active(space), operations = (double)functions * active * active;
+    int used = threads_worth(threads, (functions + 255) / 256, operations);
+    bool whole = true;
+#pragma omp parallel for schedule(static) num_threads(used) reduction(&& : whole)
+    for (int t = 0; t < used; t++)
+    {
+        uint32_t *seen = calloc(functions, sizeof *seen);
+        int *rows = counting ? memory_array(most, sizeof *rows) : NULL;
+        whole = whole && seen != NULL && (rows != NULL || !counting);
+        if (whole)
+            find_range(space, cells, functions * (size_t)t / (size_t)used, functions * ((size_t)t + 1) / (size_t)used, seen,
+                       rows, pattern, counting);
+        free(seen);
+        free(rows);
+    }
+    return whole;
+}
+
+static bat_status add_up(fit_pattern *pattern, bat_error *error)
+{
+    size_t total = 0;
+    for (size_t f = 0; f < pattern->functions; f++)
+    {
+        total += (size_t)pattern->first[f + 1];
+        if (total > INT_MAX)
+            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu functions meet in too many pairs to solve for them",
+                             pattern->functions);
+        pattern->first[f + 1] = (int)total;
+    }
+    pattern->row = memory_array(total, sizeof *pattern->row);
+    return pattern->row == NULL ? error_memory(error, total * sizeof *pattern->row) : BAT_OK;
+}
+
+bat_status fit_pattern_make(const bat_hierarchical_space *space, int threads, fit_pattern *pattern, bat_error *error)
+{
+    size_t functions = bat_hierarchical_space_functions(space);
+    *pattern = (fit_pattern){.functions = functions, .first = calloc(functions + 1, sizeof *pattern->first)};
+    if (pattern->first == NULL)
+        return error_memory(error, (functions + 1) * sizeof *pattern->first);
+    function_cells cells;
+    bat_status status = function_cells_make(space, &cells, error);
+    if (status == BAT_OK && !find_all(space, &cells, threads, pattern, true))
+        status = error_memory(error, functions * sizeof(uint32_t));
+    if (status == BAT_OK)
+        status = add_up(pattern, error);
+    if (status == BAT_OK && !find_all(space, &cells, threads, pattern, false))
+        status = error_memory(error, functions * sizeof(uint32_t));
+    function_cells_free(&cells);
+    return status;
+}
+
+void fit_pattern_free(fit_pattern *pattern)
+{
+    free(pattern->first);
+    free(pattern->row);
+    *pattern = (fit_pattern){0};
+}
+
+/// What the cells of a batch add, one after another.
+typedef struct batch
+{
+    size_t begin, end; ///< cells
+    size_t *place;     ///< of each cell's numbers, and where the last one ends
+    double *numbers;
+} batch;
+
+static size_t numbers_of(const fit_cell_work *work, size_t active)
+{
+    return (work->values == NULL ? 0 : active * active) + active * work->columns;
+}
+
+/// Take as many cells as fit the room, at least one.
+static void batch_set(const bat_hierarchical_space *space, const fit_cell_work *work, size_t cells, size_t room, batch *now)
+{
+    const uint32_t *active;
+    size_t used = 0;
+    now->end = now->begin;
+    while (now->end < cells)
+    {
+        size_t more = numbers_of(work, bat_hierarchical_space_active(space, now->end, &active));
+        if (now->end > now->begin && used + more > room)
+            break;
+        now->place[now->end - now->begin] = used;
+        used += more;
+        now->end++;
+    }
+}
+
+/// Let a thread compute every cell it can get.
+static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work *work, const batch *now, int threads)
+{
+    bool whole = true;
+#pragma omp parallel num_threads(threads) reduction(&& : whole)
+    {
+        double *scratch = memory_array(work->scratch, sizeof *scratch);
+        whole = scratch != NULL;
+#pragma omp for schedule(dynamic, 16)
+        for (size_t c = now->begin; c < now->end; c++)
+        {
+            const uint32_t *active;
+            size_t count = bat_hierarchical_space_active(space, c, &active);
+            double *matrix = now->numbers + now->place[c - now->begin];
+            double *right = work->values == NULL ? matrix : matrix + count * count;
+            if (scratch != NULL)
+                work->fill(work->context, c, scratch, work->values == NULL ? NULL : matrix,
+                           work->columns == 0 ? NULL : right);
+        }
+        free(scratch);
+    }
+    return whole;
+}
+
+/// Add a cell's column to that of the matrix. Both lists of rows rise, so one walk finds all places.
+static void add_column(const fit_pattern *pattern, const uint32_t *active, size_t count, size_t k, const double *matrix,
+                       double *values)
+{
+    const int *row = pattern->row;
+    size_t at = (size_t)pattern->first[active[k]];
+    for (size_t m = k; m < count; m++)
+    {
+        while (row[at] < (int)active[m])
+            at++;
+        values[at] += matrix[m * count + k];
+    }
+}
+
+/// Add what a batch holds, each thread for functions of its own.
+static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
+                      const batch *now, int threads)
+{
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int t = 0; t < threads; t++)
+        for (size_t c = now->begin; c < now->end; c++)
+        {
+            const uint32_t *active;
+            size_t count = bat_hierarchical_space_active(space, c, &active);
+            const double *matrix = now->numbers + now->place[c - now->begin];
+            const double *right = work->values == NULL ? matrix : matrix + count * count;
+            for (size_t k = 0; k < count; k++)
+            {
+                if (active[k] % (uint32_t)threads != (uint32_t)t)
+                    continue;
+                if (work->values != NULL)
+                    add_column(pattern, active, count, k, matrix, work->values);
+                for (size_t d = 0; d < work->columns; d++)
+                    work->right[active[k] * work->columns + d] += right[k * work->columns + d];
+            }
+        }
+}
+
+/// About how many arithmetic operations it takes to extract and add the matrices of all cells.
+static double operations_to_add(const bat_hierarchical_space *space)
+{
+    const uint32_t *active;
+    double squares = 0;
+    for (size_t c = bat_hierarchical_space_cells(space); c-- > 0;)
+    {
+        double count = (double)bat_hierarchical_space_active(space, c, &active);
+        squares += count * count;
+    }
+    return OPERATIONS_AN_ENTRY * squares;
+}
+
+bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
+                           int threads, bat_error *error)
+{
+    size_t cells = bat_hierarchical_space_cells(space), largest = numbers_of(work, bat_hierarchical_space_max_active(space));
+    size_t room = largest > BATCH_NUMBERS / cells ? BATCH_NUMBERS : cells * largest;
+    room = room > largest ? room : largest;
+    int used = threads_worth(threads, (cells + 15) / 16, work->operations + operations_to_add(space));
+    batch now = {.place = memory_array(cells, sizeof *now.place), .numbers = memory_array(room, sizeof *now.numbers)};
+    bool whole = now.place != NULL && now.numbers != NULL;
+    if (work->values != NULL)
+        memset(work->values, 0, (size_t)pattern->first[pattern->functions] * sizeof *work->values);
+    if (work->columns > 0)
+        memset(work->right, 0, pattern->functions * work->columns * sizeof *work->right);
+    for (; whole && now.begin < cells; now.begin = now.end)
+    {
+        batch_set(space, work, cells, room, &now);
+        whole = batch_fill(space, work, &now, used);
+        if (whole)
+            batch_add(pattern, space, work, &now, used);
+    }
+    free(now.place);
+    free(now.numbers);
+    return whole ? BAT_OK : error_memory(error, room * sizeof *now.numbers);
+}

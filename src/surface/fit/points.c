@@ -1,0 +1,239 @@
+#include "surface/fit/points.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MORTON_BITS = 16, ///< of a coordinate
+    RADIX_BITS = 11,  ///< sorted at a time
+    RADIX_PASSES = 3, ///< cover both coordinates
+    RADIX_SIZE = 1 << RADIX_BITS,
+    OPERATIONS_TO_LOCATE = 100 ///< a point, for threads_worth()
+};
+
+static bat_status check_counts(const bat_surface_fit_data *data, bat_error *error)
+{
+    size_t numbers;
+    const char *wrong = NULL;
+    if (data->count < 1)
+        wrong = "there are no points to fit";
+    else if (data->dimension < 1)
+        wrong = "points need at least one coordinate";
+    else if (data->boundary_count > data->count)
+        wrong = "more boundary points than points";
+    if (wrong != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    if (data->count >= UINT32_MAX || size_multiply_overflows(data->count, data->dimension, &numbers))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points are more than a fit takes", data->count);
+    return BAT_OK;
+}
+
+static bool is_end(double parameter)
+{
+    return parameter == 0 || parameter == 1;
+}
+
+static bat_status check_point(const bat_surface_fit_data *data, size_t i, bat_error *error)
+{
+    const double *point = data->points + i * data->dimension, *at = data->parameters + 2 * i;
+    for (size_t k = 0; k < data->dimension; k++)
+        if (!isfinite(point[k]))
+            return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has a coordinate that is not finite", i);
+    if (!(at[0] >= 0 && at[0] <= 1 && at[1] >= 0 && at[1] <= 1))
+        return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has the parameter (%g, %g) outside of the square", i,
+                         at[0], at[1]);
+    if (i < data->boundary_count && !is_end(at[0]) && !is_end(at[1]))
+        return error_set(error, BAT_INVALID_POINT, i, 0,
+                         "boundary point %zu has the parameter (%g, %g) inside of the square", i, at[0], at[1]);
+    return BAT_OK;
+}
+
+bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error)
+{
+    bat_status status = check_counts(data, error);
+    for (size_t i = 0; i < data->count && status == BAT_OK; i++)
+        status = check_point(data, i, error);
+    return status;
+}
+
+static fit_freedom freedom_of(const bat_surface_fit_data *data, size_t i)
+{
+    const double *at = data->parameters + 2 * i;
+    if (i >= data->boundary_count)
+        return FIT_FREE;
+    if (!data->slides || (is_end(at[0]) && is_end(at[1])))
+        return FIT_FIXED;
+    return is_end(at[0]) ? FIT_ALONG_V : FIT_ALONG_U;
+}
+
+/// The bits of a coordinate, each followed by a zero.
+static uint64_t spread_bits(double parameter)
+{
+    uint64_t spread = 0, bits = (uint64_t)(parameter * ((1 << MORTON_BITS) - 1));
+    for (int b = 0; b < MORTON_BITS; b++)
+        spread |= (bits >> b & 1) << 2 * b;
+    return spread;
+}
+
+/// Sort keys with the point's number in the low half by their high half.
+static void sort_keys(uint64_t *keys, uint64_t *other, size_t count)
+{
+    for (int pass = 0; pass < RADIX_PASSES; pass++)
+    {
+        size_t place[RADIX_SIZE] = {0}, sum = 0;
+        int shift = 32 + pass * RADIX_BITS;
+        for (size_t i = 0; i < count; i++)
+            place[keys[i] >> shift & (RADIX_SIZE - 1)]++;
+        for (size_t k = 0; k < RADIX_SIZE; k++)
+        {
+            size_t here = place[k];
+            place[k] = sum;
+            sum += here;
+        }
+        for (size_t i = 0; i < count; i++)
+            other[place[keys[i] >> shift & (RADIX_SIZE - 1)]++] = keys[i];
+        uint64_t *swap = keys;
+        keys = other;
+        other = swap;
+    }
+}
+
+/// Number the points along the Morton curve.
+static bat_status set_numbers(const bat_surface_fit_data *data, uint32_t *number, bat_error *error)
+{
+    uint64_t *keys = memory_array(data->count, 2 * sizeof *keys);
+    if (keys == NULL)
+        return error_memory(error, data->count * 2 * sizeof *keys);
+    for (size_t i = 0; i < data->count; i++)
+    {
+        const double *at = data->parameters + 2 * i;
+        keys[i] = (spread_bits(at[0]) | spread_bits(at[1]) << 1) << 32 | i;
+    }
+    sort_keys(keys, keys + data->count, data->count);
+    // An odd number of passes leaves the result in the second half.
+    for (size_t i = 0; i < data->count; i++)
+        number[i] = (uint32_t)keys[data->count + i];
+    free(keys);
+    return BAT_OK;
+}
+
+static void set_centre(const bat_surface_fit_data *data, double *centre)
+{
+    for (size_t k = 0; k < data->dimension; k++)
+    {
+        double mean = 0;
+        for (size_t i = 0; i < data->count; i++)
+            mean += (data->points[i * data->dimension + k] - mean) / (double)(i + 1);
+        centre[k] = mean;
+    }
+}
+
+static bat_status allocate(fit_points *points, bat_error *error)
+{
+    size_t count = points->count;
+    points->number = memory_array(count, sizeof *points->number);
+    points->position = memory_array(count * points->dimension, sizeof *points->position);
+    points->parameter = memory_array(count, 2 * sizeof *points->parameter);
+    points->weight = memory_array(count, sizeof *points->weight);
+    points->distance = calloc(count, sizeof *points->distance);
+    points->freedom = memory_array(count, sizeof *points->freedom);
+    points->centre = calloc(points->dimension, sizeof *points->centre);
+    points->order = memory_array(count, sizeof *points->order);
+    points->cell = memory_array(count, sizeof *points->cell);
+    bool whole = points->number != NULL && points->position != NULL && points->parameter != NULL && points->weight != NULL &&
+                 points->distance != NULL && points->freedom != NULL && points->centre != NULL && points->order != NULL &&
+                 points->cell != NULL;
+    return whole ? BAT_OK : error_memory(error, count * points->dimension * sizeof *points->position);
+}
+
+bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
+                           bat_error *error)
+{
+    *points = (fit_points){.count = data->count, .dimension = data->dimension};
+    bat_status status = allocate(points, error);
+    if (status == BAT_OK)
+        status = set_numbers(data, points->number, error);
+    if (status != BAT_OK)
+        return status;
+    if (centred)
+        set_centre(data, points->centre);
+    for (size_t row = 0; row < points->count; row++)
+    {
+        size_t i = points->number[row];
+        for (size_t k = 0; k < points->dimension; k++)
+            points->position[row * points->dimension + k] = data->points[i * points->dimension + k] - points->centre[k];
+        memcpy(points->parameter + 2 * row, data->parameters + 2 * i, 2 * sizeof *points->parameter);
+        points->weight[row] = weights == NULL ? 1 : weights[i];
+        points->freedom[row] = (uint8_t)freedom_of(data, i);
+    }
+    return BAT_OK;
+}
+
+void fit_points_free(fit_points *points)
+{
+    free(points->number);
+    free(points->position);
+    free(points->parameter);
+    free(points->weight);
+    free(points->distance);
+    free(points->freedom);
+    free(points->centre);
+    free(points->order);
+    free(points->cell);
+    free(points->first);
+    *points = (fit_points){0};
+}
+
+void fit_points_locate(fit_points *points, const bat_hierarchical_space *space, int threads)
+{
+    double operations = OPERATIONS_TO_LOCATE * (double)points->count;
+#pragma omp parallel for schedule(static) num_threads(threads_worth(threads, points->count, operations))
+    for (size_t row = 0; row < points->count; row++)
+        points->cell[row] =
+            (uint32_t)bat_hierarchical_space_locate(space, points->parameter[2 * row], points->parameter[2 * row + 1]);
+}
+
+bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *space, bat_error *error)
+{
+    size_t cells = bat_hierarchical_space_cells(space);
+    size_t *first = calloc(cells + 2, sizeof *first);
+    if (first == NULL)
+        return error_memory(error, (cells + 2) * sizeof *first);
+    free(points->first);
+    points->first = first;
+    points->cells = cells;
+    // Counts two places on, beginnings one place on, which filling moves to where they belong.
+    for (size_t row = 0; row < points->count; row++)
+        first[points->cell[row] + 2]++;
+    for (size_t c = 0; c <= cells; c++)
+        first[c + 1] += first[c];
+    for (size_t row = 0; row < points->count; row++)
+        points->order[first[points->cell[row] + 1]++] = (uint32_t)row;
+    return BAT_OK;
+}
+
+void fit_points_restore(const fit_points *points, size_t functions, double *control)
+{
+    for (size_t f = 0; f < functions; f++)
+        for (size_t k = 0; k < points->dimension; k++)
+            control[f * points->dimension + k] += points->centre[k];
+}
+
+size_t fit_points_return(const fit_points *points, bat_surface_fit_data *data)
+{
+    size_t moved = 0;
+    for (size_t row = 0; row < points->count; row++)
+    {
+        double *at = data->parameters + 2 * (size_t)points->number[row];
+        const double *now = points->parameter + 2 * row;
+        moved += at[0] != now[0] || at[1] != now[1];
+        memcpy(at, now, 2 * sizeof *at);
+    }
+    return moved;
+}

@@ -1,0 +1,344 @@
+#include "surface/fit/smoothing.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A pivot of Cholesky's method below this part of its diagonal entry has lost all but its first digits.
+static const double LEAST_PIVOT = 1e-13;
+// Weights are sought between these multiples of the one at which G and 2 lambda M have the same trace.
+static const double LEAST_SHARE = 1e-13;
+static const double LARGEST_SHARE = 1e6;
+// Where smoothing is added to make a matrix regular, it grows by this factor.
+static const double REPAIR_FACTOR = 10;
+// The sum of squared residuals is known to this part of the sum of squares.
+static const double RESIDUAL_NOISE = 1e-15;
+// The first step of the search from a weight of an earlier fit, and from none, in powers of ten, the longest too: farther
+// off there may be a second place where a score levels out. A weight is found when it is known to the last.
+static const double NEAR_STEP = 0.5;
+static const double FAR_STEP = 2;
+static const double RESOLUTION = 0.1;
+// The dimension of the space of functions without thin-plate energy.
+static const double PLANE_FUNCTIONS = 3;
+
+/// One weight and what is known of it.
+typedef struct weight_trial
+{
+    double place; ///< log10 of the weight
+    double score; ///< the less the better
+    double slope; ///< below 0 when the weight is too small, above when it is too large
+    bool regular; ///< the matrix could be solved with
+} weight_trial;
+
+/// All that a search works with.
+typedef struct weight_room
+{
+    const fit_system *system;
+    fit_solver *solver;
+    double *values;   ///< of K
+    double *solution; ///< functions x columns
+    double *bent;     ///< functions x columns: M times the solution
+    double *answer;   ///< functions x dimension
+    double *product;  ///< functions x dimension
+} weight_room;
+
+static bat_status room_make(const fit_system *system, fit_solver *solver, weight_room *room, bat_error *error)
+{
+    size_t entries = (size_t)system->pattern.first[system->functions], functions = system->functions;
+    *room = (weight_room){.system = system,
+                          .solver = solver,
+                          .values = memory_array(entries, sizeof(double)),
+                          .solution = memory_array(functions * system->columns, sizeof(double)),
+                          .bent = memory_array(functions * system->columns, sizeof(double)),
+                          .answer = memory_array(functions * system->dimension, sizeof(double)),
+                          .product = memory_array(functions * system->dimension, sizeof(double))};
+    bool whole = room->values != NULL && room->solution != NULL && room->bent != NULL && room->answer != NULL &&
+                 room->product != NULL;
+    return whole ? BAT_OK : error_memory(error, entries * sizeof(double));
+}
+
+static void room_free(weight_room *room)
+{
+    free(room->values);
+    free(room->solution);
+    free(room->bent);
+    free(room->answer);
+    free(room->product);
+}
+
+static bat_status factor(const weight_room *room, double lambda, double *pivot, bat_error *error)
+{
+    const fit_system *system = room->system;
+    size_t entries = (size_t)system->pattern.first[system->functions];
+    for (size_t k = 0; k < entries; k++)
+        room->values[k] = system->gram[k] + 2 * lambda * system->plate[k];
+    return fit_solver_factor(room->solver, room->values, pivot, error);
+}
+
+/// The weight at which G and 2 lambda M have the same trace.
+static double balanced_weight(const fit_system *system)
+{
+    double gram = 0, plate = 0;
+    for (size_t f = 0; f < system->functions; f++)
+    {
+        gram += system->gram[system->pattern.first[f]];
+        plate += system->plate[system->pattern.first[f]];
+    }
+    return gram > 0 && plate > 0 ? gram / (2 * plate) : 1;
+}
+
+static bat_status singular(const fit_system *system, bat_error *error)
+{
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                     "the points do not determine %zu functions, not even with smoothing", system->functions);
+}
+
+/// Factor, with more smoothing where it takes that.
+static bat_status factor_repaired(const weight_room *room, double *lambda, bat_error *error)
+{
+    double unit = balanced_weight(room->system), pivot, tried = *lambda;
+    for (;;)
+    {
+        bat_status status = factor(room, tried, &pivot, error);
+        if (status != BAT_OK)
+            return status;
+        if (pivot >= LEAST_PIVOT)
+            break;
+        if (tried > LARGEST_SHARE * unit)
+            return singular(room->system, error);
+        tried = fmax(tried * REPAIR_FACTOR, LEAST_SHARE * unit);
+    }
+    *lambda = tried;
+    return BAT_OK;
+}
+
+/// The first columns of right-hand sides, those of the coordinates.
+static void copy_coordinates(const fit_system *system, const double *columns, double *coordinates)
+{
+    for (size_t f = 0; f < system->functions; f++)
+        memcpy(coordinates + f * system->dimension, columns + f * system->columns, system->dimension * sizeof *coordinates);
+}
+
+bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double *lambda, double *control, bat_error *error)
+{
+    weight_room room;
+    bat_status status = room_make(system, solver, &room, error);
+    if (status == BAT_OK)
+        status = factor_repaired(&room, lambda, error);
+    if (status == BAT_OK)
+    {
+        copy_coordinates(system, system->right, room.answer);
+        status = fit_solver_solve(solver, system->dimension, room.answer, control, error);
+    }
+    room_free(&room);
+    return status;
+}
+
+/// Sums over functions of products of two sets of columns: of the coordinates, and of the probes.
+typedef struct column_sums
+{
+    double coordinates, probes;
+} column_sums;
+
+static column_sums multiply_columns(const fit_system *system, const double *a, const double *b)
+{
+    column_sums sums = {0, 0};
+    for (size_t f = 0; f < system->functions; f++)
+        for (size_t k = 0; k < system->columns; k++)
+        {
+            double product = a[f * system->columns + k] * b[f * system->columns + k];
+            if (k < system->dimension)
+                sums.coordinates += product;
+            else
+                sums.probes += product / FIT_PROBES;
+        }
+    return sums;
+}
+
+/// What a weight does to the sum R of squared residuals, the trace T of the influence matrix and the energy J, with their
+/// derivatives by it:
+///     c = K^-1 b,   J = c^T M c,   R = x^T W x - b^T c - 2 lambda J,   R' = 8 lambda (M c)^T K^-1 (M c),
+///     y = K^-1 A^T W^1/2 z,   T ~ mean over z of z^T W^1/2 A y,   T' ~ -2 y^T M y   (Hutchinson, 1990).
+typedef struct weight_effect
+{
+    double residual, residual_slope;
+    double trace, trace_slope;
+    double energy;
+} weight_effect;
+
+/// R' of weight_effect.
+static bat_status find_residual_slope(weight_room *room, double lambda, double *slope, bat_error *error)
+{
+    const fit_system *system = room->system;
+    copy_coordinates(system, room->bent, room->answer);
+    bat_status status = fit_solver_solve(room->solver, system->dimension, room->answer, room->product, error);
+    *slope = 0;
+    for (size_t k = 0; k < system->functions * system->dimension && status == BAT_OK; k++)
+        *slope += 8 * lambda * room->answer[k] * room->product[k];
+    return status;
+}
+
+static bat_status measure_effect(weight_room *room, double lambda, bool sloped, weight_effect *effect, bat_error *error)
+{
+    const fit_system *system = room->system;
+    bat_status status = fit_solver_solve(room->solver, system->columns, system->right, room->solution, error);
+    if (status != BAT_OK)
+        return status;
+    fit_system_multiply(system, system->plate, system->columns, room->solution, room->bent);
+    column_sums met = multiply_columns(system, system->right, room->solution);
+    column_sums energy = multiply_columns(system, room->solution, room->bent);
+    double residual = system->square - met.coordinates - 2 * lambda * energy.coordinates;
+    *effect = (weight_effect){.residual = fmax(fmax(residual, RESIDUAL_NOISE * system->square), DBL_MIN),
+                              .trace = met.probes,
+                              .trace_slope = -2 * energy.probes,
+                              .energy = energy.coordinates};
+    return sloped ? find_residual_slope(room, lambda, &effect->residual_slope, error) : BAT_OK;
+}
+
+/// The logarithm of generalized cross-validation's R / (1 - T / N)^2 (Craven and Wahba, 1979).
+static void judge_cross_validation(const weight_room *room, double lambda, const weight_effect *effect, weight_trial *trial)
+{
+    double points = (double)room->system->counted, left = fmax(1 - effect->trace / points, DBL_EPSILON);
+    trial->score = log(effect->residual) - 2 * log(left);
+    trial->slope = lambda * (effect->residual_slope / effect->residual + 2 * effect->trace_slope / (points * left));
+}
+
+/// Restricted likelihood, when J is the logarithm of a density of surfaces (Wahba, 1985): it is largest where
+///     2 lambda J / s^2 = T - 3   per coordinate,   s^2 = (R + 2 lambda J) / (N - 3),
+/// 3 being the number of functions without energy: constants and the two coordinates of the square.
+static void judge_likelihood(const weight_room *room, double lambda, const weight_effect *effect, weight_trial *trial)
+{
+    double points = fmax((double)room->system->counted - PLANE_FUNCTIONS, 1), bent = 2 * lambda * effect->energy;
+    trial->slope = points * bent / (effect->residual + bent) - (effect->trace - PLANE_FUNCTIONS);
+    trial->score = fabs(trial->slope);
+}
+
+/// The discrepancy principle: the mean squared residual is the noise's variance (Morozov, 1966).
+static void judge_discrepancy(const weight_room *room, double noise, const weight_effect *effect, weight_trial *trial)
+{
+    double numbers = (double)(room->system->counted * room->system->dimension);
+    trial->slope = log(effect->residual / (numbers * noise * noise));
+    trial->score = fabs(trial->slope);
+}
+
+static bat_status try_weight(weight_room *room, const fit_weight_search *search, double place, weight_trial *trial,
+                             bat_error *error)
+{
+    double lambda = pow(10, place), pivot;
+    *trial = (weight_trial){.place = place, .score = INFINITY, .slope = -INFINITY};
+    bat_status status = factor(room, lambda, &pivot, error);
+    if (status != BAT_OK || pivot < LEAST_PIVOT)
+        return status;
+    weight_effect effect;
+    status = measure_effect(room, lambda, search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION, &effect, error);
+    if (status != BAT_OK)
+        return status;
+    trial->regular = true;
+    if (search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION)
+        judge_cross_validation(room, lambda, &effect, trial);
+    else if (search->smoothing == BAT_SURFACE_SMOOTHING_LIKELIHOOD)
+        judge_likelihood(room, lambda, &effect, trial);
+    else
+        judge_discrepancy(room, search->noise, &effect, trial);
+    return BAT_OK;
+}
+
+/// Where the line through both slopes is zero, kept off the ends.
+static double zero_between(const weight_trial *low, const weight_trial *high)
+{
+    double share = low->regular ? low->slope / (low->slope - high->slope) : 0.5;
+    return low->place + fmin(fmax(share, 0.1), 0.9) * (high->place - low->place);
+}
+
+/// Where a search stands.
+typedef struct weight_bracket
+{
+    double least, largest;  ///< places that it stays between
+    weight_trial low, high; ///< the nearest trials that are too small and too large
+    bool has_low, has_high;
+    double step;
+} weight_bracket;
+
+static void bracket_add(weight_bracket *bracket, const weight_trial *trial)
+{
+    if (trial->slope < 0)
+    {
+        bracket->low = *trial;
+        bracket->has_low = true;
+    }
+    else
+    {
+        bracket->high = *trial;
+        bracket->has_high = true;
+    }
+}
+
+/// The next place to try; false when there is none worth it.
+static bool bracket_next(weight_bracket *bracket, double *place)
+{
+    if (bracket->has_low && bracket->has_high)
+    {
+        *place = zero_between(&bracket->low, &bracket->high);
+        return bracket->high.place - bracket->low.place > RESOLUTION;
+    }
+    double from = bracket->has_low ? bracket->low.place : bracket->high.place;
+    double to = bracket->has_low ? fmin(from + bracket->step, bracket->largest) : fmax(from - bracket->step, bracket->least);
+    bracket->step = fmin(2 * bracket->step, FAR_STEP);
+    *place = to;
+    return to != from;
+}
+
+static bool goes_on(const fit_weight_search *search)
+{
+    return search->progress.report == NULL || search->progress.report(search->progress.context, 0);
+}
+
+static bat_status run_search(weight_room *room, const fit_weight_search *search, double *lambda, double *control,
+                             bat_error *error)
+{
+    double unit = log10(balanced_weight(room->system));
+    weight_bracket bracket = {.least = unit + log10(LEAST_SHARE),
+                              .largest = unit + log10(LARGEST_SHARE),
+                              .step = search->lambda > 0 ? NEAR_STEP : FAR_STEP};
+    double place = search->lambda > 0 ? log10(search->lambda) : unit + 0.5 * log10(LEAST_SHARE);
+    place = fmin(fmax(place, bracket.least), bracket.largest);
+    weight_trial best = {.score = INFINITY};
+    for (int k = 0; k < search->trials || !best.regular; k++)
+    {
+        weight_trial trial;
+        bat_status status = goes_on(search) ? try_weight(room, search, place, &trial, error)
+                                            : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+        if (status != BAT_OK)
+            return status;
+        if (trial.regular && trial.score < best.score)
+        {
+            best = trial;
+            *lambda = pow(10, place);
+            copy_coordinates(room->system, room->solution, control);
+        }
+        bracket_add(&bracket, &trial);
+        if (!bracket_next(&bracket, &place))
+            break;
+    }
+    return best.regular ? BAT_OK : singular(room->system, error);
+}
+
+bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const fit_weight_search *search, double *lambda,
+                           double *control, bat_error *error)
+{
+    if (search->smoothing == BAT_SURFACE_SMOOTHING_GIVEN)
+    {
+        *lambda = search->lambda;
+        return fit_weight_solve(system, solver, lambda, control, error);
+    }
+    weight_room room;
+    bat_status status = room_make(system, solver, &room, error);
+    if (status == BAT_OK)
+        status = run_search(&room, search, lambda, control, error);
+    room_free(&room);
+    return status;
+}

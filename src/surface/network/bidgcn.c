@@ -1,0 +1,793 @@
+#include "surface/network/bidgcn.h"
+
+#include "base/error.h"
+#include "base/lanes.h"
+#include "base/memory.h"
+#include "base/threads.h"
+#include "learn/row_statistics.h"
+#include "surface/cloud/neighbours.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    W = SURFACE_WIDTH,
+    ROWS = 16 * LEARN_TILE, ///< points that go through a layer together
+    PARTS = 3               ///< layers of the output network
+};
+
+/// @file
+/// The first layers of src/surface/network/surface_network.h for inference: linear layer, batch normalization over all
+/// edges, ReLU, and the mean over a point's edges.
+///
+/// Along an edge the layer says z = (W_a - W_b) x_i + W_b x_j + W_u u_j. That is linear in the numbers e = (x_i, x_j, u_j),
+/// so that mean and variance of z over all edges follow from those of e. With them z normalized is a share of the target's
+/// and one of the source's.
+
+enum
+{
+    SURFACE_SEEN = 5,                ///< numbers of a source, at most: its place, and a boundary point's parameters
+    SURFACE_SIGHT = 3 + SURFACE_SEEN ///< of an edge
+};
+
+/// The layer's parameters.
+typedef struct surface_first_layer
+{
+    size_t seen;              ///< numbers of a source: 3 or 5
+    const real *weight;       ///< SURFACE_WIDTH x (3 + seen): of x_i, x_j - x_i, u_j
+    const real *gain, *shift; ///< SURFACE_WIDTH
+} surface_first_layer;
+
+/// Sums over edges of e and of its products: of `second` the lower triangle.
+typedef struct surface_moments
+{
+    double count, first[SURFACE_SIGHT], second[SURFACE_SIGHT][SURFACE_SIGHT];
+} surface_moments;
+
+/// The layer with its normalization: shares . e + begin.
+typedef struct surface_first_folded
+{
+    double shares[SURFACE_SIGHT][SURFACE_WIDTH];
+    double begin[SURFACE_WIDTH];
+} surface_first_folded;
+
+// Moments
+
+/// Add a target's edges.
+/// @param sources count x seen
+static void surface_moments_edges(const real place[3], const real *sources, size_t seen, const uint64_t *bits, size_t words,
+                                  surface_moments *moments)
+{
+    double count = 0, sum[SURFACE_SEEN] = {0};
+    for (size_t w = 0; w < words; w++)
+        for (uint64_t word = bits[w]; word != 0; word &= word - 1)
+        {
+            const real *source = sources + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * seen;
+            count++;
+            for (size_t a = 0; a < seen; a++)
+            {
+                sum[a] += (double)source[a];
+                for (size_t b = 0; b <= a; b++)
+                    moments->second[3 + a][3 + b] += (double)source[a] * (double)source[b];
+            }
+        }
+    moments->count += count;
+    for (size_t a = 0; a < 3; a++)
+    {
+        moments->first[a] += count * (double)place[a];
+        for (size_t b = 0; b <= a; b++)
+            moments->second[a][b] += count * (double)place[a] * (double)place[b];
+    }
+    for (size_t a = 0; a < seen; a++)
+    {
+        moments->first[3 + a] += sum[a];
+        for (size_t b = 0; b < 3; b++)
+            moments->second[3 + a][b] += sum[a] * (double)place[b];
+    }
+}
+
+static void surface_moments_add(const surface_moments *more, surface_moments *moments)
+{
+    moments->count += more->count;
+    for (size_t a = 0; a < SURFACE_SIGHT; a++)
+    {
+        moments->first[a] += more->first[a];
+        for (size_t b = 0; b <= a; b++)
+            moments->second[a][b] += more->second[a][b];
+    }
+}
+
+/// The mean of e over all edges, and its covariance; zero without edges.
+static void find_covariance(const surface_moments *moments, double mean[SURFACE_SIGHT],
+                            double covariance[SURFACE_SIGHT][SURFACE_SIGHT])
+{
+    double share = moments->count > 0 ? 1 / moments->count : 0;
+    for (size_t a = 0; a < SURFACE_SIGHT; a++)
+        mean[a] = share * moments->first[a];
+    for (size_t a = 0; a < SURFACE_SIGHT; a++)
+        for (size_t b = 0; b <= a; b++)
+            covariance[a][b] = covariance[b][a] = share * moments->second[a][b] - mean[a] * mean[b];
+}
+
+// The layer
+
+/// @param moments of all edges
+static void surface_first_fold(const surface_first_layer *layer, const surface_moments *moments,
+                               surface_first_folded *folded)
+{
+    size_t sight = 3 + layer->seen;
+    double mean[SURFACE_SIGHT], covariance[SURFACE_SIGHT][SURFACE_SIGHT];
+    find_covariance(moments, mean, covariance);
+    for (size_t c = 0; c < W; c++)
+    {
+        const real *weight = layer->weight + c * sight;
+        double w[SURFACE_SIGHT], middle = 0, variance = 0;
+        for (size_t a = 0; a < sight; a++)
+        {
+            w[a] = (double)weight[a] - (a < 3 ? (double)weight[a + 3] : 0);
+            middle += w[a] * mean[a];
+            for (size_t b = 0; b < a; b++)
+                variance += 2 * w[a] * covariance[a][b] * w[b];
+            variance += w[a] * covariance[a][a] * w[a];
+        }
+        double rate = (double)layer->gain[c] / sqrt(fmax(variance, 0) + (double)NORMALIZATION_EPSILON);
+        folded->begin[c] = (double)layer->shift[c] - rate * middle;
+        for (size_t a = 0; a < sight; a++)
+            folded->shares[a][c] = rate * w[a];
+    }
+}
+
+LANES_CLONES
+static void add_share(double number, const double *restrict shares, double *restrict sum)
+{
+    for (size_t c = 0; c < W; c++)
+        sum[c] += number * shares[c];
+}
+
+/// What sources give.
+/// @param sources count x seen
+/// @param near    receives count x SURFACE_WIDTH
+static void surface_first_spread(const surface_first_folded *folded, const real *sources, size_t count, size_t seen,
+                                 real *near)
+{
+    for (size_t j = 0; j < count; j++)
+    {
+        double sum[W] = {0};
+        for (size_t a = 0; a < seen; a++)
+            add_share((double)sources[j * seen + a], folded->shares[3 + a], sum);
+        for (size_t c = 0; c < W; c++)
+            near[j * W + c] = (real)sum[c];
+    }
+}
+
+/// The sum over neighbours of max(0, begin + near_j).
+LANES_CLONES
+static void sum_messages(const uint64_t *bits, size_t words, const real *near, const real *begin, real *sum)
+{
+    surface_lanes total[SURFACE_VECTORS], own[SURFACE_VECTORS];
+    for (size_t v = 0; v < SURFACE_VECTORS; v++)
+    {
+        total[v] = (surface_lanes){0};
+        own[v] = *(const surface_lanes *)(begin + v * SURFACE_LANES);
+    }
+    for (size_t w = 0; w < words; w++)
+        for (uint64_t word = bits[w]; word != 0; word &= word - 1)
+        {
+            const real *row = near + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * W;
+            for (size_t v = 0; v < SURFACE_VECTORS; v++)
+            {
+                surface_lanes z = own[v] + *(const surface_lanes *)(row + v * SURFACE_LANES);
+                total[v] += (surface_lanes)((z > (surface_lanes){0}) & (surface_mask)z);
+            }
+        }
+    for (size_t v = 0; v < SURFACE_VECTORS; v++)
+        *(surface_lanes *)(sum + v * SURFACE_LANES) = total[v];
+}
+
+/// The mean over a target's neighbours, 0 without any.
+/// @param mean receives SURFACE_WIDTH numbers
+static void surface_first_mean(const surface_first_folded *folded, const real place[3], const real *near,
+                               const uint64_t *bits, size_t words, uint32_t degree, real *mean)
+{
+    double own[W];
+    real begin[W];
+    for (size_t c = 0; c < W; c++)
+        own[c] = folded->begin[c];
+    for (size_t a = 0; a < 3; a++)
+        add_share((double)place[a], folded->shares[a], own);
+    for (size_t c = 0; c < W; c++)
+        begin[c] = (real)own[c];
+    sum_messages(bits, words, near, begin, mean);
+    for (size_t c = 0; c < W && degree > 0; c++)
+        mean[c] /= (real)degree;
+}
+
+// Weights
+
+/// h or g.
+typedef struct message
+{
+    surface_first_layer first;
+    learn_packed second;
+} message;
+
+typedef struct surface_inference
+{
+    bool informed;
+    message messages[2]; ///< along interior and boundary edges
+    learn_packed hidden[SURFACE_HIDDEN];
+    learn_packed output[PARTS];
+    const real *gain[PARTS - 1], *shift[PARTS - 1];
+    real *values; ///< the parameters as they are
+    real *packed; ///< all layers
+} surface_inference;
+
+static size_t packed_size(const learn_parameters *parameters)
+{
+    size_t size = 0;
+    for (size_t p = 0; p < parameters->count; p++)
+        if (parameters->list[p].rank == 2)
+            size += learn_packed_size(parameters->list[p].columns, parameters->list[p].rows);
+    return size;
+}
+
+/// Lay out the layer whose weight is parameter p, at *memory, which moves on.
+static learn_packed pack(const learn_parameters *parameters, size_t p, real **memory)
+{
+    const learn_parameter *weight = &parameters->list[p];
+    learn_packed layer = learn_pack(weight->columns, weight->rows, learn_parameter_values(parameters, p), weight->columns,
+                                    learn_parameter_values(parameters, p + 1), *memory);
+    *memory += learn_packed_size(weight->columns, weight->rows);
+    return layer;
+}
+
+static void pack_all(const learn_parameters *parameters, surface_inference *network)
+{
+    real *memory = network->packed;
+    const learn_parameter *list = parameters->list;
+    network->informed = surface_network_is_informed(parameters);
+    for (size_t k = 0; k < (network->informed ? 2 : 1); k++)
+    {
+        size_t p = surface_network_part(parameters, k == 0 ? SURFACE_PART_INTERIOR : SURFACE_PART_BOUNDARY);
+        network->messages[k] = (message){.first = {.seen = list[p].columns - 3,
+                                                   .weight = network->values + list[p].offset,
+                                                   .gain = network->values + list[p + 2].offset,
+                                                   .shift = network->values + list[p + 3].offset},
+                                         .second = pack(parameters, p + 4, &memory)};
+    }
+    size_t hidden = surface_network_part(parameters, SURFACE_PART_HIDDEN);
+    for (size_t layer = 0; layer < SURFACE_HIDDEN; layer++)
+        network->hidden[layer] = pack(parameters, hidden + 2 * layer, &memory);
+    size_t output = surface_network_part(parameters, SURFACE_PART_OUTPUT);
+    for (size_t part = 0; part < PARTS; part++)
+    {
+        network->output[part] = pack(parameters, output + 4 * part, &memory);
+        if (part + 1 == PARTS)
+            break;
+        network->gain[part] = network->values + list[output + 4 * part + 2].offset;
+        network->shift[part] = network->values + list[output + 4 * part + 3].offset;
+    }
+}
+
+bat_status surface_inference_make(const learn_parameters *parameters, void **network, bat_error *error)
+{
+    surface_inference *made = calloc(1, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, sizeof *made);
+    made->values = memory_array(parameters->total, sizeof(real));
+    made->packed = memory_array(packed_size(parameters), sizeof(real));
+    if (made->values == NULL || made->packed == NULL)
+    {
+        surface_inference_free(made);
+        return error_memory(error, 2 * parameters->total * sizeof(real));
+    }
+    memcpy(made->values, parameters->values, parameters->total * sizeof(real));
+    pack_all(parameters, made);
+    *network = made;
+    return BAT_OK;
+}
+
+void surface_inference_free(void *network)
+{
+    surface_inference *made = network;
+    if (made == NULL)
+        return;
+    free(made->values);
+    free(made->packed);
+    free(made);
+}
+
+// Memory
+
+/// What one cloud needs. Rows are whole tiles, as layers read and write behind the last.
+typedef struct run
+{
+    const surface_inference *network;
+    int threads;
+    size_t count;          ///< points of the graphs
+    size_t bound;          ///< points whose parameters are told
+    const uint32_t *order; ///< count: each point's number in the cloud, in an order in which near ones follow each other
+    real *place;           ///< count x 3
+    real *bound_place;     ///< bound x 3
+    real *bound_seen;      ///< bound x SURFACE_SEEN: places and parameters
+    real *features;        ///< (1 + SURFACE_HIDDEN) x tiles x W
+    real *sources;         ///< of a graph
+    real *bound_sources;   ///< of the boundary's
+    real *word_sums;       ///< words x W
+    real *near;            ///< what interior points give to the first layer: count x W
+    real *bound_near;      ///< what boundary points do: bound x W
+    real *wide[2];         ///< of the output network: tiles x SURFACE_OUTPUT
+    double *sums;          ///< blocks x SURFACE_OUTPUT
+    uint64_t *bits;        ///< threads x ROWS x words
+} run;
+
+static size_t blocks_of(const run *r)
+{
+    return (r->count + ROWS - 1) / ROWS;
+}
+
+static size_t words_of(const run *r)
+{
+    return surface_words(r->count > r->bound ? r->count : r->bound);
+}
+
+/// The place of the next array, and that behind it; null without memory.
+static void *next_array(void *memory, size_t *used, size_t count, size_t size)
+{
+    enum
+    {
+        LINE = 64
+    };
+    char *array = memory != NULL ? (char *)memory + *used : NULL;
+    *used += (count * size + LINE - 1) / LINE * LINE;
+    return array;
+}
+
+/// Set the arrays of a run in memory; returns its size.
+static size_t lay_out(run *r, void *memory)
+{
+    size_t used = 0, tiles = learn_whole_tiles(r->count);
+    r->place = next_array(memory, &used, 3 * tiles, sizeof(real));
+    r->bound_place = next_array(memory, &used, 3 * r->bound, sizeof(real));
+    r->bound_seen = next_array(memory, &used, SURFACE_SEEN * r->bound, sizeof(real));
+    r->features = next_array(memory, &used, (1 + SURFACE_HIDDEN) * tiles * W, sizeof(real));
+    r->sources = next_array(memory, &used, surface_sources_size(r->count, W), sizeof(real));
+    r->bound_sources = next_array(memory, &used, surface_sources_size(r->bound, 3), sizeof(real));
+    r->word_sums = next_array(memory, &used, words_of(r) * W, sizeof(real));
+    r->near = next_array(memory, &used, r->count * W, sizeof(real));
+    r->bound_near = next_array(memory, &used, r->bound * W, sizeof(real));
+    for (size_t i = 0; i < 2; i++)
+        r->wide[i] = next_array(memory, &used, tiles * SURFACE_OUTPUT, sizeof(real));
+    r->sums = next_array(memory, &used, blocks_of(r) * SURFACE_OUTPUT, sizeof(double));
+    r->bits = next_array(memory, &used, (size_t)r->threads * ROWS * words_of(r), sizeof(uint64_t));
+    return used;
+}
+
+static real *features_of(const run *r, size_t layer)
+{
+    return r->features + layer * learn_whole_tiles(r->count) * W;
+}
+
+/// Where the calling thread keeps the bits of a block.
+static uint64_t *own_bits(const run *r)
+{
+    size_t thread = 0;
+#if defined(_OPENMP)
+    thread = (size_t)omp_get_thread_num();
+#endif
+    return r->bits + thread * ROWS * words_of(r);
+}
+
+static size_t rows_from(const run *r, size_t begin)
+{
+    return r->count - begin < ROWS ? r->count - begin : ROWS;
+}
+
+// The input layer
+
+LANES_CLONES
+static void rectify(size_t count, real *y)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] = y[i] > 0 ? y[i] : 0;
+}
+
+/// One kind of edges.
+typedef struct edges
+{
+    const message *message;
+    surface_sources sources;
+    const real *seen; ///< of the sources
+    real *near;       ///< what sources give to the first layer
+    surface_first_folded first;
+} edges;
+
+/// Describe a kind of edges, and lay its sources out.
+static void begin_edges(const run *r, size_t kind, edges *e)
+{
+    bool bound = kind == 1;
+    e->message = &r->network->messages[kind];
+    e->seen = bound ? r->bound_seen : r->place;
+    e->near = bound ? r->bound_near : r->near;
+    e->sources = bound ? surface_sources_make(r->bound_place, r->bound, 3, r->bound_sources)
+                       : surface_sources_make(r->place, r->count, 3, r->sources);
+}
+
+/// Find the mean and variance that the first layer is normalized by.
+static void measure_edges(const run *r, edges *e, surface_moments *of_blocks)
+{
+    size_t words = surface_words(e->sources.count), blocks = blocks_of(r), seen = e->message->first.seen;
+    surface_moments all = {0};
+#pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
+    for (size_t b = 0; b < blocks; b++)
+    {
+        uint64_t *bits = own_bits(r);
+        uint32_t degrees[ROWS];
+        size_t begin = b * ROWS, rows = rows_from(r, begin);
+        of_blocks[b] = (surface_moments){0};
+        surface_neighbours(&e->sources, r->place + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
+        for (size_t i = 0; i < rows; i++)
+            surface_moments_edges(r->place + 3 * (begin + i), e->seen, seen, bits + i * words, words, &of_blocks[b]);
+    }
+    for (size_t b = 0; b < blocks; b++)
+        surface_moments_add(&of_blocks[b], &all);
+    surface_first_fold(&e->message->first, &all, &e->first);
+    surface_first_spread(&e->first, e->seen, e->sources.count, seen, e->near);
+}
+
+/// Add what one kind of edges says to the features of a block of points.
+static void add_said(const run *r, const edges *e, size_t begin, real *features)
+{
+    _Alignas(64) real means[ROWS * W] = {0}, said[ROWS * W];
+    uint32_t degrees[ROWS];
+    uint64_t *bits = own_bits(r);
+    size_t rows = rows_from(r, begin), words = surface_words(e->sources.count);
+    surface_neighbours(&e->sources, r->place + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
+    for (size_t i = 0; i < rows; i++)
+        surface_first_mean(&e->first, r->place + 3 * (begin + i), e->near, bits + i * words, words, degrees[i],
+                           means + i * W);
+    learn_packed_linear(&e->message->second, learn_whole_tiles(rows), means, W, said);
+    for (size_t i = 0; i < rows; i++)
+        for (size_t c = 0; c < W && degrees[i] > 0; c++)
+            features[i * W + c] += said[i * W + c];
+}
+
+/// From places to the first features.
+static bat_status input_layer(const run *r, bat_error *error)
+{
+    size_t kinds = r->network->informed && r->bound > 0 ? 2 : 1, blocks = blocks_of(r);
+    surface_moments *of_blocks = memory_array(blocks, sizeof *of_blocks);
+    edges *all = memory_array(kinds, sizeof *all);
+    bat_status status = BAT_OK;
+    if (of_blocks == NULL || all == NULL)
+        status = error_memory(error, blocks * sizeof *of_blocks);
+    for (size_t kind = 0; kind < kinds && status == BAT_OK; kind++)
+    {
+        begin_edges(r, kind, &all[kind]);
+        measure_edges(r, &all[kind], of_blocks);
+    }
+#pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
+    for (size_t b = 0; b < (status == BAT_OK ? blocks : 0); b++)
+    {
+        real *features = features_of(r, 0) + b * ROWS * W;
+        size_t rows = rows_from(r, b * ROWS);
+        memset(features, 0, learn_whole_tiles(rows) * W * sizeof *features);
+        for (size_t kind = 0; kind < kinds; kind++)
+            add_said(r, &all[kind], b * ROWS, features);
+        rectify(rows * W, features);
+    }
+    free(of_blocks);
+    free(all);
+    return status;
+}
+
+// The hidden layers
+
+/// x_i and mean_j x_j - x_i, side by side.
+LANES_CLONES
+static void join(const real *restrict x, uint32_t degree, const real *restrict sum, real *restrict joined)
+{
+    for (size_t c = 0; c < W; c++)
+    {
+        joined[c] = x[c];
+        joined[W + c] = sum[c] / (real)degree - x[c];
+    }
+}
+
+static void hidden_block(const run *r, size_t layer, const surface_sources *sources, size_t begin)
+{
+    _Alignas(64) real joined[ROWS * 2 * W];
+    uint32_t degrees[ROWS];
+    uint64_t *bits = own_bits(r);
+    const real *x = features_of(r, layer);
+    real *y = features_of(r, layer + 1) + begin * W;
+    size_t rows = rows_from(r, begin), tiles = learn_whole_tiles(rows), words = surface_words(r->count);
+    surface_neighbours(sources, x + begin * W, rows, SURFACE_RADIUS, bits, degrees);
+    for (size_t i = 0; i < rows; i++)
+    {
+        real sum[W];
+        surface_sum(bits + i * words, x, r->count, r->word_sums, sum);
+        join(x + (begin + i) * W, degrees[i], sum, joined + i * 2 * W);
+    }
+    memset(joined + rows * 2 * W, 0, (tiles - rows) * 2 * W * sizeof *joined);
+    learn_packed_linear(&r->network->hidden[layer], tiles, joined, (size_t)2 * W, y);
+    if (layer + 1 < SURFACE_HIDDEN)
+        rectify(tiles * W, y);
+}
+
+static void hidden_layer(const run *r, size_t layer)
+{
+    size_t blocks = blocks_of(r);
+    const real *x = features_of(r, layer);
+    surface_sources sources = surface_sources_make(x, r->count, W, r->sources);
+    surface_word_sums(x, r->count, r->word_sums);
+#pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
+    for (size_t b = 0; b < blocks; b++)
+        hidden_block(r, layer, &sources, b * ROWS);
+}
+
+// The output network
+
+/// Add up the columns of a block of rows: of the numbers, or of their squared differences from a mean.
+LANES_CLONES
+static void sum_columns(size_t rows, const real *restrict x, const real *restrict mean, double *restrict sums)
+{
+    real own[SURFACE_OUTPUT] = {0};
+    for (size_t i = 0; i < rows; i++)
+        for (size_t c = 0; c < SURFACE_OUTPUT; c++)
+        {
+            real number = x[i * SURFACE_OUTPUT + c];
+            own[c] += mean == NULL ? number : (number - mean[c]) * (number - mean[c]);
+        }
+    for (size_t c = 0; c < SURFACE_OUTPUT; c++)
+        sums[c] = (double)own[c];
+}
+
+static void mean_of_blocks(const run *r, real *mean)
+{
+    for (size_t c = 0; c < SURFACE_OUTPUT; c++)
+    {
+        double sum = 0;
+        for (size_t b = 0; b < blocks_of(r); b++)
+            sum += r->sums[b * SURFACE_OUTPUT + c];
+        mean[c] = (real)(sum / (double)r->count);
+    }
+}
+
+/// y = max(0, slope y + begin)
+LANES_CLONES
+static void normalize(size_t rows, const real *restrict slope, const real *restrict begin, real *restrict y)
+{
+    for (size_t i = 0; i < rows; i++)
+        for (size_t c = 0; c < SURFACE_OUTPUT; c++)
+        {
+            real h = slope[c] * y[i * SURFACE_OUTPUT + c] + begin[c];
+            y[i * SURFACE_OUTPUT + c] = h > 0 ? h : 0;
+        }
+}
+
+/// The normalization behind a part of the output network, from the sums of its blocks' columns.
+static void fold_output(const run *r, size_t part, real *slope, real *begin)
+{
+    const real *y = r->wide[part];
+    real mean[SURFACE_OUTPUT], variance[SURFACE_OUTPUT];
+    size_t blocks = blocks_of(r);
+    mean_of_blocks(r, mean);
+#pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
+    for (size_t b = 0; b < blocks; b++)
+        sum_columns(rows_from(r, b * ROWS), y + b * ROWS * SURFACE_OUTPUT, mean, r->sums + b * SURFACE_OUTPUT);
+    mean_of_blocks(r, variance);
+    for (size_t c = 0; c < SURFACE_OUTPUT; c++)
+    {
+        slope[c] = r->network->gain[part][c] / real_sqrt(variance[c] + NORMALIZATION_EPSILON);
+        begin[c] = r->network->shift[part][c] - slope[c] * mean[c];
+    }
+}
+
+/// The first part, of all features side by side.
+static void join_output(const run *r)
+{
+    size_t blocks = blocks_of(r);
+#pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
+    for (size_t b = 0; b < blocks; b++)
+    {
+        _Alignas(64) real joined[ROWS * SURFACE_JOINED];
+        size_t begin = b * ROWS, rows = rows_from(r, begin), tiles = learn_whole_tiles(rows);
+        for (size_t layer = 0; layer <= SURFACE_HIDDEN; layer++)
+            for (size_t i = 0; i < tiles; i++)
+                memcpy(joined + i * SURFACE_JOINED + layer * W, features_of(r, layer) + (begin + i) * W, W * sizeof *joined);
+        real *y = r->wide[0] + begin * SURFACE_OUTPUT;
+        learn_packed_linear(&r->network->output[0], tiles, joined, SURFACE_JOINED, y);
+        sum_columns(rows, y, NULL, r->sums + b * SURFACE_OUTPUT);
+    }
+}
+
+/// @param first of the points whose parameters are wanted
+static void output_network(const run *r, size_t first, double *interior)
+{
+    size_t blocks = blocks_of(r);
+    real slope[SURFACE_OUTPUT], begin[SURFACE_OUTPUT];
+    join_output(r);
+    fold_output(r, 0, slope, begin);
+#pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
+    for (size_t b = 0; b < blocks; b++)
+    {
+        size_t rows = rows_from(r, b * ROWS), tiles = learn_whole_tiles(rows), at = b * ROWS * SURFACE_OUTPUT;
+        normalize(tiles, slope, begin, r->wide[0] + at);
+        learn_packed_linear(&r->network->output[1], tiles, r->wide[0] + at, SURFACE_OUTPUT, r->wide[1] + at);
+        sum_columns(rows, r->wide[1] + at, NULL, r->sums + b * SURFACE_OUTPUT);
+    }
+    fold_output(r, 1, slope, begin);
+#pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
+    for (size_t b = 0; b < blocks; b++)
+    {
+        _Alignas(64) real said[ROWS * LEARN_PANEL];
+        size_t rows = rows_from(r, b * ROWS), tiles = learn_whole_tiles(rows), at = b * ROWS * SURFACE_OUTPUT;
+        normalize(tiles, slope, begin, r->wide[1] + at);
+        learn_packed_linear(&r->network->output[2], tiles, r->wide[1] + at, SURFACE_OUTPUT, said);
+        for (size_t i = 0; i < rows; i++)
+        {
+            size_t point = r->order[b * ROWS + i];
+            for (size_t d = 0; d < 2 && point >= first; d++)
+                interior[2 * (point - first) + d] = (double)real_sigmoid(said[i * LEARN_PANEL + d]);
+        }
+    }
+}
+
+// All of it
+
+static void read_places(const run *r, const double *points, const double *bound, const double *parameters)
+{
+    size_t tiles = learn_whole_tiles(r->count);
+    for (size_t i = 0; i < 3 * r->count; i++)
+        r->place[i] = (real)points[3 * (size_t)r->order[i / 3] + i % 3];
+    for (size_t i = 0; i < 3 * r->bound; i++)
+        r->bound_place[i] = (real)bound[i];
+    for (size_t i = 0; i < SURFACE_SEEN * r->bound; i++)
+    {
+        size_t k = i / SURFACE_SEEN, a = i % SURFACE_SEEN;
+        r->bound_seen[i] = (real)(a < 3 ? bound[3 * k + a] : parameters[2 * k + a - 3]);
+    }
+    for (size_t layer = 0; layer <= SURFACE_HIDDEN; layer++)
+        memset(features_of(r, layer) + r->count * W, 0, (tiles - r->count) * W * sizeof(real));
+}
+
+/// From places to parameters.
+static bat_status run_network(run *r, const bat_cloud *cloud, const double *boundary, double *interior, bat_error *error)
+{
+    size_t begin = cloud->count - r->count, size = lay_out(r, NULL);
+    void *memory = memory_array(size, 1);
+    if (memory == NULL)
+        return error_memory(error, size);
+    (void)lay_out(r, memory);
+    read_places(r, cloud->points + 3 * begin, cloud->points, boundary);
+    bat_status status = input_layer(r, error);
+    for (size_t layer = 0; layer < SURFACE_HIDDEN && status == BAT_OK; layer++)
+        hidden_layer(r, layer);
+    if (status == BAT_OK)
+        output_network(r, cloud->boundary_count - begin, interior);
+    free(memory);
+    return status;
+}
+
+bat_status surface_inference_run(const void *network, const bat_cloud *cloud, const double *boundary, int threads,
+                                 double *interior, bat_error *error)
+{
+    const surface_inference *made = network;
+    size_t begin = made->informed ? cloud->boundary_count : 0;
+    run r = {.network = made, .count = cloud->count - begin, .bound = begin};
+    neighbour_tree tree;
+    if (cloud->count == cloud->boundary_count)
+        return BAT_OK;
+    r.threads = threads_for(threads, blocks_of(&r));
+    bat_status status = neighbour_tree_build(cloud->points + 3 * begin, r.count, &tree, error);
+    if (status != BAT_OK)
+        return status;
+    r.order = tree.items;
+    status = run_network(&r, cloud, boundary, interior, error);
+    neighbour_tree_free(&tree);
+    return status;
+}
+
+// Parameters
+
+static void add_layer(learn_parameters *parameters, size_t outputs, size_t inputs, const char *part, int place)
+{
+    char name[LEARN_NAME_SIZE];
+    (void)snprintf(name, sizeof name, "%s.%d.weight", part, place);
+    (void)learn_parameters_add(parameters, outputs, inputs, name);
+    (void)snprintf(name, sizeof name, "%s.%d.bias", part, place);
+    (void)learn_parameters_add(parameters, 0, outputs, name);
+}
+
+static void add_normalization(learn_parameters *parameters, size_t width, const char *part, int place)
+{
+    char name[LEARN_NAME_SIZE];
+    (void)snprintf(name, sizeof name, "%s.%d.weight", part, place);
+    (void)learn_parameters_add(parameters, 0, width, name);
+    (void)snprintf(name, sizeof name, "%s.%d.bias", part, place);
+    (void)learn_parameters_add(parameters, 0, width, name);
+}
+
+/// Places are those of PyTorch's Sequential: layer, normalization, ReLU, layer, …
+static void add_message(learn_parameters *parameters, size_t inputs, const char *part)
+{
+    add_layer(parameters, SURFACE_WIDTH, inputs, part, 0);
+    add_normalization(parameters, SURFACE_WIDTH, part, 1);
+    add_layer(parameters, SURFACE_WIDTH, SURFACE_WIDTH, part, 3);
+}
+
+static bat_status make(bool informed, learn_parameters *parameters, bat_error *error)
+{
+    add_message(parameters, 6, "interior");
+    if (informed)
+        add_message(parameters, 8, "boundary");
+    for (int layer = 0; layer < SURFACE_HIDDEN; layer++)
+    {
+        char part[16];
+        (void)snprintf(part, sizeof part, "hidden.%d", layer);
+        add_layer(parameters, SURFACE_WIDTH, (size_t)2 * SURFACE_WIDTH, part, 0);
+    }
+    add_layer(parameters, SURFACE_OUTPUT, SURFACE_JOINED, "output", 0);
+    add_normalization(parameters, SURFACE_OUTPUT, "output", 1);
+    add_layer(parameters, SURFACE_OUTPUT, SURFACE_OUTPUT, "output", 3);
+    add_normalization(parameters, SURFACE_OUTPUT, "output", 4);
+    add_layer(parameters, 2, SURFACE_OUTPUT, "output", 6);
+    bat_status status = learn_parameters_allocate(parameters, error);
+    if (status != BAT_OK)
+        learn_parameters_free(parameters);
+    assert(status != BAT_OK || !informed || parameters->total == SURFACE_WEIGHTS);
+    return status;
+}
+
+static bat_status make_published(learn_parameters *parameters, bat_error *error)
+{
+    return make(true, parameters, error);
+}
+
+static bat_status make_uninformed(learn_parameters *parameters, bat_error *error)
+{
+    return make(false, parameters, error);
+}
+
+bool surface_network_count_is_informed(size_t parameter_count)
+{
+    return parameter_count == 2 * SURFACE_MESSAGE_ARRAYS + SURFACE_HIDDEN_ARRAYS + SURFACE_OUTPUT_ARRAYS;
+}
+
+size_t surface_network_part_begin(size_t parameter_count, surface_part part)
+{
+    const size_t begins[] = {0, SURFACE_MESSAGE_ARRAYS, parameter_count - SURFACE_OUTPUT_ARRAYS - SURFACE_HIDDEN_ARRAYS,
+                             parameter_count - SURFACE_OUTPUT_ARRAYS};
+    return begins[part];
+}
+
+size_t surface_network_part(const learn_parameters *parameters, surface_part part)
+{
+    return surface_network_part_begin(parameters->count, part);
+}
+
+bool surface_network_is_informed(const learn_parameters *parameters)
+{
+    return surface_network_count_is_informed(parameters->count);
+}
+
+const surface_network_kind surface_network_published = {
+    .name = "published",
+    .make = make_published,
+    .make_network = surface_inference_make,
+    .free_network = surface_inference_free,
+    .infer = surface_inference_run,
+};
+
+const surface_network_kind surface_network_uninformed = {
+    .name = "uninformed",
+    .make = make_uninformed,
+    .make_network = surface_inference_make,
+    .free_network = surface_inference_free,
+    .infer = surface_inference_run,
+};

@@ -1,0 +1,201 @@
+#include "surface/network/biharmonic_extension.h"
+#include "base/ascending.h"
+#include "linalg/vector3.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    AFFINE = 4,
+    /// Longer loops are thinned: the system is dense.
+    MOST_CENTRES = 512,
+    /// Points on either side that foretell a point of the loop.
+    AROUND = 2
+};
+
+/// Of the loop's noise, as lambda.
+static const double NOISE_WEIGHT = 5;
+static const double LEAST_LAMBDA = 1e-6;
+/// Keeps planar loops, whose affine part is not unique, regular.
+static const double AFFINE_RIDGE = 1e-9;
+/// The median of the length of a vector of three standard normal numbers.
+static const double MEDIAN_LENGTH = 1.5381722544550522;
+
+/// Where the neighbours of a point stand along the polygon through them, the point itself at 0.
+static void place_along(const double *here, const double *const near[2 * AROUND], double at[2 * AROUND])
+{
+    double reach = 0;
+    for (size_t k = AROUND; k-- > 0;)
+    {
+        reach += vector3_distance(k + 1 < AROUND ? near[k + 1] : here, near[k]);
+        at[k] = -reach;
+    }
+    reach = 0;
+    for (size_t k = AROUND; k < (size_t)2 * AROUND; k++)
+    {
+        reach += vector3_distance(k > AROUND ? near[k - 1] : here, near[k]);
+        at[k] = reach;
+    }
+}
+
+/// How far point i of the loop lies from where the cubic through its neighbours would have it, by the standard deviation
+/// that noise of each coordinate would give that; negative where neighbours coincide.
+static double surprise(const bat_cloud *cloud, size_t i)
+{
+    size_t count = cloud->boundary_count;
+    const double *points = cloud->points, *here = points + 3 * i;
+    const double *near[2 * AROUND] = {points + 3 * ((i + count - 2) % count), points + 3 * ((i + count - 1) % count),
+                                      points + 3 * ((i + 1) % count), points + 3 * ((i + 2) % count)};
+    double at[2 * AROUND], squares = 1, gap[3] = {here[0], here[1], here[2]};
+    place_along(here, near, at);
+    for (size_t k = 0; k < (size_t)2 * AROUND; k++)
+    {
+        double factor = 1;
+        for (size_t m = 0; m < (size_t)2 * AROUND; m++)
+            if (m != k)
+                factor *= -at[m] / (at[k] - at[m]);
+        if (!isfinite(factor))
+            return -1;
+        squares += factor * factor;
+        for (size_t a = 0; a < 3; a++)
+            gap[a] -= factor * near[k][a];
+    }
+    return sqrt((gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]) / squares);
+}
+
+/// The noise of the loop's points, as the standard deviation of a coordinate: from the median surprise.
+/// Noise along the loop surprises nobody, so that it says about three quarters of what there is.
+/// @param scratch boundary_count numbers
+static double loop_noise(const bat_cloud *cloud, double *scratch)
+{
+    size_t count = 0;
+    for (size_t i = 0; cloud->boundary_count > (size_t)2 * AROUND && i < cloud->boundary_count; i++)
+    {
+        double length = surprise(cloud, i);
+        if (length >= 0)
+            scratch[count++] = length;
+    }
+    if (count == 0)
+        return 0;
+    qsort(scratch, count, sizeof *scratch, ascending);
+    return scratch[count / 2] / MEDIAN_LENGTH;
+}
+
+/// The upper triangle of the system by rows: that of the lower one by columns, as LAPACK has it.
+static void fill_system(const surface_extension *extension, double lambda, double *matrix)
+{
+    size_t count = extension->count, side = count + AFFINE;
+    memset(matrix, 0, side * side * sizeof *matrix);
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *x = extension->centres + 3 * i;
+        double *row = matrix + i * side;
+        row[i] = lambda;
+        for (size_t j = i + 1; j < count; j++)
+            row[j] = -vector3_distance(x, extension->centres + 3 * j);
+        row[count] = 1;
+        memcpy(row + count + 1, x, 3 * sizeof *x);
+    }
+    for (size_t i = count; i < side; i++)
+        matrix[i * side + i] = -AFFINE_RIDGE;
+}
+
+static bat_status solve(surface_extension *extension, double lambda, bat_error *error)
+{
+    size_t side = extension->count + AFFINE;
+    double *matrix = memory_array(side * side, sizeof *matrix), *columns = memory_array(side, 2 * sizeof *columns);
+    lapack_int *pivots = memory_array(side, sizeof *pivots);
+    bat_status status = BAT_OK;
+    if (matrix == NULL || columns == NULL || pivots == NULL)
+        status = error_memory(error, side * side * sizeof *matrix);
+    else
+    {
+        fill_system(extension, lambda, matrix);
+        for (size_t i = 0; i < 2 * side; i++)
+            columns[i] = extension->weights[2 * (i % side) + i / side];
+        double size, *work = NULL;
+        // Column by column for LAPACK; its workspace is asked for first.
+        lapack_int n = (lapack_int)side,
+                   info = LAPACKE_dsysv_work(LAPACK_COL_MAJOR, 'L', n, 2, matrix, n, pivots, columns, n, &size, -1);
+        if (info == 0 && (work = memory_array((size_t)size, sizeof *work)) == NULL)
+            status = error_memory(error, (size_t)size * sizeof *work);
+        else if (info != 0 ||
+                 LAPACKE_dsysv_work(LAPACK_COL_MAJOR, 'L', n, 2, matrix, n, pivots, columns, n, work, (lapack_int)size) != 0)
+            status =
+                error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the parameters of the boundary cannot be carried on");
+        free(work);
+        for (size_t i = 0; status == BAT_OK && i < 2 * side; i++)
+            extension->weights[2 * (i % side) + i / side] = columns[i];
+    }
+    free(matrix);
+    free(columns);
+    free(pivots);
+    return status;
+}
+
+bat_status surface_extension_make(const bat_cloud *cloud, const double *boundary, surface_extension *extension,
+                                  bat_error *error)
+{
+    size_t loop = cloud->boundary_count, step = (loop + MOST_CENTRES - 1) / MOST_CENTRES, count = (loop + step - 1) / step;
+    surface_extension made = {.count = count};
+    made.centres = memory_array(count, 3 * sizeof *made.centres);
+    made.weights = memory_array(count + AFFINE, 2 * sizeof *made.weights);
+    double *scratch = memory_array(loop, sizeof *scratch);
+    bat_status status = BAT_OK;
+    if (made.centres == NULL || made.weights == NULL || scratch == NULL)
+        status = error_memory(error, count * 3 * sizeof *made.centres);
+    else
+    {
+        for (size_t i = 0; i < 3 * loop; i++)
+            made.middle[i % 3] += cloud->points[i] / (double)loop;
+        for (size_t i = 0; i < 3 * count; i++)
+            made.centres[i] = cloud->points[3 * (i / 3 * step) + i % 3] - made.middle[i % 3];
+        for (size_t i = 0; i < 2 * count; i++)
+            made.weights[i] = boundary[2 * (i / 2 * step) + i % 2];
+        memset(made.weights + 2 * count, 0, (size_t)2 * AFFINE * sizeof *made.weights);
+        made.noise = loop_noise(cloud, scratch);
+        status = solve(&made, LEAST_LAMBDA + NOISE_WEIGHT * made.noise, error);
+    }
+    free(scratch);
+    if (status == BAT_OK)
+        *extension = made;
+    else
+        surface_extension_free(&made);
+    return status;
+}
+
+void surface_extension_free(surface_extension *extension)
+{
+    free(extension->centres);
+    free(extension->weights);
+    *extension = (surface_extension){0};
+}
+
+void surface_extension_at(const surface_extension *extension, const double *points, size_t count, double *parameters)
+{
+    const double *affine = extension->weights + 2 * extension->count;
+    for (size_t i = 0; i < count; i++)
+    {
+        double x[3], u = affine[0], v = affine[1];
+        for (size_t a = 0; a < 3; a++)
+        {
+            x[a] = points[3 * i + a] - extension->middle[a];
+            u += affine[2 * a + 2] * x[a];
+            v += affine[2 * a + 3] * x[a];
+        }
+        for (size_t k = 0; k < extension->count; k++)
+        {
+            double length = vector3_distance(x, extension->centres + 3 * k);
+            u -= extension->weights[2 * k] * length;
+            v -= extension->weights[2 * k + 1] * length;
+        }
+        parameters[2 * i] = fmin(fmax(u, 0), 1);
+        parameters[2 * i + 1] = fmin(fmax(v, 0), 1);
+    }
+}

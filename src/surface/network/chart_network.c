@@ -1,0 +1,236 @@
+#include "surface/network/chart_network.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/cloud_parameterize.h"
+#include "learn/blas.h"
+#include "surface/network/biharmonic_extension.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    ORDERS = CHART_DEGREE + 1,
+    GATE = 2 * CHART_TERMS
+};
+
+/// What the gate's number is before a network says anything: it lets most of a step pass.
+static const double GATE_AT_REST = 2;
+
+/// A patch farther from the cloud than this, in the unit box and beside the noise, says that the chart is folded.
+static const double FOLDED = 0.05;
+
+/// The patch through the whole cloud at its first parameters, and what follows from it.
+static bat_status describe(const bat_cloud *cloud, const double *boundary, double noise, surface_chart *chart,
+                           bat_error *error)
+{
+    size_t bound = cloud->boundary_count;
+    double *all = memory_array(cloud->count, 2 * sizeof *all);
+    if (all == NULL)
+        return error_memory(error, cloud->count * 2 * sizeof *all);
+    memcpy(all, boundary, 2 * bound * sizeof *all);
+    memcpy(all + 2 * bound, chart->parameters, 2 * chart->count * sizeof *all);
+    surface_descriptor patch;
+    bat_status status = surface_descriptor_make(cloud->points, all, cloud->count, noise, &patch, error);
+    free(all);
+    if (status != BAT_OK)
+        return status;
+    chart->sees = surface_descriptor_see(&patch, chart->seen);
+    chart->folded = patch.residual * patch.residual > FOLDED * FOLDED + 3 * noise * noise;
+    for (size_t i = 0; i < chart->count; i++)
+        surface_descriptor_step(&patch, cloud->points + 3 * (bound + i), chart->parameters + 2 * i, chart->steps + 2 * i);
+    return BAT_OK;
+}
+
+bat_status surface_chart_make(const bat_cloud *cloud, const double *boundary, double *memory, surface_chart *chart,
+                              bat_error *error)
+{
+    surface_chart made = {.count = cloud->count - cloud->boundary_count};
+    made.parameters = memory;
+    made.steps = memory + 2 * made.count;
+    surface_extension extension;
+    bat_status status = surface_extension_make(cloud, boundary, &extension, error);
+    if (status != BAT_OK)
+        return status;
+    surface_extension_at(&extension, cloud->points + 3 * cloud->boundary_count, made.count, made.parameters);
+    status = describe(cloud, boundary, extension.noise, &made, error);
+    surface_extension_free(&extension);
+    if (status == BAT_OK)
+        *chart = made;
+    return status;
+}
+
+static double gate(const double *moves)
+{
+    return 1 / (1 + exp(-moves[GATE] - GATE_AT_REST));
+}
+
+static double bubble(const double parameter[2])
+{
+    return 16 * parameter[0] * (1 - parameter[0]) * parameter[1] * (1 - parameter[1]);
+}
+
+void surface_chart_move(const surface_chart *chart, const double *moves, double *interior)
+{
+    double share = gate(moves);
+    for (size_t i = 0; i < chart->count; i++)
+    {
+        const double *at = chart->parameters + 2 * i;
+        double u[ORDERS], v[ORDERS], field[2] = {0}, height = bubble(at);
+        surface_legendre(at[0], CHART_DEGREE, u);
+        surface_legendre(at[1], CHART_DEGREE, v);
+        for (size_t k = 0; k < CHART_TERMS; k++)
+        {
+            double term = u[k / ORDERS] * v[k % ORDERS];
+            field[0] += term * moves[2 * k];
+            field[1] += term * moves[2 * k + 1];
+        }
+        for (size_t d = 0; d < 2; d++)
+            interior[2 * i + d] = fmin(fmax(at[d] + share * chart->steps[2 * i + d] + height * field[d], 0), 1);
+    }
+}
+
+void surface_chart_move_back(const surface_chart *chart, const double *moves, const double *by_interior, double *by_moves)
+{
+    double share = gate(moves), by_share = 0;
+    for (size_t i = 0; i < chart->count; i++)
+    {
+        const double *at = chart->parameters + 2 * i, *by = by_interior + 2 * i;
+        double u[ORDERS], v[ORDERS], height = bubble(at);
+        surface_legendre(at[0], CHART_DEGREE, u);
+        surface_legendre(at[1], CHART_DEGREE, v);
+        for (size_t k = 0; k < CHART_TERMS; k++)
+        {
+            double term = height * u[k / ORDERS] * v[k % ORDERS];
+            by_moves[2 * k] += term * by[0];
+            by_moves[2 * k + 1] += term * by[1];
+        }
+        by_share += by[0] * chart->steps[2 * i] + by[1] * chart->steps[2 * i + 1];
+    }
+    by_moves[GATE] += by_share * share * (1 - share);
+}
+
+// Parameters
+
+static size_t inputs_of(size_t layer)
+{
+    return layer == 0 ? (size_t)SURFACE_SEEN : (size_t)CHART_WIDTH;
+}
+
+static size_t outputs_of(size_t layer)
+{
+    return layer + 1 == CHART_LAYERS ? (size_t)CHART_MOVES : (size_t)CHART_WIDTH;
+}
+
+static bat_status make(learn_parameters *parameters, bat_error *error)
+{
+    for (size_t layer = 0; layer < CHART_LAYERS; layer++)
+    {
+        char name[LEARN_NAME_SIZE];
+        (void)snprintf(name, sizeof name, "layer.%zu.weight", layer);
+        (void)learn_parameters_add(parameters, outputs_of(layer), inputs_of(layer), name);
+        (void)snprintf(name, sizeof name, "layer.%zu.bias", layer);
+        (void)learn_parameters_add(parameters, 0, outputs_of(layer), name);
+    }
+    bat_status status = learn_parameters_allocate(parameters, error);
+    if (status != BAT_OK)
+        learn_parameters_free(parameters);
+    return status;
+}
+
+static bat_status make_network(const learn_parameters *parameters, void **network, bat_error *error)
+{
+    real *weights = memory_array(parameters->total, sizeof *weights);
+    if (weights == NULL)
+        return error_memory(error, parameters->total * sizeof *weights);
+    memcpy(weights, parameters->values, parameters->total * sizeof *weights);
+    *network = weights;
+    return BAT_OK;
+}
+
+static void say_at_once(const real *weights, const double *seen, double *moves)
+{
+    real x[CHART_WIDTH], y[CHART_WIDTH];
+    for (size_t i = 0; i < SURFACE_SEEN; i++)
+        x[i] = (real)seen[i];
+    for (size_t layer = 0; layer < CHART_LAYERS; layer++)
+    {
+        size_t inputs = inputs_of(layer), outputs = outputs_of(layer);
+        const real *bias = weights + inputs * outputs;
+        for (size_t i = 0; i < outputs; i++)
+            y[i] = bias[i];
+        REAL_GEMV(CblasRowMajor, CblasNoTrans, (int)outputs, (int)inputs, 1, weights, (int)inputs, x, 1, 1, y, 1);
+        for (size_t i = 0; i < outputs; i++)
+            x[i] = layer + 1 < CHART_LAYERS ? real_gelu(y[i]) : y[i];
+        weights = bias + outputs;
+    }
+    for (size_t i = 0; i < CHART_MOVES; i++)
+        moves[i] = (double)x[i];
+}
+
+/// Parameters of little stretch, which take more time.
+static bat_status parameterize_deep(const bat_cloud *cloud, const double *boundary, int threads, double *interior,
+                                    bat_error *error)
+{
+    double *all = memory_array(cloud->count, 2 * sizeof *all);
+    if (all == NULL)
+        return error_memory(error, cloud->count * 2 * sizeof *all);
+    bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
+    options.method = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING;
+    options.threads = threads;
+    bat_status status = bat_cloud_parameterize(cloud, boundary, &options, all, error);
+    if (status == BAT_OK)
+        memcpy(interior, all + 2 * cloud->boundary_count, 2 * (cloud->count - cloud->boundary_count) * sizeof *interior);
+    free(all);
+    return status;
+}
+
+static bat_status check_boundary(const bat_cloud *cloud, const double *boundary, bat_error *error)
+{
+    if (cloud->boundary_count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
+    for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
+        if (!isfinite(boundary[i]))
+            return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
+                             i / 2);
+    return BAT_OK;
+}
+
+static bat_status infer(const void *network, const bat_cloud *cloud, const double *boundary, int threads, double *interior,
+                        bat_error *error)
+{
+    bat_status status = check_boundary(cloud, boundary, error);
+    if (status != BAT_OK)
+        return status;
+    size_t count = cloud->count - cloud->boundary_count;
+    double *memory = memory_array(count, 4 * sizeof *memory);
+    if (memory == NULL)
+        return error_memory(error, count * 4 * sizeof *memory);
+    surface_chart chart;
+    blas_single_begin();
+    status = surface_chart_make(cloud, boundary, memory, &chart, error);
+    // Charts of deep shapes are like none that the network has learned from: it is not asked about them.
+    if (status == BAT_OK && chart.folded)
+        status = parameterize_deep(cloud, boundary, threads, interior, error);
+    else if (status == BAT_OK)
+    {
+        double moves[CHART_MOVES] = {0};
+        if (chart.sees)
+            say_at_once(network, chart.seen, moves);
+        surface_chart_move(&chart, moves, interior);
+    }
+    blas_single_end();
+    free(memory);
+    return status;
+}
+
+const surface_network_kind surface_network_batten = {
+    .name = "batten",
+    .make = make,
+    .make_network = make_network,
+    .free_network = free,
+    .infer = infer,
+};

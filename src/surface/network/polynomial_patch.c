@@ -1,0 +1,202 @@
+#include "surface/network/polynomial_patch.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "linalg/vector3.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    ORDERS = SURFACE_DEGREE + 1,
+    BLOCK = 64, ///< points whose terms stand side by side
+    COLUMNS = SURFACE_TERMS + 3
+};
+
+/// What coefficients cost, against the mean square distance in the unit box.
+static const double COST = 1e-7;
+/// Coefficients of order a^2 + b^2 are expected to be of size 0.3 over that: where noise hides them they give way.
+static const double NOISE_COST = 1 / (0.3 * 0.3);
+/// Keeps fewer points than coefficients regular.
+static const double RIDGE = 1e-14;
+/// Added, against the product of the squared tangents, to the determinant of a step where tangents are nearly parallel.
+static const double STEP_RIDGE = 1e-3, STEP_FLOOR = 1e-9;
+/// No step goes farther in either parameter.
+static const double LONGEST_STEP = 0.2;
+
+void surface_legendre(double t, int degree, double *values)
+{
+    double x = 2 * t - 1;
+    values[0] = 1;
+    values[1] = x;
+    for (int k = 1; k < degree; k++)
+        values[k + 1] = ((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1);
+}
+
+/// Derivatives by t of Legendre's polynomials of 2 t - 1.
+static void legendre_slopes(const double *values, double *slopes)
+{
+    slopes[0] = 0;
+    slopes[1] = 2;
+    for (int k = 1; k < SURFACE_DEGREE; k++)
+        slopes[k + 1] = slopes[k - 1] + 2 * (2 * k + 1) * values[k];
+}
+
+/// A point's terms, then its coordinates.
+static void fill_row(const double *point, const double *parameter, double *row)
+{
+    double u[ORDERS], v[ORDERS];
+    surface_legendre(parameter[0], SURFACE_DEGREE, u);
+    surface_legendre(parameter[1], SURFACE_DEGREE, v);
+    for (size_t a = 0; a < ORDERS; a++)
+        for (size_t b = 0; b < ORDERS; b++)
+            row[a * ORDERS + b] = u[a] * v[b];
+    memcpy(row + SURFACE_TERMS, point, 3 * sizeof *point);
+}
+
+/// rows^T rows of terms and coordinates, over the number of points; the upper triangle.
+static void accumulate(const double *points, const double *parameters, size_t count, double *rows, double *products)
+{
+    memset(products, 0, (size_t)COLUMNS * COLUMNS * sizeof *products);
+    for (size_t begin = 0; begin < count; begin += BLOCK)
+    {
+        size_t end = begin + BLOCK < count ? begin + BLOCK : count;
+        for (size_t i = begin; i < end; i++)
+            fill_row(points + 3 * i, parameters + 2 * i, rows + (i - begin) * COLUMNS);
+        cblas_dsyrk(CblasRowMajor, CblasUpper, CblasTrans, COLUMNS, (int)(end - begin), 1 / (double)count, rows, COLUMNS, 1,
+                    products, COLUMNS);
+    }
+}
+
+/// Solve for the coefficients; `products` becomes the factor.
+static bat_status solve(double *products, double cost, surface_descriptor *descriptor, bat_error *error)
+{
+    double right[3 * SURFACE_TERMS];
+    for (size_t k = 0; k < SURFACE_TERMS; k++)
+    {
+        size_t a = k / ORDERS, b = k % ORDERS;
+        double order = (double)(a * a + b * b);
+        for (size_t d = 0; d < 3; d++)
+            right[d * SURFACE_TERMS + k] = products[k * COLUMNS + SURFACE_TERMS + d];
+        products[k * COLUMNS + k] += cost * order * order + RIDGE;
+    }
+    // The upper triangle by rows is the lower one by columns.
+    bool solved = LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', SURFACE_TERMS, 3, products, COLUMNS, right, SURFACE_TERMS) == 0;
+    for (size_t k = 0; k < SURFACE_TERMS; k++)
+        for (size_t d = 0; d < 3; d++)
+        {
+            descriptor->terms[k][d] = right[d * SURFACE_TERMS + k];
+            // Not every factorization tells of what is no number.
+            solved = solved && isfinite(descriptor->terms[k][d]);
+        }
+    return solved ? BAT_OK : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no polynomial patch fits the cloud");
+}
+
+static void evaluate(const surface_descriptor *descriptor, const double parameter[2], double x[3], double xu[3],
+                     double xv[3])
+{
+    double u[ORDERS], v[ORDERS], du[ORDERS], dv[ORDERS];
+    surface_legendre(parameter[0], SURFACE_DEGREE, u);
+    surface_legendre(parameter[1], SURFACE_DEGREE, v);
+    legendre_slopes(u, du);
+    legendre_slopes(v, dv);
+    for (size_t d = 0; d < 3; d++)
+        x[d] = xu[d] = xv[d] = 0;
+    for (size_t a = 0; a < ORDERS; a++)
+    {
+        double along[3] = {0}, across[3] = {0};
+        for (size_t b = 0; b < ORDERS; b++)
+            for (size_t d = 0; d < 3; d++)
+            {
+                along[d] += descriptor->terms[a * ORDERS + b][d] * v[b];
+                across[d] += descriptor->terms[a * ORDERS + b][d] * dv[b];
+            }
+        for (size_t d = 0; d < 3; d++)
+        {
+            x[d] += u[a] * along[d];
+            xu[d] += du[a] * along[d];
+            xv[d] += u[a] * across[d];
+        }
+    }
+}
+
+static double root_mean_square(const surface_descriptor *descriptor, const double *points, const double *parameters,
+                               size_t count)
+{
+    double sum = 0, x[3], xu[3], xv[3];
+    for (size_t i = 0; i < count; i++)
+    {
+        evaluate(descriptor, parameters + 2 * i, x, xu, xv);
+        for (size_t d = 0; d < 3; d++)
+            sum += (points[3 * i + d] - x[d]) * (points[3 * i + d] - x[d]);
+    }
+    return sqrt(sum / (double)count);
+}
+
+bat_status surface_descriptor_make(const double *points, const double *parameters, size_t count, double noise,
+                                   surface_descriptor *descriptor, bat_error *error)
+{
+    size_t size = (size_t)COLUMNS * (COLUMNS + BLOCK) * sizeof(double);
+    double *products = memory_array(size, 1);
+    if (products == NULL)
+        return error_memory(error, size);
+    accumulate(points, parameters, count, products + COLUMNS * COLUMNS, products);
+    surface_descriptor made;
+    bat_status status = solve(products, COST + NOISE_COST * noise * noise / (double)count, &made, error);
+    free(products);
+    if (status != BAT_OK)
+        return status;
+    made.residual = root_mean_square(&made, points, parameters, count);
+    *descriptor = made;
+    return BAT_OK;
+}
+
+static double bounded(double step)
+{
+    return fmin(fmax(step, -LONGEST_STEP), LONGEST_STEP);
+}
+
+void surface_descriptor_step(const surface_descriptor *descriptor, const double point[3], const double parameter[2],
+                             double step[2])
+{
+    double x[3], xu[3], xv[3], gap[3];
+    evaluate(descriptor, parameter, x, xu, xv);
+    for (size_t d = 0; d < 3; d++)
+        gap[d] = point[d] - x[d];
+    double uu = vector3_dot(xu, xu), uv = vector3_dot(xu, xv), vv = vector3_dot(xv, xv);
+    double along = vector3_dot(gap, xu), across = vector3_dot(gap, xv);
+    double determinant = uu * vv * (1 + STEP_RIDGE) - uv * uv + STEP_FLOOR;
+    step[0] = bounded((vv * along - uv * across) / determinant);
+    step[1] = bounded((uu * across - uv * along) / determinant);
+}
+
+bool surface_descriptor_see(const surface_descriptor *descriptor, double *seen)
+{
+    const double *p = descriptor->terms[ORDERS], *q = descriptor->terms[1];
+    double first[3], second[3], third[3];
+    double length = sqrt(vector3_dot(p, p));
+    for (size_t d = 0; d < 3; d++)
+        first[d] = p[d] / length;
+    double along = vector3_dot(q, first);
+    for (size_t d = 0; d < 3; d++)
+        second[d] = q[d] - along * first[d];
+    double height = sqrt(vector3_dot(second, second)), scale = 1 / sqrt(length * height);
+    if (!isfinite(scale) || !(height > 1e-6 * length) || !(length > 1e-6 * height))
+        return false;
+    for (size_t d = 0; d < 3; d++)
+        second[d] /= height;
+    vector3_cross(first, second, third);
+    for (size_t k = 1; k < SURFACE_TERMS; k++)
+    {
+        const double *c = descriptor->terms[k];
+        double *to = seen + 3 * (k - 1);
+        to[0] = scale * vector3_dot(c, first);
+        to[1] = scale * vector3_dot(c, second);
+        to[2] = scale * vector3_dot(c, third);
+    }
+    return true;
+}

@@ -1,0 +1,328 @@
+#include "surface/parameterize/faults.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void fold_finder_free(fold_finder *finder)
+{
+    spatial_order_free(&finder->order);
+    oriented_planes_free(&finder->oriented);
+}
+
+bat_status fold_finder_make(const bat_cloud *cloud, fold_finder *finder, bat_error *error)
+{
+    *finder = (fold_finder){0};
+    bat_status status = spatial_order_make(cloud, &finder->order, error);
+    if (status == BAT_OK)
+        status = oriented_planes_make(&finder->order.cloud, &finder->order.tree, &finder->oriented, error);
+    if (status != BAT_OK)
+        fold_finder_free(finder);
+    return status;
+}
+
+/// Twice the signed area that the boundary's parameters go around.
+static double boundary_area(const bat_cloud *cloud, const double *parameters)
+{
+    size_t count = cloud->boundary_count;
+    double area = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *a = parameters + 2 * i, *b = parameters + 2 * ((i + 1) % count);
+        area += a[0] * b[1] - a[1] * b[0];
+    }
+    return area;
+}
+
+/// The affine map from planar places x to parameters u, by sums over a neighbourhood: its matrix is `mixed` times the
+/// inverse of `plain`.
+typedef struct map_sums
+{
+    double plain[2][2]; ///< of x x^T about the mean
+    double mixed[2][2]; ///< of u x^T
+} map_sums;
+
+static map_sums sum_map(const fold_finder *finder, const neighbour_list *near, size_t point, const double *parameters)
+{
+    const double *points = finder->order.cloud.points, *middle = parameters + 2 * point;
+    double count = (double)near->count, sum_x[2] = {0}, sum_u[2] = {0};
+    map_sums sums = {0};
+    for (size_t k = 0; k < near->count; k++)
+    {
+        double x[2], u[2];
+        size_t item = near->entries[k].item;
+        local_plane_project(&finder->oriented.planes[point], points + 3 * point, points + 3 * item, x);
+        for (size_t a = 0; a < 2; a++)
+        {
+            u[a] = parameters[2 * item + a] - middle[a];
+            sum_x[a] += x[a];
+            sum_u[a] += u[a];
+        }
+        for (size_t a = 0; a < 2; a++)
+            for (size_t b = 0; b < 2; b++)
+            {
+                sums.plain[a][b] += x[a] * x[b];
+                sums.mixed[a][b] += u[a] * x[b];
+            }
+    }
+    for (size_t a = 0; a < 2; a++)
+        for (size_t b = 0; b < 2; b++)
+        {
+            sums.plain[a][b] -= sum_x[a] * sum_x[b] / count;
+            sums.mixed[a][b] -= sum_u[a] * sum_x[b] / count;
+        }
+    return sums;
+}
+
+static double determinant(const double a[2][2])
+{
+    return a[0][0] * a[1][1] - a[0][1] * a[1][0];
+}
+
+/// The ratio of the singular values of a matrix, at least 1.
+static double ratio_of(const double a[2][2])
+{
+    double sum = hypot(a[0][0] + a[1][1], a[1][0] - a[0][1]), difference = hypot(a[0][0] - a[1][1], a[1][0] + a[0][1]);
+    double larger = sum + difference, smaller = fabs(sum - difference);
+    return smaller > 0 ? larger / smaller : INFINITY;
+}
+
+/// Of a map whose matrix is mixed times the inverse of plain.
+static double stretch_of(const map_sums *sums)
+{
+    const double(*p)[2] = sums->plain, (*m)[2] = sums->mixed;
+    // The inverse but for its determinant, which the ratio does not see.
+    double map[2][2];
+    for (size_t a = 0; a < 2; a++)
+    {
+        map[a][0] = m[a][0] * p[1][1] - m[a][1] * p[1][0];
+        map[a][1] = m[a][1] * p[0][0] - m[a][0] * p[0][1];
+    }
+    return ratio_of((const double(*)[2])map);
+}
+
+static void find_by_planes(const fold_finder *finder, const neighbour_list *near, size_t point, const double *parameters,
+                           bool upright, bool *folded, double *stretches)
+{
+    map_sums sums = sum_map(finder, near, point, parameters);
+    double area = determinant((const double(*)[2])sums.mixed);
+    folded[point] = !(upright ? area > 0 : area < 0);
+    if (stretches != NULL)
+        stretches[point - finder->order.cloud.boundary_count] = stretch_of(&sums);
+}
+
+/// Which way the triangles run: above 0 as the boundary does, below 0 against it.
+static int triangles_way(const bat_cloud *cloud)
+{
+    size_t count = cloud->boundary_count;
+    int with = 0, against = 0;
+    for (size_t t = 0; t < cloud->triangle_count; t++)
+        for (size_t c = 0; c < 3; c++)
+        {
+            size_t a = cloud->triangles[3 * t + c], b = cloud->triangles[3 * t + (c + 1) % 3];
+            with += a < count && b < count && (a + 1) % count == b;
+            against += a < count && b < count && (b + 1) % count == a;
+        }
+    return with >= against ? 1 : -1;
+}
+
+static void find_by_triangles(const bat_cloud *cloud, const double *parameters, bool upright, bool *folded)
+{
+    int way = upright ? triangles_way(cloud) : -triangles_way(cloud);
+    memset(folded, 0, cloud->count * sizeof *folded);
+    for (size_t t = 0; t < cloud->triangle_count; t++)
+    {
+        const uint32_t *corner = cloud->triangles + 3 * t;
+        const double *a = parameters + 2 * (size_t)corner[0], *b = parameters + 2 * (size_t)corner[1],
+                     *c = parameters + 2 * (size_t)corner[2];
+        double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        bool turned = !(way > 0 ? area > 0 : area < 0);
+        for (size_t k = 0; k < 3; k++)
+            folded[corner[k]] = folded[corner[k]] || (turned && corner[k] >= cloud->boundary_count);
+    }
+}
+
+bat_status fold_finder_run(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
+                           bat_error *error)
+{
+    const bat_cloud *cloud = &finder->order.cloud;
+    bool upright = boundary_area(cloud, parameters) >= 0;
+    bat_status status = BAT_OK;
+    memset(folded, 0, cloud->boundary_count * sizeof *folded);
+#pragma omp parallel num_threads(threads_for(0, cloud->count / 256 + 1))
+    {
+        neighbour_list near = {0};
+#pragma omp for schedule(dynamic, 256)
+        for (size_t i = cloud->boundary_count; i < cloud->count; i++)
+        {
+            bat_status own =
+                neighbours_nearest(&finder->order.tree, cloud->points + 3 * i, finder->oriented.reach[i], &near, NULL);
+            if (own == BAT_OK)
+                find_by_planes(finder, &near, i, parameters, upright, folded, stretches);
+            else
+#pragma omp atomic write
+                status = own;
+        }
+        neighbour_list_free(&near);
+    }
+    if (status != BAT_OK)
+        return error_set(error, status, BAT_NO_INDEX, 0, "out of memory for neighbourhoods");
+    if (cloud->triangle_count > 0)
+        find_by_triangles(cloud, parameters, upright, folded);
+    return BAT_OK;
+}
+
+/// Parameters that agree when rounded to multiples of its inverse coincide.
+static const double COINCIDENCE = 1e12;
+
+bat_status parameter_faults_make(size_t count, parameter_faults *faults, bat_error *error)
+{
+    *faults = (parameter_faults){.folded = memory_array(count, sizeof(bool)),
+                                 .outside = memory_array(count, sizeof(bool)),
+                                 .coincident = memory_array(count, sizeof(bool))};
+    if (faults->folded != NULL && faults->outside != NULL && faults->coincident != NULL)
+        return BAT_OK;
+    parameter_faults_free(faults);
+    return error_memory(error, 3 * count);
+}
+
+void parameter_faults_free(parameter_faults *faults)
+{
+    free(faults->folded);
+    free(faults->outside);
+    free(faults->coincident);
+    *faults = (parameter_faults){0};
+}
+
+bat_status parameters_check_cloud(const bat_cloud *cloud, bat_error *error)
+{
+    bat_status status = bat_cloud_check(cloud, error);
+    if (status == BAT_OK && cloud->boundary_count == 0)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
+    return status;
+}
+
+static size_t find_outside(const double *parameters, size_t count, bool *outside)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        double u = parameters[2 * i], v = parameters[2 * i + 1];
+        outside[i] = !(u >= 0 && u <= 1 && v >= 0 && v <= 1);
+        found += outside[i];
+    }
+    return found;
+}
+
+/// A point's parameters, rounded.
+typedef struct rounded_parameters
+{
+    double at[2];
+    size_t point;
+} rounded_parameters;
+
+static int compare_rounded(const void *a, const void *b)
+{
+    const rounded_parameters *first = a, *second = b;
+    for (size_t c = 0; c < 2; c++)
+        if (first->at[c] != second->at[c])
+            return first->at[c] < second->at[c] ? -1 : 1;
+    return (first->point > second->point) - (first->point < second->point);
+}
+
+/// Points that are not numbers, and the boundary, are not looked at; an interior point may coincide with the boundary.
+static bat_status find_coincident(const bat_cloud *cloud, const double *parameters, bool *coincident, size_t *found,
+                                  bat_error *error)
+{
+    rounded_parameters *sorted = memory_array(cloud->count, sizeof *sorted);
+    if (sorted == NULL)
+        return error_memory(error, cloud->count * sizeof *sorted);
+    size_t count = 0;
+    *found = 0;
+    memset(coincident, 0, cloud->count * sizeof *coincident);
+    for (size_t i = 0; i < cloud->count; i++)
+        if (isfinite(parameters[2 * i]) && isfinite(parameters[2 * i + 1]))
+            sorted[count++] = (rounded_parameters){
+                .at = {rint(parameters[2 * i] * COINCIDENCE), rint(parameters[2 * i + 1] * COINCIDENCE)}, .point = i};
+    qsort(sorted, count, sizeof *sorted, compare_rounded);
+    for (size_t k = 1; k < count; k++)
+        if (sorted[k].at[0] == sorted[k - 1].at[0] && sorted[k].at[1] == sorted[k - 1].at[1])
+            coincident[sorted[k].point] = coincident[sorted[k - 1].point] = true;
+    for (size_t i = 0; i < cloud->count; i++)
+    {
+        coincident[i] = coincident[i] && i >= cloud->boundary_count;
+        *found += coincident[i];
+    }
+    free(sorted);
+    return BAT_OK;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    double first = *(const double *)a, second = *(const double *)b;
+    return (first > second) - (first < second);
+}
+
+/// The median; sorts. 1 for none.
+static double median(double *values, size_t count)
+{
+    if (count == 0)
+        return 1;
+    for (size_t i = 0; i < count; i++)
+        values[i] = isnan(values[i]) ? INFINITY : values[i];
+    qsort(values, count, sizeof *values, compare_numbers);
+    return count % 2 == 1 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
+}
+
+bat_status parameter_faults_find(const fold_finder *finder, const double *parameters, parameter_faults *faults,
+                                 bat_cloud_parameters_report *report, bat_error *error)
+{
+    const bat_cloud *cloud = &finder->order.cloud;
+    size_t interior = cloud->count - cloud->boundary_count;
+    double *stretches = memory_array(interior, sizeof *stretches);
+    bat_cloud_parameters_report found = {.first = BAT_NO_INDEX};
+    bat_status status = stretches != NULL ? fold_finder_run(finder, parameters, faults->folded, stretches, error)
+                                          : error_memory(error, interior * sizeof *stretches);
+    if (status == BAT_OK)
+        status = find_coincident(cloud, parameters, faults->coincident, &found.coincident, error);
+    for (size_t i = cloud->boundary_count; i < cloud->count && status == BAT_OK; i++)
+        if (faults->folded[i])
+        {
+            found.folded++;
+            found.first = found.first < finder->order.places[i] ? found.first : finder->order.places[i];
+        }
+    if (status == BAT_OK)
+    {
+        found.outside = find_outside(parameters, cloud->count, faults->outside);
+        found.stretch = median(stretches, interior);
+        *report = found;
+    }
+    free(stretches);
+    return status;
+}
+
+bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *parameters, bat_cloud_parameters_report *report,
+                                      bat_error *error)
+{
+    fold_finder finder = {0};
+    parameter_faults faults = {0};
+    double *ordered = memory_array(cloud->count, 2 * sizeof *ordered);
+    bat_status status =
+        ordered != NULL ? parameters_check_cloud(cloud, error) : error_memory(error, cloud->count * 2 * sizeof *ordered);
+    if (status == BAT_OK)
+        status = fold_finder_make(cloud, &finder, error);
+    if (status == BAT_OK)
+        status = parameter_faults_make(cloud->count, &faults, error);
+    for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
+        memcpy(ordered + 2 * i, parameters + 2 * (size_t)finder.order.places[i], 2 * sizeof *ordered);
+    if (status == BAT_OK)
+        status = parameter_faults_find(&finder, ordered, &faults, report, error);
+    fold_finder_free(&finder);
+    parameter_faults_free(&faults);
+    free(ordered);
+    return status;
+}

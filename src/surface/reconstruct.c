@@ -1,0 +1,212 @@
+#include "batten/surface.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/progress.h"
+#include "surface/candidate.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    LEAST_POINTS = 4,    ///< that can be the corners of a patch
+    MOST_WHOLE = 20000,  ///< points that are all fitted on trial
+    PART_POINTS = 10000, ///< of a larger cloud
+};
+
+// The share of the work on a large cloud that trials are.
+static const double TRIAL_SHARE = 0.3;
+
+const char *bat_surface_parameters_name(bat_surface_parameters parameters)
+{
+    static const char *const NAMES[BAT_SURFACE_PARAMETERS_COUNT] = {
+        [BAT_SURFACE_PARAMETERS_AUTO] = "auto",
+        [BAT_SURFACE_PARAMETERS_LEARNED] = "learned",
+        [BAT_SURFACE_PARAMETERS_UNIFORM] = "uniform",
+        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = "inverse-distance",
+        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = "shape-preserving",
+        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = "mean-value",
+        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = "stretch-minimizing",
+        [BAT_SURFACE_PARAMETERS_GIVEN] = "given",
+    };
+    return (unsigned)parameters < BAT_SURFACE_PARAMETERS_COUNT ? NAMES[parameters] : "unknown";
+}
+
+bat_surface_options bat_surface_defaults(void)
+{
+    return (bat_surface_options){.fit = bat_surface_fit_defaults(), .parameters = BAT_SURFACE_PARAMETERS_AUTO};
+}
+
+void bat_surface_result_free(bat_surface_result *result)
+{
+    bat_spline_surface_free(&result->surface);
+    bat_surface_fit_report_free(&result->report);
+    free(result->parameters);
+    *result = (bat_surface_result){0};
+}
+
+static bat_status check_options(const bat_surface_options *options, bat_error *error)
+{
+    const char *wrong = NULL;
+    if ((unsigned)options->parameters >= BAT_SURFACE_PARAMETERS_COUNT)
+        wrong = "there is no such way to find parameters";
+    else if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
+        wrong = "parameters are said to be given, but none are";
+    if (wrong != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    const bat_hierarchical_options *space = &options->fit.space;
+    size_t least = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
+    if (options->fit.functions > 0 && options->fit.functions < least)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the coarsest spline has %zu functions, more than the %zu that are allowed", least,
+                         options->fit.functions);
+    return BAT_OK;
+}
+
+/// A reconstruction under way.
+typedef struct reconstruction
+{
+    bat_cloud *cloud;
+    const bat_surface_options *options;
+    bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< to try
+    size_t kind_count;
+    double *boundary; ///< parameters; null where given ones need none
+    surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
+    surface_candidate *best;   ///< of them
+    bat_surface_result result; ///< the candidates' figures, and what was found
+} reconstruction;
+
+static void list_kinds(reconstruction *work)
+{
+    if (work->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
+        work->kinds[work->kind_count++] = work->options->parameters;
+    else
+    {
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_LEARNED;
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING;
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING;
+        if (work->cloud->triangle_count > 0)
+            work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_MEAN_VALUE;
+    }
+}
+
+/// Find what is not known of the boundary, and its parameters.
+static bat_status prepare(reconstruction *work, bat_error *error)
+{
+    bat_cloud *cloud = work->cloud;
+    bat_status status = bat_cloud_check(cloud, error);
+    if (status == BAT_OK && cloud->count < LEAST_POINTS)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are no patch of surface", cloud->count);
+    bool given = work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN;
+    if (status == BAT_OK && cloud->boundary_count == 0 && !given)
+    {
+        status = bat_cloud_find_boundary(cloud, error);
+        work->result.boundary_found = true;
+    }
+    if (status == BAT_OK && !cloud->has_corners && cloud->boundary_count > 0)
+    {
+        status = bat_cloud_find_corners(cloud, error);
+        work->result.corners_found = true;
+    }
+    if (status != BAT_OK || cloud->boundary_count == 0)
+        return status;
+    work->boundary = memory_array(cloud->boundary_count, 2 * sizeof *work->boundary);
+    if (work->boundary == NULL)
+        return error_memory(error, cloud->boundary_count * 2 * sizeof *work->boundary);
+    return bat_cloud_boundary_parameters(cloud, work->options->sides, work->boundary, error);
+}
+
+/// Whether trials go through all points, so that the best is the result already.
+static bool tries_whole(const reconstruction *work)
+{
+    return work->kind_count == 1 || work->cloud->count <= MOST_WHOLE;
+}
+
+static bat_status try_kind(reconstruction *work, size_t number, bat_error *error)
+{
+    bat_surface_fit_options fit = work->options->fit;
+    double share = (tries_whole(work) ? 1 : TRIAL_SHARE) / (double)work->kind_count;
+    progress_part part = {fit.progress, share * (double)number, share};
+    fit.progress = progress_of_part(&part);
+    bool slides = work->options->slide_boundary;
+    surface_candidate *candidate = &work->candidates[number];
+    bat_status status =
+        surface_candidate_make(work->cloud, work->boundary, work->options, work->kinds[number], candidate, error);
+    if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
+        status = tries_whole(work) ? surface_candidate_fit(work->cloud, &fit, slides, candidate, error)
+                                   : surface_candidate_try(work->cloud, &fit, slides, PART_POINTS, candidate, error);
+    return status;
+}
+
+static bat_status check_best(const reconstruction *work, bat_error *error)
+{
+    const bat_error *failure = &work->best->report.failure;
+    if (failure->status == BAT_OK)
+        return BAT_OK;
+    return error_set(error, failure->status, failure->index, failure->line, "%s", failure->text);
+}
+
+static bat_status fit_best(reconstruction *work, bat_error *error)
+{
+    bat_surface_fit_options fit = work->options->fit;
+    progress_part part = {fit.progress, TRIAL_SHARE, 1 - TRIAL_SHARE};
+    fit.progress = progress_of_part(&part);
+    bat_status status = surface_candidate_fit(work->cloud, &fit, work->options->slide_boundary, work->best, error);
+    return status == BAT_OK ? check_best(work, error) : status;
+}
+
+static bat_status try_all(reconstruction *work, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < work->kind_count && status == BAT_OK; i++)
+        status = try_kind(work, i, error);
+    if (status != BAT_OK)
+        return status;
+    work->best = &work->candidates[surface_candidate_best(work->candidates, work->kind_count, &work->options->fit)];
+    for (size_t i = 0; i < work->kind_count; i++)
+        work->result.candidates[i] = work->candidates[i].report;
+    work->result.candidate_count = work->kind_count;
+    status = check_best(work, error);
+    return status == BAT_OK && !tries_whole(work) ? fit_best(work, error) : status;
+}
+
+static bat_status finish(reconstruction *work, bat_error *error)
+{
+    bat_surface_result *result = &work->result;
+    surface_candidate *best = work->best;
+    bat_status status = BAT_OK;
+    if (work->boundary != NULL)
+        status = bat_cloud_parameters_check(work->cloud, best->corrected, &result->folds, error);
+    if (status != BAT_OK)
+        return status;
+    result->trial_points = tries_whole(work) ? work->cloud->count : PART_POINTS;
+    result->chosen = best->report.parameters;
+    result->surface = best->surface;
+    result->report = best->fit;
+    result->parameters = best->corrected;
+    best->surface = (bat_spline_surface){0};
+    best->fit = (bat_surface_fit_report){0};
+    best->corrected = NULL;
+    return BAT_OK;
+}
+
+bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
+                                   bat_error *error)
+{
+    reconstruction work = {.cloud = cloud, .options = options};
+    bat_status status = check_options(options, error);
+    if (status == BAT_OK)
+        status = prepare(&work, error);
+    list_kinds(&work);
+    if (status == BAT_OK)
+        status = try_all(&work, error);
+    if (status == BAT_OK)
+        status = finish(&work, error);
+    for (size_t i = 0; i < work.kind_count; i++)
+        surface_candidate_free(&work.candidates[i]);
+    free(work.boundary);
+    if (status == BAT_OK)
+        *result = work.result;
+    return status;
+}

@@ -1,0 +1,171 @@
+#include "surface/spline/hierarchical_space.h"
+
+#include "base/array_grow.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "surface/spline/tensor_surface.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// Sets of cells as few boxes: runs of the same columns in rows that follow each other are one.
+
+/// The run of the row below with the same columns, if there is one.
+static size_t run_below(const run_set *cells, const grid_run *run)
+{
+    size_t i = run_set_seek(cells, run->row + 1, run->begin);
+    if (i == cells->count || cells->runs[i].row != run->row + 1 || cells->runs[i].begin != run->begin ||
+        cells->runs[i].end != run->end)
+        return cells->count;
+    return i;
+}
+
+static bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_spline_box **boxes, size_t *count,
+                                     size_t *capacity, bat_error *error)
+{
+    bool *taken = calloc(cells->count + 1, sizeof *taken), made = taken != NULL;
+    for (size_t i = 0; i < cells->count && made; i++)
+    {
+        const grid_run *run = &cells->runs[i];
+        if (taken[i])
+            continue;
+        bat_spline_box box = {level, {run->begin, run->row}, {run->end, run->row + 1}};
+        for (size_t next = run_below(cells, run); next < cells->count; next = run_below(cells, &cells->runs[next]))
+        {
+            taken[next] = true;
+            box.high[1]++;
+        }
+        made = array_grow((void **)boxes, capacity, *count + 1, sizeof **boxes);
+        if (made)
+            (*boxes)[(*count)++] = box;
+    }
+    free(taken);
+    return made ? BAT_OK : error_memory(error, (*count + 1) * sizeof **boxes);
+}
+
+bat_status bat_hierarchical_space_regions(const bat_hierarchical_space *space, bat_spline_box **boxes, size_t *count,
+                                          bat_error *error)
+{
+    bat_spline_box *made = NULL;
+    size_t made_count = 0, capacity = 0;
+    // An array, even where there is one level only.
+    bat_status status = array_grow((void **)&made, &capacity, 1, sizeof *made) ? BAT_OK : error_memory(error, sizeof *made);
+    for (uint32_t l = 1; l < space->levels && status == BAT_OK; l++)
+        status = hierarchical_boxes(&space->level[l].region, l, &made, &made_count, &capacity, error);
+    if (status != BAT_OK)
+    {
+        free(made);
+        return status;
+    }
+    *boxes = made;
+    *count = made_count;
+    return BAT_OK;
+}
+
+/// @file
+/// A hierarchical surface as tensor-product pieces: over a box of active cells of one level the surface is one of that
+/// level's B-splines, whose coefficients the cells' extraction says.
+
+/// Room for a piece in the B-splines of its level that do not vanish on its box.
+static bat_status make_piece(const bat_spline_surface *surface, const bat_spline_box *box, bat_tensor_surface *piece,
+                             bat_error *error)
+{
+    *piece = (bat_tensor_surface){.dimension = surface->dimension};
+    size_t size = surface->dimension;
+    for (int d = 0; d < 2; d++)
+    {
+        size_t p = (size_t)surface->space->options.degree[d], functions = box->high[d] - box->low[d] + p;
+        size_t spans = hierarchical_spans(surface->space, box->level, d), count = functions + p + 1;
+        piece->knots[d] = (bat_knot_vector){memory_array(count, sizeof(double)), count, (int)p};
+        for (size_t i = 0; i < count && piece->knots[d].knots != NULL; i++)
+        {
+            size_t k = box->low[d] + i;
+            piece->knots[d].knots[i] = k <= p ? 0 : k >= p + spans ? 1 : (double)(k - p) / (double)spans;
+        }
+        size *= functions;
+    }
+    piece->control = memory_array(size, sizeof *piece->control);
+    if (piece->control != NULL && piece->knots[0].knots != NULL && piece->knots[1].knots != NULL)
+        return BAT_OK;
+    bat_tensor_surface_free(piece);
+    return error_memory(error, size * sizeof *piece->control);
+}
+
+/// Copy a cell's coefficients to their places in the piece of a box that holds the cell.
+static void place_cell(const bat_spline_surface *surface, const bat_spline_box *box, const hierarchical_cell *cell,
+                       double *local, bat_tensor_surface *piece)
+{
+    size_t columns = (size_t)piece->knots[0].degree + 1, rows = (size_t)piece->knots[1].degree + 1;
+    size_t width = bat_knot_vector_functions(&piece->knots[0]), size = surface->dimension;
+    hierarchical_local_control(surface->space, cell, surface->control, size, local);
+    for (size_t b = 0; b < rows; b++)
+    {
+        size_t place = (cell->row - box->low[1] + b) * width + (cell->column - box->low[0]);
+        memcpy(piece->control + place * size, local + b * columns * size, columns * size * sizeof *local);
+    }
+}
+
+static bat_status cut_piece(const bat_spline_surface *surface, const bat_spline_box *box, double *local,
+                            bat_tensor_surface *piece, bat_error *error)
+{
+    const bat_hierarchical_space *space = surface->space;
+    bat_status status = make_piece(surface, box, piece, error);
+    if (status != BAT_OK)
+        return status;
+    for (uint32_t row = box->low[1]; row < box->high[1]; row++)
+    {
+        size_t first = run_set_find(&space->level[box->level].cells, row, box->low[0]);
+        for (size_t c = first; c < first + (box->high[0] - box->low[0]); c++)
+            place_cell(surface, box, &space->cells[c], local, piece);
+    }
+    for (int d = 0; d < 2 && status == BAT_OK; d++)
+    {
+        double spans = (double)hierarchical_spans(space, box->level, d);
+        status = tensor_surface_restrict(piece, d, box->low[d] / spans, box->high[d] / spans, error);
+    }
+    if (status != BAT_OK)
+        bat_tensor_surface_free(piece);
+    return status;
+}
+
+static bat_status cut_pieces(const bat_spline_surface *surface, const bat_spline_box *boxes, size_t count,
+                             bat_tensor_surface **patches, bat_error *error)
+{
+    size_t size = hierarchical_locals(surface->space) * surface->dimension, cut = 0;
+    bat_tensor_surface *made = memory_array(count, sizeof *made);
+    double *local = memory_array(size, sizeof *local);
+    bat_status status = made != NULL && local != NULL ? BAT_OK : error_memory(error, count * sizeof *made);
+    while (status == BAT_OK && cut < count)
+    {
+        status = cut_piece(surface, &boxes[cut], local, &made[cut], error);
+        cut += status == BAT_OK;
+    }
+    free(local);
+    if (status == BAT_OK)
+    {
+        *patches = made;
+        return BAT_OK;
+    }
+    while (cut > 0)
+        bat_tensor_surface_free(&made[--cut]);
+    free(made);
+    return status;
+}
+
+bat_status bat_spline_surface_patches(const bat_spline_surface *surface, bat_tensor_surface **patches, size_t *count,
+                                      bat_error *error)
+{
+    const bat_hierarchical_space *space = surface->space;
+    bat_spline_box *boxes = NULL;
+    size_t box_count = 0, capacity = 0;
+    bat_status status = BAT_OK;
+    for (uint32_t l = 0; l < space->levels && status == BAT_OK; l++)
+        status = hierarchical_boxes(&space->level[l].cells, l, &boxes, &box_count, &capacity, error);
+    if (status == BAT_OK)
+        status = cut_pieces(surface, boxes, box_count, patches, error);
+    if (status == BAT_OK)
+        *count = box_count;
+    free(boxes);
+    return status;
+}
