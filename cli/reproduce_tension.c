@@ -135,7 +135,7 @@ static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_met
 
 static const char *const TABLE1_TITLES[] = {
     [BAT_TENSION_PUBLISHED] = "Table 1 of Ugail and Howard (2026): the published validation curves, five levels.",
-    [BAT_TENSION_FRESH] = "Table 1 of Ugail and Howard (2026) on fresh curves of the trained families, five levels.",
+    [BAT_TENSION_RESAMPLED] = "Table 1 of Ugail and Howard (2026) on fresh curves of the trained families, five levels.",
     [BAT_TENSION_UNSEEN] = "Table 1 of Ugail and Howard (2026) on curves of unseen families, five levels.",
 };
 

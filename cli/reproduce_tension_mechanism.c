@@ -24,10 +24,10 @@ static const double PUBLISHED_PRODUCT = 2.8;
 /// Shares of the insertions, bin by bin.
 static void fill_bars(const bat_tension_effective *effective, double *x, double *y)
 {
-    const double width = (BAT_TENSION_EFFECTIVE_GREATEST - BAT_TENSION_EFFECTIVE_LEAST) / BINS;
+    const double width = (BAT_TENSION_EFFECTIVE_MAX - BAT_TENSION_EFFECTIVE_MIN) / BINS;
     for (size_t i = 0; i < BINS; i++)
     {
-        x[i] = BAT_TENSION_EFFECTIVE_LEAST + ((double)i + 0.5) * width;
+        x[i] = BAT_TENSION_EFFECTIVE_MIN + ((double)i + 0.5) * width;
         y[i] = (double)effective->histogram[i] / (double)effective->summary.count;
     }
 }

@@ -33,11 +33,11 @@ void arc_samples(const double *points, size_t count, size_t dim, bool closed, do
 }
 
 /// Neighbours are too close below this share of the even spacing.
-static const double LEAST_EDGE = 1e-6;
+static const double MIN_EDGE = 1e-6;
 /// Neighbours on the sphere are nearly antipodal below this inner product: beyond 171 degrees.
-static const double LEAST_COSINE = -0.988;
+static const double MIN_COSINE = -0.988;
 
-static bool edge_is_fit(bat_tension_space space, const double *p, const double *q, double least)
+static bool edge_is_fit(bat_tension_space space, const double *p, const double *q, double minimum)
 {
     size_t dim = tension_dim(space);
     double squared = 0, inner = 0;
@@ -46,7 +46,7 @@ static bool edge_is_fit(bat_tension_space space, const double *p, const double *
         squared += (q[i] - p[i]) * (q[i] - p[i]);
         inner += p[i] * q[i];
     }
-    return squared > least * least && (space != BAT_TENSION_SPHERE || inner > LEAST_COSINE);
+    return squared > minimum * minimum && (space != BAT_TENSION_SPHERE || inner > MIN_COSINE);
 }
 
 /// The first of the points, in the order of their ascending lengths, whose length reaches `reached`; at most `count`.
@@ -79,7 +79,7 @@ bool tension_control_sample(bat_tension_space space, const double *points, size_
     }
     for (size_t k = 0; k < plan->count; k++)
         if (!edge_is_fit(space, points + samples[k] * dim, points + samples[(k + 1) % plan->count] * dim,
-                         LEAST_EDGE * total * spacing))
+                         MIN_EDGE * total * spacing))
             return false;
     return true;
 }

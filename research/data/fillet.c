@@ -60,8 +60,8 @@ static point project(bat_tension_space space, point p)
 /// The point at `s` of `length` on the geodesic from `p` to `q`.
 static point along(bat_tension_space space, point p, point q, double length, double s)
 {
-    double whole = sine(space, length);
-    return project(space, combine(sine(space, length - s) / whole, p, sine(space, s) / whole, q));
+    double complete = sine(space, length);
+    return project(space, combine(sine(space, length - s) / complete, p, sine(space, s) / complete, q));
 }
 
 /// A corner of the polygon with its arc: a circle from `begin` to `end`, which touches both edges there.
@@ -99,7 +99,7 @@ typedef struct side
 static void make_sides(bat_tension_space space, const fillet_polygon *polygon, side *sides)
 {
     int count = polygon->count;
-    double edges[FILLET_MOST_VERTICES];
+    double edges[FILLET_MAX_VERTICES];
     for (int i = 0; i < count; i++)
     {
         double radial = sine(space, polygon->radius[i]);
@@ -137,7 +137,7 @@ fillet_polygon fillet_draw(bat_random *random, double low, double high)
 
 void fillet_points(bat_tension_space space, const fillet_polygon *polygon, size_t count, double *points)
 {
-    side sides[FILLET_MOST_VERTICES] = {{.arc = 0}};
+    side sides[FILLET_MAX_VERTICES] = {{.arc = 0}};
     make_sides(space, polygon, sides);
     double total = 0, passed = 0;
     for (int i = 0; i < polygon->count; i++)

@@ -8,17 +8,17 @@
 
 enum
 {
-    FILLET_MOST_VERTICES = 8
+    FILLET_MAX_VERTICES = 8
 };
 
 /// A polygon in geodesic polar coordinates about the origin of the plane or disk, or about (0, 0, 1).
 typedef struct fillet_polygon
 {
-    int count; ///< vertices, 3 … FILLET_MOST_VERTICES
-    double radius[FILLET_MOST_VERTICES];
-    double angle[FILLET_MOST_VERTICES];
+    int count; ///< vertices, 3 … FILLET_MAX_VERTICES
+    double radius[FILLET_MAX_VERTICES];
+    double angle[FILLET_MAX_VERTICES];
     /// How far from its corner an arc begins, as a share of the shorter of both edges; above 0 and below 1/2.
-    double share[FILLET_MOST_VERTICES];
+    double share[FILLET_MAX_VERTICES];
 } fillet_polygon;
 
 /// A random polygon of 3 to 7 vertices, nearly even in angle, with radii from `low` to `high`.

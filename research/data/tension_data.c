@@ -14,7 +14,7 @@ enum
     CONTROL = BAT_TENSION_CONTROL_POINTS,
     TOTAL = BAT_TENSION_SPACE_COUNT * BAT_TENSION_CURVES,
     VALIDATION = TOTAL / 5,
-    MOST_DIM = 3
+    MAX_DIM = 3
 };
 
 void bat_tension_data_free(bat_tension_data *data)
@@ -51,7 +51,7 @@ typedef struct curve_place
 /// Make one curve and put it with its control polygon into its place.
 static void make_curve(bat_tension_space space, size_t number, mersenne *stream, curve_place place)
 {
-    double points[TRUTH * MOST_DIM], lengths[TRUTH + 1];
+    double points[TRUTH * MAX_DIM], lengths[TRUTH + 1];
     size_t samples[CONTROL], dim = tension_dim(space);
     tension_curve(space, number, stream, points);
     arc_samples(points, TRUTH, dim, true, lengths, CONTROL, samples);
@@ -70,7 +70,7 @@ static void make_curve(bat_tension_space space, size_t number, mersenne *stream,
 /// The stream as it is when all curves are made: what the shuffle draws from.
 static mersenne stream_after_curves(void)
 {
-    double points[TRUTH * MOST_DIM];
+    double points[TRUTH * MAX_DIM];
     mersenne stream = mersenne_seed(TENSION_SEED);
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         for (size_t number = 0; number < BAT_TENSION_CURVES; number++)
@@ -111,7 +111,7 @@ bat_status bat_tension_data_make(bat_tension_data *data, bat_error *error)
     if (!split(order, &made, places))
     {
         bat_tension_data_free(&made);
-        return error_memory(error, (size_t)TOTAL * (TRUTH + CONTROL) * MOST_DIM * sizeof(double));
+        return error_memory(error, (size_t)TOTAL * (TRUTH + CONTROL) * MAX_DIM * sizeof(double));
     }
     stream = mersenne_seed(TENSION_SEED);
     for (size_t curve = 0; curve < TOTAL; curve++)

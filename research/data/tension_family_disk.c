@@ -3,7 +3,7 @@
 #include "research/data/wave.h"
 
 /// No curve leaves the hyperbolic disk of this radius about the origin: Euclidean 0.947.
-static const double MOST_RADIUS = 3.6;
+static const double MAX_RADIUS = 3.6;
 
 /// Turn about the origin by any angle.
 static void turn(bat_random *random, size_t count, double *points)
@@ -23,7 +23,7 @@ static void translate(bat_random *random, size_t count, double *points)
     double squared = 0;
     for (size_t i = 0; i < count; i++)
         squared = fmax(squared, points[2 * i] * points[2 * i] + points[2 * i + 1] * points[2 * i + 1]);
-    double room = MOST_RADIUS - 2 * atanh(sqrt(squared));
+    double room = MAX_RADIUS - 2 * atanh(sqrt(squared));
     double length = tanh(0.5 * fmin(room, 1.2) * bat_random_uniform(random)), direction = draw_angle(random);
     double p = length * cos(direction), q = length * sin(direction);
     for (size_t i = 0; i < count; i++)

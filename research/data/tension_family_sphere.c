@@ -9,7 +9,7 @@ static const double PI = WAVE_PI;
 static void lissajous(bat_random *random, size_t count, double *points)
 {
     const double nearest = 0.15;
-    double least;
+    double minimum;
     do
     {
         bool published = draw_coin(random);
@@ -19,17 +19,17 @@ static void lissajous(bat_random *random, size_t count, double *points)
             factors[axis] = draw_between(random, 0.6, 1.4);
         double cosine = cos(phase), sine = sin(phase);
         wave u = wave_make(a, 0, count), v = wave_make(b, 0, count);
-        least = INFINITY;
+        minimum = INFINITY;
         for (size_t i = 0; i < count; i++, wave_step(&u), wave_step(&v))
         {
             double x = factors[0] * u.cosine, y = factors[1] * (v.cosine * cosine - v.sine * sine);
             double z = factors[2] * u.sine * v.sine, length = sqrt(x * x + y * y + z * z);
-            least = fmin(least, length);
+            minimum = fmin(minimum, length);
             points[3 * i] = x / length;
             points[3 * i + 1] = y / length;
             points[3 * i + 2] = z / length;
         }
-    } while (!(least > nearest));
+    } while (!(minimum > nearest));
 }
 
 /// Colatitude and longitude are sums of harmonics. The published form stops at a colatitude of 0.1, others turn in time.

@@ -13,13 +13,13 @@ enum
 {
     TRUTH = BAT_TENSION_TRUTH_POINTS,
     CONTROL = BAT_TENSION_CONTROL_POINTS,
-    MOST_DIM = 3
+    MAX_DIM = 3
 };
 
 /// An edge of a control polygon is too short below this share of their mean.
 static const double SHORTEST_EDGE = 1.0 / 50;
 /// A curve jumps where a step between its points exceeds this share of its length: 20 times the mean.
-static const double LONGEST_STEP = 20.0 / TRUTH;
+static const double MAX_STEP = 20.0 / TRUTH;
 
 void bat_tension_set_free(bat_tension_set *set)
 {
@@ -33,7 +33,7 @@ void bat_tension_set_free(bat_tension_set *set)
 bool tension_set_allocate(bat_tension_set *set)
 {
     size_t numbers;
-    if (size_multiply_overflows(set->count, (size_t)TRUTH * MOST_DIM, &numbers))
+    if (size_multiply_overflows(set->count, (size_t)TRUTH * MAX_DIM, &numbers))
         return false;
     set->index = memory_array(set->count, sizeof *set->index);
     set->number = memory_array(set->count, sizeof *set->number);
@@ -69,7 +69,7 @@ static bool jumps(const double *lengths)
     double longest = 0;
     for (size_t i = 0; i < TRUTH; i++)
         longest = fmax(longest, lengths[i + 1] - lengths[i]);
-    return longest > LONGEST_STEP * lengths[TRUTH];
+    return longest > MAX_STEP * lengths[TRUTH];
 }
 
 static bool has_short_edge(const double *control, size_t dim)
@@ -105,7 +105,7 @@ static void draw_fit(bat_tension_space space, bool unseen, size_t family, bat_ra
 bat_status bat_tension_set_make(bat_tension_space space, bat_tension_set_kind kind, size_t count, uint64_t seed,
                                 bat_tension_set *set, bat_error *error)
 {
-    if ((kind != BAT_TENSION_FRESH && kind != BAT_TENSION_UNSEEN) || (unsigned)space >= BAT_TENSION_SPACE_COUNT ||
+    if ((kind != BAT_TENSION_RESAMPLED && kind != BAT_TENSION_UNSEEN) || (unsigned)space >= BAT_TENSION_SPACE_COUNT ||
         count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "a set has at least one curve of a space that is drawn fresh or unseen");
@@ -119,7 +119,7 @@ bat_status bat_tension_set_make(bat_tension_space space, bat_tension_set_kind ki
     size_t families = tension_family_count(space, unseen);
     for (size_t i = 0; i < count; i++)
     {
-        bat_random random = tension_stream(unseen ? TENSION_UNSEEN_TEST : TENSION_FRESH_TEST, space, seed, i);
+        bat_random random = tension_stream(unseen ? TENSION_UNSEEN_TEST : TENSION_RESAMPLED_TEST, space, seed, i);
         made.index[i] = made.number[i] = i;
         draw_fit(space, unseen, i % families, &random, made.truth + i * TRUTH * made.dim,
                  made.control + i * CONTROL * made.dim);

@@ -20,7 +20,7 @@ bool tension_set_allocate(bat_tension_set *set);
 typedef enum tension_purpose
 {
     TENSION_TRAINING,
-    TENSION_FRESH_TEST,
+    TENSION_RESAMPLED_TEST,
     TENSION_UNSEEN_TEST
 } tension_purpose;
 

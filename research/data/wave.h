@@ -57,14 +57,14 @@ static inline void wave_step(wave *w)
 
 enum
 {
-    HARMONICS_MOST = 6
+    HARMONICS_MAX = 6
 };
 
 /// The function sum over k = 1 … count of cosine[k - 1] cos(k t) + sine[k - 1] sin(k t).
 typedef struct harmonics
 {
     int count;
-    double cosine[HARMONICS_MOST], sine[HARMONICS_MOST];
+    double cosine[HARMONICS_MAX], sine[HARMONICS_MAX];
 } harmonics;
 
 /// Both coefficients of term k normal, of deviation k^-decay.

@@ -15,7 +15,7 @@ static uint64_t mix(uint64_t z)
 }
 
 /// The scalar product of an offset with the gradient of a point of whole numbers.
-static double pull(uint64_t seed, int64_t i, int64_t j, int64_t k, double x, double y, double z)
+static double gradient_product(uint64_t seed, int64_t i, int64_t j, int64_t k, double x, double y, double z)
 {
     static const double GRADIENTS[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
                                             {1, 0, -1}, {-1, 0, -1}, {0, 1, 1},  {0, -1, 1},  {0, 1, -1}, {0, -1, -1},
@@ -26,7 +26,7 @@ static double pull(uint64_t seed, int64_t i, int64_t j, int64_t k, double x, dou
     return g[0] * x + g[1] * y + g[2] * z;
 }
 
-static double fade(double t)
+static double smoother_step(double t)
 {
     return t * t * t * (t * (6 * t - 15) + 10);
 }
@@ -43,12 +43,13 @@ double noise_at(uint64_t seed, double x, double y, double z)
     x -= fx;
     y -= fy;
     z -= fz;
-    double u = fade(x), v = fade(y), w = fade(z), levels[2];
+    double u = smoother_step(x), v = smoother_step(y), w = smoother_step(z), levels[2];
     for (int up = 0; up < 2; up++)
     {
-        double low = blend(pull(seed, i, j, k + up, x, y, z - up), pull(seed, i + 1, j, k + up, x - 1, y, z - up), u);
-        double high =
-            blend(pull(seed, i, j + 1, k + up, x, y - 1, z - up), pull(seed, i + 1, j + 1, k + up, x - 1, y - 1, z - up), u);
+        double low = blend(gradient_product(seed, i, j, k + up, x, y, z - up),
+                           gradient_product(seed, i + 1, j, k + up, x - 1, y, z - up), u);
+        double high = blend(gradient_product(seed, i, j + 1, k + up, x, y - 1, z - up),
+                            gradient_product(seed, i + 1, j + 1, k + up, x - 1, y - 1, z - up), u);
         levels[up] = blend(low, high, v);
     }
     return blend(levels[0], levels[1], w);
@@ -99,7 +100,7 @@ void blended_body_begin(blended_body *body)
 
 static blended_body_part *add_part(blended_body *body, blended_body_part part)
 {
-    assert(body->count < BLENDED_BODY_MOST_PARTS);
+    assert(body->count < BLENDED_BODY_MAX_PARTS);
     static const double AXES[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     memcpy(part.axes, AXES, sizeof AXES);
     body->parts[body->count] = part;
@@ -115,10 +116,10 @@ static void widen(blended_body *body, const double *middle, double radius)
     }
 }
 
-blended_body_part *blended_body_bone(blended_body *body, const double a[3], const double b[3], double radius_a,
-                                     double radius_b, double blend)
+blended_body_part *blended_body_round_cone(blended_body *body, const double a[3], const double b[3], double radius_a,
+                                           double radius_b, double blend)
 {
-    blended_body_part part = {.kind = BLENDED_BODY_BONE, .radius = {radius_a, radius_b, 0}, .blend = blend};
+    blended_body_part part = {.kind = BLENDED_BODY_ROUND_CONE, .radius = {radius_a, radius_b, 0}, .blend = blend};
     memcpy(part.a, a, sizeof part.a);
     memcpy(part.b, b, sizeof part.b);
     widen(body, a, 1.3 * radius_a);
@@ -174,7 +175,7 @@ void blended_body_turn(blended_body_part *part, double x, double y, double z)
 }
 
 /// The distance from a round cone whose radius changes along the axis, measured across it: exact where both radii agree.
-static double bone_distance(const blended_body *body, const blended_body_part *part, const double *point)
+static double round_cone_distance(const blended_body *body, const blended_body_part *part, const double *point)
 {
     double along[3], away[3];
     for (int c = 0; c < 3; c++)
@@ -215,10 +216,10 @@ static double ellipsoid_distance(const blended_body_part *part, const double *po
         once += scaled * scaled;
         twice += scaled * scaled / (part->radius[c] * part->radius[c]);
     }
-    double least = fmin(fmin(part->radius[0], part->radius[1]), part->radius[2]);
+    double minimum = fmin(fmin(part->radius[0], part->radius[1]), part->radius[2]);
     once = sqrt(once);
     // Deep inside the estimate falls off too steeply.
-    return once < 1e-3 ? -least : fmax(once * (once - 1) / sqrt(twice), -least);
+    return once < 1e-3 ? -minimum : fmax(once * (once - 1) / sqrt(twice), -minimum);
 }
 
 static double ring_distance(const blended_body_part *part, const double *point)
@@ -234,24 +235,24 @@ static double ring_distance(const blended_body_part *part, const double *point)
 /// A box with rounded edges.
 static double box_distance(const blended_body_part *part, const double *point)
 {
-    double away[3], out[3], rounding = part->b[0], most = -HUGE_VAL;
+    double away[3], out[3], rounding = part->b[0], maximum = -HUGE_VAL;
     for (int c = 0; c < 3; c++)
         away[c] = point[c] - part->a[c];
     for (int c = 0; c < 3; c++)
     {
         double beyond = fabs(vector3_dot(away, part->axes[c])) - part->radius[c] + rounding;
-        most = fmax(most, beyond);
+        maximum = fmax(maximum, beyond);
         out[c] = fmax(beyond, 0);
     }
-    return sqrt(vector3_dot(out, out)) + fmin(most, 0) - rounding;
+    return sqrt(vector3_dot(out, out)) + fmin(maximum, 0) - rounding;
 }
 
 static double part_distance(const blended_body *body, const blended_body_part *part, const double *point)
 {
     switch (part->kind)
     {
-    case BLENDED_BODY_BONE:
-        return bone_distance(body, part, point);
+    case BLENDED_BODY_ROUND_CONE:
+        return round_cone_distance(body, part, point);
     case BLENDED_BODY_ELLIPSOID:
         return ellipsoid_distance(part, point);
     case BLENDED_BODY_TORUS:
@@ -263,7 +264,7 @@ static double part_distance(const blended_body *body, const blended_body_part *p
 }
 
 /// The lesser of two values, with two continuous derivatives where they differ by less than `width`.
-static double smooth_least(double a, double b, double width)
+static double smooth_min(double a, double b, double width)
 {
     double overlap = fmax(width - fabs(a - b), 0) / width;
     return fmin(a, b) - overlap * overlap * overlap * width / 6;
@@ -279,14 +280,14 @@ double blended_body_value(const void *context, const double point[3])
         double distance = part_distance(body, part, point);
         if (i == 0)
             value = distance;
-        else if (part->hollow)
-            value = -smooth_least(-value, distance, part->blend);
+        else if (part->subtracted)
+            value = -smooth_min(-value, distance, part->blend);
         else
-            value = smooth_least(value, distance, part->blend);
+            value = smooth_min(value, distance, part->blend);
     }
-    if (body->skin.amplitude != 0 && fabs(value) < 4 * fabs(body->skin.amplitude) + 0.2)
-        value += noise_sum_at(&body->skin, point);
-    if (body->folds.amplitude != 0 && fabs(value) < 4 * fabs(body->folds.amplitude) + 0.2)
-        value += noise_sum_at(&body->folds, point);
+    if (body->noise.amplitude != 0 && fabs(value) < 4 * fabs(body->noise.amplitude) + 0.2)
+        value += noise_sum_at(&body->noise, point);
+    if (body->ridged_noise.amplitude != 0 && fabs(value) < 4 * fabs(body->ridged_noise.amplitude) + 0.2)
+        value += noise_sum_at(&body->ridged_noise, point);
     return value;
 }

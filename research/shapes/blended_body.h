@@ -31,15 +31,15 @@ double noise_sum_at(const noise_sum *noise, const double point[3]);
 
 enum
 {
-    BLENDED_BODY_MOST_PARTS = 96
+    BLENDED_BODY_MAX_PARTS = 96
 };
 
 typedef enum blended_body_kind
 {
-    BLENDED_BODY_BONE,      ///< a round cone from one ball to another
-    BLENDED_BODY_ELLIPSOID, ///< with its own axes
-    BLENDED_BODY_TORUS,     ///< a ring
-    BLENDED_BODY_BOX        ///< with its own axes and rounded edges
+    BLENDED_BODY_ROUND_CONE, ///< a round cone from one ball to another
+    BLENDED_BODY_ELLIPSOID,  ///< with its own axes
+    BLENDED_BODY_TORUS,      ///< a ring
+    BLENDED_BODY_BOX         ///< with its own axes and rounded edges
 } blended_body_kind;
 
 /// One part. Its own function is a distance, or nearly.
@@ -51,17 +51,17 @@ typedef struct blended_body_part
     double radius[3];  ///< of a bone's two ends; of an ellipsoid or box, half of its width along its axes; of a ring and its
                        ///< tube
     double blend;      ///< the width over which the part grows together with those before
-    bool hollow;       ///< taken away rather than added
+    bool subtracted;   ///< taken away rather than added
 } blended_body_part;
 
 /// The least of all parts, blended, moved by the noise.
 typedef struct blended_body
 {
-    blended_body_part parts[BLENDED_BODY_MOST_PARTS];
+    blended_body_part parts[BLENDED_BODY_MAX_PARTS];
     size_t count;
-    noise_sum skin;  ///< amplitude 0 for none
-    noise_sum folds; ///< a second layer, likewise
-    double ridges;   ///< the height of ridges along bones, around which there are `ridge_count`; 0 for none
+    noise_sum noise;        ///< amplitude 0 for none
+    noise_sum ridged_noise; ///< a second layer, likewise
+    double ridges;          ///< the height of ridges along bones, around which there are `ridge_count`; 0 for none
     double ridge_count;
     double low[3], high[3]; ///< a box around it, as parts are added
 } blended_body;
@@ -69,8 +69,8 @@ typedef struct blended_body
 /// A blended_body without parts.
 void blended_body_begin(blended_body *body);
 /// Add a bone. Returns the part, to be changed further.
-blended_body_part *blended_body_bone(blended_body *body, const double a[3], const double b[3], double radius_a,
-                                     double radius_b, double blend);
+blended_body_part *blended_body_round_cone(blended_body *body, const double a[3], const double b[3], double radius_a,
+                                           double radius_b, double blend);
 /// Add an ellipsoid whose axes are those of space.
 blended_body_part *blended_body_ellipsoid(blended_body *body, const double middle[3], double x, double y, double z,
                                           double blend);

@@ -16,11 +16,11 @@ void sampled_cloud_free(sampled_cloud *sampled)
 
 bat_status sampled_cloud_make(const size_t steps[4], size_t interior, sampled_cloud *sampled, bat_error *error)
 {
-    const size_t most = SIZE_MAX / (16 * sizeof(double)) / 8;
+    const size_t maximum = SIZE_MAX / (16 * sizeof(double)) / 8;
     bat_cloud cloud = {.has_corners = true};
     for (int s = 0; s < 4; s++)
     {
-        if (steps[s] > most || interior > most)
+        if (steps[s] > maximum || interior > maximum)
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a cloud of so many points cannot be counted");
         cloud.corners[s] = cloud.boundary_count;
         cloud.boundary_count += steps[s];
@@ -37,7 +37,7 @@ bat_status sampled_cloud_make(const size_t steps[4], size_t interior, sampled_cl
     return BAT_OK;
 }
 
-void sampled_cloud_give(sampled_cloud *sampled, bat_cloud *cloud, double **parameters)
+void sampled_cloud_move(sampled_cloud *sampled, bat_cloud *cloud, double **parameters)
 {
     *cloud = sampled->cloud;
     if (parameters != NULL)
@@ -215,11 +215,11 @@ static void spread_inside(const measured_surface *measured, double distance, bat
     double step = distance / measured->length[CELLS];
     size_t strips = (size_t)fmax(1, rint(1 / step) - 1);
     double begin = sum_at_place(measured->area, place_of_share(measured->length, leave_ends(0, step)));
-    double whole = sum_at_place(measured->area, place_of_share(measured->length, leave_ends(1, step))) - begin;
+    double complete = sum_at_place(measured->area, place_of_share(measured->length, leave_ends(1, step))) - begin;
     for (size_t strip = 0; strip < strips; strip++)
     {
         double end = place_of_share(measured->length, leave_ends((double)(strip + 1) / (double)strips, step));
-        double share = strip + 1 < strips ? (sum_at_place(measured->area, end) - begin) / whole : 1;
+        double share = strip + 1 < strips ? (sum_at_place(measured->area, end) - begin) / complete : 1;
         size_t until = (size_t)fmin(rint(share * (double)interior), (double)interior), count = until - done;
         for (size_t i = 0; i < count; i++, parameter += 2)
         {
@@ -262,8 +262,8 @@ static bat_status spread_measured(const surface_shape *shape, const measured_sur
     return BAT_OK;
 }
 
-bat_status surface_spread(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
-                          bat_error *error)
+bat_status cloud_sample_evenly(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
+                               bat_error *error)
 {
     measured_surface *measured = malloc(sizeof *measured);
     if (measured == NULL)
@@ -298,12 +298,12 @@ enum
 };
 
 /// Beside the nose, in parameters: the middle of the gap and its half-axes.
-static const double GAP[2] = {0.615, 0.405}, GAP_SIZE[2] = {0.034, 0.024};
+static const double GAP_CENTRE[2] = {0.615, 0.405}, GAP_SIZE[2] = {0.034, 0.024};
 
 /// The chance that a point is seen: none in the gap, less where the surface is steep.
-static double chance_at(const surface_shape *shape, const double parameter[2])
+static double visibility_at(const surface_shape *shape, const double parameter[2])
 {
-    double x = (parameter[0] - GAP[0]) / GAP_SIZE[0], y = (parameter[1] - GAP[1]) / GAP_SIZE[1];
+    double x = (parameter[0] - GAP_CENTRE[0]) / GAP_SIZE[0], y = (parameter[1] - GAP_CENTRE[1]) / GAP_SIZE[1];
     if (x * x + y * y < 1)
         return 0;
     const double step = 1e-4;
@@ -325,16 +325,16 @@ static bool within(const scan_sweep *sweep, const double parameter[2])
 }
 
 /// The area of the parameters that sweeps see, counted once for each sweep, points that are not seen less their chance.
-static double seen_area(const surface_shape *shape)
+static double visible_area(const surface_shape *shape)
 {
     double sum = 0;
     for (int i = 0; i < TRIAL_CELLS * TRIAL_CELLS; i++)
     {
         int column = i % TRIAL_CELLS, row = i / TRIAL_CELLS;
         double parameter[2] = {(column + 0.5) / TRIAL_CELLS, (row + 0.5) / TRIAL_CELLS};
-        double chance = chance_at(shape, parameter);
+        double visibility = visibility_at(shape, parameter);
         for (int s = 0; s < SWEEP_COUNT; s++)
-            sum += within(&SWEEPS[s], parameter) ? chance : 0;
+            sum += within(&SWEEPS[s], parameter) ? visibility : 0;
     }
     return sum / (TRIAL_CELLS * TRIAL_CELLS);
 }
@@ -354,9 +354,9 @@ static void scan_point(const scan_sweep *sweep, size_t line, size_t lines, size_
 
 /// Sweep with a distance between neighbours along lines, in parameters; hand back the number of points seen.
 /// @param parameters receives `room` x 2 at most
-static size_t sweep_all(const surface_shape *shape, double distance, bat_random *random, size_t room, double *parameters)
+static size_t sweep_surface(const surface_shape *shape, double distance, bat_random *random, size_t room, double *parameters)
 {
-    size_t seen = 0;
+    size_t count_visible = 0;
     for (int s = 0; s < SWEEP_COUNT; s++)
     {
         const scan_sweep *sweep = &SWEEPS[s];
@@ -365,14 +365,14 @@ static size_t sweep_all(const surface_shape *shape, double distance, bat_random 
         size_t lines = (size_t)fmax(1, rint(across / (LINE_DISTANCE * distance)));
         size_t count = (size_t)fmax(1, rint(along / distance));
         for (size_t line = 0; line < lines; line++)
-            for (size_t i = 0; i < count && seen < room; i++)
+            for (size_t i = 0; i < count && count_visible < room; i++)
             {
-                double *parameter = parameters + 2 * seen;
+                double *parameter = parameters + 2 * count_visible;
                 scan_point(sweep, line, lines, i, count, random, parameter);
-                seen += bat_random_uniform(random) < chance_at(shape, parameter);
+                count_visible += bat_random_uniform(random) < visibility_at(shape, parameter);
             }
     }
-    return seen;
+    return count_visible;
 }
 
 static void shuffle(double *parameters, size_t count, bat_random *random)
@@ -383,17 +383,17 @@ static void shuffle(double *parameters, size_t count, bat_random *random)
         double *a = parameters + 2 * (i - 1), *b = parameters + 2 * other;
         for (int c = 0; c < 2; c++)
         {
-            double kept = a[c];
+            double swap = a[c];
             a[c] = b[c];
-            b[c] = kept;
+            b[c] = swap;
         }
     }
 }
 
-bat_status surface_scan(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
-                        bat_error *error)
+bat_status cloud_sample_scan(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
+                             bat_error *error)
 {
-    double distance = sqrt(seen_area(shape) / (LINE_DISTANCE * (double)points));
+    double distance = sqrt(visible_area(shape) / (LINE_DISTANCE * (double)points));
     size_t room = points + points / 4 + 64;
     sampled_cloud made = {.cloud.points = memory_array(room, 3 * sizeof(double)),
                           .parameters = memory_array(room, 2 * sizeof(double))};
@@ -402,7 +402,7 @@ bat_status surface_scan(const surface_shape *shape, size_t points, bat_random *r
         sampled_cloud_free(&made);
         return error_memory(error, room * 3 * sizeof(double));
     }
-    made.cloud.count = sweep_all(shape, distance, random, room, made.parameters);
+    made.cloud.count = sweep_surface(shape, distance, random, room, made.parameters);
     shuffle(made.parameters, made.cloud.count, random);
     for (size_t i = 0; i < made.cloud.count; i++)
         shape->at(shape, made.parameters + 2 * i, made.cloud.points + 3 * i);

@@ -20,7 +20,7 @@ typedef struct sampled_cloud
 bat_status sampled_cloud_make(const size_t steps[4], size_t interior, sampled_cloud *sampled, bat_error *error);
 void sampled_cloud_free(sampled_cloud *sampled);
 /// Hand the cloud over, and the parameters unless nobody wants them.
-void sampled_cloud_give(sampled_cloud *sampled, bat_cloud *cloud, double **parameters);
+void sampled_cloud_move(sampled_cloud *sampled, bat_cloud *cloud, double **parameters);
 
 /// The parameter at a share of side 0 … 3 of the square: from (0, 0) counter-clockwise.
 static inline void square_side_at(int side, double share, double parameter[2])
@@ -40,8 +40,8 @@ void cloud_add_noise(bat_cloud *cloud, double deviation, bat_random *random);
 /// @param points of the whole cloud; the boundary has what suits the distance between neighbours, which is even along each
 /// side
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status surface_spread(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
-                          bat_error *error);
+bat_status cloud_sample_evenly(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
+                               bat_error *error);
 
 /// @file
 /// What a scanner that looks along z makes of a surface: lines, denser along themselves than across, fewer points on steep
@@ -49,7 +49,7 @@ bat_status surface_spread(const surface_shape *shape, size_t points, bat_random 
 
 /// @param points about how many
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status surface_scan(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
-                        bat_error *error);
+bat_status cloud_sample_scan(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
+                             bat_error *error);
 
 #endif

@@ -8,15 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEAST_VERTICES ((size_t)200)
-#define MOST_VERTICES ((size_t)1000000)
+#define MIN_VERTICES ((size_t)200)
+#define MAX_VERTICES ((size_t)1000000)
 
 /// A kind with what makes it: a drawing or a weaving.
 typedef struct shape_maker
 {
     bat_mesh_shape_kind kind;
-    primitive_drawing *draw;
-    mesh_weaving *weave;
+    primitive_generator *draw;
+    mesh_generator *generate;
 } shape_maker;
 
 static const shape_maker MAKERS[] = {
@@ -35,10 +35,10 @@ static const shape_maker MAKERS[] = {
     {{"gem", "a ball cut by planes", true}, primitive_gem, NULL},
     {{"cam", "a wavy bar, twisted or domed, with a shaft", true}, primitive_cam, NULL},
     {{"block", "a block whose edges fade from nearly sharp to round", true}, primitive_groove, NULL},
-    {{"knot", "a tube of varying section along a torus knot", true}, NULL, weave_knot},
-    {{"relief", "hills, ridges and folds over a rectangle", false}, NULL, weave_relief},
-    {{"shell", "a fan of ribs, sharp at the rim", false}, NULL, weave_shell},
-    {{"cage", "a coarse elephant, to be refined", true}, NULL, weave_cage},
+    {{"knot", "a tube of varying section along a torus knot", true}, NULL, generate_knot},
+    {{"relief", "hills, ridges and folds over a rectangle", false}, NULL, generate_relief},
+    {{"shell", "a fan of ribs, sharp at the rim", false}, NULL, generate_shell},
+    {{"cage", "a coarse elephant, to be refined", true}, NULL, generate_cage},
 };
 
 enum
@@ -92,15 +92,15 @@ static void normalize(bat_mesh *mesh)
         mesh->positions[i] = (mesh->positions[i] - (low[i % 3] + high[i % 3]) / 2) / longest;
 }
 
-static bat_status primitive_mesh(primitive_drawing *draw, size_t vertices, bat_random *random, bat_mesh *mesh,
+static bat_status primitive_mesh(primitive_generator *draw, size_t vertices, bat_random *random, bat_mesh *mesh,
                                  bat_error *error)
 {
-    mesh_primitive *mould = calloc(1, sizeof *mould);
-    if (mould == NULL)
-        return error_memory(error, sizeof *mould);
-    draw(random, mould);
-    bat_status status = solid_mesh(&mould->shape, vertices, mesh, error);
-    free(mould);
+    mesh_primitive *primitive = calloc(1, sizeof *primitive);
+    if (primitive == NULL)
+        return error_memory(error, sizeof *primitive);
+    draw(random, primitive);
+    bat_status status = solid_mesh(&primitive->shape, vertices, mesh, error);
+    free(primitive);
     return status;
 }
 
@@ -109,13 +109,13 @@ bat_status bat_mesh_shape(const char *name, size_t vertices, uint64_t seed, bat_
     const shape_maker *maker = find_maker(name);
     if (maker == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no kind of shape is named %s", name);
-    if (vertices < LEAST_VERTICES || vertices > MOST_VERTICES)
+    if (vertices < MIN_VERTICES || vertices > MAX_VERTICES)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "shapes have %zu to %zu vertices, not %zu",
-                         LEAST_VERTICES, MOST_VERTICES, vertices);
+                         MIN_VERTICES, MAX_VERTICES, vertices);
     bat_random random = stream_of(name, seed);
     bat_mesh made = {0};
     bat_status status = maker->draw != NULL ? primitive_mesh(maker->draw, vertices, &random, &made, error)
-                                            : maker->weave(vertices, &random, &made, error);
+                                            : maker->generate(vertices, &random, &made, error);
     if (status != BAT_OK)
         return status;
     normalize(&made);

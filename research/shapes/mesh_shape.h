@@ -42,7 +42,7 @@ typedef struct mesh_primitive
 {
     solid shape;
     blended_body body;
-    cut cuts[SOLID_MOST_SURFACES];
+    cut cuts[SOLID_MAX_SURFACES];
     size_t cut_count;
     size_t blended; ///< the first so many cuts are one surface with fading edges
 } mesh_primitive;
@@ -56,34 +56,34 @@ enum
 };
 
 /// Push the body.
-void primitive_body(mesh_primitive *mould);
+void primitive_body(mesh_primitive *primitive);
 /// Push a surface with an axis of space; returns it, to be changed further before the next is pushed.
-cut *primitive_cut(mesh_primitive *mould, cut_kind kind, const double at[3], int axis, double size);
+cut *primitive_cut(mesh_primitive *primitive, cut_kind kind, const double at[3], int axis, double size);
 /// Push the box of three slabs.
-void primitive_box(mesh_primitive *mould, const double middle[3], double x, double y, double z);
+void primitive_box(mesh_primitive *primitive, const double middle[3], double x, double y, double z);
 /// Set the solid's box.
-void primitive_bounds(mesh_primitive *mould, double x, double y, double z);
+void primitive_bounds(mesh_primitive *primitive, double x, double y, double z);
 
 double cut_value(const void *context, const double point[3]);
 
 /// @file
 /// The kinds of shapes. A drawing takes its random parameters from a stream and fills an empty mould.
 
-typedef void primitive_drawing(bat_random *random, mesh_primitive *mould);
+typedef void primitive_generator(bat_random *random, mesh_primitive *primitive);
 
 // creatures and other grown things, mesh_shape_body.c
-primitive_drawing primitive_creature, primitive_figure, primitive_bust, primitive_mask, primitive_cactus, primitive_coral,
+primitive_generator primitive_creature, primitive_figure, primitive_bust, primitive_mask, primitive_cactus, primitive_coral,
     primitive_pretzel, primitive_stone;
 // machine parts, mesh_shape_part.c
-primitive_drawing primitive_bracket, primitive_gear, primitive_lathe, primitive_casting, primitive_gem, primitive_cam,
+primitive_generator primitive_bracket, primitive_gear, primitive_lathe, primitive_casting, primitive_gem, primitive_cam,
     primitive_groove;
 
 /// A mesh made directly.
-typedef bat_status mesh_weaving(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error);
+typedef bat_status mesh_generator(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error);
 
 // grids of triangles, mesh_shape_sheet.c
-mesh_weaving weave_knot, weave_relief, weave_shell;
+mesh_generator generate_knot, generate_relief, generate_shell;
 /// The cage has its own number of vertices. mesh_shape_cage.c
-mesh_weaving weave_cage;
+mesh_generator generate_cage;
 
 #endif

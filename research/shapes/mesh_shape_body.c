@@ -9,19 +9,19 @@ static void copy(double to[3], const double *from)
 }
 
 /// Low noise that bends and dents, and a finer one that wrinkles.
-static void dress(bat_random *random, blended_body *body, double dents, double wrinkles)
+static void add_noise_layers(bat_random *random, blended_body *body, double dents, double wrinkles)
 {
-    body->skin = (noise_sum){.seed = bat_random_bits(random),
-                             .frequency = draw_between(random, 1.5, 3),
-                             .amplitude = dents * draw_between(random, 0.3, 1),
-                             .gain = draw_between(random, 0.35, 0.5),
-                             .octaves = draw_whole(random, 1, 3)};
-    body->folds = (noise_sum){.seed = bat_random_bits(random),
-                              .frequency = draw_between(random, 3, 6),
-                              .amplitude = -wrinkles * draw_between(random, 0, 1),
-                              .gain = 0.4,
-                              .octaves = draw_whole(random, 1, 2),
-                              .ridge = draw_between(random, 0.05, 0.15)};
+    body->noise = (noise_sum){.seed = bat_random_bits(random),
+                              .frequency = draw_between(random, 1.5, 3),
+                              .amplitude = dents * draw_between(random, 0.3, 1),
+                              .gain = draw_between(random, 0.35, 0.5),
+                              .octaves = draw_whole(random, 1, 3)};
+    body->ridged_noise = (noise_sum){.seed = bat_random_bits(random),
+                                     .frequency = draw_between(random, 3, 6),
+                                     .amplitude = -wrinkles * draw_between(random, 0, 1),
+                                     .gain = 0.4,
+                                     .octaves = draw_whole(random, 1, 2),
+                                     .ridge = draw_between(random, 0.05, 0.15)};
 }
 
 /// A limb of three bones with a foot. `side` is 1 or -1.
@@ -31,9 +31,9 @@ static void add_leg(blended_body *body, const double hip[3], double length, doub
     double joint[3] = {hip[0] + knee * length, hip[1] + 0.5 * spread * side, hip[2] - 0.5 * length};
     double heel[3] = {hip[0], hip[1] + spread * side, hip[2] - 0.95 * length};
     double toe[3] = {heel[0] + 1.2 * radius, heel[1], heel[2]};
-    blended_body_bone(body, hip, joint, 1.35 * radius, radius, 0.12);
-    blended_body_bone(body, joint, heel, radius, 0.75 * radius, 0.06);
-    blended_body_bone(body, heel, toe, 0.85 * radius, 0.7 * radius, 0.05);
+    blended_body_round_cone(body, hip, joint, 1.35 * radius, radius, 0.12);
+    blended_body_round_cone(body, joint, heel, radius, 0.75 * radius, 0.06);
+    blended_body_round_cone(body, heel, toe, 0.85 * radius, 0.7 * radius, 0.05);
 }
 
 static void add_ears(bat_random *random, blended_body *body, const double head[3], double size)
@@ -55,13 +55,13 @@ static void add_tail(bat_random *random, blended_body *body, const double from[3
            bend = draw_between(random, -0.6, 0.6);
     double swing = draw_between(random, -0.5, 0.5), at[3], next[3];
     copy(at, from);
-    for (int bone = 0; bone < 3; bone++)
+    for (int segment = 0; segment < 3; segment++)
     {
-        double angle = rise + bend * bone, turn = swing * bone;
+        double angle = rise + bend * segment, turn = swing * segment;
         next[0] = at[0] - length * cos(angle) * cos(turn);
         next[1] = at[1] + length * cos(angle) * sin(turn);
         next[2] = at[2] + length * sin(angle);
-        blended_body_bone(body, at, next, radius * (1 - 0.2 * bone), radius * (0.8 - 0.2 * bone), 0.05);
+        blended_body_round_cone(body, at, next, radius * (1 - 0.2 * segment), radius * (0.8 - 0.2 * segment), 0.05);
         copy(at, next);
     }
 }
@@ -74,7 +74,7 @@ static void add_head(bat_random *random, blended_body *body, const double neck[3
     blended_body_turn(skull, 0, draw_between(random, 0, 0.5), 0);
     double snout = size * draw_between(random, 0.6, 1.7), drop = draw_between(random, 0.1, 0.7);
     double nose[3] = {head[0] + snout, head[1], head[2] - drop * size};
-    blended_body_bone(body, head, nose, 0.65 * size, size * draw_between(random, 0.25, 0.5), 0.1);
+    blended_body_round_cone(body, head, nose, 0.65 * size, size * draw_between(random, 0.25, 0.5), 0.1);
     add_ears(random, body, head, size);
     for (int side = -1; side <= 1; side += 2)
     {
@@ -89,20 +89,20 @@ static void add_head(bat_random *random, blended_body *body, const double neck[3
         double root[3] = {head[0] + 0.1 * size, head[1] + 0.3 * size * side, head[2] + 0.6 * size};
         double bow[3] = {root[0] + 0.2 * length, root[1] + 0.3 * length * side, root[2] + 0.6 * length};
         double tip[3] = {bow[0] + curl * length, bow[1], bow[2] + 0.5 * length};
-        blended_body_bone(body, root, bow, 0.3 * size, 0.2 * size, 0.05);
-        blended_body_bone(body, bow, tip, 0.2 * size, 0.11 * size, 0.03);
+        blended_body_round_cone(body, root, bow, 0.3 * size, 0.2 * size, 0.05);
+        blended_body_round_cone(body, bow, tip, 0.2 * size, 0.11 * size, 0.03);
     }
 }
 
-void primitive_creature(bat_random *random, mesh_primitive *mould)
+void primitive_creature(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     blended_body_begin(body);
     double chest = draw_between(random, 0.19, 0.3), hips = chest * draw_between(random, 0.7, 1.1);
     double slope = draw_between(random, -0.15, 0.1), sag = draw_between(random, -0.12, 0.08);
     double front[3] = {0.42, 0, 0}, middle[3] = {0, 0, sag}, back[3] = {-0.42, 0, slope};
-    blended_body_bone(body, back, middle, hips, (chest + hips) * draw_between(random, 0.4, 0.55), 0.15);
-    blended_body_bone(body, middle, front, (chest + hips) * 0.48, chest, 0.15);
+    blended_body_round_cone(body, back, middle, hips, (chest + hips) * draw_between(random, 0.4, 0.55), 0.15);
+    blended_body_round_cone(body, middle, front, (chest + hips) * 0.48, chest, 0.15);
     double leg = draw_between(random, 0.35, 0.85), radius = draw_between(random, 0.065, 0.12);
     double knee = draw_between(random, 0.03, 0.16), spread = draw_between(random, 0, 0.06);
     for (int side = -1; side <= 1; side += 2)
@@ -115,12 +115,12 @@ void primitive_creature(bat_random *random, mesh_primitive *mould)
     double reach = draw_between(random, 0.2, 0.6), rise = draw_between(random, 0.2, 1.25),
            swing = draw_between(random, -0.15, 0.15);
     double neck[3] = {0.5 + reach * cos(rise), swing, 0.08 + reach * sin(rise)}, size = draw_between(random, 0.13, 0.22);
-    blended_body_bone(body, front, neck, 0.75 * chest, 0.75 * size, 0.15);
+    blended_body_round_cone(body, front, neck, 0.75 * chest, 0.75 * size, 0.15);
     add_head(random, body, neck, size);
     double rump[3] = {-0.42 - 0.75 * hips, 0, slope + 0.2 * hips};
     add_tail(random, body, rump, draw_between(random, 0.05, 0.08));
-    dress(random, body, 0.03, 0.022);
-    primitive_body(mould);
+    add_noise_layers(random, body, 0.03, 0.022);
+    primitive_body(primitive);
 }
 
 static void add_arm(bat_random *random, blended_body *body, const double shoulder[3], double length, double radius,
@@ -132,15 +132,15 @@ static void add_arm(bat_random *random, blended_body *body, const double shoulde
                        shoulder[2] + 0.5 * length * sin(lift)};
     double wrist[3] = {elbow[0] + ahead * 0.5 * length, elbow[1] + side * 0.5 * length * cos(lift + bend),
                        elbow[2] + 0.5 * length * sin(lift + bend)};
-    blended_body_bone(body, shoulder, elbow, 1.2 * radius, radius, 0.1);
-    blended_body_bone(body, elbow, wrist, radius, 0.7 * radius, 0.05);
+    blended_body_round_cone(body, shoulder, elbow, 1.2 * radius, radius, 0.1);
+    blended_body_round_cone(body, elbow, wrist, radius, 0.7 * radius, 0.05);
     blended_body_part *hand = blended_body_ellipsoid(body, wrist, 1.0 * radius, 0.75 * radius, 1.2 * radius, 0.06);
     blended_body_turn(hand, lift * side, 0, 0);
 }
 
-void primitive_figure(bat_random *random, mesh_primitive *mould)
+void primitive_figure(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     blended_body_begin(body);
     double wide = draw_between(random, 0.15, 0.26), belly = draw_between(random, 0.14, 0.27);
     double pelvis[3] = {0, 0, 0}, waist[3] = {draw_between(random, -0.04, 0.05), 0, 0.22};
@@ -150,7 +150,7 @@ void primitive_figure(bat_random *random, mesh_primitive *mould)
     blended_body_ellipsoid(body, breast, 0.75 * wide, 1.15 * wide, 0.23, 0.15);
     double radius = draw_between(random, 0.06, 0.1), leg = draw_between(random, 0.6, 0.95);
     double size = draw_between(random, 0.13, 0.21), neck[3] = {breast[0] + 0.03, breast[1], 0.72};
-    blended_body_bone(body, breast, neck, 0.5 * wide, 0.5 * size, 0.12);
+    blended_body_round_cone(body, breast, neck, 0.5 * wide, 0.5 * size, 0.12);
     double head[3] = {neck[0] + 0.02, neck[1], neck[2] + size};
     add_head(random, body, head, size);
     for (int side = -1; side <= 1; side += 2)
@@ -159,26 +159,26 @@ void primitive_figure(bat_random *random, mesh_primitive *mould)
         add_arm(random, body, shoulder, draw_between(random, 0.5, 0.75), 0.85 * radius, side);
         add_leg(body, hip, leg, 1.1 * radius, draw_between(random, 0, 0.2), draw_between(random, 0.03, 0.12), side);
     }
-    dress(random, body, 0.025, 0.018);
-    primitive_body(mould);
+    add_noise_layers(random, body, 0.025, 0.018);
+    primitive_body(primitive);
 }
 
 static void add_face(bat_random *random, blended_body *body)
 {
     double long_nose = draw_between(random, 0.04, 0.13), brow = draw_between(random, 0.04, 0.08),
            jaw = draw_between(random, 0.2, 0.32);
-    blended_body_bone(body, (double[3]){0.42, 0, 0.12}, (double[3]){0.48 + long_nose, 0, -0.06}, 0.045,
-                      draw_between(random, 0.045, 0.065), 0.08);
+    blended_body_round_cone(body, (double[3]){0.42, 0, 0.12}, (double[3]){0.48 + long_nose, 0, -0.06}, 0.045,
+                            draw_between(random, 0.045, 0.065), 0.08);
     blended_body_ellipsoid(body, (double[3]){0.3, 0, -0.34}, 0.17, jaw, 0.13, 0.14);
     blended_body_ellipsoid(body, (double[3]){0.41, 0, -0.2}, 0.09, 0.13, 0.045, 0.045);
     blended_body_ellipsoid(body, (double[3]){0.39, 0, -0.275}, 0.09, 0.12, 0.05, 0.045);
     for (int side = -1; side <= 1; side += 2)
     {
         blended_body_part *socket = blended_body_ellipsoid(body, (double[3]){0.52, 0.17 * side, 0.1}, 0.1, 0.1, 0.07, 0.07);
-        socket->hollow = true;
+        socket->subtracted = true;
         blended_body_ellipsoid(body, (double[3]){0.39, 0.17 * side, 0.1}, 0.07, 0.075, 0.065, 0.02);
-        blended_body_bone(body, (double[3]){0.46, 0.06 * side, 0.19}, (double[3]){0.36, 0.3 * side, 0.19}, brow, 0.8 * brow,
-                          0.06);
+        blended_body_round_cone(body, (double[3]){0.46, 0.06 * side, 0.19}, (double[3]){0.36, 0.3 * side, 0.19}, brow,
+                                0.8 * brow, 0.06);
         blended_body_part *cheek = blended_body_ellipsoid(body, (double[3]){0.36, 0.22 * side, -0.08}, 0.1, 0.1, 0.09, 0.12);
         blended_body_turn(cheek, 0, 0, 0.3 * side);
         blended_body_part *ear = blended_body_ellipsoid(body, (double[3]){-0.02, 0.45 * side, 0.02}, 0.1, 0.045, 0.15, 0.05);
@@ -205,45 +205,46 @@ static void add_hair(bat_random *random, blended_body *body)
         blended_body_ellipsoid(body, (double[3]){-0.5, 0, 0.5}, 0.2, 0.22, 0.2, 0.06);
 }
 
-void primitive_bust(bat_random *random, mesh_primitive *mould)
+void primitive_bust(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     shape_head(random, body);
     add_hair(random, body);
     double lean = draw_between(random, -0.1, 0.1);
-    blended_body_bone(body, (double[3]){-0.08, 0, -0.1}, (double[3]){-0.15, lean, -0.8}, 0.24, 0.28, 0.15);
+    blended_body_round_cone(body, (double[3]){-0.08, 0, -0.1}, (double[3]){-0.15, lean, -0.8}, 0.24, 0.28, 0.15);
     blended_body_part *chest = blended_body_ellipsoid(body, (double[3]){-0.15, lean, -0.95}, 0.36, 0.72, 0.32, 0.2);
     blended_body_turn(chest, draw_between(random, -0.15, 0.15), 0, 0);
-    dress(random, body, 0.02, 0.025);
-    primitive_body(mould);
+    add_noise_layers(random, body, 0.02, 0.025);
+    primitive_body(primitive);
     if (draw_coin(random))
         return;
-    primitive_cut(mould, CUT_PLANE, (double[3]){0, 0, -0.98}, PRIMITIVE_Z, 0);
-    solid_subtract(&mould->shape);
+    primitive_cut(primitive, CUT_PLANE, (double[3]){0, 0, -0.98}, PRIMITIVE_Z, 0);
+    solid_subtract(&primitive->shape);
 }
 
-void primitive_mask(bat_random *random, mesh_primitive *mould)
+void primitive_mask(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     shape_head(random, body);
-    dress(random, body, 0.03, 0.03);
-    primitive_body(mould);
-    cut *back = primitive_cut(mould, CUT_PLANE, (double[3]){draw_between(random, -0.05, 0.12), 0, 0}, PRIMITIVE_X, 0);
+    add_noise_layers(random, body, 0.03, 0.03);
+    primitive_body(primitive);
+    cut *back = primitive_cut(primitive, CUT_PLANE, (double[3]){draw_between(random, -0.05, 0.12), 0, 0}, PRIMITIVE_X, 0);
     double tilt = draw_between(random, -0.2, 0.2);
     back->axis[0] = cos(tilt);
     back->axis[2] = sin(tilt);
-    mould->shape.surfaces[mould->shape.surface_count - 1].open = true;
-    solid_subtract(&mould->shape);
+    primitive->shape.surfaces[primitive->shape.surface_count - 1].open = true;
+    solid_subtract(&primitive->shape);
 }
 
-void primitive_cactus(bat_random *random, mesh_primitive *mould)
+void primitive_cactus(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     blended_body_begin(body);
     double height = draw_between(random, 1, 1.7), radius = draw_between(random, 0.17, 0.26);
     double bend = draw_between(random, -0.12, 0.12);
-    blended_body_bone(body, (double[3]){0, 0, 0}, (double[3]){bend, 0, 0.5 * height}, 0.9 * radius, radius, 0.1);
-    blended_body_bone(body, (double[3]){bend, 0, 0.5 * height}, (double[3]){bend, 0.1, height}, radius, 0.75 * radius, 0.1);
+    blended_body_round_cone(body, (double[3]){0, 0, 0}, (double[3]){bend, 0, 0.5 * height}, 0.9 * radius, radius, 0.1);
+    blended_body_round_cone(body, (double[3]){bend, 0, 0.5 * height}, (double[3]){bend, 0.1, height}, radius, 0.75 * radius,
+                            0.1);
     int arms = draw_whole(random, 1, 4);
     for (int arm = 0; arm < arms; arm++)
     {
@@ -252,15 +253,15 @@ void primitive_cactus(bat_random *random, mesh_primitive *mould)
         double out = radius + draw_between(random, 0.2, 0.35), up = draw_between(random, 0.25, 0.6), thick = radius * 0.6;
         double root[3] = {bend, 0, from}, elbow[3] = {bend + out * cos(angle), out * sin(angle), from + 0.08};
         double tip[3] = {elbow[0], elbow[1], elbow[2] + up};
-        blended_body_bone(body, root, elbow, thick, thick, 0.06);
-        blended_body_bone(body, elbow, tip, thick, 0.8 * thick, 0.04);
+        blended_body_round_cone(body, root, elbow, thick, thick, 0.06);
+        blended_body_round_cone(body, elbow, tip, thick, 0.8 * thick, 0.04);
     }
     if (draw_coin(random))
-        blended_body_bone(body, (double[3]){0, 0, -0.3}, (double[3]){0, 0, -0.02}, 0.3, 0.38, 0.03);
+        blended_body_round_cone(body, (double[3]){0, 0, -0.3}, (double[3]){0, 0, -0.02}, 0.3, 0.38, 0.03);
     body->ridge_count = draw_whole(random, 6, 10);
     body->ridges = draw_between(random, 0.08, 0.24);
-    dress(random, body, 0.02, 0);
-    primitive_body(mould);
+    add_noise_layers(random, body, 0.02, 0);
+    primitive_body(primitive);
 }
 
 /// A branch and what grows from it.
@@ -270,7 +271,7 @@ static void branch(bat_random *random, blended_body *body, const double from[3],
     double to[3];
     for (int c = 0; c < 3; c++)
         to[c] = from[c] + length * heading[c];
-    blended_body_bone(body, from, to, radius, 0.75 * radius, 0.08);
+    blended_body_round_cone(body, from, to, radius, 0.75 * radius, 0.08);
     if (further == 0)
         return;
     int children = draw_whole(random, 2, 3);
@@ -291,19 +292,19 @@ static void branch(bat_random *random, blended_body *body, const double from[3],
     }
 }
 
-void primitive_coral(bat_random *random, mesh_primitive *mould)
+void primitive_coral(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     blended_body_begin(body);
     branch(random, body, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, 0.5, draw_between(random, 0.14, 0.2), 2);
     blended_body_ellipsoid(body, (double[3]){0, 0, -0.08}, 0.4, 0.35, 0.14, 0.1);
-    dress(random, body, 0.03, 0.02);
-    primitive_body(mould);
+    add_noise_layers(random, body, 0.03, 0.02);
+    primitive_body(primitive);
 }
 
-void primitive_pretzel(bat_random *random, mesh_primitive *mould)
+void primitive_pretzel(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     blended_body_begin(body);
     int rings = draw_whole(random, 1, 4);
     double tube = draw_between(random, 0.1, 0.16);
@@ -315,13 +316,13 @@ void primitive_pretzel(bat_random *random, mesh_primitive *mould)
         double middle[3] = {0.62 * ring, 0.25 * (ring % 2), 0};
         blended_body_ring(body, middle, across, radius, tube * draw_between(random, 0.85, 1.2), 0.12);
     }
-    dress(random, body, 0.03, 0.02);
-    primitive_body(mould);
+    add_noise_layers(random, body, 0.03, 0.02);
+    primitive_body(primitive);
 }
 
-void primitive_stone(bat_random *random, mesh_primitive *mould)
+void primitive_stone(bat_random *random, mesh_primitive *primitive)
 {
-    blended_body *body = &mould->body;
+    blended_body *body = &primitive->body;
     blended_body_begin(body);
     blended_body_ellipsoid(body, (double[3]){0, 0, 0}, draw_between(random, 0.5, 0.8), draw_between(random, 0.45, 0.7),
                            draw_between(random, 0.4, 0.7), 0.1);
@@ -332,7 +333,7 @@ void primitive_stone(bat_random *random, mesh_primitive *mould)
         double middle[3] = {0.55 * cos(angle) * cos(high), 0.55 * sin(angle) * cos(high), 0.45 * sin(high)};
         blended_body_ellipsoid(body, middle, size, size * draw_between(random, 0.8, 1.2), size, 0.15);
     }
-    dress(random, body, 0.1, 0.09);
-    body->folds.frequency *= 0.6;
-    primitive_body(mould);
+    add_noise_layers(random, body, 0.1, 0.09);
+    body->ridged_noise.frequency *= 0.6;
+    primitive_body(primitive);
 }

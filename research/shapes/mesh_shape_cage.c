@@ -181,7 +181,7 @@ static bat_status mirror(const half_cage *half, bat_mesh *mesh, bat_error *error
     return BAT_OK;
 }
 
-bat_status weave_cage(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
+bat_status generate_cage(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
 {
     (void)vertices;
     half_cage *half = calloc(1, sizeof *half);

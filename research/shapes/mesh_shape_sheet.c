@@ -96,7 +96,7 @@ static void knot_frame(const torus_knot *knot, double t, double at[3], double ou
     vector3_cross(across, along, out);
 }
 
-bat_status weave_knot(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
+bat_status generate_knot(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
 {
     static const torus_knot KNOTS[] = {{2, 3, 0.45}, {3, 2, 0.4}, {2, 5, 0.45}, {1, 3, 0.45}, {1, 0, 0.2}, {1, 2, 0.4}};
     torus_knot knot = KNOTS[draw_whole(random, 0, 5)];
@@ -147,7 +147,7 @@ static double landscape_height(const landscape *land, double x, double y)
                         exp(-4 * (y - land->fold_at) * (y - land->fold_at));
 }
 
-bat_status weave_relief(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
+bat_status generate_relief(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
 {
     double wide = draw_between(random, 0.6, 1.2);
     sheet grid = {.columns = (uint32_t)fmax(3, sqrt((double)vertices * 0.866 / wide))};
@@ -180,7 +180,7 @@ bat_status weave_relief(size_t vertices, bat_random *random, bat_mesh *mesh, bat
 }
 
 /// A scallop: a fan of ribs, sharp at the rim and fading towards the hinge.
-bat_status weave_shell(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
+bat_status generate_shell(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
 {
     int ribs = draw_whole(random, 6, 14);
     double deep = draw_between(random, 0.25, 0.6), rib = draw_between(random, 0.25, 0.6),

@@ -6,13 +6,13 @@
 
 static void push_step(solid *s, solid_operation operation, size_t surface)
 {
-    assert(s->step_count < SOLID_MOST_STEPS);
+    assert(s->step_count < SOLID_MAX_STEPS);
     s->steps[s->step_count++] = (solid_step){operation, surface};
 }
 
 static void push_surface(solid *s, solid_function *value, const void *context, bool open)
 {
-    assert(s->surface_count < SOLID_MOST_SURFACES);
+    assert(s->surface_count < SOLID_MAX_SURFACES);
     push_step(s, SOLID_SURFACE, s->surface_count);
     s->surfaces[s->surface_count++] = (solid_surface){value, context, open};
 }
@@ -50,7 +50,7 @@ void solid_subtract(solid *s)
 
 double solid_value(const solid *s, const double point[3])
 {
-    double stack[SOLID_MOST_STEPS] = {0};
+    double stack[SOLID_MAX_STEPS] = {0};
     size_t top = 0;
     for (size_t i = 0; i < s->step_count; i++)
     {
@@ -78,7 +78,7 @@ double solid_value(const solid *s, const double point[3])
 
 bool solid_is_inside(const solid *s, uint64_t surfaces)
 {
-    bool stack[SOLID_MOST_STEPS] = {0};
+    bool stack[SOLID_MAX_STEPS] = {0};
     size_t top = 0;
     for (size_t i = 0; i < s->step_count; i++)
     {
@@ -124,7 +124,7 @@ static double slope(const solid_surface *surface, const double point[3], double 
 
 /// Solve the symmetric system a x = b of up to 3 unknowns by Cholesky's method; x takes b's place. The diagonal is raised a
 /// little, which keeps nearly parallel surfaces solvable.
-static void solve_small(double a[SOLID_MOST_MEETING][SOLID_MOST_MEETING], size_t count, double *b)
+static void solve_small(double a[SOLID_MAX_MEETING][SOLID_MAX_MEETING], size_t count, double *b)
 {
     for (size_t i = 0; i < count; i++)
     {
@@ -156,8 +156,8 @@ static void solve_small(double a[SOLID_MOST_MEETING][SOLID_MOST_MEETING], size_t
 void solid_step_towards(const solid *s, const size_t *surfaces, size_t count, double longest, double difference,
                         double point[3])
 {
-    double gradients[SOLID_MOST_MEETING][3] = {{0}}, products[SOLID_MOST_MEETING][SOLID_MOST_MEETING];
-    double weights[SOLID_MOST_MEETING] = {0};
+    double gradients[SOLID_MAX_MEETING][3] = {{0}}, products[SOLID_MAX_MEETING][SOLID_MAX_MEETING];
+    double weights[SOLID_MAX_MEETING] = {0};
     for (size_t i = 0; i < count; i++)
         weights[i] = slope(&s->surfaces[surfaces[i]], point, difference, gradients[i]);
     for (size_t i = 0; i < count; i++)

@@ -12,9 +12,9 @@
 
 enum
 {
-    SOLID_MOST_SURFACES = 40,
-    SOLID_MOST_STEPS = 3 * SOLID_MOST_SURFACES,
-    SOLID_MOST_MEETING = 3 ///< surfaces at one point
+    SOLID_MAX_SURFACES = 40,
+    SOLID_MAX_STEPS = 3 * SOLID_MAX_SURFACES,
+    SOLID_MAX_MEETING = 3 ///< surfaces at one point
 };
 
 /// A function of space, much like a distance near its zeros: its gradient there is about 1, and seldom longer than 2.
@@ -44,9 +44,9 @@ typedef struct solid_step
 /// All zero with a box: nothing. The functions that build it assert that there is room.
 typedef struct solid
 {
-    solid_surface surfaces[SOLID_MOST_SURFACES];
+    solid_surface surfaces[SOLID_MAX_SURFACES];
     size_t surface_count;
-    solid_step steps[SOLID_MOST_STEPS];
+    solid_step steps[SOLID_MAX_STEPS];
     size_t step_count;
     double low[3], high[3]; ///< a box around it
 } solid;
@@ -65,7 +65,7 @@ double solid_value(const solid *s, const double point[3]);
 /// Whether a point is inside of the whole that is inside of the surfaces whose bits are set.
 bool solid_is_inside(const solid *s, uint64_t surfaces);
 
-/// A step from a point towards where up to SOLID_MOST_MEETING surfaces are all zero: Newton's, the shortest one.
+/// A step from a point towards where up to SOLID_MAX_MEETING surfaces are all zero: Newton's, the shortest one.
 /// @param surfaces    indices of the surfaces
 /// @param longest     no longer step is made
 /// @param difference  the spacing of finite differences

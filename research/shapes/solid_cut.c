@@ -9,10 +9,10 @@
 
 /// Cells of the lattice are numbered by three coordinates of so many bits.
 #define CELL_BITS 12
-#define MOST_CELLS_ACROSS ((uint32_t)1 << CELL_BITS)
+#define MAX_CELLS_ACROSS ((uint32_t)1 << CELL_BITS)
 
 /// A cut lies at least at this share of an edge away from its ends, so that no piece is very thin.
-#define LEAST_SHARE 0.12
+#define MIN_SHARE 0.12
 
 /// Tetrahedra, and the values of all surfaces at their points.
 typedef struct tetrahedra
@@ -21,9 +21,9 @@ typedef struct tetrahedra
     double origin[3], cell, steepest;
     double *points; ///< point_count x 3
     double *values; ///< point_count x surface_count; 0 exactly on a surface that was cut along
-    size_t point_count, point_room, value_room;
+    size_t point_count, point_capacity, value_capacity;
     uint32_t (*corners)[4]; ///< of positive volume
-    size_t count, room;
+    size_t count, capacity;
     key_map at; ///< of lattice points, then of cut edges
 } tetrahedra;
 
@@ -37,23 +37,23 @@ static void tetrahedra_free(tetrahedra *t)
 
 /// The array, or a larger one in its place, with room for one more element. Null when out of memory; the array is then as it
 /// was.
-static void *reserve(void *array, size_t count, size_t *room, size_t size)
+static void *reserve(void *array, size_t count, size_t *capacity, size_t size)
 {
-    if (count < *room)
+    if (count < *capacity)
         return array;
-    size_t larger = *room == 0 ? 4096 : 2 * *room;
+    size_t larger = *capacity == 0 ? 4096 : 2 * *capacity;
     void *grown = larger > SIZE_MAX / size ? NULL : realloc(array, larger * size);
-    *room = grown != NULL ? larger : *room;
+    *capacity = grown != NULL ? larger : *capacity;
     return grown;
 }
 
 static bool add_point(tetrahedra *t, const double *point, uint32_t *index)
 {
-    double *points = reserve(t->points, t->point_count, &t->point_room, 3 * sizeof *points);
+    double *points = reserve(t->points, t->point_count, &t->point_capacity, 3 * sizeof *points);
     if (points == NULL)
         return false;
     t->points = points;
-    double *values = reserve(t->values, t->point_count, &t->value_room, t->shape->surface_count * sizeof *values);
+    double *values = reserve(t->values, t->point_count, &t->value_capacity, t->shape->surface_count * sizeof *values);
     if (values == NULL)
         return false;
     t->values = values;
@@ -64,7 +64,7 @@ static bool add_point(tetrahedra *t, const double *point, uint32_t *index)
 
 static bool add_tetrahedron(tetrahedra *t, const uint32_t corners[4])
 {
-    uint32_t(*all)[4] = reserve(t->corners, t->count, &t->room, sizeof *all);
+    uint32_t(*all)[4] = reserve(t->corners, t->count, &t->capacity, sizeof *all);
     if (all == NULL)
         return false;
     t->corners = all;
@@ -76,12 +76,12 @@ static bool add_tetrahedron(tetrahedra *t, const uint32_t corners[4])
 typedef struct cell_list
 {
     uint32_t (*cells)[3];
-    size_t count, room;
+    size_t count, capacity;
 } cell_list;
 
 static bool add_cell(cell_list *list, const uint32_t cell[3])
 {
-    uint32_t(*cells)[3] = reserve(list->cells, list->count, &list->room, sizeof *cells);
+    uint32_t(*cells)[3] = reserve(list->cells, list->count, &list->capacity, sizeof *cells);
     if (cells == NULL)
         return false;
     list->cells = cells;
@@ -220,7 +220,7 @@ static bool cut_edge(tetrahedra *t, size_t surface, uint32_t a, uint32_t b, uint
     {
         size_t surfaces = t->shape->surface_count;
         double from = t->values[a * surfaces + surface], to = t->values[b * surfaces + surface];
-        double share = fmin(fmax(from / (from - to), LEAST_SHARE), 1 - LEAST_SHARE);
+        double share = fmin(fmax(from / (from - to), MIN_SHARE), 1 - MIN_SHARE);
         double point[3];
         for (int c = 0; c < 3; c++)
             point[c] = (1 - share) * t->points[3 * (size_t)a + (size_t)c] + share * t->points[3 * (size_t)b + (size_t)c];
@@ -334,16 +334,16 @@ typedef struct shell
 {
     uint32_t (*faces)[3];
     uint16_t *surfaces;
-    size_t count, room, surface_room;
+    size_t count, capacity, surface_capacity;
 } shell;
 
 static bool add_triangle(shell *boundary, const uint32_t triangle[3], size_t surface)
 {
-    uint32_t(*faces)[3] = reserve(boundary->faces, boundary->count, &boundary->room, sizeof *faces);
+    uint32_t(*faces)[3] = reserve(boundary->faces, boundary->count, &boundary->capacity, sizeof *faces);
     if (faces == NULL)
         return false;
     boundary->faces = faces;
-    uint16_t *surfaces = reserve(boundary->surfaces, boundary->count, &boundary->surface_room, sizeof *surfaces);
+    uint16_t *surfaces = reserve(boundary->surfaces, boundary->count, &boundary->surface_capacity, sizeof *surfaces);
     if (surfaces == NULL)
         return false;
     boundary->surfaces = surfaces;
@@ -384,7 +384,7 @@ static uint32_t root_of(uint32_t *parent, uint32_t v)
 }
 
 /// Keep the faces of the piece that has most of them.
-static bool keep_largest(shell *boundary, size_t point_count)
+static bool extract_largest(shell *boundary, size_t point_count)
 {
     uint32_t *parent = memory_array(point_count, sizeof *parent), *size = calloc(point_count, sizeof *size);
     bool done = parent != NULL && size != NULL;
@@ -458,7 +458,7 @@ static bool place_lattice(const solid *s, double cell, double origin[3], uint32_
         origin[c] = s->low[c] - (1.37 + 0.11 * c) * cell;
     }
     *across = 1;
-    while (*across * cell < widest && *across < MOST_CELLS_ACROSS / 2)
+    while (*across * cell < widest && *across < MAX_CELLS_ACROSS / 2)
         *across *= 2;
     return *across * cell >= widest;
 }
@@ -477,7 +477,7 @@ bat_status solid_cut(const solid *s, double cell, double steepest, bat_mesh *mes
     if (status == BAT_OK && boundary.count == 0)
         status =
             error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the shape is finer than the lattice that would cut it");
-    if (status == BAT_OK && (!keep_largest(&boundary, t.point_count) || !make_mesh(&t, &boundary, &made)))
+    if (status == BAT_OK && (!extract_largest(&boundary, t.point_count) || !make_mesh(&t, &boundary, &made)))
         status = error_memory(error, t.point_count * sizeof(double));
     if (status == BAT_OK)
     {

@@ -24,7 +24,7 @@
 
 /// How fast values change at most, at first and after gaps.
 #define STEEPEST 2.0
-#define MOST_STEEPEST 16.0
+#define MAX_STEEPEST 16.0
 
 #define ROUNDS 7
 /// Collapses stay a little ahead of splits: so many more vertices are aimed at.
@@ -78,7 +78,7 @@ static bat_status split_long(remesher *r, bat_error *error)
 
 /// Whether the begin of an edge may go: nothing that is more of a feature may move onto less of one. Corners go along a
 /// feature to one another where they are too near for the mesh to tell them apart.
-static bool may_go(const remesher *r, uint32_t h)
+static bool may_collapse(const remesher *r, uint32_t h)
 {
     const edit_mesh *edit = &r->edit;
     size_t from = edit_corner_of(edit, edit_from(edit, h)).feature_count;
@@ -92,12 +92,12 @@ static bool collapse_one(remesher *r, uint32_t h)
 {
     edit_mesh *edit = &r->edit;
     uint32_t t = edit->twin[h];
-    bool first_goes = may_go(r, h), second_goes = may_go(r, t);
-    if (!first_goes && !second_goes)
+    bool first_moves = may_collapse(r, h), second_moves = may_collapse(r, t);
+    if (!first_moves && !second_moves)
         return false;
     const double *a = edit->positions[edit_from(edit, h)], *b = edit->positions[edit_from(edit, t)];
-    double share = !second_goes ? 1 : !first_goes ? 0 : 0.5;
-    bool surface_ends = first_goes && second_goes;
+    double share = !second_moves ? 1 : !first_moves ? 0 : 0.5;
+    bool surface_ends = first_moves && second_moves;
     if (surface_ends && !edit_is_feature(edit, h))
     {
         // One of them may lie on a feature, though this edge does not.
@@ -108,7 +108,7 @@ static bool collapse_one(remesher *r, uint32_t h)
     double point[3];
     for (int c = 0; c < 3; c++)
         point[c] = (1 - share) * a[c] + share * b[c];
-    return edit_collapse(edit, first_goes ? h : t, point, LONGEST_EDGE * r->edge);
+    return edit_collapse(edit, first_moves ? h : t, point, LONGEST_EDGE * r->edge);
 }
 
 static bat_status collapse_short(remesher *r, bat_error *error)
@@ -205,7 +205,7 @@ static void relax(remesher *r, uint32_t vertex)
         for (int c = 0; c < 3; c++)
             point[c] += 0.7 * (towards[c] - out * normal[c]);
     }
-    if (corner.mark_count <= SOLID_MOST_MEETING)
+    if (corner.mark_count <= SOLID_MAX_MEETING)
         solid_step_towards(r->shape, corner.marks, corner.mark_count, 0.3 * r->edge, 1e-3 * r->edge, point);
     edit_move(edit, vertex, point);
 }
@@ -217,13 +217,13 @@ static void relax_all(remesher *r)
 }
 
 /// Move all vertices onto their surfaces.
-static void settle(remesher *r)
+static void project_vertices(remesher *r)
 {
     edit_mesh *edit = &r->edit;
     for (uint32_t v = 0; v < edit->vertex_count; v++)
     {
         edit_corner corner = edit_corner_of(edit, v);
-        if (corner.mark_count > SOLID_MOST_MEETING)
+        if (corner.mark_count > SOLID_MAX_MEETING)
             continue;
         double point[3];
         memcpy(point, edit->positions[v], sizeof point);
@@ -265,7 +265,7 @@ static bat_status remesh(remesher *r, size_t vertices, bat_error *error)
         relax_all(r);
     }
     flip_edges(r, false);
-    settle(r);
+    project_vertices(r);
     return BAT_OK;
 }
 
@@ -310,7 +310,7 @@ static bat_status choose_edge(const solid *s, size_t vertices, double *edge, bat
 }
 
 /// The faces and vertices but for those of open surfaces.
-static bat_status take_mesh(const solid *s, const edit_mesh *edit, bat_mesh *mesh, bat_error *error)
+static bat_status extract_mesh(const solid *s, const edit_mesh *edit, bat_mesh *mesh, bat_error *error)
 {
     uint32_t *number = memory_array(edit->vertex_count, sizeof *number);
     bat_mesh made = {.positions = memory_array(edit->vertex_count, 3 * sizeof(double)),
@@ -347,7 +347,7 @@ static bat_status take_mesh(const solid *s, const edit_mesh *edit, bat_mesh *mes
 static bat_status begin(remesher *r, bat_error *error)
 {
     bat_status status = BAT_NOT_MANIFOLD;
-    for (double steepest = STEEPEST; steepest <= MOST_STEEPEST && status == BAT_NOT_MANIFOLD; steepest *= 2)
+    for (double steepest = STEEPEST; steepest <= MAX_STEEPEST && status == BAT_NOT_MANIFOLD; steepest *= 2)
     {
         bat_mesh rough;
         uint16_t *surfaces;
@@ -370,7 +370,7 @@ bat_status solid_mesh(const solid *s, size_t vertices, bat_mesh *mesh, bat_error
     if (status == BAT_OK)
         status = remesh(&r, vertices, error);
     if (status == BAT_OK)
-        status = take_mesh(s, &r.edit, mesh, error);
+        status = extract_mesh(s, &r.edit, mesh, error);
     edit_mesh_free(&r.edit);
     return status;
 }

@@ -61,7 +61,7 @@ void bezier_basis(int degree, double t, double *value, double *slope)
 
 void bezier_surface_at(const bezier_surface *surface, const double parameter[2], double point[3])
 {
-    double of_u[BEZIER_MOST_DEGREE + 1], of_v[BEZIER_MOST_DEGREE + 1], sum[3] = {0};
+    double of_u[BEZIER_MAX_DEGREE + 1], of_v[BEZIER_MAX_DEGREE + 1], sum[3] = {0};
     int degree = surface->degree;
     bezier_basis(degree, parameter[0], of_u, NULL);
     bezier_basis(degree, parameter[1], of_v, NULL);
@@ -80,7 +80,7 @@ void bezier_surface_at(const bezier_surface *surface, const double parameter[2],
 static bat_status check_options(const bat_cloud_bezier_options *options, bat_error *error)
 {
     const char *wrong = NULL;
-    if (options->degree < 1 || options->degree > BEZIER_MOST_DEGREE)
+    if (options->degree < 1 || options->degree > BEZIER_MAX_DEGREE)
         wrong = "the degree of a Bézier cloud is 1 to 15";
     else if (options->side == 1)
         wrong = "a side of a Bézier cloud has at least its two corners";
@@ -121,6 +121,6 @@ bat_status bat_cloud_bezier(const bat_cloud_bezier_options *options, bat_random 
         bezier_surface_at(&surface, sampled.parameters + 2 * i, sampled.cloud.points + 3 * i);
     if (options->noise > 0)
         cloud_add_noise(&sampled.cloud, options->noise, random);
-    sampled_cloud_give(&sampled, cloud, parameters);
+    sampled_cloud_move(&sampled, cloud, parameters);
     return BAT_OK;
 }

@@ -6,13 +6,13 @@
 /// @file
 /// Random Bézier surfaces.
 
-#define BEZIER_MOST_DEGREE 15
+#define BEZIER_MAX_DEGREE 15
 
 /// A tensor-product Bézier surface of bidegree (degree, degree). Control point (i, j) is row j (degree + 1) + i.
 typedef struct bezier_surface
 {
     int degree;
-    double control[(BEZIER_MOST_DEGREE + 1) * (BEZIER_MOST_DEGREE + 1)][3];
+    double control[(BEZIER_MAX_DEGREE + 1) * (BEZIER_MAX_DEGREE + 1)][3];
 } bezier_surface;
 
 /// Draw control points (Giannelli et al., 2023, section 4.2), then a turn, which is drawn also where it is not asked for.

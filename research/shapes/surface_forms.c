@@ -119,8 +119,8 @@ void blade_draw(bat_random *random, blade_form *blade)
 /// speed of the flanks.
 static double root_of_chord(double u)
 {
-    double way = 1 - 2 * u, whole = sqrt(sqrt(1 + NOSE_SHARE * NOSE_SHARE) + NOSE_SHARE);
-    return way * whole / sqrt(sqrt(way * way + NOSE_SHARE * NOSE_SHARE) + NOSE_SHARE);
+    double way = 1 - 2 * u, complete = sqrt(sqrt(1 + NOSE_SHARE * NOSE_SHARE) + NOSE_SHARE);
+    return way * complete / sqrt(sqrt(way * way + NOSE_SHARE * NOSE_SHARE) + NOSE_SHARE);
 }
 
 /// A section of chord 1 with the nose at 0. Half the thickness is that of a Joukowski aerofoil to first order, sqrt(x) (1 -

@@ -7,8 +7,8 @@
 
 #include <string.h>
 
-#define LEAST_POINTS ((size_t)200)
-#define MOST_POINTS ((size_t)100000000)
+#define MIN_POINTS ((size_t)200)
+#define MAX_POINTS ((size_t)100000000)
 
 static void shape_hull_at(const surface_shape *shape, const double parameter[2], double point[3])
 {
@@ -54,7 +54,8 @@ typedef struct cloud_kind
 } cloud_kind;
 
 static const char *const NAMES[] = {"hull", "blade", "scan", NULL};
-static const cloud_kind KINDS[] = {{make_hull, surface_spread}, {make_blade, surface_spread}, {make_relief, surface_scan}};
+static const cloud_kind KINDS[] = {
+    {make_hull, cloud_sample_evenly}, {make_blade, cloud_sample_evenly}, {make_relief, cloud_sample_scan}};
 
 const char *const *bat_cloud_shape_names(void)
 {
@@ -90,11 +91,11 @@ bat_status bat_cloud_shape(const char *name, size_t points, uint64_t seed, bat_c
     if (!surface_shape_make(name, seed, &shape, &random))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no shape of a cloud is named %s",
                          name != NULL ? name : "nothing");
-    if (points < LEAST_POINTS || points > MOST_POINTS)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "clouds have %zu to %zu points, not %zu",
-                         LEAST_POINTS, MOST_POINTS, points);
+    if (points < MIN_POINTS || points > MAX_POINTS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "clouds have %zu to %zu points, not %zu", MIN_POINTS,
+                         MAX_POINTS, points);
     bat_status status = find_kind(name)->sample(&shape, points, &random, &sampled, error);
     if (status == BAT_OK)
-        sampled_cloud_give(&sampled, cloud, parameters);
+        sampled_cloud_move(&sampled, cloud, parameters);
     return status;
 }

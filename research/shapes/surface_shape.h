@@ -41,7 +41,7 @@ void blade_at(const blade_form *blade, const double parameter[2], double point[3
 
 enum
 {
-    RELIEF_MOST_BUMPS = 24
+    RELIEF_MAX_BUMPS = 24
 };
 
 /// A bump of a relief: height exp(-(x / wide)^2 - (y / high)^2) about its middle, in coordinates that run from -1 to 1.
@@ -53,7 +53,7 @@ typedef struct relief_bump
 /// A mask in relief, which looks along z; its forehead wears a chased band.
 typedef struct relief_form
 {
-    relief_bump bumps[RELIEF_MOST_BUMPS];
+    relief_bump bumps[RELIEF_MAX_BUMPS];
     int bump_count;
     double dome, nose;
     double chasing;    ///< the height of the ornament

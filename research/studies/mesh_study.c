@@ -16,7 +16,7 @@ enum
 {
     PATH_SIZE = 4096,
     TITLE_SIZE = 128,
-    MOST_EPOCHS = 1000000000
+    MAX_EPOCHS = 1000000000
 };
 
 bat_mesh_study_options bat_mesh_study_defaults(void)
@@ -76,9 +76,9 @@ bat_status mesh_study_check_training(const bat_mesh_study_options *options, bat_
 {
     if (options == NULL || options->folder == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a study that trains needs a folder");
-    if (options->epochs == 0 || options->epochs > MOST_EPOCHS)
+    if (options->epochs == 0 || options->epochs > MAX_EPOCHS)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%llu epochs: there must be 1 to %d",
-                         (unsigned long long)options->epochs, MOST_EPOCHS);
+                         (unsigned long long)options->epochs, MAX_EPOCHS);
     return BAT_OK;
 }
 
@@ -222,16 +222,16 @@ bat_status bat_mesh_study_draw(const char *path, const char *title, const bat_me
 {
     enum
     {
-        MOST = 14
+        MAX = 14
     };
     // Five times the greatest mean distance: single far vertices would leave one colour for all others.
     const double SCALE = 5;
-    bat_mesh_picture_panel panels[MOST + 2] = {{.mesh = coarse, .title = "coarse", .wires = true, .flat = true}};
-    char titles[MOST][TITLE_SIZE];
-    double *values[MOST] = {NULL}, high = 0;
-    if (count > MOST)
+    bat_mesh_picture_panel panels[MAX + 2] = {{.mesh = coarse, .title = "coarse", .wires = true, .flat = true}};
+    char titles[MAX][TITLE_SIZE];
+    double *values[MAX] = {NULL}, high = 0;
+    if (count > MAX)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture of %zu methods: %d are the most", count,
-                         MOST);
+                         MAX);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {

@@ -10,8 +10,8 @@ enum
 {
     SHAPE_SIZE = 4000, ///< vertices of shapes of our own making
     CAGE_SIZE = 400,
-    LEAST_VERTICES = 25, ///< of the coarse meshes that networks learn from
-    MOST_VERTICES = 100
+    MIN_VERTICES = 25, ///< of the coarse meshes that networks learn from
+    MAX_VERTICES = 100
 };
 
 static const double BENT = 60 * 3.14159265358979323846 / 180;
@@ -76,8 +76,8 @@ static bat_status subdivide(const bat_mesh *shape, const char *name, const bat_m
     bat_mesh_train_options recipe = mesh_study_recipe(options);
     bat_mesh_model *model = NULL;
     // As bent as a cage is.
-    recipe.least_vertices = LEAST_VERTICES;
-    recipe.most_vertices = MOST_VERTICES;
+    recipe.least_vertices = MIN_VERTICES;
+    recipe.most_vertices = MAX_VERTICES;
     recipe.relative = true;
     recipe.progress = progress;
     bat_status status = mesh_study_train(shape, 1, options, name, recipe, report, &model, error);

@@ -18,7 +18,7 @@ enum
     AVERAGES = 24, ///< weights of figure 1: 0, 1/24, …, 1
     TENSOR_LEVELS = 6,
     TRIANGLE_LEVEL = 2, ///< figure 4 shows the rotations of level 2
-    MOST_SAMPLES = 64
+    MAX_SAMPLES = 64
 };
 
 /// How a panel's curve is made.
@@ -130,7 +130,7 @@ static bat_status add_copy(const bat_hermite_curve *curve, bat_curve_layer_role 
 /// The samples with the tangents that a scheme is given.
 static bat_status sample(const figure_data *data, figure_scheme scheme, bat_hermite_curve *samples, bat_error *error)
 {
-    double parameters[MOST_SAMPLES];
+    double parameters[MAX_SAMPLES];
     for (size_t i = 0; i < data->samples; i++)
         parameters[i] = parameter_of(data, i, data->samples);
     bat_status status = study_curve_sample(&data->curve, parameters, data->samples, data->closed, samples, error);

@@ -20,7 +20,7 @@ enum
     ORDERS = 5, ///< whose contraction and displacement are measured
     TRIALS = 20,
     DIM = 8, ///< room for a point or tangent of any of the spaces
-    LEAST_CAPACITY = 256
+    MIN_CAPACITY = 256
 };
 
 /// Where curves are, and what their spaces refer to.
@@ -102,7 +102,7 @@ static bat_status add_row(study_table *table, bat_hermite_measure row, bat_error
     bat_hermite_table *made = &table->made;
     if (made->count == table->capacity)
     {
-        size_t capacity = table->capacity > 0 ? 2 * table->capacity : LEAST_CAPACITY;
+        size_t capacity = table->capacity > 0 ? 2 * table->capacity : MIN_CAPACITY;
         bat_hermite_measure *rows = realloc(made->rows, capacity * sizeof *rows);
         if (rows == NULL)
             return error_memory(error, capacity * sizeof *rows);

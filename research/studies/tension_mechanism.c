@@ -19,11 +19,11 @@ enum
 {
     SPACES = BAT_TENSION_SPACE_COUNT,
     BINS = BAT_TENSION_EFFECTIVE_BINS,
-    MOST_LEVELS = 10
+    MAX_LEVELS = 10
 };
 
 /// Below this |A - B| the paper calls the effective tension undefined.
-static const double LEAST_DIFFERENCE = 1e-6;
+static const double MIN_DIFFERENCE = 1e-6;
 
 /// Section 9, in its text.
 static const double PUBLISHED_MEANS[SPACES] = {-0.39, 0.32, -0.82};
@@ -66,7 +66,7 @@ static void note_tension(walk *w, const double *exterior, size_t count, size_t j
     double outer = (exterior[(j + count - 1) % count] + exterior[(j + 2) % count]) / 8;
     double inner = (exterior[j] + exterior[(j + 1) % count]) / 8;
     w->seen++;
-    if (fabs(outer - inner) < LEAST_DIFFERENCE)
+    if (fabs(outer - inner) < MIN_DIFFERENCE)
         return;
     w->printed[w->defined] = (alpha - inner) / (outer - inner);
     w->outward[w->defined] = (-alpha - inner) / (outer - inner);
@@ -160,8 +160,8 @@ static double quantile(const double *sorted, size_t count, double share)
 
 static size_t bin_of(double tension)
 {
-    const double width = (BAT_TENSION_EFFECTIVE_GREATEST - BAT_TENSION_EFFECTIVE_LEAST) / BINS;
-    double place = (tension - BAT_TENSION_EFFECTIVE_LEAST) / width;
+    const double width = (BAT_TENSION_EFFECTIVE_MAX - BAT_TENSION_EFFECTIVE_MIN) / BINS;
+    double place = (tension - BAT_TENSION_EFFECTIVE_MIN) / width;
     return place >= BINS ? BINS - 1 : (size_t)place;
 }
 
@@ -177,9 +177,9 @@ static bat_status describe(double *tensions, size_t defined, size_t seen, bat_te
         effective->quantiles[q] = quantile(tensions, defined, shares[q]);
     for (size_t i = 0; i < defined; i++)
     {
-        effective->below += tensions[i] < BAT_TENSION_EFFECTIVE_LEAST;
-        effective->above += tensions[i] > BAT_TENSION_EFFECTIVE_GREATEST;
-        tensions[i] = fmin(fmax(tensions[i], BAT_TENSION_EFFECTIVE_LEAST), BAT_TENSION_EFFECTIVE_GREATEST);
+        effective->below += tensions[i] < BAT_TENSION_EFFECTIVE_MIN;
+        effective->above += tensions[i] > BAT_TENSION_EFFECTIVE_MAX;
+        tensions[i] = fmin(fmax(tensions[i], BAT_TENSION_EFFECTIVE_MIN), BAT_TENSION_EFFECTIVE_MAX);
         effective->histogram[bin_of(tensions[i])]++;
     }
     return bat_curve_summarize(tensions, defined, &effective->summary, error);
@@ -290,10 +290,9 @@ bat_status bat_tension_mechanism(const char *path, const bat_tension_mechanism_o
 {
     bat_tension_mechanism_options defaults = bat_tension_mechanism_defaults();
     options = options != NULL ? options : &defaults;
-    if (options->curves == 0 || options->curves > BAT_TENSION_CURVES || options->levels == 0 ||
-        options->levels > MOST_LEVELS)
+    if (options->curves == 0 || options->curves > BAT_TENSION_CURVES || options->levels == 0 || options->levels > MAX_LEVELS)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the mechanism is looked at on 1 to %d curves and 1 to %d levels", BAT_TENSION_CURVES, MOST_LEVELS);
+                         "the mechanism is looked at on 1 to %d curves and 1 to %d levels", BAT_TENSION_CURVES, MAX_LEVELS);
     learn_parameters parameters;
     tension_embedding kind;
     bat_status status = tension_weights_read(path, &parameters, &kind, error);

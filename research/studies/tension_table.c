@@ -142,7 +142,7 @@ static bat_curve_scheme angle(double tension, bat_curve_angle_sign sign, bool ad
 static bat_status search_tension(table_state *state, const case_set *set, const bat_tension_search_options *options,
                                  double *best)
 {
-    double least = INFINITY, spacing = (options->high - options->low) / (double)(options->count - 1);
+    double minimum = INFINITY, spacing = (options->high - options->low) / (double)(options->count - 1);
     *best = options->low;
     for (size_t i = 0; i < options->count; i++)
     {
@@ -154,9 +154,9 @@ static bat_status search_tension(table_state *state, const case_set *set, const 
             status = bat_curve_summarize(state->numbers + MEAN_NN * set->count, set->count, &mean_nn, state->error);
         if (status != BAT_OK)
             return status;
-        if (mean_nn.mean < least)
+        if (mean_nn.mean < minimum)
         {
-            least = mean_nn.mean;
+            minimum = mean_nn.mean;
             *best = scheme.tension;
         }
     }
@@ -270,11 +270,11 @@ static const published LEARNED5 = {0, 0.00699, 76.0, 0.721};
 /// Table 5; what it calls Hausdorff is the mean nearest-neighbour distance.
 static const published TABLE5[] = {{0, 0.00414, 129.6, 2.235}, {1, 0.00529, 253.6, 2.906}};
 
-static bat_status state_make(table_state *state, size_t most_curves, size_t steps)
+static bat_status state_make(table_state *state, size_t max_curves, size_t steps)
 {
     state->total = steps;
-    state->numbers = memory_array(MEASURES * most_curves, sizeof *state->numbers);
-    return state->numbers != NULL ? BAT_OK : error_memory(state->error, MEASURES * most_curves * sizeof *state->numbers);
+    state->numbers = memory_array(MEASURES * max_curves, sizeof *state->numbers);
+    return state->numbers != NULL ? BAT_OK : error_memory(state->error, MEASURES * max_curves * sizeof *state->numbers);
 }
 
 static bat_status fill_rows(table_state *state, const case_set *set, const row_maker *make, bat_tension_row *rows)
@@ -339,11 +339,11 @@ static bat_status make_table1(bat_tension_set_kind kind, const row_maker *make, 
     bat_tension_set sets[BAT_TENSION_SPACE_COUNT] = {{0}};
     table_state state = {.threads = threads, .progress = progress, .error = error};
     bat_status status = make_sets(kind, sets, error);
-    size_t most = 0;
+    size_t maximum = 0;
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
-        most = sets[s].count > most ? sets[s].count : most;
+        maximum = sets[s].count > maximum ? sets[s].count : maximum;
     if (status == BAT_OK)
-        status = state_make(&state, most, BAT_TENSION_SPACE_COUNT * steps_of(make));
+        status = state_make(&state, maximum, BAT_TENSION_SPACE_COUNT * steps_of(make));
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++, rows += make->rows)
     {
         status = fill_space(&state, &sets[s], &spaces[s], make, rows);

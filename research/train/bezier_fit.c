@@ -15,7 +15,7 @@ static const double RANK_SHARE = 1e-11;
 
 enum
 {
-    MOST = BEZIER_MOST_DEGREE + 1
+    MOST = BEZIER_MAX_DEGREE + 1
 };
 
 /// The matrix of the least-squares problem, column by column.
@@ -87,7 +87,7 @@ static void find_residual(const double *points, const double *parameters, size_t
 
 bat_status bezier_fit_make(const double *points, const double *parameters, size_t count, bezier_fit *fit, bat_error *error)
 {
-    assert(fit->patch.degree >= 1 && fit->patch.degree <= BEZIER_MOST_DEGREE && count > 0);
+    assert(fit->patch.degree >= 1 && fit->patch.degree <= BEZIER_MAX_DEGREE && count > 0);
     size_t side = (size_t)fit->patch.degree + 1, columns = side * side, leading = count > columns ? count : columns, size;
     if (count > INT_MAX || size_multiply_overflows(count, columns, &size))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points are too many for a fit", count);

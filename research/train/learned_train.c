@@ -271,8 +271,8 @@ static bat_status training_make(const bat_learned_train_options *options, learne
     if (status == BAT_OK)
         learned_network_start(&t->parameters, options->seed);
     for (int space = 0; space < BAT_TENSION_SPACE_COUNT && status == BAT_OK; space++)
-        status = bat_tension_set_make((bat_tension_space)space, BAT_TENSION_FRESH, epoch.kept, CHECK_SEED, &t->kept[space],
-                                      error);
+        status = bat_tension_set_make((bat_tension_space)space, BAT_TENSION_RESAMPLED, epoch.kept, CHECK_SEED,
+                                      &t->kept[space], error);
     return status;
 }
 

@@ -13,8 +13,8 @@ static void start(learn_parameters *parameters, uint64_t seed)
     for (size_t layer = 0; layer < CHART_LAYERS; layer++)
     {
         double factor = layer + 1 == CHART_LAYERS ? 1e-4 : 2;
-        learn_parameter_fill_normal(parameters, 2 * layer, sqrt(factor / (double)(layer == 0 ? SURFACE_SEEN : CHART_WIDTH)),
-                                    &random);
+        learn_parameter_fill_normal(parameters, 2 * layer,
+                                    sqrt(factor / (double)(layer == 0 ? PATCH_FEATURES : CHART_WIDTH)), &random);
         learn_parameter_fill(parameters, 2 * layer + 1, 0);
     }
 }
@@ -40,9 +40,9 @@ static void move_back(void *context)
         to[i] += (real)by_moves[i];
 }
 
-static learn_array *say(learn_tape *tape, learn_array *seen)
+static learn_array *say(learn_tape *tape, learn_array *features)
 {
-    learn_array *x = seen;
+    learn_array *x = features;
     for (size_t layer = 0; layer < CHART_LAYERS; layer++)
     {
         x = learn_linear(tape, x, learn_parameter_array(tape, 2 * layer), learn_parameter_array(tape, 2 * layer + 1));
@@ -65,20 +65,20 @@ static learn_array *predict(learn_tape *tape, const bat_cloud *cloud, const doub
         tape->status = status;
         return &tape->nothing;
     }
-    learn_array *seen = learn_array_make(tape, 1, SURFACE_SEEN, false);
-    for (size_t i = 0; i < learn_size(seen); i++)
-        seen->value[i] = (real)m->chart.seen[i];
-    m->moves = say(tape, seen);
+    learn_array *features = learn_array_make(tape, 1, PATCH_FEATURES, false);
+    for (size_t i = 0; i < learn_size(features); i++)
+        features->value[i] = (real)m->chart.features[i];
+    m->moves = say(tape, features);
     m->interior = learn_array_make(tape, count, 2, learn_wants(m->moves));
     if (tape->status != BAT_OK)
         return &tape->nothing;
     for (size_t i = 0; i < CHART_MOVES; i++)
-        m->precise[i] = m->chart.sees ? (double)m->moves->value[i] : 0;
+        m->precise[i] = m->chart.has_features ? (double)m->moves->value[i] : 0;
     m->scratch = memory + 4 * count;
     surface_chart_move(&m->chart, m->precise, m->scratch);
     for (size_t i = 0; i < 2 * count; i++)
         m->interior->value[i] = (real)m->scratch[i];
-    if (learn_wants(m->interior) && m->chart.sees)
+    if (learn_wants(m->interior) && m->chart.has_features)
         learn_tape_record(tape, m->interior, move_back, m);
     return m->interior;
 }

@@ -15,7 +15,7 @@ enum
 };
 
 // How many times as far as another one a surface may stray.
-static const double STRAYING = 2;
+static const double MAX_DISTANCE_RATIO = 2;
 
 void surface_candidate_free(surface_candidate *candidate)
 {
@@ -27,17 +27,17 @@ void surface_candidate_free(surface_candidate *candidate)
 }
 
 /// A failure that ends all: there is no memory, or the caller wants to stop.
-static bool ends_all(bat_status status)
+static bool is_fatal(bat_status status)
 {
     return status == BAT_NO_MEMORY || status == BAT_CANCELLED;
 }
 
 /// Note a failure of the candidate alone.
-static bat_status settle(bat_status status, const bat_error *failure, surface_candidate *candidate, bat_error *error)
+static bat_status record_failure(bat_status status, const bat_error *failure, surface_candidate *candidate, bat_error *error)
 {
     if (status == BAT_OK)
         return BAT_OK;
-    if (ends_all(status))
+    if (is_fatal(status))
         return error_set(error, status, failure->index, failure->line, "%s", failure->text);
     candidate->report.failure = *failure;
     candidate->report.mean_squared = NAN;
@@ -66,11 +66,11 @@ static bat_status parameterize_classical(const bat_cloud *cloud, const double *b
         [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,
         [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
     };
-    bat_cloud_parameterize_options how = bat_cloud_parameterize_defaults();
-    how.method = METHODS[kind];
-    how.published = options->published && how.method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
-    how.threads = options->fit.threads;
-    return bat_cloud_parameterize(cloud, boundary, &how, parameters, error);
+    bat_cloud_parameterize_options method_options = bat_cloud_parameterize_defaults();
+    method_options.method = METHODS[kind];
+    method_options.published = options->published && method_options.method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
+    method_options.threads = options->fit.threads;
+    return bat_cloud_parameterize(cloud, boundary, &method_options, parameters, error);
 }
 
 static bat_status parameterize(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
@@ -117,39 +117,40 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     if (status == BAT_OK && !options->no_repair && kind != BAT_SURFACE_PARAMETERS_GIVEN &&
         has_faults(&candidate->report.folds))
         status = bat_cloud_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
-    return settle(status, &failure, candidate, error);
+    return record_failure(status, &failure, candidate, error);
 }
 
 enum
 {
-    SAMPLES = 5 ///< of a cell
+    CELL_SAMPLES = 5 ///< of a cell
 };
 
 /// Corners and middle of all cells.
 static double *sample_cells(const bat_hierarchical_space *space, size_t cells)
 {
-    static const double AT[SAMPLES][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0.5}};
+    static const double CELL_POINTS[CELL_SAMPLES][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0.5}};
     bat_hierarchical_options options = bat_hierarchical_space_options(space);
-    double *parameters = memory_array(cells, SAMPLES * 2 * sizeof *parameters);
+    double *parameters = memory_array(cells, CELL_SAMPLES * 2 * sizeof *parameters);
     for (size_t c = 0; c < cells && parameters != NULL; c++)
     {
         bat_spline_box cell = bat_hierarchical_space_cell(space, c);
-        for (size_t s = 0; s < SAMPLES; s++)
+        for (size_t s = 0; s < CELL_SAMPLES; s++)
             for (size_t d = 0; d < 2; d++)
-                parameters[2 * (c * SAMPLES + s) + d] =
-                    fmin((cell.low[d] + AT[s][d]) / ldexp((double)options.spans[d], (int)cell.level), 1);
+                parameters[2 * (c * CELL_SAMPLES + s) + d] =
+                    fmin((cell.low[d] + CELL_POINTS[s][d]) / ldexp((double)options.spans[d], (int)cell.level), 1);
     }
     return parameters;
 }
 
-static bat_status measure(const double *places, size_t count, const neighbour_tree *tree, double *stray, bat_error *error)
+static bat_status farthest_sample(const double *positions, size_t count, const neighbour_tree *tree, double *stray,
+                                  bat_error *error)
 {
     neighbour_list list = {0};
     bat_status status = BAT_OK;
     *stray = 0;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        status = neighbours_nearest(tree, places + 3 * i, 1, &list, error);
+        status = neighbours_nearest(tree, positions + 3 * i, 1, &list, error);
         if (status == BAT_OK)
             *stray = fmax(*stray, sqrt(list.entries[0].squared));
     }
@@ -157,23 +158,23 @@ static bat_status measure(const double *places, size_t count, const neighbour_tr
     return status;
 }
 
-static bat_status surface_distance(const bat_spline_surface *surface, const double *points, size_t count, double *stray,
-                                   bat_error *error)
+static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const double *points, size_t count, double *stray,
+                                      bat_error *error)
 {
-    size_t cells = bat_hierarchical_space_cells(surface->space), samples = cells * SAMPLES;
+    size_t cells = bat_hierarchical_space_cells(surface->space), samples = cells * CELL_SAMPLES;
     neighbour_tree tree;
     bat_status status = neighbour_tree_build(points, count, &tree, error);
     if (status != BAT_OK)
         return status;
-    double *parameters = sample_cells(surface->space, cells), *places = memory_array(samples, 3 * sizeof *places);
-    if (parameters == NULL || places == NULL)
-        status = error_memory(error, samples * 5 * sizeof *places);
+    double *parameters = sample_cells(surface->space, cells), *positions = memory_array(samples, 3 * sizeof *positions);
+    if (parameters == NULL || positions == NULL)
+        status = error_memory(error, samples * 5 * sizeof *positions);
     if (status == BAT_OK)
-        status = bat_spline_surface_evaluate(surface, parameters, samples, 0, places, error);
+        status = bat_spline_surface_evaluate(surface, parameters, samples, 0, positions, error);
     if (status == BAT_OK)
-        status = measure(places, samples, &tree, stray, error);
+        status = farthest_sample(positions, samples, &tree, stray, error);
     free(parameters);
-    free(places);
+    free(positions);
     neighbour_tree_free(&tree);
     return status;
 }
@@ -200,23 +201,23 @@ static bat_status median_squared(const double *distances, size_t count, double *
 }
 
 /// The figures of a fit to some points.
-static bat_status note_figures(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
-                               const bat_spline_surface *surface, const bat_surface_fit_report *fit,
-                               bat_surface_candidate *report, bat_error *error)
+static bat_status record_metrics(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
+                                 const bat_spline_surface *surface, const bat_surface_fit_report *fit,
+                                 bat_surface_candidate *report, bat_error *error)
 {
     const bat_surface_fit_round *last = &fit->rounds[fit->count - 1];
     report->functions = last->functions;
     report->mean_squared = last->mean_squared;
     report->reached = fit->reached;
     report->fit_seconds = last->seconds;
-    bat_status status = surface_distance(surface, data->points, data->count, &report->stray, error);
+    bat_status status = one_sided_hausdorff(surface, data->points, data->count, &report->stray, error);
     if (status == BAT_OK && options->robust)
         status = median_squared(fit->distances, data->count, &report->mean_squared, error);
     return status;
 }
 
 /// Whether parameters of the boundary lie on the square's sides, as they do unless they were given.
-static bool bounds(const bat_cloud *cloud, const double *parameters)
+static bool boundary_on_sides(const bat_cloud *cloud, const double *parameters)
 {
     for (size_t i = 0; i < cloud->boundary_count; i++)
     {
@@ -239,70 +240,71 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_o
                                  .parameters = candidate->corrected,
                                  .count = cloud->count,
                                  .dimension = 3,
-                                 .boundary_count = bounds(cloud, candidate->parameters) ? cloud->boundary_count : 0,
+                                 .boundary_count =
+                                     boundary_on_sides(cloud, candidate->parameters) ? cloud->boundary_count : 0,
                                  .slides = slides};
     bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
     if (status == BAT_OK)
-        status = note_figures(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
-    return settle(status, &failure, candidate, error);
+        status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
+    return record_failure(status, &failure, candidate, error);
 }
 
 /// A part of a cloud's points with their parameters, boundary first.
-typedef struct cloud_part
+typedef struct cloud_sample
 {
     double *points, *parameters;
     size_t count, boundary_count;
-} cloud_part;
+} cloud_sample;
 
 /// Points are drawn by chance, as their order in a file may follow the lines of a scanner; the boundary keeps its share.
-static bat_status take_part(const bat_cloud *cloud, const double *parameters, size_t wanted, cloud_part *part,
-                            bat_error *error)
+static bat_status draw_sample(const bat_cloud *cloud, const double *parameters, size_t wanted, cloud_sample *sample,
+                              bat_error *error)
 {
     bat_random random = bat_random_seed(1);
-    *part =
-        (cloud_part){memory_array(cloud->count, 3 * sizeof(double)), memory_array(cloud->count, 2 * sizeof(double)), 0, 0};
-    if (part->points == NULL || part->parameters == NULL)
+    *sample =
+        (cloud_sample){memory_array(cloud->count, 3 * sizeof(double)), memory_array(cloud->count, 2 * sizeof(double)), 0, 0};
+    if (sample->points == NULL || sample->parameters == NULL)
         return error_memory(error, cloud->count * 5 * sizeof(double));
     double share = (double)wanted / (double)cloud->count;
     for (size_t i = 0; i < cloud->count; i++)
     {
         if (bat_random_uniform(&random) >= share)
             continue;
-        memcpy(part->points + 3 * part->count, cloud->points + 3 * i, 3 * sizeof *part->points);
-        memcpy(part->parameters + 2 * part->count, parameters + 2 * i, 2 * sizeof *part->parameters);
-        part->count++;
-        part->boundary_count += i < cloud->boundary_count;
+        memcpy(sample->points + 3 * sample->count, cloud->points + 3 * i, 3 * sizeof *sample->points);
+        memcpy(sample->parameters + 2 * sample->count, parameters + 2 * i, 2 * sizeof *sample->parameters);
+        sample->count++;
+        sample->boundary_count += i < cloud->boundary_count;
     }
     return BAT_OK;
 }
 
-bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides, size_t points,
-                                 surface_candidate *candidate, bat_error *error)
+bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
+                                        size_t points, surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
-    cloud_part part;
+    cloud_sample sample;
     bat_surface_fit_options trial = *options;
     bat_spline_surface surface = {0};
     bat_surface_fit_report fit = {0};
-    bat_status status = take_part(cloud, candidate->parameters, points, &part, &failure);
-    size_t most = part.count / POINTS_PER_FUNCTION;
-    if (trial.functions == 0 || trial.functions > most)
-        trial.functions = most;
-    bat_surface_fit_data data = {.points = part.points,
-                                 .parameters = part.parameters,
-                                 .count = part.count,
+    bat_status status = draw_sample(cloud, candidate->parameters, points, &sample, &failure);
+    size_t maximum = sample.count / POINTS_PER_FUNCTION;
+    if (trial.functions == 0 || trial.functions > maximum)
+        trial.functions = maximum;
+    bat_surface_fit_data data = {.points = sample.points,
+                                 .parameters = sample.parameters,
+                                 .count = sample.count,
                                  .dimension = 3,
-                                 .boundary_count = part.boundary_count,
+                                 .boundary_count = sample.boundary_count,
                                  .slides = slides};
     if (status == BAT_OK)
         status = bat_surface_fit(&data, &trial, &surface, &fit, &failure);
     if (status == BAT_OK)
-        status = note_figures(&data, options, &surface, &fit, &candidate->report, &failure);
+        status = record_metrics(&data, options, &surface, &fit, &candidate->report, &failure);
     bat_spline_surface_free(&surface);
     bat_surface_fit_report_free(&fit);
-    free(part.points);
-    free(part.parameters);
-    return settle(status, &failure, candidate, error);
+    free(sample.points);
+    free(sample.parameters);
+    return record_failure(status, &failure, candidate, error);
 }
 
 static bool is_better(const bat_surface_candidate *first, const bat_surface_candidate *second,
@@ -317,15 +319,15 @@ static bool is_better(const bat_surface_candidate *first, const bat_surface_cand
 
 size_t surface_candidate_best(surface_candidate *candidates, size_t count, const bat_surface_fit_options *options)
 {
-    double least = INFINITY;
+    double minimum = INFINITY;
     size_t best = BAT_NO_INDEX;
     for (size_t i = 0; i < count; i++)
         if (isfinite(candidates[i].report.mean_squared))
-            least = fmin(least, candidates[i].report.stray);
+            minimum = fmin(minimum, candidates[i].report.stray);
     for (size_t i = 0; i < count; i++)
     {
         bat_surface_candidate *report = &candidates[i].report;
-        report->strays = isfinite(report->mean_squared) && report->stray > STRAYING * least;
+        report->strays = isfinite(report->mean_squared) && report->stray > MAX_DISTANCE_RATIO * minimum;
         if (isfinite(report->mean_squared) && !report->strays &&
             (best == BAT_NO_INDEX || is_better(report, &candidates[best].report, options)))
             best = i;

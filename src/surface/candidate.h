@@ -30,8 +30,8 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
 bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
                                  surface_candidate *candidate, bat_error *error);
 /// Fit about `points` of them, and keep the figures alone.
-bat_status surface_candidate_try(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides, size_t points,
-                                 surface_candidate *candidate, bat_error *error);
+bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
+                                        size_t points, surface_candidate *candidate, bat_error *error);
 
 /// The best of candidates by their fits: of those that stray less than twice as far as another, the one with fewer functions
 /// where both reach the tolerance, else the one with the smaller distances. The first where all have failed. Notes which

@@ -10,9 +10,9 @@
 
 enum
 {
-    LEAST_POINTS = 4,    ///< that can be the corners of a patch
-    MOST_WHOLE = 20000,  ///< points that are all fitted on trial
-    PART_POINTS = 10000, ///< of a larger cloud
+    MIN_POINTS = 4,         ///< that can be the corners of a patch
+    MAX_ALL_POINTS = 20000, ///< points that are all fitted on trial
+    SAMPLE_POINTS = 10000,  ///< of a larger cloud
 };
 
 // The share of the work on a large cloud that trials are.
@@ -56,10 +56,10 @@ static bat_status check_options(const bat_surface_options *options, bat_error *e
     if (wrong != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
     const bat_hierarchical_options *space = &options->fit.space;
-    size_t least = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
-    if (options->fit.functions > 0 && options->fit.functions < least)
+    size_t minimum = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
+    if (options->fit.functions > 0 && options->fit.functions < minimum)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the coarsest spline has %zu functions, more than the %zu that are allowed", least,
+                         "the coarsest spline has %zu functions, more than the %zu that are allowed", minimum,
                          options->fit.functions);
     return BAT_OK;
 }
@@ -96,7 +96,7 @@ static bat_status prepare(reconstruction *work, bat_error *error)
 {
     bat_cloud *cloud = work->cloud;
     bat_status status = bat_cloud_check(cloud, error);
-    if (status == BAT_OK && cloud->count < LEAST_POINTS)
+    if (status == BAT_OK && cloud->count < MIN_POINTS)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are no patch of surface", cloud->count);
     bool given = work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN;
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
@@ -118,15 +118,15 @@ static bat_status prepare(reconstruction *work, bat_error *error)
 }
 
 /// Whether trials go through all points, so that the best is the result already.
-static bool tries_whole(const reconstruction *work)
+static bool fits_all_points(const reconstruction *work)
 {
-    return work->kind_count == 1 || work->cloud->count <= MOST_WHOLE;
+    return work->kind_count == 1 || work->cloud->count <= MAX_ALL_POINTS;
 }
 
-static bat_status try_kind(reconstruction *work, size_t number, bat_error *error)
+static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
-    double share = (tries_whole(work) ? 1 : TRIAL_SHARE) / (double)work->kind_count;
+    double share = (fits_all_points(work) ? 1 : TRIAL_SHARE) / (double)work->kind_count;
     progress_part part = {fit.progress, share * (double)number, share};
     fit.progress = progress_of_part(&part);
     bool slides = work->options->slide_boundary;
@@ -134,8 +134,9 @@ static bat_status try_kind(reconstruction *work, size_t number, bat_error *error
     bat_status status =
         surface_candidate_make(work->cloud, work->boundary, work->options, work->kinds[number], candidate, error);
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
-        status = tries_whole(work) ? surface_candidate_fit(work->cloud, &fit, slides, candidate, error)
-                                   : surface_candidate_try(work->cloud, &fit, slides, PART_POINTS, candidate, error);
+        status = fits_all_points(work)
+                     ? surface_candidate_fit(work->cloud, &fit, slides, candidate, error)
+                     : surface_candidate_fit_sample(work->cloud, &fit, slides, SAMPLE_POINTS, candidate, error);
     return status;
 }
 
@@ -156,11 +157,11 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     return status == BAT_OK ? check_best(work, error) : status;
 }
 
-static bat_status try_all(reconstruction *work, bat_error *error)
+static bat_status fit_kinds(reconstruction *work, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < work->kind_count && status == BAT_OK; i++)
-        status = try_kind(work, i, error);
+        status = fit_kind(work, i, error);
     if (status != BAT_OK)
         return status;
     work->best = &work->candidates[surface_candidate_best(work->candidates, work->kind_count, &work->options->fit)];
@@ -168,10 +169,10 @@ static bat_status try_all(reconstruction *work, bat_error *error)
         work->result.candidates[i] = work->candidates[i].report;
     work->result.candidate_count = work->kind_count;
     status = check_best(work, error);
-    return status == BAT_OK && !tries_whole(work) ? fit_best(work, error) : status;
+    return status == BAT_OK && !fits_all_points(work) ? fit_best(work, error) : status;
 }
 
-static bat_status finish(reconstruction *work, bat_error *error)
+static bat_status store_result(reconstruction *work, bat_error *error)
 {
     bat_surface_result *result = &work->result;
     surface_candidate *best = work->best;
@@ -180,7 +181,7 @@ static bat_status finish(reconstruction *work, bat_error *error)
         status = bat_cloud_parameters_check(work->cloud, best->corrected, &result->folds, error);
     if (status != BAT_OK)
         return status;
-    result->trial_points = tries_whole(work) ? work->cloud->count : PART_POINTS;
+    result->trial_points = fits_all_points(work) ? work->cloud->count : SAMPLE_POINTS;
     result->chosen = best->report.parameters;
     result->surface = best->surface;
     result->report = best->fit;
@@ -200,9 +201,9 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
         status = prepare(&work, error);
     list_kinds(&work);
     if (status == BAT_OK)
-        status = try_all(&work, error);
+        status = fit_kinds(&work, error);
     if (status == BAT_OK)
-        status = finish(&work, error);
+        status = store_result(&work, error);
     for (size_t i = 0; i < work.kind_count; i++)
         surface_candidate_free(&work.candidates[i]);
     free(work.boundary);

@@ -155,7 +155,7 @@ static void neither_threads_nor_stops_change_a_byte(void **state)
 static void make_kept(size_t count, bat_tension_set *kept)
 {
     for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-        check_status(bat_tension_set_make((bat_tension_space)space, BAT_TENSION_FRESH, count, 2, &kept[space], NULL),
+        check_status(bat_tension_set_make((bat_tension_space)space, BAT_TENSION_RESAMPLED, count, 2, &kept[space], NULL),
                      BAT_OK);
 }
 

@@ -65,7 +65,7 @@ static bat_tension_mechanism_report report_of(const fixture *f, const bat_tensio
 
 static double cut_off(double tension)
 {
-    return fmin(fmax(tension, BAT_TENSION_EFFECTIVE_LEAST), BAT_TENSION_EFFECTIVE_GREATEST);
+    return fmin(fmax(tension, BAT_TENSION_EFFECTIVE_MIN), BAT_TENSION_EFFECTIVE_MAX);
 }
 
 /// The mean for angles of 0 on the control polygons, by the library's own angles.
@@ -132,7 +132,7 @@ static void check_distribution(const bat_tension_effective *e, size_t insertions
     check_near(cut_off(e->quantiles[2]), e->summary.median, 1e-12);
     for (size_t q = 1; q < 5; q++)
         assert_true(e->quantiles[q - 1] <= e->quantiles[q]);
-    assert_true((double)e->below <= 0.25 * (double)sum || e->quantiles[1] < BAT_TENSION_EFFECTIVE_LEAST);
+    assert_true((double)e->below <= 0.25 * (double)sum || e->quantiles[1] < BAT_TENSION_EFFECTIVE_MIN);
 }
 
 /// Every kind of network, at the weights that training begins with.

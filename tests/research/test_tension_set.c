@@ -28,7 +28,7 @@ static bat_tension_set make(bat_tension_space space, bat_tension_set_kind kind, 
 /// Call `check` on a small set of each kind in each space.
 static void for_every_set(void (*check)(bat_tension_space space, bat_tension_set_kind kind, const bat_tension_set *set))
 {
-    const bat_tension_set_kind kinds[] = {BAT_TENSION_FRESH, BAT_TENSION_UNSEEN};
+    const bat_tension_set_kind kinds[] = {BAT_TENSION_RESAMPLED, BAT_TENSION_UNSEEN};
     for (int s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
         for (size_t k = 0; k < 2; k++)
         {
@@ -138,7 +138,7 @@ static void no_edge_is_much_shorter_than_the_others(void **state)
 static void numbers_tell_the_family(void **state)
 {
     (void)state;
-    bat_tension_set set = make(BAT_TENSION_DISK, BAT_TENSION_FRESH, 40, 1);
+    bat_tension_set set = make(BAT_TENSION_DISK, BAT_TENSION_RESAMPLED, 40, 1);
     for (size_t c = 1; c < set.count; c += 4) // circles: four points are concyclic
     {
         const double *p = set.truth + c * TRUTH * 2;
@@ -147,7 +147,7 @@ static void numbers_tell_the_family(void **state)
         check_relative(f * g, a * d + b * e, 1e-12); // Ptolemy
     }
     bat_tension_set_free(&set);
-    set = make(BAT_TENSION_PLANE, BAT_TENSION_FRESH, 40, 1);
+    set = make(BAT_TENSION_PLANE, BAT_TENSION_RESAMPLED, 40, 1);
     for (size_t c = 0; c < set.count; c += 5) // ellipses: (x / a)^2 + (y / b)^2 = 1
     {
         const double *p = set.truth + c * TRUTH * 2;
@@ -183,9 +183,9 @@ static void bad_arguments_are_refused(void **state)
     bat_tension_set set = {.count = 77};
     bat_error error;
     check_status(bat_tension_set_make(BAT_TENSION_PLANE, BAT_TENSION_PUBLISHED, 3, 1, &set, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_PLANE, BAT_TENSION_FRESH, 0, 1, &set, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_SPACE_COUNT, BAT_TENSION_FRESH, 3, 1, &set, NULL), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_DISK, BAT_TENSION_FRESH, SIZE_MAX / 2, 1, &set, &error), BAT_NO_MEMORY);
+    check_status(bat_tension_set_make(BAT_TENSION_PLANE, BAT_TENSION_RESAMPLED, 0, 1, &set, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_set_make(BAT_TENSION_SPACE_COUNT, BAT_TENSION_RESAMPLED, 3, 1, &set, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_set_make(BAT_TENSION_DISK, BAT_TENSION_RESAMPLED, SIZE_MAX / 2, 1, &set, &error), BAT_NO_MEMORY);
     assert_int_equal(set.count, 77);
 }
 

@@ -172,7 +172,7 @@ static double mean_nn_of(bat_tension_space kind, bat_tension_set_kind curves, co
 static void test_curves_are_those_of_the_set(void **state)
 {
     (void)state;
-    const bat_tension_set_kind kinds[] = {BAT_TENSION_FRESH, BAT_TENSION_UNSEEN};
+    const bat_tension_set_kind kinds[] = {BAT_TENSION_RESAMPLED, BAT_TENSION_UNSEEN};
     bat_tension_method own[OWN];
     own_methods(own);
     for (size_t k = 0; k < 2; k++)
@@ -207,7 +207,7 @@ static void bad_tables_are_refused(void **state)
     bat_progress silent = {0};
     bat_error error;
     check_status(bat_tension_table1((bat_tension_set_kind)9, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_table1_methods(BAT_TENSION_FRESH, NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_table1_methods(BAT_TENSION_RESAMPLED, NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
     check_status(bat_tension_table5_methods(NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
 }
 

@@ -15,7 +15,7 @@ typedef struct scatter
 {
     double planar[MOST][2];
     double inverse[MOST][2];
-    size_t ring[STAR_RING];
+    size_t ring[STAR_MAX_RING];
     size_t count;
     bool closed;
 } scatter;
@@ -72,7 +72,7 @@ static void stars_are_those_of_a_triangulation(void **state)
     (void)state;
     for (uint64_t seed = 1; seed <= 60; seed++)
     {
-        size_t points = 8 + seed % 40, ring[STAR_RING], count, first = 0;
+        size_t points = 8 + seed % 40, ring[STAR_MAX_RING], count, first = 0;
         scatter s = find_random(points, seed % 3 == 0 ? 0.9 : 0, seed);
         s.planar[points][0] = s.planar[points][1] = 0;
         assert_int_equal(triangulated_star_find((const double(*)[2])s.planar, points + 1, points, ring, &count, NULL),
@@ -112,7 +112,7 @@ static void grids_give_four_neighbours(void **state)
 {
     (void)state;
     double planar[48][2], inverse[48][2];
-    size_t ring[STAR_RING], count = 0;
+    size_t ring[STAR_MAX_RING], count = 0;
     bool closed;
     for (int i = -3; i <= 3; i++)
         for (int j = -3; j <= 3; j++)
@@ -132,7 +132,7 @@ static void points_at_the_origin_do_not_count(void **state)
     (void)state;
     const double planar[5][2] = {{0, 0}, {1, 0}, {-1, 1}, {-1, -1}, {0, 0}};
     double inverse[5][2];
-    size_t ring[STAR_RING];
+    size_t ring[STAR_MAX_RING];
     bool closed;
     assert_int_equal(star_find(planar, 5, inverse, ring, &closed), 3);
     assert_true(closed);
@@ -142,7 +142,7 @@ static void points_at_the_origin_do_not_count(void **state)
 
 static void check_average(const double (*ring)[2], size_t count)
 {
-    double weights[STAR_RING], sum = 0, mean[2] = {0, 0}, size = 0;
+    double weights[STAR_MAX_RING], sum = 0, mean[2] = {0, 0}, size = 0;
     star_shape_preserving(ring, count, weights);
     for (size_t k = 0; k < count; k++)
     {
@@ -163,7 +163,7 @@ static void weights_make_the_middle_an_average(void **state)
     for (uint64_t seed = 1; seed <= 200; seed++)
     {
         scatter s = find_random(10 + seed % 60, 0, seed);
-        double ring[STAR_RING][2];
+        double ring[STAR_MAX_RING][2];
         for (size_t k = 0; k < s.count; k++)
         {
             ring[k][0] = s.planar[s.ring[k]][0];

@@ -59,11 +59,11 @@ static double largest_difference(const double *a, const double *b, size_t count)
 
 static double *extend(const bat_cloud *cloud, const double *boundary, const double *points, size_t count)
 {
-    surface_extension extension;
+    biharmonic_extension extension;
     double *parameters = numbers(2 * count);
-    check_status(surface_extension_make(cloud, boundary, &extension, NULL), BAT_OK);
-    surface_extension_at(&extension, points, count, parameters);
-    surface_extension_free(&extension);
+    check_status(biharmonic_extension_make(cloud, boundary, &extension, NULL), BAT_OK);
+    biharmonic_extension_evaluate(&extension, points, count, parameters);
+    biharmonic_extension_free(&extension);
     return parameters;
 }
 
@@ -111,11 +111,11 @@ static void clean_boundaries_keep_their_parameters(void **state)
     (void)state;
     patch made = patch_scatter(bent_loop, 20, 0, 0, 1);
     size_t bound = made.cloud.boundary_count;
-    surface_extension extension;
-    check_status(surface_extension_make(&made.cloud, made.parameters, &extension, NULL), BAT_OK);
+    biharmonic_extension extension;
+    check_status(biharmonic_extension_make(&made.cloud, made.parameters, &extension, NULL), BAT_OK);
     double *found = numbers(2 * bound), lambda = 1e-6 + 5 * extension.noise;
     assert_true(extension.noise < 1e-5);
-    surface_extension_at(&extension, made.cloud.points, bound, found);
+    biharmonic_extension_evaluate(&extension, made.cloud.points, bound, found);
     for (size_t i = 0; i < 2 * bound; i++)
     {
         check_near(found[i], made.parameters[i], 1e-4);
@@ -123,7 +123,7 @@ static void clean_boundaries_keep_their_parameters(void **state)
         double unclamped = made.parameters[i] - lambda * extension.weights[i];
         check_near(found[i], fmin(fmax(unclamped, 0), 1), 1e-9);
     }
-    surface_extension_free(&extension);
+    biharmonic_extension_free(&extension);
     free(found);
     patch_free(&made);
 }
@@ -139,10 +139,10 @@ static void noise_of_the_loop_is_measured(void **state)
         for (uint64_t seed = 0; seed < 10; seed++)
         {
             patch made = patch_scatter(bent_loop, 40, 0, NOISES[k], seed);
-            surface_extension extension;
-            check_status(surface_extension_make(&made.cloud, made.parameters, &extension, NULL), BAT_OK);
+            biharmonic_extension extension;
+            check_status(biharmonic_extension_make(&made.cloud, made.parameters, &extension, NULL), BAT_OK);
             share += extension.noise / NOISES[k] / 10;
-            surface_extension_free(&extension);
+            biharmonic_extension_free(&extension);
             patch_free(&made);
         }
         check_near(share, 0.78, 0.08);
@@ -195,8 +195,8 @@ static void short_straight_and_long_loops_are_carried_on(void **state)
 static void sample_polynomial(size_t count, uint64_t seed, double *parameters, double *points)
 {
     bat_random random = bat_random_seed(seed);
-    double terms[SURFACE_TERMS][3];
-    for (size_t k = 0; k < SURFACE_TERMS; k++)
+    double terms[PATCH_TERMS][3];
+    for (size_t k = 0; k < PATCH_TERMS; k++)
         for (size_t d = 0; d < 3; d++)
             terms[k][d] = 0.05 * bat_random_normal(&random);
     for (size_t i = 0; i < count; i++)
@@ -205,9 +205,9 @@ static void sample_polynomial(size_t count, uint64_t seed, double *parameters, d
         for (size_t d = 0; d < 3; d++)
         {
             double x = d == 0 ? u : d == 1 ? v : 0.3;
-            for (size_t a = 0; a <= SURFACE_DEGREE; a++)
-                for (size_t b = 0; b <= SURFACE_DEGREE; b++)
-                    x += terms[a * (SURFACE_DEGREE + 1) + b][d] * pow(u, (double)a) * pow(v, (double)b);
+            for (size_t a = 0; a <= PATCH_DEGREE; a++)
+                for (size_t b = 0; b <= PATCH_DEGREE; b++)
+                    x += terms[a * (PATCH_DEGREE + 1) + b][d] * pow(u, (double)a) * pow(v, (double)b);
             points[3 * i + d] = x;
         }
     }
@@ -216,20 +216,20 @@ static void sample_polynomial(size_t count, uint64_t seed, double *parameters, d
 static void legendre_polynomials_are_orthogonal(void **state)
 {
     (void)state;
-    double products[SURFACE_DEGREE + 1][SURFACE_DEGREE + 1] = {{0}}, values[SURFACE_DEGREE + 1];
+    double products[PATCH_DEGREE + 1][PATCH_DEGREE + 1] = {{0}}, values[PATCH_DEGREE + 1];
     const size_t steps = 2000; // of the midpoint rule
     for (size_t i = 0; i < steps; i++)
     {
-        surface_legendre(((double)i + 0.5) / (double)steps, SURFACE_DEGREE, values);
-        for (size_t a = 0; a <= SURFACE_DEGREE; a++)
-            for (size_t b = 0; b <= SURFACE_DEGREE; b++)
+        legendre_polynomials(((double)i + 0.5) / (double)steps, PATCH_DEGREE, values);
+        for (size_t a = 0; a <= PATCH_DEGREE; a++)
+            for (size_t b = 0; b <= PATCH_DEGREE; b++)
                 products[a][b] += values[a] * values[b] / (double)steps;
     }
-    for (size_t a = 0; a <= SURFACE_DEGREE; a++)
-        for (size_t b = 0; b <= SURFACE_DEGREE; b++)
+    for (size_t a = 0; a <= PATCH_DEGREE; a++)
+        for (size_t b = 0; b <= PATCH_DEGREE; b++)
             check_near(products[a][b], a == b ? 1 / (double)(2 * a + 1) : 0, 1e-4);
-    surface_legendre(1, SURFACE_DEGREE, values);
-    for (size_t a = 0; a <= SURFACE_DEGREE; a++)
+    legendre_polynomials(1, PATCH_DEGREE, values);
+    for (size_t a = 0; a <= PATCH_DEGREE; a++)
         check_near(values[a], 1, 1e-14);
 }
 
@@ -240,19 +240,19 @@ static void patches_of_the_degree_are_met(void **state)
     const size_t count = 700;
     double *parameters = numbers(2 * count), *points = numbers(3 * count);
     sample_polynomial(count, 3, parameters, points);
-    surface_descriptor descriptor;
-    check_status(surface_descriptor_make(points, parameters, count, 0, &descriptor, NULL), BAT_OK);
+    polynomial_patch descriptor;
+    check_status(polynomial_patch_fit(points, parameters, count, 0, &descriptor, NULL), BAT_OK);
     assert_true(descriptor.residual < 1e-4);
     for (size_t i = 0; i < count; i++)
     {
-        double u[SURFACE_DEGREE + 1], v[SURFACE_DEGREE + 1];
-        surface_legendre(parameters[2 * i], SURFACE_DEGREE, u);
-        surface_legendre(parameters[2 * i + 1], SURFACE_DEGREE, v);
+        double u[PATCH_DEGREE + 1], v[PATCH_DEGREE + 1];
+        legendre_polynomials(parameters[2 * i], PATCH_DEGREE, u);
+        legendre_polynomials(parameters[2 * i + 1], PATCH_DEGREE, v);
         for (size_t d = 0; d < 3; d++)
         {
             double x = 0;
-            for (size_t k = 0; k < SURFACE_TERMS; k++)
-                x += descriptor.terms[k][d] * u[k / (SURFACE_DEGREE + 1)] * v[k % (SURFACE_DEGREE + 1)];
+            for (size_t k = 0; k < PATCH_TERMS; k++)
+                x += descriptor.terms[k][d] * u[k / (PATCH_DEGREE + 1)] * v[k % (PATCH_DEGREE + 1)];
             check_near(x, points[3 * i + d], 1e-3);
         }
     }
@@ -260,11 +260,11 @@ static void patches_of_the_degree_are_met(void **state)
     free(points);
 }
 
-static void see(const double *points, const double *parameters, size_t count, double noise, double *seen)
+static void see(const double *points, const double *parameters, size_t count, double noise, double *features)
 {
-    surface_descriptor descriptor;
-    check_status(surface_descriptor_make(points, parameters, count, noise, &descriptor, NULL), BAT_OK);
-    assert_true(surface_descriptor_see(&descriptor, seen));
+    polynomial_patch descriptor;
+    check_status(polynomial_patch_fit(points, parameters, count, noise, &descriptor, NULL), BAT_OK);
+    assert_true(polynomial_patch_features(&descriptor, features));
 }
 
 /// The cost of noise is in the cloud's units, which a turn does not change but a size does.
@@ -275,18 +275,18 @@ static void place_turn_and_size_are_not_seen(void **state)
     for (size_t k = 0; k < 6; k++)
     {
         size_t count = COUNTS[k / 2];
-        double noise = k % 2 == 0 ? 0 : 0.02, before[SURFACE_SEEN], after[SURFACE_SEEN];
+        double noise = k % 2 == 0 ? 0 : 0.02, before[PATCH_FEATURES], after[PATCH_FEATURES];
         double *parameters = numbers(2 * count), *points = numbers(3 * count);
         sample_polynomial(count, 10 + k, parameters, points);
         see(points, parameters, count, noise, before);
         motion m = motion_of(2.2, k % 2 == 0 ? 0.4 : 1, 0.3);
         move_points(&m, points, count);
         see(points, parameters, count, noise, after);
-        assert_true(largest_difference(before, after, SURFACE_SEEN) < 1e-8);
+        assert_true(largest_difference(before, after, PATCH_FEATURES) < 1e-8);
         for (size_t i = 0; i < count; i++)
             points[3 * i + 1] *= -1;
         see(points, parameters, count, noise, after);
-        for (size_t i = 0; i < SURFACE_SEEN; i++)
+        for (size_t i = 0; i < PATCH_FEATURES; i++)
             check_near(after[i], i % 3 == 2 ? -before[i] : before[i], 1e-8);
         free(parameters);
         free(points);
@@ -299,10 +299,10 @@ static void the_frame_is_that_of_the_first_terms(void **state)
 {
     (void)state;
     const size_t count = 200;
-    double *parameters = numbers(2 * count), *points = numbers(3 * count), seen[SURFACE_SEEN];
+    double *parameters = numbers(2 * count), *points = numbers(3 * count), features[PATCH_FEATURES];
     sample_polynomial(count, 4, parameters, points);
-    see(points, parameters, count, 0, seen);
-    const double *u = seen + 3 * (size_t)SURFACE_DEGREE, *v = seen;
+    see(points, parameters, count, 0, features);
+    const double *u = features + 3 * (size_t)PATCH_DEGREE, *v = features;
     assert_true(u[0] > 0 && v[1] > 0);
     check_near(u[1], 0, 1e-14);
     check_near(u[2], 0, 1e-14);
@@ -316,8 +316,8 @@ static void patches_without_a_plane_are_not_seen(void **state)
 {
     (void)state;
     const size_t count = 50;
-    double *parameters = numbers(2 * count), *points = numbers(3 * count), seen[SURFACE_SEEN];
-    surface_descriptor descriptor;
+    double *parameters = numbers(2 * count), *points = numbers(3 * count), features[PATCH_FEATURES];
+    polynomial_patch descriptor;
     bat_random random = bat_random_seed(1);
     // All in one line of space.
     for (size_t i = 0; i < count; i++)
@@ -327,10 +327,10 @@ static void patches_without_a_plane_are_not_seen(void **state)
         for (size_t d = 0; d < 3; d++)
             points[3 * i + d] = 0.5 * (parameters[2 * i] + parameters[2 * i + 1]);
     }
-    check_status(surface_descriptor_make(points, parameters, count, 0, &descriptor, NULL), BAT_OK);
-    assert_false(surface_descriptor_see(&descriptor, seen));
+    check_status(polynomial_patch_fit(points, parameters, count, 0, &descriptor, NULL), BAT_OK);
+    assert_false(polynomial_patch_features(&descriptor, features));
     parameters[17] = NAN;
-    check_status(surface_descriptor_make(points, parameters, count, 0, &descriptor, NULL), BAT_NO_CONVERGENCE);
+    check_status(polynomial_patch_fit(points, parameters, count, 0, &descriptor, NULL), BAT_NO_CONVERGENCE);
     free(parameters);
     free(points);
 }
@@ -357,8 +357,8 @@ static void steps_lead_to_the_foot(void **state)
 {
     (void)state;
     patch made = patch_scatter(hill, 20, 400, 0, 2);
-    surface_descriptor descriptor;
-    check_status(surface_descriptor_make(made.cloud.points, made.parameters, made.cloud.count, 0, &descriptor, NULL),
+    polynomial_patch descriptor;
+    check_status(polynomial_patch_fit(made.cloud.points, made.parameters, made.cloud.count, 0, &descriptor, NULL),
                  BAT_OK);
     bat_random random = bat_random_seed(6);
     for (int k = 0; k < 100; k++)
@@ -374,7 +374,7 @@ static void steps_lead_to_the_foot(void **state)
         double far = hypot(at[0] - foot[0], at[1] - foot[1]);
         for (int round = 0; round < 12; round++)
         {
-            surface_descriptor_step(&descriptor, place, at, step);
+            polynomial_patch_step(&descriptor, place, at, step);
             at[0] += step[0];
             at[1] += step[1];
             // The point's height times the curvature is what Gauss and Newton leave out.
@@ -386,7 +386,7 @@ static void steps_lead_to_the_foot(void **state)
     }
     const double nowhere[3] = {100, -100, 0}, middle[2] = {0.5, 0.5};
     double step[2];
-    surface_descriptor_step(&descriptor, nowhere, middle, step);
+    polynomial_patch_step(&descriptor, nowhere, middle, step);
     assert_true(step[0] == 0.2 && step[1] == -0.2);
     patch_free(&made);
 }
@@ -494,7 +494,7 @@ static void planes_need_no_network(void **state)
         surface_chart chart = chart_of(&made, &memory);
         double *moved = numbers(2 * chart.count);
         surface_chart_move(&chart, moves, moved);
-        assert_true(chart.sees);
+        assert_true(chart.has_features);
         assert_false(chart.folded);
         assert_true(largest_difference(moved, made.parameters + 2 * made.cloud.boundary_count, 2 * chart.count) < 5e-4);
         free(moved);

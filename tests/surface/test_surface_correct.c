@@ -173,7 +173,7 @@ static void lost_points_are_found_again(void **state)
     check_status(fit_nets_make(surface.space, surface.control, 3, 1, &nets, NULL), BAT_OK);
     fit_points_locate(&points, surface.space, 1);
     check_status(fit_nets_measure(&nets, &points, NULL, 1, NULL), BAT_OK);
-    check_status(fit_correct_lost(&nets, &points, fit_correction_full(), 1, &moved, NULL), BAT_OK);
+    check_status(fit_correct_wrong_feet(&nets, &points, fit_correction_full(), 1, &moved, NULL), BAT_OK);
     assert_int_equal(moved, 20);
     double largest[2] = {0, 0};
     for (size_t row = 0; row < points.count; row++)

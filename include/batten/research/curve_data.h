@@ -67,7 +67,7 @@ BAT_API void bat_tension_data_free(bat_tension_data *data);
 typedef enum bat_tension_set_kind
 {
     BAT_TENSION_PUBLISHED, ///< the published validation curves
-    BAT_TENSION_FRESH,     ///< from the families that training draws from, by other random streams
+    BAT_TENSION_RESAMPLED,     ///< from the families that training draws from, by other random streams
     BAT_TENSION_UNSEEN     ///< from families that have no member in common with those
 } bat_tension_set_kind;
 
@@ -94,7 +94,7 @@ typedef enum bat_tension_set_kind
 /// The same arguments give the same curves, up to the last digits of the C library's functions; a smaller count gives the
 /// first of them. No training of the library draws from the same random streams, whatever its seed.
 ///
-/// @param kind  BAT_TENSION_FRESH or BAT_TENSION_UNSEEN; bat_tension_data_make() gives the published curves
+/// @param kind  BAT_TENSION_RESAMPLED or BAT_TENSION_UNSEEN; bat_tension_data_make() gives the published curves
 /// @param count curves, at least 1; 300 take 5 to 7 MB
 /// @param seed  BAT_TENSION_TEST_SEED for the tables' sets
 /// @param set   receives the set; release it with bat_tension_set_free()

@@ -217,8 +217,8 @@ BAT_API bat_status bat_tension_table4(const bat_tension_ablation_options *option
 // What a trained network does: section 9 and remark 4 of Ugail and Howard (2026).
 
 /// Where effective tensions are cut off, as published.
-#define BAT_TENSION_EFFECTIVE_LEAST (-3.0)
-#define BAT_TENSION_EFFECTIVE_GREATEST 1.5
+#define BAT_TENSION_EFFECTIVE_MIN (-3.0)
+#define BAT_TENSION_EFFECTIVE_MAX 1.5
 /// Bins of a histogram between them, each 0.1 wide.
 #define BAT_TENSION_EFFECTIVE_BINS 45
 /// Linear layers of the network.
@@ -233,7 +233,7 @@ typedef struct bat_tension_effective
 {
     size_t insertions;         ///< looked at
     size_t undefined;          ///< of them with |A - B| < 1e-6, which count nowhere else
-    size_t below, above;       ///< of them cut off to BAT_TENSION_EFFECTIVE_LEAST and _GREATEST
+    size_t below, above;       ///< of them cut off to BAT_TENSION_EFFECTIVE_MIN and _GREATEST
     bat_curve_summary summary; ///< as published, after cutting off
     double quantiles[5];       ///< 5, 25, 50, 75 and 95 %, without cutting off
     /// Bin i holds those from LEAST + i / 10 to LEAST + (i + 1) / 10; the first and last also those that were cut off.

@@ -16,46 +16,46 @@ enum
 {
     /// Neighbours that show the tangent plane and the spacing. They double where the points scatter across the plane, as
     /// long as that makes it flatter: noise gets flatter, curvature does not.
-    LEAST_PLANE = 36,
-    MOST_PLANE = 1152,
+    MIN_PLANE = 36,
+    MAX_PLANE = 1152,
     /// Of small clouds no more than one in so many.
     PLANE_SHARE = 3,
     FEW_PLANE = 10,
     /// Neighbours that mostly are all around a point inside.
-    QUICK_NEIGHBOURS = 16
+    INTERIOR_NEIGHBOURS = 16
 };
 
 static const double PI = 3.14159265358979323846;
 /// Scatter across the plane against that along it, in variance, up to which points count as a surface.
-static const double FLAT = 0.03;
+static const double MAX_FLATNESS = 0.03;
 /// The disc's radius in spacings. At random points the largest empty discs among thousands have about twice the spacing.
 static const double RADIUS_IN_SPACINGS = 1.6;
 /// The least radius of the disc in deviations across the plane: the rim of a noisy cloud is frayed by as much.
 static const double RADIUS_IN_NOISE = 2.0;
-static const double LESS_FLAT = 1.1;
+static const double FLATNESS_GROWTH = 1.1;
 /// Directions that are free by less than this are not.
-static const double LEAST_ARC = 1e-6;
+static const double MIN_ARC = 1e-6;
 
 /// The directions in which a neighbour is in the way of the disc.
-typedef struct alpha_boundary_shadow
+typedef struct alpha_boundary_blocked
 {
     double begin, end;
     uint32_t item;
-} alpha_boundary_shadow;
+} alpha_boundary_blocked;
 
 void alpha_boundary_search_free(alpha_boundary_search *search)
 {
     neighbour_list_free(&search->near);
-    free(search->shadows);
+    free(search->blocked);
 }
 
 /// Find the plane around a point, and leave the neighbours that it was fitted to in the list.
 static bat_status find_plane(alpha_boundary_search *search, const double *here, local_plane *plane, bat_error *error)
 {
-    size_t count = search->tree->count, most = count / PLANE_SHARE;
-    most = most > MOST_PLANE ? MOST_PLANE : most < FEW_PLANE ? FEW_PLANE : most;
+    size_t count = search->tree->count, maximum = count / PLANE_SHARE;
+    maximum = maximum > MAX_PLANE ? MAX_PLANE : maximum < FEW_PLANE ? FEW_PLANE : maximum;
     double flattest = INFINITY;
-    for (size_t wanted = LEAST_PLANE < most ? LEAST_PLANE : most;; wanted = 2 * wanted < most ? 2 * wanted : most)
+    for (size_t wanted = MIN_PLANE < maximum ? MIN_PLANE : maximum;; wanted = 2 * wanted < maximum ? 2 * wanted : maximum)
     {
         bat_status status = neighbours_nearest(search->tree, here, wanted, &search->near, error);
         if (status != BAT_OK)
@@ -67,7 +67,7 @@ static bat_status find_plane(alpha_boundary_search *search, const double *here, 
             flattest = flatness;
             *plane = wider;
         }
-        if (flattest <= FLAT || flatness > LESS_FLAT * flattest || wanted == most)
+        if (flattest <= MAX_FLATNESS || flatness > FLATNESS_GROWTH * flattest || wanted == maximum)
             return BAT_OK;
     }
 }
@@ -84,20 +84,20 @@ static void orient(local_plane *plane, const double *reference)
     }
 }
 
-static int compare_shadows(const void *a, const void *b)
+static int compare_blocked(const void *a, const void *b)
 {
-    const alpha_boundary_shadow *p = a, *q = b;
+    const alpha_boundary_blocked *p = a, *q = b;
     if (p->begin != q->begin)
         return p->begin < q->begin ? -1 : 1;
     return (p->item > q->item) - (p->item < q->item);
 }
 
 /// The shadows of the listed neighbours; returns how many, or SIZE_MAX when out of memory.
-static size_t cast_shadows(alpha_boundary_search *search, uint32_t point, const alpha_boundary_point *found)
+static size_t find_blocked(alpha_boundary_search *search, uint32_t point, const alpha_boundary_point *found)
 {
-    void *room = search->shadows;
-    bool grown = array_grow(&room, &search->shadow_capacity, search->near.count + 1, sizeof *search->shadows);
-    search->shadows = room;
+    void *memory = search->blocked;
+    bool grown = array_grow(&memory, &search->blocked_capacity, search->near.count + 1, sizeof *search->blocked);
+    search->blocked = memory;
     if (!grown)
         return SIZE_MAX;
     size_t count = 0;
@@ -112,39 +112,39 @@ static size_t cast_shadows(alpha_boundary_search *search, uint32_t point, const 
         double direction = atan2(foot[1], foot[0]), half = acos(distance / (2 * found->radius));
         double begin = direction - half;
         begin = begin < -PI ? begin + 2 * PI : begin;
-        search->shadows[count++] = (alpha_boundary_shadow){begin, begin + 2 * half, item};
+        search->blocked[count++] = (alpha_boundary_blocked){begin, begin + 2 * half, item};
     }
-    qsort(search->shadows, count, sizeof *search->shadows, compare_shadows);
+    qsort(search->blocked, count, sizeof *search->blocked, compare_blocked);
     return count;
 }
 
-static void add_arc(alpha_boundary_point *found, double begin, double end, uint32_t from, uint32_t to)
+static void add_free_arc(alpha_boundary_point *found, double begin, double end, uint32_t from, uint32_t to)
 {
-    if (end - begin <= LEAST_ARC || found->arc_count == ALPHA_BOUNDARY_MOST_ARCS)
+    if (end - begin <= MIN_ARC || found->arc_count == ALPHA_BOUNDARY_MAX_ARCS)
         return;
     double turn = begin > PI ? 2 * PI : 0;
     found->arcs[found->arc_count++] = (alpha_boundary_arc){begin - turn, end - turn, from, to};
 }
 
 /// What the sorted shadows leave free. A point that nothing is near has no arcs: it is no part of any rim.
-static void find_arcs(const alpha_boundary_shadow *shadows, size_t count, alpha_boundary_point *found)
+static void find_free_arcs(const alpha_boundary_blocked *blocked, size_t count, alpha_boundary_point *found)
 {
     found->arc_count = 0;
     if (count == 0)
         return;
     // How far shadows reach that began before the first one.
-    alpha_boundary_shadow reach = shadows[0];
+    alpha_boundary_blocked reach = blocked[0];
     for (size_t i = 0; i < count; i++)
-        if (shadows[i].end - 2 * PI > reach.end)
-            reach = (alpha_boundary_shadow){0, shadows[i].end - 2 * PI, shadows[i].item};
+        if (blocked[i].end - 2 * PI > reach.end)
+            reach = (alpha_boundary_blocked){0, blocked[i].end - 2 * PI, blocked[i].item};
     for (size_t i = 1; i < count; i++)
     {
-        if (shadows[i].begin > reach.end)
-            add_arc(found, reach.end, shadows[i].begin, reach.item, shadows[i].item);
-        if (shadows[i].end > reach.end)
-            reach = shadows[i];
+        if (blocked[i].begin > reach.end)
+            add_free_arc(found, reach.end, blocked[i].begin, reach.item, blocked[i].item);
+        if (blocked[i].end > reach.end)
+            reach = blocked[i];
     }
-    add_arc(found, reach.end, shadows[0].begin + 2 * PI, reach.item, shadows[0].item);
+    add_free_arc(found, reach.end, blocked[0].begin + 2 * PI, reach.item, blocked[0].item);
 }
 
 /// How large the disc is, by the neighbours in the list.
@@ -157,10 +157,10 @@ static void set_radius(const alpha_boundary_search *search, double scale, alpha_
 
 static bat_status set_arcs(alpha_boundary_search *search, uint32_t point, alpha_boundary_point *found, bat_error *error)
 {
-    size_t shadows = cast_shadows(search, point, found);
-    if (shadows == SIZE_MAX)
-        return error_memory(error, search->shadow_capacity * sizeof *search->shadows);
-    find_arcs(search->shadows, shadows, found);
+    size_t blocked = find_blocked(search, point, found);
+    if (blocked == SIZE_MAX)
+        return error_memory(error, search->blocked_capacity * sizeof *search->blocked);
+    find_free_arcs(search->blocked, blocked, found);
     return BAT_OK;
 }
 
@@ -183,11 +183,11 @@ bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_
 {
     alpha_boundary_point found = {.arc_count = 1};
     bat_status status =
-        neighbours_nearest(search->tree, search->points + 3 * (size_t)point, QUICK_NEIGHBOURS, &search->near, error);
+        neighbours_nearest(search->tree, search->points + 3 * (size_t)point, INTERIOR_NEIGHBOURS, &search->near, error);
     if (status != BAT_OK)
         return status;
     found.plane = local_plane_fit(search->points, &search->near);
-    if (found.plane.variance[2] < FLAT * found.plane.variance[1])
+    if (found.plane.variance[2] < MAX_FLATNESS * found.plane.variance[1])
     {
         set_radius(search, 1, &found);
         status = set_arcs(search, point, &found, error);
@@ -199,12 +199,12 @@ bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_
 enum
 {
     /// How often the disc is made smaller where it fits nowhere.
-    MOST_SHRINKS = 6,
-    LEAST_CYCLE = 3
+    MAX_SHRINKS = 6,
+    MIN_CYCLE = 3
 };
 static const double SHRINK = 0.85;
 /// How far an arc may begin from where the disc arrives.
-static const double MOST_MISS = 1.5707963267948966;
+static const double MAX_ANGLE_ERROR = 1.5707963267948966;
 
 void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles)
 {
@@ -215,22 +215,22 @@ void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles)
 }
 
 /// A walk along the rim.
-typedef struct alpha_boundary_walk
+typedef struct alpha_boundary_trace
 {
     alpha_boundary_search search;
     key_map steps; ///< from a step, a pair of points, to its number over all walks
     uint32_t step_count;
     uint32_t *path; ///< the points of the present walk
     size_t path_count, path_capacity;
-} alpha_boundary_walk;
+} alpha_boundary_trace;
 
-static bool path_add(alpha_boundary_walk *walk, uint32_t point)
+static bool path_add(alpha_boundary_trace *trace, uint32_t point)
 {
-    void *path = walk->path;
-    bool grown = array_grow(&path, &walk->path_capacity, walk->path_count + 1, sizeof *walk->path);
-    walk->path = path;
+    void *path = trace->path;
+    bool grown = array_grow(&path, &trace->path_capacity, trace->path_count + 1, sizeof *trace->path);
+    trace->path = path;
     if (grown)
-        walk->path[walk->path_count++] = point;
+        trace->path[trace->path_count++] = point;
     return grown;
 }
 
@@ -247,7 +247,7 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
     double foot[2];
     local_plane_project(&here->plane, search->points + 3 * (size_t)point, search->points + 3 * (size_t)before, foot);
     double apart = fmin(hypot(foot[0], foot[1]) / (2 * here->radius), 1);
-    double arrival = atan2(foot[1], foot[0]) + acos(apart), least = MOST_MISS;
+    double arrival = atan2(foot[1], foot[0]) + acos(apart), minimum = MAX_ANGLE_ERROR;
     const alpha_boundary_arc *best = NULL;
     for (size_t i = 0; i < here->arc_count; i++)
     {
@@ -256,10 +256,10 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
             return arc;
         double past = remainder(arrival - arc->begin, 2 * PI);
         bool inside = (past < 0 ? past + 2 * PI : past) <= arc->end - arc->begin;
-        double miss = inside ? 0 : angle_apart(arc->begin, arrival);
-        if (miss < least)
+        double angle_error = inside ? 0 : angle_apart(arc->begin, arrival);
+        if (angle_error < minimum)
         {
-            least = miss;
+            minimum = angle_error;
             best = arc;
         }
     }
@@ -268,18 +268,18 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
 
 /// Roll on from a point, where the disc came from another one; `normal` is that of the former and becomes that of the point.
 /// The next point is BAT_MESH_NONE when the disc is lost.
-static bat_status roll_on(alpha_boundary_walk *walk, uint32_t before, uint32_t point, double normal[3], uint32_t *next,
-                          bat_error *error)
+static bat_status next_point(alpha_boundary_trace *trace, uint32_t before, uint32_t point, double normal[3], uint32_t *next,
+                             bat_error *error)
 {
     double scale = 1;
     *next = BAT_MESH_NONE;
-    for (int shrinks = 0; shrinks <= MOST_SHRINKS; shrinks++, scale *= SHRINK)
+    for (int shrinks = 0; shrinks <= MAX_SHRINKS; shrinks++, scale *= SHRINK)
     {
         alpha_boundary_point here;
-        bat_status status = alpha_boundary_point_find(&walk->search, point, normal, scale, &here, error);
+        bat_status status = alpha_boundary_point_find(&trace->search, point, normal, scale, &here, error);
         if (status != BAT_OK)
             return status;
-        const alpha_boundary_arc *arc = arc_from(&walk->search, before, point, &here);
+        const alpha_boundary_arc *arc = arc_from(&trace->search, before, point, &here);
         if (arc == NULL)
             continue;
         *next = arc->to;
@@ -291,28 +291,28 @@ static bat_status roll_on(alpha_boundary_walk *walk, uint32_t before, uint32_t p
 
 /// Walk from a point until a step repeats. `begin` receives where in the path the cycle begins; SIZE_MAX when there is none
 /// or it was found before.
-static bat_status walk_from(alpha_boundary_walk *walk, uint32_t start, const alpha_boundary_point *there, size_t arc,
-                            size_t *begin, bat_error *error)
+static bat_status trace_from(alpha_boundary_trace *trace, uint32_t start, const alpha_boundary_point *there, size_t arc,
+                             size_t *begin, bat_error *error)
 {
-    uint32_t before = start, point = there->arcs[arc].to, first_step = walk->step_count;
+    uint32_t before = start, point = there->arcs[arc].to, first_step = trace->step_count;
     double normal[3];
     memcpy(normal, there->plane.axes[2], sizeof normal);
-    walk->path_count = 0;
+    trace->path_count = 0;
     *begin = SIZE_MAX;
     while (point != BAT_MESH_NONE)
     {
-        uint32_t *step = key_map_at(&walk->steps, (uint64_t)before << 32 | point);
-        if (step == NULL || !path_add(walk, before))
-            return error_memory(error, walk->path_capacity * sizeof *walk->path);
+        uint32_t *step = key_map_at(&trace->steps, (uint64_t)before << 32 | point);
+        if (step == NULL || !path_add(trace, before))
+            return error_memory(error, trace->path_capacity * sizeof *trace->path);
         if (*step != UINT32_MAX)
         {
             *begin = *step >= first_step ? *step - first_step : SIZE_MAX;
-            walk->path_count--;
+            trace->path_count--;
             break;
         }
-        *step = walk->step_count++;
+        *step = trace->step_count++;
         uint32_t next;
-        bat_status status = roll_on(walk, before, point, normal, &next, error);
+        bat_status status = next_point(trace, before, point, normal, &next, error);
         if (status != BAT_OK)
             return status;
         before = point;
@@ -356,8 +356,8 @@ static size_t cut_pinches(const double *points, uint32_t *line, size_t count, si
         if (i == count)
             break;
         pinched = true;
-        double inner = length_of(points, line + first, i - first), whole = length_of(points, line, count);
-        if (2 * inner > whole)
+        double inner = length_of(points, line + first, i - first), complete = length_of(points, line, count);
+        if (2 * inner > complete)
         {
             memmove(line, line + first, (i - first) * sizeof *line);
             count = i - first;
@@ -372,19 +372,19 @@ static size_t cut_pinches(const double *points, uint32_t *line, size_t count, si
 }
 
 /// Take the cycle that the path ends with.
-static bat_status take_cycle(alpha_boundary_walk *walk, size_t begin, size_t *last, alpha_boundary_cycles *cycles,
-                             bat_error *error)
+static bat_status store_cycle(alpha_boundary_trace *trace, size_t begin, size_t *last, alpha_boundary_cycles *cycles,
+                              bat_error *error)
 {
-    uint32_t *line = walk->path + begin;
-    size_t count = cut_pinches(walk->search.points, line, walk->path_count - begin, last);
-    if (count < LEAST_CYCLE)
+    uint32_t *line = trace->path + begin;
+    size_t count = cut_pinches(trace->search.points, line, trace->path_count - begin, last);
+    if (count < MIN_CYCLE)
         return BAT_OK;
-    const double *points = walk->search.points;
+    const double *points = trace->search.points;
     alpha_boundary_cycle cycle = {
         .points = memory_array(count, sizeof *line), .count = count, .length = length_of(points, line, count)};
-    void *room = cycles->cycles;
-    bool grown = array_grow(&room, &cycles->capacity, cycles->count + 1, sizeof cycle);
-    cycles->cycles = room;
+    void *memory = cycles->cycles;
+    bool grown = array_grow(&memory, &cycles->capacity, cycles->count + 1, sizeof cycle);
+    cycles->cycles = memory;
     if (cycle.points == NULL || !grown)
     {
         free(cycle.points);
@@ -403,19 +403,19 @@ static bat_status take_cycle(alpha_boundary_walk *walk, size_t begin, size_t *la
     return BAT_OK;
 }
 
-static bat_status is_on_rim(alpha_boundary_search *search, uint32_t point, bool *on_rim)
+static bat_status is_on_boundary(alpha_boundary_search *search, uint32_t point, bool *on_boundary)
 {
     alpha_boundary_point found = {0};
     bool inside = false;
     bat_status status = alpha_boundary_point_is_inside(search, point, &inside, NULL);
     if (status == BAT_OK && !inside)
         status = alpha_boundary_point_find(search, point, NULL, 1, &found, NULL);
-    *on_rim = found.arc_count > 0;
+    *on_boundary = found.arc_count > 0;
     return status;
 }
 
 /// Mark the points that a disc can touch.
-static bat_status mark_rim(const double *points, const neighbour_tree *tree, bool *on_rim, bat_error *error)
+static bat_status mark_boundary(const double *points, const neighbour_tree *tree, bool *on_boundary, bat_error *error)
 {
     bool failed = false;
 #pragma omp parallel reduction(|| : failed)
@@ -423,34 +423,34 @@ static bat_status mark_rim(const double *points, const neighbour_tree *tree, boo
         alpha_boundary_search search = {.points = points, .tree = tree};
 #pragma omp for schedule(dynamic, 256)
         for (size_t i = 0; i < tree->count; i++)
-            failed = is_on_rim(&search, (uint32_t)i, &on_rim[i]) != BAT_OK || failed;
+            failed = is_on_boundary(&search, (uint32_t)i, &on_boundary[i]) != BAT_OK || failed;
         alpha_boundary_search_free(&search);
     }
     return failed ? error_memory(error, tree->count) : BAT_OK;
 }
 
 /// Walk along every rim once.
-static bat_status walk_all(alpha_boundary_walk *walk, bool *on_rim, size_t *last, alpha_boundary_cycles *cycles,
-                           bat_error *error)
+static bat_status trace_all(alpha_boundary_trace *trace, bool *on_boundary, size_t *last, alpha_boundary_cycles *cycles,
+                            bat_error *error)
 {
-    size_t count = walk->search.tree->count;
+    size_t count = trace->search.tree->count;
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count; i++)
         last[i] = SIZE_MAX;
     for (uint32_t i = 0; i < count && status == BAT_OK; i++)
     {
         alpha_boundary_point here;
-        if (!on_rim[i])
+        if (!on_boundary[i])
             continue;
-        status = alpha_boundary_point_find(&walk->search, i, NULL, 1, &here, error);
+        status = alpha_boundary_point_find(&trace->search, i, NULL, 1, &here, error);
         for (size_t arc = 0; status == BAT_OK && arc < here.arc_count; arc++)
         {
             size_t begin;
-            status = walk_from(walk, i, &here, arc, &begin, error);
-            for (size_t k = 0; k < walk->path_count; k++)
-                on_rim[walk->path[k]] = false;
+            status = trace_from(trace, i, &here, arc, &begin, error);
+            for (size_t k = 0; k < trace->path_count; k++)
+                on_boundary[trace->path[k]] = false;
             if (status == BAT_OK && begin != SIZE_MAX)
-                status = take_cycle(walk, begin, last, cycles, error);
+                status = store_cycle(trace, begin, last, cycles, error);
         }
     }
     return status;
@@ -460,20 +460,20 @@ bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree
                                       bat_error *error)
 {
     *cycles = (alpha_boundary_cycles){0};
-    alpha_boundary_walk walk = {.search = {.points = points, .tree = tree}};
-    bool *on_rim = memory_array(tree->count, sizeof *on_rim);
+    alpha_boundary_trace trace = {.search = {.points = points, .tree = tree}};
+    bool *on_boundary = memory_array(tree->count, sizeof *on_boundary);
     size_t *last = memory_array(tree->count, sizeof *last);
     bat_status status = BAT_OK;
-    if (on_rim == NULL || last == NULL)
+    if (on_boundary == NULL || last == NULL)
         status = error_memory(error, tree->count * sizeof *last);
     if (status == BAT_OK)
-        status = mark_rim(points, tree, on_rim, error);
+        status = mark_boundary(points, tree, on_boundary, error);
     if (status == BAT_OK)
-        status = walk_all(&walk, on_rim, last, cycles, error);
-    alpha_boundary_search_free(&walk.search);
-    key_map_free(&walk.steps);
-    free(walk.path);
-    free(on_rim);
+        status = trace_all(&trace, on_boundary, last, cycles, error);
+    alpha_boundary_search_free(&trace.search);
+    key_map_free(&trace.steps);
+    free(trace.path);
+    free(on_boundary);
     free(last);
     return status;
 }

@@ -18,7 +18,7 @@ typedef struct alpha_boundary_arc
 
 enum
 {
-    ALPHA_BOUNDARY_MOST_ARCS = 8
+    ALPHA_BOUNDARY_MAX_ARCS = 8
 };
 
 /// What the cloud looks like around a point.
@@ -28,7 +28,7 @@ typedef struct alpha_boundary_point
     double spacing;    ///< of points in the plane
     double radius;     ///< of the disc
     size_t arc_count;
-    alpha_boundary_arc arcs[ALPHA_BOUNDARY_MOST_ARCS];
+    alpha_boundary_arc arcs[ALPHA_BOUNDARY_MAX_ARCS];
 } alpha_boundary_point;
 
 /// Points whose rim is sought, and room to work in; every thread needs its own.
@@ -37,8 +37,8 @@ typedef struct alpha_boundary_search
     const double *points; ///< rows of 3
     const neighbour_tree *tree;
     neighbour_list near;
-    struct alpha_boundary_shadow *shadows;
-    size_t shadow_capacity;
+    struct alpha_boundary_blocked *blocked;
+    size_t blocked_capacity;
 } alpha_boundary_search;
 
 void alpha_boundary_search_free(alpha_boundary_search *search);

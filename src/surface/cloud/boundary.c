@@ -10,11 +10,11 @@
 
 enum
 {
-    LEAST_BOUNDARY = 4
+    MIN_BOUNDARY = 4
 };
 /// A line goes around more than a chance gap between points where it gets further from its middle than so many of its own
 /// steps, or where it has at least this share of all points.
-static const double LEAST_EXTENT = 2.5;
+static const double MIN_EXTENT = 2.5;
 static const double LARGE_SHARE = 1.0 / 3;
 /// A second line of this share of the first one's length is another boundary; a shorter one is a gap.
 static const double OTHER_BOUNDARY = 0.25;
@@ -23,12 +23,12 @@ static const double SAME_LINE = 0.5;
 
 static bool is_wide(const alpha_boundary_cycle *line, size_t count)
 {
-    return line->extent * (double)line->count >= LEAST_EXTENT * line->length ||
+    return line->extent * (double)line->count >= MIN_EXTENT * line->length ||
            (double)line->count >= LARGE_SHARE * (double)count;
 }
 
 /// Whether a line runs mostly along another one: within two of its own steps on average.
-static bool follows(const double *points, const alpha_boundary_cycle *line, const alpha_boundary_cycle *other)
+static bool runs_along(const double *points, const alpha_boundary_cycle *line, const alpha_boundary_cycle *other)
 {
     size_t near = 0;
     double step = 2 * line->length / (double)line->count;
@@ -61,13 +61,13 @@ static bat_status choose(const double *points, size_t count, const alpha_boundar
     if (longest == NULL)
         return no_loop(error, cycles->count == 0 ? "there are neighbours on all sides of every point"
                                                  : "there are only small gaps between points; the surface looks closed");
-    if (longest->count < LEAST_BOUNDARY)
+    if (longest->count < MIN_BOUNDARY)
         return no_loop(error, "it has only three points");
     for (size_t i = 0; i < cycles->count; i++)
     {
         const alpha_boundary_cycle *other = &cycles->cycles[i];
         if (other == longest || !is_wide(other, count) || other->length < OTHER_BOUNDARY * longest->length ||
-            follows(points, other, longest))
+            runs_along(points, other, longest))
             continue;
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                          "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one",
@@ -109,11 +109,11 @@ static bat_status measure_thickness(const double *points, size_t count, double *
 {
     enum
     {
-        MOST_SAMPLES = 256
+        MAX_SAMPLES = 256
     };
     static const double quantile = 0.75;
-    double samples[MOST_SAMPLES];
-    size_t stride = count / MOST_SAMPLES + 1, taken = 0;
+    double samples[MAX_SAMPLES];
+    size_t stride = count / MAX_SAMPLES + 1, taken = 0;
     neighbour_tree tree = {0};
     alpha_boundary_search search = {.points = points, .tree = &tree};
     bat_status status = neighbour_tree_build(points, count, &tree, error);
@@ -131,7 +131,7 @@ static bat_status measure_thickness(const double *points, size_t count, double *
 }
 
 /// Choose `wanted` of `count` points at random, the same ones each time; in rising order.
-static void choose_some(size_t count, size_t wanted, size_t *chosen)
+static void draw_sample(size_t count, size_t wanted, size_t *chosen)
 {
     bat_random random = bat_random_seed(count);
     size_t made = 0;
@@ -141,27 +141,27 @@ static void choose_some(size_t count, size_t wanted, size_t *chosen)
 }
 
 /// Find the loop among so many of the points only.
-static bat_status find_loop_of_some(const double *points, size_t count, size_t wanted, alpha_boundary_cycle *loop,
-                                    bat_error *error)
+static bat_status find_loop_of_sample(const double *points, size_t count, size_t wanted, alpha_boundary_cycle *loop,
+                                      bat_error *error)
 {
     if (wanted == count)
         return find_loop(points, count, loop, error);
     size_t *chosen = memory_array(wanted, sizeof *chosen);
-    double *some = memory_array(wanted, 3 * sizeof *some);
+    double *sample = memory_array(wanted, 3 * sizeof *sample);
     bat_status status = BAT_OK;
-    if (chosen == NULL || some == NULL)
-        status = error_memory(error, wanted * 3 * sizeof *some);
+    if (chosen == NULL || sample == NULL)
+        status = error_memory(error, wanted * 3 * sizeof *sample);
     else
     {
-        choose_some(count, wanted, chosen);
+        draw_sample(count, wanted, chosen);
         for (size_t i = 0; i < wanted; i++)
-            memcpy(some + 3 * i, points + 3 * chosen[i], 3 * sizeof *some);
-        status = find_loop(some, wanted, loop, error);
+            memcpy(sample + 3 * i, points + 3 * chosen[i], 3 * sizeof *sample);
+        status = find_loop(sample, wanted, loop, error);
         for (size_t i = 0; i < loop->count; i++)
             loop->points[i] = (uint32_t)chosen[loop->points[i]];
     }
     free(chosen);
-    free(some);
+    free(sample);
     return status;
 }
 
@@ -173,20 +173,20 @@ static bat_status find_loop_in_noise(const double *points, size_t count, alpha_b
     {
         FEW_POINTS = 200
     };
-    static const double most_thickness = 0.9, noise_thickness = 0.4;
+    static const double max_thickness = 0.9, noise_thickness = 0.4;
     double thickness;
     bat_status status = measure_thickness(points, count, &thickness, error);
     if (status != BAT_OK)
         return status;
-    double share = fmin(most_thickness / thickness, 1);
-    size_t least = count < FEW_POINTS ? count : FEW_POINTS, wanted = (size_t)(share * share * (double)count);
-    wanted = wanted < least ? least : wanted;
-    status = find_loop_of_some(points, count, wanted, loop, error);
-    while (status == BAT_NO_CONVERGENCE && thickness > noise_thickness && wanted / 2 >= least)
+    double share = fmin(max_thickness / thickness, 1);
+    size_t minimum = count < FEW_POINTS ? count : FEW_POINTS, wanted = (size_t)(share * share * (double)count);
+    wanted = wanted < minimum ? minimum : wanted;
+    status = find_loop_of_sample(points, count, wanted, loop, error);
+    while (status == BAT_NO_CONVERGENCE && thickness > noise_thickness && wanted / 2 >= minimum)
     {
         wanted /= 2;
         // What the first try said is what the caller hears.
-        status = find_loop_of_some(points, count, wanted, loop, NULL);
+        status = find_loop_of_sample(points, count, wanted, loop, NULL);
     }
     return status;
 }
@@ -253,7 +253,7 @@ bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error)
     bat_status status = bat_cloud_check(cloud, error);
     if (status != BAT_OK)
         return status;
-    if (cloud->count < LEAST_BOUNDARY)
+    if (cloud->count < MIN_BOUNDARY)
         return no_loop(error, "there are fewer than four points");
     double *points = points_to_unit_size(cloud->points, cloud->count);
     if (points == NULL)

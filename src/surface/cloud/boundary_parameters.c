@@ -47,8 +47,8 @@ static void cloud_loop_free(cloud_loop *loop)
 /// The place on the loop at a length from point 0, which may be any.
 static void cloud_loop_at(const cloud_loop *loop, double length, double place[3])
 {
-    double whole = cloud_loop_length(loop);
-    length -= whole * floor(length / whole);
+    double complete = cloud_loop_length(loop);
+    length -= complete * floor(length / complete);
     size_t low = 0, high = loop->count; // arc[low] <= length < arc[high], up to rounding at the end
     while (high - low > 1)
     {
@@ -77,21 +77,21 @@ enum
     CORNERS = 4,
     WINDOWS = 3,
     /// Places that are compared, the sharpest of each of so many equal parts of the loop.
-    MOST_CANDIDATES = 100,
+    MAX_CANDIDATES = 100,
     /// Points of the cloud that show where the patch lies.
-    MOST_SAMPLES = 8192,
-    LEAST_NEIGHBOURS = 12
+    MAX_SAMPLES = 8192,
+    MIN_NEIGHBOURS = 12
 };
 
 static const double PI = 3.14159265358979323846;
 /// The chords, as shares of the loop.
 static const double WINDOW_SHARES[WINDOWS] = {1.0 / 40, 3.0 / 80, 1.0 / 20};
 /// A side's least share of the loop.
-#define LEAST_SIDE (1.0 / 40)
+#define MIN_SIDE (1.0 / 40)
 static const double EVENNESS = 6.0;
-/// What turns less than so many times as a circle is smooth; what turns further than MOST_TURN is no sharper.
+/// What turns less than so many times as a circle is smooth; what turns further than MAX_TURN is no sharper.
 static const double SMOOTH_TURN = 2.0;
-static const double MOST_TURN = 2.0943951023931953; // 2 pi / 3
+static const double MAX_TURN = 2.0943951023931953; // 2 pi / 3
 /// Of turns out of the tangent plane, so that they decide where nothing else does.
 static const double TURN_IN_SPACE = 0.1;
 
@@ -120,7 +120,7 @@ static void search_free(corner_search *search)
 /// Every so many-th point, interior ones before those of the boundary.
 static bat_status take_samples(const bat_cloud *cloud, corner_search *search, bat_error *error)
 {
-    size_t count = cloud->count, stride = count / MOST_SAMPLES + 1;
+    size_t count = cloud->count, stride = count / MAX_SAMPLES + 1;
     search->sample_count = (count + stride - 1) / stride;
     search->samples = memory_array(search->sample_count, 3 * sizeof *search->samples);
     if (search->samples == NULL)
@@ -181,8 +181,8 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
     double length = cloud_loop_length(&search->loop), space_sum = 0, plane_sum = 0, circle_sum = 0;
     const double *here = search->points + 3 * at;
     bat_status status = neighbours_within(&search->tree, here, WINDOW_SHARES[WINDOWS - 1] * length, &search->near, error);
-    if (status == BAT_OK && search->near.count < LEAST_NEIGHBOURS)
-        status = neighbours_nearest(&search->tree, here, LEAST_NEIGHBOURS, &search->near, error);
+    if (status == BAT_OK && search->near.count < MIN_NEIGHBOURS)
+        status = neighbours_nearest(&search->tree, here, MIN_NEIGHBOURS, &search->near, error);
     if (status != BAT_OK)
         return status;
     local_plane plane = local_plane_fit(search->samples, &search->near);
@@ -194,7 +194,7 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
         plane_sum += in_plane / WINDOWS;
         circle_sum += 2 * PI * WINDOW_SHARES[w] / WINDOWS;
     }
-    double sharp = fmin(plane_sum, MOST_TURN) - SMOOTH_TURN * circle_sum;
+    double sharp = fmin(plane_sum, MAX_TURN) - SMOOTH_TURN * circle_sum;
     search->sharpness[at] = fmax(sharp, 0) + TURN_IN_SPACE * space_sum;
     return BAT_OK;
 }
@@ -202,9 +202,9 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
 /// Points that may become corners.
 typedef struct candidate_set
 {
-    size_t points[MOST_CANDIDATES];
-    double shares[MOST_CANDIDATES]; ///< of the loop's length that lie before them
-    double sharpness[MOST_CANDIDATES];
+    size_t points[MAX_CANDIDATES];
+    double shares[MAX_CANDIDATES]; ///< of the loop's length that lie before them
+    double sharpness[MAX_CANDIDATES];
     size_t count;
 } candidate_set;
 
@@ -217,8 +217,8 @@ static void choose_candidates(const corner_search *search, bool by_length, candi
     for (size_t i = 0; i < loop->count; i++)
     {
         double share = by_length ? loop->arc[i] / cloud_loop_length(loop) : (double)i / (double)loop->count;
-        size_t part = loop->count <= MOST_CANDIDATES ? i : (size_t)(share * MOST_CANDIDATES);
-        part = part < MOST_CANDIDATES ? part : MOST_CANDIDATES - 1;
+        size_t part = loop->count <= MAX_CANDIDATES ? i : (size_t)(share * MAX_CANDIDATES);
+        part = part < MAX_CANDIDATES ? part : MAX_CANDIDATES - 1;
         if (part != last_part)
             set->points[set->count++] = i;
         else if (search->sharpness[i] > search->sharpness[set->points[set->count - 1]])
@@ -233,29 +233,29 @@ static void choose_candidates(const corner_search *search, bool by_length, candi
 }
 
 /// What a side costs that is a share of the loop.
-static double side_cost(double share, double least_side)
+static double side_cost(double share, double min_side)
 {
     double off = share - 1.0 / CORNERS;
-    return share < least_side ? INFINITY : EVENNESS * off * off;
+    return share < min_side ? INFINITY : EVENNESS * off * off;
 }
 
 /// The best choice found so far, and room for the choices that begin with the same corner.
 typedef struct corner_choice
 {
     double best;
-    size_t corners[CORNERS];                ///< candidates
-    double value[CORNERS][MOST_CANDIDATES]; ///< the best sum of so many corners, the last one at a candidate
-    size_t from[CORNERS][MOST_CANDIDATES];  ///< the candidate before it
+    size_t corners[CORNERS];               ///< candidates
+    double value[CORNERS][MAX_CANDIDATES]; ///< the best sum of so many corners, the last one at a candidate
+    size_t from[CORNERS][MAX_CANDIDATES];  ///< the candidate before it
 } corner_choice;
 
 /// The best corner before candidate `c`, which is corner number k.
-static void choose_before(const candidate_set *set, int k, size_t c, size_t first, double least_side, corner_choice *choice)
+static void choose_before(const candidate_set *set, int k, size_t c, size_t first, double min_side, corner_choice *choice)
 {
     double best = -INFINITY;
     size_t from = first;
     for (size_t b = first; b < c; b++)
     {
-        double value = choice->value[k - 1][b] - side_cost(set->shares[c] - set->shares[b], least_side);
+        double value = choice->value[k - 1][b] - side_cost(set->shares[c] - set->shares[b], min_side);
         if (value > best)
         {
             best = value;
@@ -267,17 +267,17 @@ static void choose_before(const candidate_set *set, int k, size_t c, size_t firs
 }
 
 /// Among all choices whose first corner is a given candidate, by dynamic programming over the corners.
-static void choose_from(const candidate_set *set, size_t first, double least_side, corner_choice *choice)
+static void choose_from(const candidate_set *set, size_t first, double min_side, corner_choice *choice)
 {
     for (size_t c = first; c < set->count; c++)
         choice->value[0][c] = c == first ? set->sharpness[c] : -INFINITY;
     for (int k = 1; k < CORNERS; k++)
         for (size_t c = first; c < set->count; c++)
-            choose_before(set, k, c, first, least_side, choice);
+            choose_before(set, k, c, first, min_side, choice);
     for (size_t c = first; c < set->count; c++)
     {
         double last_side = 1 - set->shares[c] + set->shares[first];
-        double value = choice->value[CORNERS - 1][c] - side_cost(last_side, least_side);
+        double value = choice->value[CORNERS - 1][c] - side_cost(last_side, min_side);
         if (!(value > choice->best))
             continue;
         choice->best = value;
@@ -297,8 +297,8 @@ static bat_status choose(const corner_search *search, size_t corners[CORNERS], b
     static const struct
     {
         bool by_length;
-        double least_side;
-    } tries[] = {{true, LEAST_SIDE}, {true, 0}, {false, 0}};
+        double min_side;
+    } tries[] = {{true, MIN_SIDE}, {true, 0}, {false, 0}};
     corner_choice *choice = memory_array(1, sizeof *choice);
     candidate_set *set = memory_array(1, sizeof *set);
     if (choice == NULL || set == NULL)
@@ -312,7 +312,7 @@ static bat_status choose(const corner_search *search, size_t corners[CORNERS], b
     {
         choose_candidates(search, tries[i].by_length, set);
         for (size_t first = 0; first < set->count; first++)
-            choose_from(set, first, tries[i].least_side, choice);
+            choose_from(set, first, tries[i].min_side, choice);
     }
     for (int k = 0; k < CORNERS; k++)
         corners[k] = set->points[choice->corners[k]];
@@ -355,31 +355,31 @@ static size_t find_place(const bat_cloud *cloud, size_t point)
 }
 
 /// How places of the loop move: one becomes the first, and the way round may turn over.
-typedef struct loop_turn
+typedef struct loop_rotation
 {
     size_t first, count;
     bool reversed;
-} loop_turn;
+} loop_rotation;
 
-static size_t turned_place(const loop_turn *turn, size_t place)
+static size_t rotated_place(const loop_rotation *turn, size_t place)
 {
     return turn->reversed ? (turn->first + turn->count - place) % turn->count
                           : (place + turn->count - turn->first) % turn->count;
 }
 
 /// Whether the other corners follow the first one around the loop; `turned` receives their places then.
-static bool corners_rise(const loop_turn *turn, const size_t places[4], size_t turned[4])
+static bool corners_rise(const loop_rotation *turn, const size_t places[4], size_t rotated[4])
 {
     for (int k = 0; k < 4; k++)
-        turned[k] = turned_place(turn, places[k]);
-    return turned[0] < turned[1] && turned[1] < turned[2] && turned[2] < turned[3];
+        rotated[k] = rotated_place(turn, places[k]);
+    return rotated[0] < rotated[1] && rotated[1] < rotated[2] && rotated[2] < rotated[3];
 }
 
-static void turn_triangles(bat_cloud *cloud, const loop_turn *turn)
+static void rotate_triangles(bat_cloud *cloud, const loop_rotation *turn)
 {
     for (size_t i = 0; i < 3 * cloud->triangle_count; i++)
         if (cloud->triangles[i] < turn->count)
-            cloud->triangles[i] = (uint32_t)turned_place(turn, cloud->triangles[i]);
+            cloud->triangles[i] = (uint32_t)rotated_place(turn, cloud->triangles[i]);
     for (size_t t = 0; t < cloud->triangle_count && turn->reversed; t++)
     {
         uint32_t *triangle = cloud->triangles + 3 * t, corner = triangle[1];
@@ -388,7 +388,7 @@ static void turn_triangles(bat_cloud *cloud, const loop_turn *turn)
     }
 }
 
-static bat_status turn_loop(bat_cloud *cloud, const loop_turn *turn, bat_error *error)
+static bat_status rotate_loop(bat_cloud *cloud, const loop_rotation *turn, bat_error *error)
 {
     size_t count = turn->count;
     double *points = memory_array(count, 3 * sizeof *points);
@@ -400,11 +400,11 @@ static bat_status turn_loop(bat_cloud *cloud, const loop_turn *turn, bat_error *
         return error_memory(error, cloud->count * 3 * sizeof *points);
     }
     for (size_t i = 0; i < cloud->count; i++)
-        order[i < count ? turned_place(turn, i) : i] = cloud->order == NULL ? i : cloud->order[i];
+        order[i < count ? rotated_place(turn, i) : i] = cloud->order == NULL ? i : cloud->order[i];
     for (size_t i = 0; i < count; i++)
-        memcpy(points + 3 * turned_place(turn, i), cloud->points + 3 * i, 3 * sizeof *points);
+        memcpy(points + 3 * rotated_place(turn, i), cloud->points + 3 * i, 3 * sizeof *points);
     memcpy(cloud->points, points, 3 * count * sizeof *points);
-    turn_triangles(cloud, turn);
+    rotate_triangles(cloud, turn);
     free(cloud->order);
     free(points);
     cloud->order = order;
@@ -413,7 +413,7 @@ static bat_status turn_loop(bat_cloud *cloud, const loop_turn *turn, bat_error *
 
 bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_error *error)
 {
-    size_t places[4], turned[4];
+    size_t places[4], rotated[4];
     if (cloud->boundary_count < 4)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no boundary");
     for (int k = 0; k < 4; k++)
@@ -423,17 +423,17 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
             return error_set(error, BAT_INVALID_ARGUMENT, corners[k], 0, "corner %zu is no point of the boundary",
                              corners[k]);
     }
-    loop_turn turn = {places[0], cloud->boundary_count, false};
-    if (!corners_rise(&turn, places, turned))
+    loop_rotation turn = {places[0], cloud->boundary_count, false};
+    if (!corners_rise(&turn, places, rotated))
         turn.reversed = true;
-    if (!corners_rise(&turn, places, turned))
+    if (!corners_rise(&turn, places, rotated))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "corners %zu, %zu, %zu, %zu do not follow each other around the boundary", corners[0], corners[1],
                          corners[2], corners[3]);
-    bat_status status = turn_loop(cloud, &turn, error);
+    bat_status status = rotate_loop(cloud, &turn, error);
     if (status != BAT_OK)
         return status;
-    memcpy(cloud->corners, turned, sizeof turned);
+    memcpy(cloud->corners, rotated, sizeof rotated);
     cloud->has_corners = true;
     return BAT_OK;
 }
@@ -453,12 +453,12 @@ static void fill_side(const double *points, size_t count, size_t from, size_t to
 {
     static const double square[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const double *begin = square[side], *end = square[(side + 1) % 4];
-    double whole = 0, reached = 0;
+    double complete = 0, reached = 0;
     for (size_t i = from; i < to; i++)
-        whole += step_between(points + 3 * (i % count), points + 3 * ((i + 1) % count), method);
+        complete += step_between(points + 3 * (i % count), points + 3 * ((i + 1) % count), method);
     for (size_t i = from; i < to; i++)
     {
-        double share = whole > 0 ? reached / whole : (double)(i - from) / (double)(to - from);
+        double share = complete > 0 ? reached / complete : (double)(i - from) / (double)(to - from);
         for (int k = 0; k < 2; k++)
             parameters[2 * (i % count) + (size_t)k] = begin[k] == end[k] ? begin[k] : begin[k] < end[k] ? share : 1 - share;
         reached += step_between(points + 3 * (i % count), points + 3 * ((i + 1) % count), method);

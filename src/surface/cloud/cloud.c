@@ -85,10 +85,10 @@ static bat_status check_boundary(const bat_cloud *cloud, bat_error *error)
 {
     enum
     {
-        LEAST_BOUNDARY = 4
+        MIN_BOUNDARY = 4
     };
     size_t boundary = cloud->boundary_count;
-    if (boundary > 0 && boundary < LEAST_BOUNDARY)
+    if (boundary > 0 && boundary < MIN_BOUNDARY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a boundary of %zu points has no four corners",
                          boundary);
     if (boundary > cloud->count)
@@ -178,11 +178,11 @@ static bat_status number_vertices(mesh_patch *patch, bat_error *error)
 }
 
 /// Whether all faces hang together. `waiting` has room for every face.
-static bool is_one_part(const bat_mesh_connectivity *connectivity, uint32_t *waiting, bool *seen)
+static bool is_one_part(const bat_mesh_connectivity *connectivity, uint32_t *waiting, bool *visited)
 {
     size_t top = 0, reached = 1;
-    memset(seen, 0, connectivity->face_count * sizeof *seen);
-    seen[0] = true;
+    memset(visited, 0, connectivity->face_count * sizeof *visited);
+    visited[0] = true;
     waiting[top++] = 0;
     while (top > 0)
     {
@@ -190,9 +190,9 @@ static bool is_one_part(const bat_mesh_connectivity *connectivity, uint32_t *wai
         for (uint32_t h = 3 * face; h < 3 * face + 3; h++)
         {
             uint32_t twin = connectivity->twin[h];
-            if (twin == BAT_MESH_NONE || seen[twin / 3])
+            if (twin == BAT_MESH_NONE || visited[twin / 3])
                 continue;
-            seen[twin / 3] = true;
+            visited[twin / 3] = true;
             waiting[top++] = twin / 3;
             reached++;
         }
@@ -204,16 +204,16 @@ static bat_status check_disk(const mesh_patch *patch, bat_error *error)
 {
     const bat_mesh_connectivity *connectivity = &patch->connectivity;
     uint32_t *waiting = memory_array(connectivity->face_count, sizeof *waiting);
-    bool *seen = memory_array(connectivity->face_count, sizeof *seen);
+    bool *visited = memory_array(connectivity->face_count, sizeof *visited);
     bat_status status = BAT_OK;
-    if (waiting == NULL || seen == NULL)
+    if (waiting == NULL || visited == NULL)
         status = error_memory(error, connectivity->face_count * sizeof *waiting);
-    else if (!is_one_part(connectivity, waiting, seen))
+    else if (!is_one_part(connectivity, waiting, visited))
         status = unsupported(error, "has several parts");
     else if (patch->count + connectivity->face_count != connectivity->edge_count + 1) // Euler's formula for a disk
         status = unsupported(error, "has handles");
     free(waiting);
-    free(seen);
+    free(visited);
     return status;
 }
 

@@ -26,9 +26,9 @@ local_plane local_plane_fit(const double *points, const neighbour_list *list)
         for (int j = i + 1; j < 3; j++)
             if (moment[4 * order[j]] > moment[4 * order[i]])
             {
-                int kept = order[i];
+                int swap = order[i];
                 order[i] = order[j];
-                order[j] = kept;
+                order[j] = swap;
             }
     for (int i = 0; i < 3; i++)
     {
@@ -71,7 +71,7 @@ double *points_to_unit_size(const double *points, size_t count)
 }
 
 /// The largest variance across the plane, in proportion to the smaller one along it.
-static const double THICKEST = 0.25;
+static const double MAX_THICKNESS = 0.25;
 
 bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, const double place[3], size_t wanted,
                               neighbour_list *near, local_plane *plane, bat_error *error)
@@ -82,7 +82,7 @@ bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, 
         if (status != BAT_OK)
             return status;
         *plane = local_plane_fit(points, near);
-        if (plane->variance[2] <= THICKEST * plane->variance[1] || wanted >= NEIGHBOURHOOD_MOST ||
+        if (plane->variance[2] <= MAX_THICKNESS * plane->variance[1] || wanted >= NEIGHBOURHOOD_MAX ||
             near->count == tree->count)
             return BAT_OK;
     }

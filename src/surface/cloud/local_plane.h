@@ -28,14 +28,14 @@ double *points_to_unit_size(const double *points, size_t count);
 
 enum
 {
-    NEIGHBOURHOOD_FEWEST = 16, ///< points of a neighbourhood to begin with, its middle among them
-    NEIGHBOURHOOD_MOST = 400   ///< points after which thickness is taken as it is
+    NEIGHBOURHOOD_MIN = 16, ///< points of a neighbourhood to begin with, its middle among them
+    NEIGHBOURHOOD_MAX = 400 ///< points after which thickness is taken as it is
 };
 
 /// The nearest points of a place, as many as it takes until they spread twice as far along their plane as across it. In a
 /// surface with noise that is a disc of four standard deviations.
 /// @param points those of the tree
-/// @param wanted the fewest points; NEIGHBOURHOOD_FEWEST or more where a smaller neighbourhood did not do
+/// @param wanted the fewest points; NEIGHBOURHOOD_MIN or more where a smaller neighbourhood did not do
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, const double place[3], size_t wanted,
                               neighbour_list *near, local_plane *plane, bat_error *error);

@@ -14,7 +14,7 @@ enum
 {
     ROOT = 1,
     LEAF_ITEMS = 16,
-    MOST_DEPTH = 40,
+    MAX_DEPTH = 40,
     /// Up to so many entries are sorted by insertion.
     FEW_ENTRIES = 48
 };
@@ -195,24 +195,24 @@ static inline bool precedes(neighbour a, neighbour b)
 }
 
 /// Let an entry sink to its place in the heap of `count` entries whose greatest comes first.
-static void sink(neighbour *heap, size_t count, size_t at)
+static void sift_down(neighbour *heap, size_t count, size_t at)
 {
-    neighbour sinking = heap[at];
+    neighbour entry = heap[at];
     for (size_t child = 2 * at + 1; child < count; child = 2 * at + 1)
     {
         child += child + 1 < count && precedes(heap[child], heap[child + 1]);
-        if (!precedes(sinking, heap[child]))
+        if (!precedes(entry, heap[child]))
             break;
         heap[at] = heap[child];
         at = child;
     }
-    heap[at] = sinking;
+    heap[at] = entry;
 }
 
 static void heap_make(neighbour *entries, size_t count)
 {
     for (size_t at = count / 2; at-- > 0;)
-        sink(entries, count, at);
+        sift_down(entries, count, at);
 }
 
 static void heap_sort(neighbour *heap, size_t count)
@@ -222,7 +222,7 @@ static void heap_sort(neighbour *heap, size_t count)
         neighbour greatest = heap[0];
         heap[0] = heap[--count];
         heap[count] = greatest;
-        sink(heap, count, 0);
+        sift_down(heap, count, 0);
     }
 }
 
@@ -247,8 +247,8 @@ static bool list_reserve(neighbour_list *list, size_t needed)
 }
 
 /// Add what lies within the radius in a leaf. False when out of memory.
-static bool take_leaf(const neighbour_tree *tree, node_range leaf, const double place[3], double most_squared,
-                      neighbour_list *list)
+static bool add_leaf(const neighbour_tree *tree, node_range leaf, const double place[3], double max_squared,
+                     neighbour_list *list)
 {
     double squared[LEAF_ITEMS];
     size_t count = leaf.end - leaf.begin;
@@ -259,7 +259,7 @@ static bool take_leaf(const neighbour_tree *tree, node_range leaf, const double 
     for (size_t i = 0; i < count; i++)
     {
         *out = (neighbour){squared[i], tree->items[leaf.begin + i]};
-        out += squared[i] <= most_squared;
+        out += squared[i] <= max_squared;
     }
     list->count = (size_t)(out - list->entries);
     return true;
@@ -268,22 +268,22 @@ static bool take_leaf(const neighbour_tree *tree, node_range leaf, const double 
 bat_status neighbours_within(const neighbour_tree *tree, const double place[3], double radius, neighbour_list *list,
                              bat_error *error)
 {
-    double most_squared = radius * radius;
-    node_range waiting[MOST_DEPTH];
+    double max_squared = radius * radius;
+    node_range waiting[MAX_DEPTH];
     size_t top = 0;
     list->count = 0;
     waiting[top++] = (node_range){ROOT, 0, tree->count};
     while (top > 0)
     {
         node_range here = waiting[--top];
-        if (box_squared(&tree->boxes[here.node], place) > most_squared)
+        if (box_squared(&tree->boxes[here.node], place) > max_squared)
             continue;
         if (!is_leaf(here))
         {
             waiting[top++] = upper_child(here);
             waiting[top++] = lower_child(here);
         }
-        else if (!take_leaf(tree, here, place, most_squared, list))
+        else if (!add_leaf(tree, here, place, max_squared, list))
             return error_memory(error, list->capacity * sizeof *list->entries);
     }
     if (list->count > FEW_ENTRIES)
@@ -309,7 +309,8 @@ static visit visit_to(const neighbour_tree *tree, node_range range, const double
 }
 
 /// Put the points of a leaf in the heap of the `wanted` nearest; it is a heap once it is full.
-static void improve(const neighbour_tree *tree, node_range leaf, const double place[3], size_t wanted, neighbour_list *list)
+static void update_nearest(const neighbour_tree *tree, node_range leaf, const double place[3], size_t wanted,
+                           neighbour_list *list)
 {
     double squared[LEAF_ITEMS];
     size_t count = leaf.end - leaf.begin;
@@ -326,7 +327,7 @@ static void improve(const neighbour_tree *tree, node_range leaf, const double pl
         else if (precedes(entry, list->entries[0]))
         {
             list->entries[0] = entry;
-            sink(list->entries, wanted, 0);
+            sift_down(list->entries, wanted, 0);
         }
     }
 }
@@ -334,7 +335,7 @@ static void improve(const neighbour_tree *tree, node_range leaf, const double pl
 bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
                               bat_error *error)
 {
-    visit waiting[MOST_DEPTH];
+    visit waiting[MAX_DEPTH];
     size_t top = 0;
     list->count = 0;
     wanted = wanted < tree->count ? wanted : tree->count;
@@ -351,7 +352,7 @@ bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3],
             continue;
         if (is_leaf(here.range))
         {
-            improve(tree, here.range, place, wanted, list);
+            update_nearest(tree, here.range, place, wanted, list);
             continue;
         }
         visit lower = visit_to(tree, lower_child(here.range), place), upper = visit_to(tree, upper_child(here.range), place);
@@ -369,7 +370,7 @@ bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3],
 typedef struct graph_builder
 {
     const neighbour_tree *tree;
-    double most_squared;
+    double max_squared;
     node_range *near; ///< leaves within the radius of the present one
     size_t *ends;     ///< count: where each row ends
     uint32_t *items;  ///< the rows
@@ -380,13 +381,13 @@ typedef struct graph_builder
 static size_t near_leaves(const graph_builder *build, size_t leaf)
 {
     const neighbour_box *boxes = build->tree->boxes;
-    node_range waiting[MOST_DEPTH];
+    node_range waiting[MAX_DEPTH];
     size_t top = 0, count = 0;
     waiting[top++] = (node_range){ROOT, 0, build->tree->count};
     while (top > 0)
     {
         node_range here = waiting[--top];
-        if (boxes_squared(&boxes[here.node], &boxes[leaf]) > build->most_squared)
+        if (boxes_squared(&boxes[here.node], &boxes[leaf]) > build->max_squared)
             continue;
         if (is_leaf(here))
         {
@@ -422,7 +423,7 @@ static bool write_rows(graph_builder *build, node_range leaf)
             for (size_t j = 0; j < near.end - near.begin; j++)
             {
                 *out = tree->items[near.begin + j];
-                out += squared[j] <= build->most_squared;
+                out += squared[j] <= build->max_squared;
             }
         }
         build->item_count = (size_t)(out - build->items);
@@ -433,7 +434,7 @@ static bool write_rows(graph_builder *build, node_range leaf)
 
 static bool write_all_rows(graph_builder *build)
 {
-    node_range waiting[MOST_DEPTH];
+    node_range waiting[MAX_DEPTH];
     size_t top = 0;
     waiting[top++] = (node_range){ROOT, 0, build->tree->count};
     while (top > 0)
@@ -497,7 +498,7 @@ static bat_status sort_rows(const graph_builder *build, neighbour_graph *graph, 
 bat_status neighbour_graph_build(const neighbour_tree *tree, double radius, neighbour_graph *graph, bat_error *error)
 {
     graph_builder build = {.tree = tree,
-                           .most_squared = radius * radius,
+                           .max_squared = radius * radius,
                            .near = memory_array(node_capacity(tree->count) / 2, sizeof *build.near),
                            .ends = memory_array(tree->count, sizeof *build.ends)};
     bat_status status = BAT_OK;

@@ -38,7 +38,7 @@ static bat_status fit_planes(const bat_cloud *cloud, const neighbour_tree *tree,
 #pragma omp for schedule(dynamic, 256)
         for (size_t i = 0; i < cloud->count; i++)
         {
-            bat_status own = neighbourhood_find(tree, cloud->points, cloud->points + 3 * i, NEIGHBOURHOOD_FEWEST, &near,
+            bat_status own = neighbourhood_find(tree, cloud->points, cloud->points + 3 * i, NEIGHBOURHOOD_MIN, &near,
                                                 &oriented->planes[i], NULL);
             size_t found = 0;
             for (size_t k = 0; own == BAT_OK && k < near.count && found < LINKS; k++)
@@ -58,26 +58,26 @@ static bat_status fit_planes(const bat_cloud *cloud, const neighbour_tree *tree,
 
 /// Points that hang together, as trees whose paths shorten on the way, and whether each point's normal has to turn to agree
 /// with that of the point above it.
-typedef struct turning
+typedef struct union_find
 {
-    uint32_t *above;
-    bool *turns;
-} turning;
+    uint32_t *parent;
+    bool *flips;
+} union_find;
 
 /// The root above a point, and whether the point's normal has to turn to agree with the root's.
-static uint32_t find_root(const turning *forest, uint32_t i, bool *turns)
+static uint32_t find_root(const union_find *forest, uint32_t i, bool *flips)
 {
     bool sum = false;
-    while (forest->above[i] != i)
+    while (forest->parent[i] != i)
     {
-        uint32_t above = forest->above[i];
+        uint32_t parent = forest->parent[i];
         // Halve the path: the point above this one becomes the one above that. Roots do not turn.
-        forest->turns[i] = forest->turns[i] != forest->turns[above];
-        forest->above[i] = forest->above[above];
-        sum = sum != forest->turns[i];
-        i = forest->above[i];
+        forest->flips[i] = forest->flips[i] != forest->flips[parent];
+        forest->parent[i] = forest->parent[parent];
+        sum = sum != forest->flips[i];
+        i = forest->parent[i];
     }
-    *turns = sum;
+    *flips = sum;
     return i;
 }
 
@@ -93,7 +93,7 @@ static size_t bucket_of(const oriented_planes *oriented, size_t i, size_t k)
 }
 
 /// Joins neighbours, those first whose planes differ least.
-static bat_status join(const oriented_planes *oriented, size_t count, const uint32_t *links, turning *forest,
+static bat_status join(const oriented_planes *oriented, size_t count, const uint32_t *links, union_find *forest,
                        bat_error *error)
 {
     size_t starts[BUCKETS + 1] = {0};
@@ -112,12 +112,12 @@ static bat_status join(const oriented_planes *oriented, size_t count, const uint
     for (size_t n = 0; n < total; n++)
     {
         size_t i = edges[n] / LINKS, k = links[edges[n]];
-        bool turns_i, turns_k;
-        uint32_t root_i = find_root(forest, (uint32_t)i, &turns_i), root_k = find_root(forest, (uint32_t)k, &turns_k);
+        bool flips_i, flips_k;
+        uint32_t root_i = find_root(forest, (uint32_t)i, &flips_i), root_k = find_root(forest, (uint32_t)k, &flips_k);
         if (root_i == root_k)
             continue;
-        forest->above[root_k] = root_i;
-        forest->turns[root_k] = (turns_i != turns_k) != (normal_product(oriented, i, k) < 0);
+        forest->parent[root_k] = root_i;
+        forest->flips[root_k] = (flips_i != flips_k) != (normal_product(oriented, i, k) < 0);
     }
     free(edges);
     return BAT_OK;
@@ -138,22 +138,22 @@ static double vote_of(const bat_cloud *cloud, const oriented_planes *oriented, c
     return length > 0 ? vector3_dot(up, oriented->planes[i].axes[2]) / length : 0;
 }
 
-static void turn_planes(const bat_cloud *cloud, const uint32_t *links, const turning *forest, double *votes,
+static void flip_planes(const bat_cloud *cloud, const uint32_t *links, const union_find *forest, double *votes,
                         oriented_planes *oriented)
 {
-    bool turns;
+    bool flips;
     memset(votes, 0, cloud->count * sizeof *votes);
     for (size_t i = 0; i < cloud->boundary_count; i++)
     {
-        uint32_t root = find_root(forest, (uint32_t)i, &turns);
+        uint32_t root = find_root(forest, (uint32_t)i, &flips);
         double vote = vote_of(cloud, oriented, links, i);
-        votes[root] += turns ? -vote : vote;
+        votes[root] += flips ? -vote : vote;
     }
     for (size_t i = 0; i < cloud->count; i++)
     {
-        uint32_t root = find_root(forest, (uint32_t)i, &turns);
+        uint32_t root = find_root(forest, (uint32_t)i, &flips);
         local_plane *plane = &oriented->planes[i];
-        for (size_t c = 0; c < 3 && turns != (votes[root] < 0); c++)
+        for (size_t c = 0; c < 3 && flips != (votes[root] < 0); c++)
             plane->axes[2][c] = -plane->axes[2][c];
         vector3_cross(plane->axes[2], plane->axes[0], plane->axes[1]);
     }
@@ -167,28 +167,28 @@ bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tr
                                   .reach = memory_array(count, sizeof *oriented->reach)};
     uint32_t *links = memory_array(count, LINKS * sizeof *links);
     double *votes = memory_array(count, sizeof *votes);
-    turning forest = {.above = memory_array(count, sizeof *forest.above),
-                      .turns = memory_array(count, sizeof *forest.turns)};
+    union_find forest = {.parent = memory_array(count, sizeof *forest.parent),
+                         .flips = memory_array(count, sizeof *forest.flips)};
     bat_status status = BAT_OK;
-    if (oriented->planes == NULL || oriented->reach == NULL || links == NULL || votes == NULL || forest.above == NULL ||
-        forest.turns == NULL)
+    if (oriented->planes == NULL || oriented->reach == NULL || links == NULL || votes == NULL || forest.parent == NULL ||
+        forest.flips == NULL)
         status = error_memory(error, count * sizeof *oriented->planes);
     if (status == BAT_OK)
         status = fit_planes(cloud, tree, oriented, links, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        forest.above[i] = (uint32_t)i;
-        forest.turns[i] = false;
+        forest.parent[i] = (uint32_t)i;
+        forest.flips[i] = false;
     }
     if (status == BAT_OK)
         status = join(oriented, count, links, &forest, error);
     if (status == BAT_OK)
-        turn_planes(cloud, links, &forest, votes, oriented);
+        flip_planes(cloud, links, &forest, votes, oriented);
     else
         oriented_planes_free(oriented);
     free(links);
     free(votes);
-    free(forest.above);
-    free(forest.turns);
+    free(forest.parent);
+    free(forest.flips);
     return status;
 }

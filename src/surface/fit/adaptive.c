@@ -22,11 +22,11 @@ enum
 };
 
 // A parameter has settled, in the loop, when a step is shorter than this part of a cell.
-static const double SETTLED = 1e-3;
+static const double STEP_TOLERANCE = 1e-3;
 // A budget is met from this part of it on; refinement adds a few functions at a time at least.
-static const double FILLED = 0.99;
+static const double BUDGET_FILLED = 0.99;
 // Distances below this part of the points' size are rounding.
-static const double EXACT = 1e-13;
+static const double ROUNDING = 1e-13;
 
 bat_surface_fit_options bat_surface_fit_defaults(void)
 {
@@ -75,7 +75,7 @@ static const double NORMAL_SCALE = 1.4826;
 // Where Tukey's biweight reaches zero, in scales: 95 per cent as efficient as least squares on normal noise.
 static const double TUKEY_REACH = 4.685;
 // No scale is below this part of the points' size: points that are met to rounding are no outliers.
-static const double LEAST_SCALE = 1e-12;
+static const double MIN_SCALE = 1e-12;
 
 /// The upper median; sorts the values.
 static double median(double *values, size_t count)
@@ -98,19 +98,19 @@ static double biweight(double distance, double scale)
     return share < 1 ? left * left : 0;
 }
 
-static bat_status fit_robust_weigh(fit_points *points, size_t *outliers, bat_error *error)
+static bat_status update_robust_weights(fit_points *points, size_t *outliers, bat_error *error)
 {
     double *sorted = memory_array(points->count, sizeof *sorted);
     if (sorted == NULL)
         return error_memory(error, points->count * sizeof *sorted);
     memcpy(sorted, points->distance, points->count * sizeof *sorted);
-    double whole = fmax(NORMAL_SCALE * median(sorted, points->count), LEAST_SCALE * size_of(points));
+    double global = fmax(NORMAL_SCALE * median(sorted, points->count), MIN_SCALE * size_of(points));
     *outliers = 0;
     for (size_t begin = 0; begin < points->count; begin += NEIGHBOURS)
     {
         size_t end = begin + NEIGHBOURS < points->count ? begin + NEIGHBOURS : points->count;
         memcpy(sorted, points->distance + begin, (end - begin) * sizeof *sorted);
-        double scale = fmax(NORMAL_SCALE * median(sorted, end - begin), whole);
+        double scale = fmax(NORMAL_SCALE * median(sorted, end - begin), global);
         for (size_t row = begin; row < end; row++)
         {
             points->weight[row] = scale > 0 ? biweight(points->distance[row], scale) : 1;
@@ -138,7 +138,7 @@ typedef struct fit_loop
     size_t outliers;
     bat_surface_fit_round *rounds; ///< iterations + 1
     size_t count;
-    double begin, told; ///< seconds of the clock, and the share of the work last reported
+    double begin, reported; ///< seconds of the clock, and the share of the work last reported
 } fit_loop;
 
 static void loop_free_fit(fit_loop *loop)
@@ -189,18 +189,18 @@ static double share_done(const fit_loop *loop)
 }
 
 /// Report; false when the caller wants to stop. Asked with a share that it does not use, as part of a search for a weight.
-static bool loop_goes_on(void *context, double unused)
+static bool loop_report(void *context, double unused)
 {
     (void)unused;
     fit_loop *loop = context;
     const bat_progress *progress = &loop->options->progress;
-    loop->told = fmax(loop->told, share_done(loop));
-    return progress->report == NULL || progress->report(progress->context, loop->told);
+    loop->reported = fmax(loop->reported, share_done(loop));
+    return progress->report == NULL || progress->report(progress->context, loop->reported);
 }
 
 static bat_status loop_check(fit_loop *loop, bat_error *error)
 {
-    return loop_goes_on(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+    return loop_report(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
 }
 
 /// The most weights to try in this round.
@@ -209,12 +209,12 @@ static int trials_for(const fit_loop *loop)
     size_t functions = loop->system.functions;
     if (functions <= SMALL_SYSTEM || loop->count == 0)
         return TRIALS_FIRST;
-    return loop->budget > 0 && (double)functions >= FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
+    return loop->budget > 0 && (double)functions >= BUDGET_FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
 }
 
 /// Fit over the space at hand, whose system is there, to points that know their cells.
 /// @param search whether a weight is looked for, or the last one taken
-static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
+static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
     bat_status status = loop_check(loop, error);
@@ -229,7 +229,7 @@ static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
                                 .noise = options->noise,
                                 .lambda = given ? options->weight : loop->lambda,
                                 .trials = trials_for(loop),
-                                .progress = {loop_goes_on, loop}};
+                                .progress = {loop_report, loop}};
     status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, loop->control, error);
     fit_nets_free(&loop->nets);
     if (status == BAT_OK)
@@ -238,9 +238,9 @@ static bat_status fit_now(fit_loop *loop, bool search, bat_error *error)
 }
 
 /// Measure distances, or move the parameters to their feet, and weigh the points anew.
-static bat_status measure_now(fit_loop *loop, bool correct, bat_error *error)
+static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *error)
 {
-    fit_correction correction = {NEWTON_STEPS, SETTLED};
+    fit_correction correction = {NEWTON_STEPS, STEP_TOLERANCE};
     int threads = loop->options->threads;
     size_t moved;
     bat_status status = loop_check(loop, error);
@@ -249,9 +249,9 @@ static bat_status measure_now(fit_loop *loop, bool correct, bat_error *error)
     if (status == BAT_OK && correct)
         status = fit_correct(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && correct)
-        status = fit_correct_lost(&loop->nets, &loop->points, correction, threads, &moved, error);
+        status = fit_correct_wrong_feet(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
-        status = fit_robust_weigh(&loop->points, &loop->outliers, error);
+        status = update_robust_weights(&loop->points, &loop->outliers, error);
     return status;
 }
 
@@ -274,15 +274,15 @@ static bat_status fit_round(fit_loop *loop, bat_error *error)
 {
     bat_status status = begin_round(loop, error);
     if (status == BAT_OK)
-        status = fit_now(loop, true, error);
+        status = fit_control(loop, true, error);
     if (status == BAT_OK && loop->options->corrections == 0)
-        status = measure_now(loop, false, error);
+        status = measure_distances(loop, false, error);
     for (int k = 0; k < loop->options->corrections && status == BAT_OK; k++)
     {
         if (k > 0)
-            status = fit_now(loop, false, error);
+            status = fit_control(loop, false, error);
         if (status == BAT_OK)
-            status = measure_now(loop, true, error);
+            status = measure_distances(loop, true, error);
     }
     return status;
 }
@@ -292,12 +292,12 @@ static bat_status fit_finally(fit_loop *loop, bat_error *error)
     bat_status status = BAT_OK;
     int rounds = loop->options->final_corrections;
     if (rounds > 0 && loop->options->corrections == 0)
-        status = measure_now(loop, true, error);
+        status = measure_distances(loop, true, error);
     for (int k = 0; k < rounds && status == BAT_OK; k++)
     {
-        status = fit_now(loop, k == 0, error);
+        status = fit_control(loop, k == 0, error);
         if (status == BAT_OK)
-            status = measure_now(loop, true, error);
+            status = measure_distances(loop, true, error);
     }
     return status;
 }
@@ -333,13 +333,13 @@ static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round
 {
     if (loop->options->tolerance > 0)
         return round->within >= loop->options->share;
-    bool filled = loop->full || (double)round->functions >= FILLED * (double)loop->budget;
-    return filled || round->largest <= EXACT * loop->size;
+    bool filled = loop->full || (double)round->functions >= BUDGET_FILLED * (double)loop->budget;
+    return filled || round->largest <= ROUNDING * loop->size;
 }
 
 /// Refine where the points are farthest off.
 /// @param refined receives whether there was anything to refine
-static bat_status refine_now(fit_loop *loop, bool *refined, bat_error *error)
+static bat_status refine_marked(fit_loop *loop, bool *refined, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
     fit_marking marking = {options->tolerance, loop->budget, options->neighbours};
@@ -370,7 +370,7 @@ static bat_status run(fit_loop *loop, bat_error *error)
         *round = measure_round(loop);
         if (has_reached(loop, round) || loop->count > (size_t)loop->options->iterations)
             break;
-        status = refine_now(loop, &refined, error);
+        status = refine_marked(loop, &refined, error);
         if (status != BAT_OK)
             return status;
     }
@@ -381,8 +381,8 @@ static bat_status run(fit_loop *loop, bat_error *error)
 }
 
 /// Hand the surface, the parameters and the report over.
-static bat_status hand_over(fit_loop *loop, bat_surface_fit_data *data, bat_spline_surface *surface,
-                            bat_surface_fit_report *report, bat_error *error)
+static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_spline_surface *surface,
+                               bat_surface_fit_report *report, bat_error *error)
 {
     double *distances = report == NULL ? NULL : memory_array(data->count, sizeof *distances);
     if (report != NULL && distances == NULL)
@@ -419,7 +419,7 @@ bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_opt
     if (status == BAT_OK)
         status = run(&loop, error);
     if (status == BAT_OK)
-        status = hand_over(&loop, data, surface, report, error);
+        status = store_result(&loop, data, surface, report, error);
     loop_free(&loop);
     return status;
 }

@@ -41,50 +41,50 @@ static void measure_point(const fit_nets *nets, fit_points *points, size_t row, 
     fit_nets_evaluate(nets, points->cell[row], points->parameter + 2 * row, 0, scratch, value);
     for (size_t k = 0; k < dimension; k++)
     {
-        double apart = position[k] - value[k];
-        square += apart * apart;
+        double difference = position[k] - value[k];
+        square += difference * difference;
         if (residual != NULL)
-            residual[row * dimension + k] = apart;
+            residual[row * dimension + k] = difference;
     }
     points->distance[row] = sqrt(square);
 }
 
 bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, double *residual, int threads, bat_error *error)
 {
-    size_t room = fit_nets_scratch(nets) + nets->dimension;
+    size_t scratch_size = fit_nets_scratch(nets) + nets->dimension;
     double operations = (double)points->count * fit_nets_operations(nets, 0);
-    bool whole = true;
-#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : whole)
+    bool complete = true;
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : complete)
     {
-        double *scratch = memory_array(room, sizeof *scratch);
-        whole = scratch != NULL;
+        double *scratch = memory_array(scratch_size, sizeof *scratch);
+        complete = scratch != NULL;
 #pragma omp for schedule(static)
         for (size_t row = 0; row < points->count; row++)
             if (scratch != NULL)
                 measure_point(nets, points, row, scratch, residual);
         free(scratch);
     }
-    return whole ? BAT_OK : error_memory(error, room * sizeof(double));
+    return complete ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
 }
 
 enum
 {
-    MOST_STEPS = 50,
-    MOST_HALVINGS = 10,
-    MOST_LOST = 64 ///< points that look for their feet elsewhere, in one go
+    MAX_STEPS = 50,
+    MAX_HALVINGS = 10,
+    MAX_WRONG_FEET = 64 ///< points that look for their feet elsewhere, in one go
 };
 
 // The longest step in a direction, in cells.
-static const double LONGEST_STEP = 1;
+static const double MAX_STEP = 1;
 // A matrix whose determinant is less than this part of the product of its diagonal is as good as singular.
-static const double LEAST_DETERMINANT = 1e-10;
+static const double MIN_DETERMINANT = 1e-10;
 
 // A point this many times as far off as the mean may have lost its way.
-static const double FAR_OFF = 10;
+static const double WRONG_FOOT_RATIO = 10;
 
 fit_correction fit_correction_full(void)
 {
-    return (fit_correction){.steps = MOST_STEPS, .settled = 4 * DBL_EPSILON};
+    return (fit_correction){.steps = MAX_STEPS, .tolerance = 4 * DBL_EPSILON};
 }
 
 /// A place on the surface and what is known there.
@@ -105,16 +105,16 @@ static void foot_measure(const fit_nets *nets, const double *position, double *s
     fit_nets_evaluate(nets, foot->cell, foot->at, 2, scratch, value);
     const double *du = value + dimension, *dv = du + dimension, *duu = dv + dimension, *duv = duu + dimension,
                  *dvv = duv + dimension;
-    double square = 0, gradient[2] = {0, 0}, bent[3] = {0, 0, 0}, gauss[3] = {0, 0, 0};
+    double square = 0, gradient[2] = {0, 0}, second[3] = {0, 0, 0}, gauss[3] = {0, 0, 0};
     for (size_t k = 0; k < dimension; k++)
     {
-        double apart = value[k] - position[k];
-        square += apart * apart;
-        gradient[0] += apart * du[k];
-        gradient[1] += apart * dv[k];
-        bent[0] += apart * duu[k];
-        bent[1] += apart * duv[k];
-        bent[2] += apart * dvv[k];
+        double difference = value[k] - position[k];
+        square += difference * difference;
+        gradient[0] += difference * du[k];
+        gradient[1] += difference * dv[k];
+        second[0] += difference * duu[k];
+        second[1] += difference * duv[k];
+        second[2] += difference * dvv[k];
         gauss[0] += du[k] * du[k];
         gauss[1] += du[k] * dv[k];
         gauss[2] += dv[k] * dv[k];
@@ -123,7 +123,7 @@ static void foot_measure(const fit_nets *nets, const double *position, double *s
     memcpy(foot->gradient, gradient, sizeof gradient);
     memcpy(foot->gauss, gauss, sizeof gauss);
     for (int k = 0; k < 3; k++)
-        foot->full[k] = gauss[k] + bent[k];
+        foot->full[k] = gauss[k] + second[k];
 }
 
 /// Where a parameter may go.
@@ -132,7 +132,7 @@ typedef struct foot_limits
     double low[2], high[2];
 } foot_limits;
 
-static const foot_limits WHOLE_SQUARE = {{0, 0}, {1, 1}};
+static const foot_limits UNIT_SQUARE = {{0, 0}, {1, 1}};
 
 /// Whether a parameter may follow the gradient: there is room, and it is not pressed against its end.
 static bool may_move(const foot_point *foot, const foot_limits *limits, int direction)
@@ -146,7 +146,7 @@ static bool may_move(const foot_point *foot, const foot_limits *limits, int dire
 static bool solve_both(const double *matrix, const double *gradient, double *step)
 {
     double determinant = matrix[0] * matrix[2] - matrix[1] * matrix[1];
-    if (!(matrix[0] > 0 && matrix[2] > 0 && determinant > LEAST_DETERMINANT * matrix[0] * matrix[2]))
+    if (!(matrix[0] > 0 && matrix[2] > 0 && determinant > MIN_DETERMINANT * matrix[0] * matrix[2]))
         return false;
     step[0] = (matrix[1] * gradient[1] - matrix[2] * gradient[0]) / determinant;
     step[1] = (matrix[1] * gradient[0] - matrix[0] * gradient[1]) / determinant;
@@ -179,20 +179,20 @@ static double limit_step(const fit_nets *nets, const foot_point *foot, double *s
     double length = 0;
     for (int k = 0; k < 2; k++)
         length = fmax(length, fabs(step[k]) * (double)hierarchical_spans(nets->space, level, k));
-    if (length <= LONGEST_STEP)
+    if (length <= MAX_STEP)
         return length;
-    step[0] *= LONGEST_STEP / length;
-    step[1] *= LONGEST_STEP / length;
-    return LONGEST_STEP;
+    step[0] *= MAX_STEP / length;
+    step[1] *= MAX_STEP / length;
+    return MAX_STEP;
 }
 
 /// Go along a step, half as far again and again until the distance falls.
-static bool go(const fit_nets *nets, const double *position, const foot_limits *limits, const double *step, double *scratch,
-               foot_point *now)
+static bool line_search(const fit_nets *nets, const double *position, const foot_limits *limits, const double *step,
+                        double *scratch, foot_point *now)
 {
     foot_point next;
     double share = 1;
-    for (int k = 0; k < MOST_HALVINGS; k++, share *= 0.5)
+    for (int k = 0; k < MAX_HALVINGS; k++, share *= 0.5)
     {
         for (int d = 0; d < 2; d++)
             next.at[d] = fmin(fmax(now->at[d] + share * step[d], limits->low[d]), limits->high[d]);
@@ -218,13 +218,13 @@ static void descend(const fit_nets *nets, const double *position, const foot_lim
         double step[2];
         choose_step(now, limits, step);
         double length = limit_step(nets, now, step);
-        if (length <= correction.settled || !go(nets, position, limits, step, scratch, now))
+        if (length <= correction.tolerance || !line_search(nets, position, limits, step, scratch, now))
             return;
     }
 }
 
 /// Give a row what was found for it.
-static bool settle(fit_points *points, size_t row, const foot_point *found)
+static bool store_foot(fit_points *points, size_t row, const foot_point *found)
 {
     double *at = points->parameter + 2 * row;
     bool moved = found->at[0] != at[0] || found->at[1] != at[1];
@@ -240,7 +240,7 @@ static foot_limits limits_of(const fit_points *points, size_t row)
     const double *at = points->parameter + 2 * row;
     fit_freedom freedom = (fit_freedom)points->freedom[row];
     if (freedom == FIT_FREE)
-        return WHOLE_SQUARE;
+        return UNIT_SQUARE;
     foot_limits limits = {{at[0], at[1]}, {at[0], at[1]}};
     if (freedom != FIT_FIXED)
     {
@@ -258,7 +258,7 @@ static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, 
     foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
     foot_measure(nets, position, scratch, &now);
     descend(nets, position, &limits, correction, scratch, &now);
-    return settle(points, row, &now);
+    return store_foot(points, row, &now);
 }
 
 /// A point far off, for sorting.
@@ -277,41 +277,41 @@ static int compare_far(const void *a, const void *b)
 }
 
 /// The free points that are farthest off, many times as far as the mean, farthest first.
-/// @return how many there are, at most MOST_LOST
-static size_t find_lost(const fit_points *points, double mean, far_point *lost)
+/// @return how many there are, at most MAX_WRONG_FEET
+static size_t find_wrong_feet(const fit_points *points, double mean, far_point *outlying)
 {
     size_t count = 0;
     for (size_t row = 0; row < points->count; row++)
-        if (points->freedom[row] == FIT_FREE && points->distance[row] > FAR_OFF * mean)
+        if (points->freedom[row] == FIT_FREE && points->distance[row] > WRONG_FOOT_RATIO * mean)
         {
-            if (count == 2 * MOST_LOST)
+            if (count == 2 * MAX_WRONG_FEET)
             {
-                qsort(lost, count, sizeof *lost, compare_far);
-                count = MOST_LOST;
+                qsort(outlying, count, sizeof *outlying, compare_far);
+                count = MAX_WRONG_FEET;
             }
-            lost[count++] = (far_point){points->distance[row], row};
+            outlying[count++] = (far_point){points->distance[row], row};
         }
-    qsort(lost, count, sizeof *lost, compare_far);
-    return count < MOST_LOST ? count : MOST_LOST;
+    qsort(outlying, count, sizeof *outlying, compare_far);
+    return count < MAX_WRONG_FEET ? count : MAX_WRONG_FEET;
 }
 
 /// The nearest point in space that is near its own foot.
-static size_t nearest_found(const fit_points *points, size_t row, double mean)
+static size_t nearest_with_foot(const fit_points *points, size_t row, double mean)
 {
     size_t dimension = points->dimension, nearest = row;
-    double least = INFINITY;
+    double minimum = INFINITY;
     const double *position = points->position + row * dimension;
     for (size_t other = 0; other < points->count; other++)
     {
         double square = 0;
         for (size_t k = 0; k < dimension; k++)
         {
-            double apart = points->position[other * dimension + k] - position[k];
-            square += apart * apart;
+            double difference = points->position[other * dimension + k] - position[k];
+            square += difference * difference;
         }
-        if (square < least && other != row && points->distance[other] <= mean)
+        if (square < minimum && other != row && points->distance[other] <= mean)
         {
-            least = square;
+            minimum = square;
             nearest = other;
         }
     }
@@ -319,57 +319,57 @@ static size_t nearest_found(const fit_points *points, size_t row, double mean)
 }
 
 /// The foot of a point from where the nearest one has its own.
-static foot_point seek(const fit_nets *nets, const fit_points *points, size_t row, double mean, fit_correction correction,
-                       double *scratch)
+static foot_point foot_from_neighbour(const fit_nets *nets, const fit_points *points, size_t row, double mean,
+                                      fit_correction correction, double *scratch)
 {
-    size_t from = nearest_found(points, row, mean);
+    size_t from = nearest_with_foot(points, row, mean);
     const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * from;
     foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[from]};
     foot_measure(nets, position, scratch, &now);
-    descend(nets, position, &WHOLE_SQUARE, correction, scratch, &now);
+    descend(nets, position, &UNIT_SQUARE, correction, scratch, &now);
     return now;
 }
 
-bat_status fit_correct_lost(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
-                            bat_error *error)
+bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_correction correction, int threads,
+                                  size_t *moved, bat_error *error)
 {
-    far_point lost[2 * MOST_LOST];
-    foot_point found[MOST_LOST];
+    far_point outlying[2 * MAX_WRONG_FEET];
+    foot_point found[MAX_WRONG_FEET];
     double mean = 0;
     for (size_t row = 0; row < points->count; row++)
         mean += points->distance[row] / (double)points->count;
-    size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = find_lost(points, mean, lost);
+    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = find_wrong_feet(points, mean, outlying);
     double operations = (double)count * (double)points->count * 2 * (double)nets->dimension;
-    bool whole = true;
-#pragma omp parallel num_threads(threads_worth(threads, count, operations)) reduction(&& : whole)
+    bool complete = true;
+#pragma omp parallel num_threads(threads_worth(threads, count, operations)) reduction(&& : complete)
     {
-        double *scratch = memory_array(room, sizeof *scratch);
-        whole = scratch != NULL;
+        double *scratch = memory_array(scratch_size, sizeof *scratch);
+        complete = scratch != NULL;
 #pragma omp for schedule(dynamic)
         for (size_t k = 0; k < count; k++)
             if (scratch != NULL)
-                found[k] = seek(nets, points, lost[k].row, mean, correction, scratch);
+                found[k] = foot_from_neighbour(nets, points, outlying[k].row, mean, correction, scratch);
         free(scratch);
     }
-    if (!whole)
-        return error_memory(error, room * sizeof(double));
+    if (!complete)
+        return error_memory(error, scratch_size * sizeof(double));
     *moved = 0;
     for (size_t k = 0; k < count; k++)
-        if (sqrt(found[k].square) < lost[k].distance)
-            *moved += settle(points, lost[k].row, &found[k]);
+        if (sqrt(found[k].square) < outlying[k].distance)
+            *moved += store_foot(points, outlying[k].row, &found[k]);
     return BAT_OK;
 }
 
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
                        bat_error *error)
 {
-    size_t room = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
+    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
     double operations = (double)points->count * fit_nets_operations(nets, 2);
-    bool whole = true;
-#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : whole) reduction(+ : count)
+    bool complete = true;
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : complete) reduction(+ : count)
     {
-        double *scratch = memory_array(room, sizeof *scratch);
-        whole = scratch != NULL;
+        double *scratch = memory_array(scratch_size, sizeof *scratch);
+        complete = scratch != NULL;
 #pragma omp for schedule(dynamic, 256)
         for (size_t row = 0; row < points->count; row++)
             if (scratch != NULL)
@@ -377,5 +377,5 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
         free(scratch);
     }
     *moved = count;
-    return whole ? BAT_OK : error_memory(error, room * sizeof(double));
+    return complete ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
 }

@@ -47,8 +47,8 @@ bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, double *re
 /// How far feet are sought.
 typedef struct fit_correction
 {
-    int steps;      ///< the most of Newton's method
-    double settled; ///< when the next step is as short as this, in cells, the search ends
+    int steps;        ///< the most of Newton's method
+    double tolerance; ///< when the next step is as short as this, in cells, the search ends
 } fit_correction;
 
 /// Every step until rounding ends it.
@@ -67,7 +67,7 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
 /// in space that is near its own. Newton's method finds the foot of the valley that it begins in, and in the early rounds of
 /// a fit, when the surface is stiff, that may be the wrong one for good. The farthest few do so, and stay where they are
 /// unless they get nearer.
-bat_status fit_correct_lost(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
-                            bat_error *error);
+bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_correction correction, int threads,
+                                  size_t *moved, bat_error *error);
 
 #endif

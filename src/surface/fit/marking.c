@@ -7,18 +7,18 @@
 #include <stdlib.h>
 
 // Without a tolerance, the worst cells that have this share of the squared error are marked (Doerfler, 1996).
-static const double BULK = 0.3;
+static const double BULK_SHARE = 0.3;
 // As many cells are marked as it takes for so many times the functions, so that rounds do not creep.
-static const double LEAST_GROWTH = 1.1;
+static const double MIN_GROWTH = 1.1;
 // Points are told apart when they are spread over this part of a cell in one direction.
-static const double APART = 1.0 / 16;
+static const double SEPARATION = 1.0 / 16;
 
 enum
 {
     /// A cell and so many rings hold functions of the next level of any degree.
     ENOUGH_RINGS = BAT_SPLINE_MAX_DEGREE / 4 + 1,
     /// This part of a budget is small enough to be left over.
-    CLOSE = 500
+    SLACK = 500
 };
 
 /// A cell and the sum of squared errors of its points.
@@ -45,33 +45,33 @@ typedef struct cell_points
     double low[2], high[2]; ///< the parameters lie between
 } cell_points;
 
-static cell_points look_at(const fit_points *points, size_t cell)
+static cell_points gather_points(const fit_points *points, size_t cell)
 {
-    cell_points seen = {.low = {1, 1}};
+    cell_points gathered = {.low = {1, 1}};
     for (size_t place = points->first[cell]; place < points->first[cell + 1]; place++)
     {
         size_t row = points->order[place];
         if (points->weight[row] == 0)
             continue;
-        seen.sum += points->weight[row] * points->distance[row] * points->distance[row];
-        seen.largest = fmax(seen.largest, points->distance[row]);
-        seen.count++;
+        gathered.sum += points->weight[row] * points->distance[row] * points->distance[row];
+        gathered.largest = fmax(gathered.largest, points->distance[row]);
+        gathered.count++;
         for (int k = 0; k < 2; k++)
         {
-            seen.low[k] = fmin(seen.low[k], points->parameter[2 * row + (size_t)k]);
-            seen.high[k] = fmax(seen.high[k], points->parameter[2 * row + (size_t)k]);
+            gathered.low[k] = fmin(gathered.low[k], points->parameter[2 * row + (size_t)k]);
+            gathered.high[k] = fmax(gathered.high[k], points->parameter[2 * row + (size_t)k]);
         }
     }
-    return seen;
+    return gathered;
 }
 
 /// Whether finer functions could tell the points of a cell apart. Those that cannot be told apart have lost their way, and
 /// would draw functions without end.
-static bool are_apart(const bat_hierarchical_space *space, const cell_points *seen, uint32_t level)
+static bool are_separable(const bat_hierarchical_space *space, const cell_points *gathered, uint32_t level)
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(space);
     for (int k = 0; k < 2; k++)
-        if ((seen->high[k] - seen->low[k]) * (double)(options.spans[k] << level) >= APART)
+        if ((gathered->high[k] - gathered->low[k]) * (double)(options.spans[k] << level) >= SEPARATION)
             return true;
     return false;
 }
@@ -81,12 +81,12 @@ static bool are_apart(const bat_hierarchical_space *space, const cell_points *se
 static double score_of(const bat_hierarchical_space *space, const fit_points *points, size_t cell, double tolerance)
 {
     uint32_t level = bat_hierarchical_space_cell(space, cell).level;
-    cell_points seen = look_at(points, cell);
-    if (seen.largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
+    cell_points gathered = gather_points(points, cell);
+    if (gathered.largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
         return 0;
     if (tolerance > 0)
-        return seen.sum;
-    return are_apart(space, &seen, level) ? seen.sum * (seen.count - 1) / seen.count : 0;
+        return gathered.sum;
+    return are_separable(space, &gathered, level) ? gathered.sum * (gathered.count - 1) / gathered.count : 0;
 }
 
 /// Rank the cells that have an error.
@@ -112,7 +112,7 @@ static size_t bulk_of(const ranked_cell *ranked, size_t count)
     for (size_t k = 0; k < count; k++)
         total += ranked[k].score;
     size_t wanted = 0;
-    while (wanted < count && sum < BULK * total)
+    while (wanted < count && sum < BULK_SHARE * total)
         sum += ranked[wanted++].score;
     return wanted;
 }
@@ -185,7 +185,7 @@ static bat_status fill_budget(const mark_choice *choice, size_t count, size_t co
 {
     size_t before = bat_hierarchical_space_functions(choice->space);
     size_t low = 0, high = count, low_functions = before, high_functions = count_functions;
-    while (high - low > 1 && budget - low_functions > budget / CLOSE)
+    while (high - low > 1 && budget - low_functions > budget / SLACK)
     {
         double share = (double)(budget - low_functions) / (double)(high_functions - low_functions);
         size_t try = low + (size_t)(fmin(fmax(share, 0.1), 0.9) * (double)(high - low));
@@ -207,7 +207,7 @@ static bat_status fill_budget(const mark_choice *choice, size_t count, size_t co
 
 /// Refine the first `wanted` cells, or as many as fit. Where that gives few functions, more cells are taken, up to `most`,
 /// and then more rings.
-static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t most, size_t budget,
+static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t maximum, size_t budget,
                                 bat_hierarchical_space **refined, bat_error *error)
 {
     size_t before = bat_hierarchical_space_functions(choice->space);
@@ -218,7 +218,7 @@ static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t most,
         if (status != BAT_OK)
             return status;
         size_t functions = bat_hierarchical_space_functions(made);
-        bool few = wanted < most && (double)functions < LEAST_GROWTH * (double)before;
+        bool few = wanted < maximum && (double)functions < MIN_GROWTH * (double)before;
         if (!few && functions > before && (budget == 0 || functions <= budget))
         {
             *refined = made;
@@ -226,7 +226,7 @@ static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t most,
         }
         bat_hierarchical_space_free(made);
         if (few)
-            wanted = 2 * wanted < most ? 2 * wanted : most;
+            wanted = 2 * wanted < maximum ? 2 * wanted : maximum;
         else if (functions > before)
             return fill_budget(choice, wanted, functions, budget, refined, error);
         else if (choice->rings++ >= ENOUGH_RINGS)

@@ -56,7 +56,7 @@ static int compare_rows(const void *a, const void *b)
 
 /// The functions that meet function f and do not come before it, in rising order.
 /// @param seen for every function the last one, plus one, that it was found to meet
-static size_t find_rows(const bat_hierarchical_space *space, const function_cells *cells, size_t f, uint32_t *seen,
+static size_t find_rows(const bat_hierarchical_space *space, const function_cells *cells, size_t f, uint32_t *marked,
                         int *rows)
 {
     size_t count = 0;
@@ -65,9 +65,9 @@ static size_t find_rows(const bat_hierarchical_space *space, const function_cell
         const uint32_t *active;
         size_t active_count = bat_hierarchical_space_active(space, cells->cell[c], &active);
         for (size_t k = active_count; k-- > 0 && active[k] >= f;)
-            if (seen[active[k]] != f + 1)
+            if (marked[active[k]] != f + 1)
             {
-                seen[active[k]] = (uint32_t)f + 1;
+                marked[active[k]] = (uint32_t)f + 1;
                 rows[count++] = (int)active[k];
             }
     }
@@ -77,36 +77,36 @@ static size_t find_rows(const bat_hierarchical_space *space, const function_cell
 
 /// Find all rows of one function after another, on one thread for a range of them.
 static void find_range(const bat_hierarchical_space *space, const function_cells *cells, size_t begin, size_t end,
-                       uint32_t *seen, int *rows, fit_pattern *pattern, bool counting)
+                       uint32_t *marked, int *rows, fit_pattern *pattern, bool counting)
 {
     for (size_t f = begin; f < end; f++)
         if (counting)
-            pattern->first[f + 1] = (int)find_rows(space, cells, f, seen, rows);
+            pattern->first[f + 1] = (int)find_rows(space, cells, f, marked, rows);
         else
-            (void)find_rows(space, cells, f, seen, pattern->row + pattern->first[f]);
+            (void)find_rows(space, cells, f, marked, pattern->row + pattern->first[f]);
 }
 
 /// Count the rows of all columns, or find them.
 static bool find_all(const bat_hierarchical_space *space, const function_cells *cells, int threads, fit_pattern *pattern,
                      bool counting)
 {
-    size_t functions = pattern->functions, most = functions;
+    size_t functions = pattern->functions, maximum = functions;
     double active = (double)bat_hierarchical_space_max_active(space), operations = (double)functions * active * active;
     int used = threads_worth(threads, (functions + 255) / 256, operations);
-    bool whole = true;
-#pragma omp parallel for schedule(static) num_threads(used) reduction(&& : whole)
+    bool allocated = true;
+#pragma omp parallel for schedule(static) num_threads(used) reduction(&& : allocated)
     for (int t = 0; t < used; t++)
     {
-        uint32_t *seen = calloc(functions, sizeof *seen);
-        int *rows = counting ? memory_array(most, sizeof *rows) : NULL;
-        whole = whole && seen != NULL && (rows != NULL || !counting);
-        if (whole)
-            find_range(space, cells, functions * (size_t)t / (size_t)used, functions * ((size_t)t + 1) / (size_t)used, seen,
-                       rows, pattern, counting);
-        free(seen);
+        uint32_t *marked = calloc(functions, sizeof *marked);
+        int *rows = counting ? memory_array(maximum, sizeof *rows) : NULL;
+        allocated = allocated && marked != NULL && (rows != NULL || !counting);
+        if (allocated)
+            find_range(space, cells, functions * (size_t)t / (size_t)used, functions * ((size_t)t + 1) / (size_t)used,
+                       marked, rows, pattern, counting);
+        free(marked);
         free(rows);
     }
-    return whole;
+    return allocated;
 }
 
 static bat_status add_up(fit_pattern *pattern, bat_error *error)
@@ -182,11 +182,11 @@ static void batch_set(const bat_hierarchical_space *space, const fit_cell_work *
 /// Let a thread compute every cell it can get.
 static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work *work, const batch *now, int threads)
 {
-    bool whole = true;
-#pragma omp parallel num_threads(threads) reduction(&& : whole)
+    bool allocated = true;
+#pragma omp parallel num_threads(threads) reduction(&& : allocated)
     {
         double *scratch = memory_array(work->scratch, sizeof *scratch);
-        whole = scratch != NULL;
+        allocated = scratch != NULL;
 #pragma omp for schedule(dynamic, 16)
         for (size_t c = now->begin; c < now->end; c++)
         {
@@ -200,7 +200,7 @@ static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work 
         }
         free(scratch);
     }
-    return whole;
+    return allocated;
 }
 
 /// Add a cell's column to that of the matrix. Both lists of rows rise, so one walk finds all places.
@@ -262,19 +262,19 @@ bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_sp
     room = room > largest ? room : largest;
     int used = threads_worth(threads, (cells + 15) / 16, work->operations + operations_to_add(space));
     batch now = {.place = memory_array(cells, sizeof *now.place), .numbers = memory_array(room, sizeof *now.numbers)};
-    bool whole = now.place != NULL && now.numbers != NULL;
+    bool allocated = now.place != NULL && now.numbers != NULL;
     if (work->values != NULL)
         memset(work->values, 0, (size_t)pattern->first[pattern->functions] * sizeof *work->values);
     if (work->columns > 0)
         memset(work->right, 0, pattern->functions * work->columns * sizeof *work->right);
-    for (; whole && now.begin < cells; now.begin = now.end)
+    for (; allocated && now.begin < cells; now.begin = now.end)
     {
         batch_set(space, work, cells, room, &now);
-        whole = batch_fill(space, work, &now, used);
-        if (whole)
+        allocated = batch_fill(space, work, &now, used);
+        if (allocated)
             batch_add(pattern, space, work, &now, used);
     }
     free(now.place);
     free(now.numbers);
-    return whole ? BAT_OK : error_memory(error, room * sizeof *now.numbers);
+    return allocated ? BAT_OK : error_memory(error, room * sizeof *now.numbers);
 }

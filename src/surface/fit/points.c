@@ -146,10 +146,10 @@ static bat_status allocate(fit_points *points, bat_error *error)
     points->centre = calloc(points->dimension, sizeof *points->centre);
     points->order = memory_array(count, sizeof *points->order);
     points->cell = memory_array(count, sizeof *points->cell);
-    bool whole = points->number != NULL && points->position != NULL && points->parameter != NULL && points->weight != NULL &&
-                 points->distance != NULL && points->freedom != NULL && points->centre != NULL && points->order != NULL &&
-                 points->cell != NULL;
-    return whole ? BAT_OK : error_memory(error, count * points->dimension * sizeof *points->position);
+    bool complete = points->number != NULL && points->position != NULL && points->parameter != NULL &&
+                    points->weight != NULL && points->distance != NULL && points->freedom != NULL &&
+                    points->centre != NULL && points->order != NULL && points->cell != NULL;
+    return complete ? BAT_OK : error_memory(error, count * points->dimension * sizeof *points->position);
 }
 
 bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,

@@ -11,11 +11,11 @@
 
 enum
 {
-    MOST_REFINEMENTS = 4 ///< of a solution
+    MAX_REFINEMENTS = 4 ///< of a solution
 };
 
 // A solution is refined until it changes by less than this part of it.
-static const double SETTLED = 4 * DBL_EPSILON;
+static const double CHANGE_TOLERANCE = 4 * DBL_EPSILON;
 
 static bat_status check_weights(const bat_surface_fit_data *data, const double *weights, double lambda, bat_error *error)
 {
@@ -34,9 +34,9 @@ typedef struct single_fit
     fit_points points;
     fit_system system;
     fit_solver *solver;
-    double *residual; ///< count x dimension
-    double *change;   ///< functions x dimension
-    double *bent;     ///< functions x dimension
+    double *residual;   ///< count x dimension
+    double *change;     ///< functions x dimension
+    double *thin_plate; ///< functions x dimension
 } single_fit;
 
 static void single_free(single_fit *fit)
@@ -46,7 +46,7 @@ static void single_free(single_fit *fit)
     fit_solver_free(fit->solver);
     free(fit->residual);
     free(fit->change);
-    free(fit->bent);
+    free(fit->thin_plate);
 }
 
 static bat_status single_make(const bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
@@ -69,9 +69,9 @@ static bat_status single_make(const bat_hierarchical_space *space, const bat_sur
     size_t numbers = fit->system.functions * data->dimension;
     fit->residual = memory_array(data->count * data->dimension, sizeof *fit->residual);
     fit->change = memory_array(numbers, sizeof *fit->change);
-    fit->bent = memory_array(numbers, sizeof *fit->bent);
-    bool whole = fit->residual != NULL && fit->change != NULL && fit->bent != NULL;
-    return whole ? BAT_OK : error_memory(error, numbers * sizeof *fit->change);
+    fit->thin_plate = memory_array(numbers, sizeof *fit->thin_plate);
+    bool complete = fit->residual != NULL && fit->change != NULL && fit->thin_plate != NULL;
+    return complete ? BAT_OK : error_memory(error, numbers * sizeof *fit->change);
 }
 
 /// The residual of all points.
@@ -96,9 +96,9 @@ static bat_status refine_solution(single_fit *fit, double lambda, double *contro
         status = fit_system_gather_residual(&fit->system, &fit->points, fit->residual, fit->change, error);
     if (status != BAT_OK)
         return status;
-    fit_system_multiply(&fit->system, fit->system.plate, fit->points.dimension, control, fit->bent);
+    fit_system_multiply(&fit->system, fit->system.plate, fit->points.dimension, control, fit->thin_plate);
     for (size_t k = 0; k < numbers; k++)
-        fit->change[k] -= 2 * lambda * fit->bent[k];
+        fit->change[k] -= 2 * lambda * fit->thin_plate[k];
     status = fit_solver_solve(fit->solver, fit->points.dimension, fit->change, fit->change, error);
     double largest = 0, change = 0;
     for (size_t k = 0; k < numbers && status == BAT_OK; k++)
@@ -124,7 +124,7 @@ bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat_surface
     status = single_make(space, data, weights, &fit, error);
     if (status == BAT_OK)
         status = fit_weight_solve(&fit.system, fit.solver, &used, control, error);
-    for (int k = 0; k < MOST_REFINEMENTS && status == BAT_OK && change > SETTLED && change < before; k++)
+    for (int k = 0; k < MAX_REFINEMENTS && status == BAT_OK && change > CHANGE_TOLERANCE && change < before; k++)
     {
         before = change;
         status = refine_solution(&fit, used, control, &change, error);

@@ -9,10 +9,10 @@
 #include <string.h>
 
 // A pivot of Cholesky's method below this part of its diagonal entry has lost all but its first digits.
-static const double LEAST_PIVOT = 1e-13;
+static const double MIN_PIVOT = 1e-13;
 // Weights are sought between these multiples of the one at which G and 2 lambda M have the same trace.
-static const double LEAST_SHARE = 1e-13;
-static const double LARGEST_SHARE = 1e6;
+static const double MIN_SHARE = 1e-13;
+static const double MAX_SHARE = 1e6;
 // Where smoothing is added to make a matrix regular, it grows by this factor.
 static const double REPAIR_FACTOR = 10;
 // The sum of squared residuals is known to this part of the sum of squares.
@@ -28,55 +28,55 @@ static const double PLANE_FUNCTIONS = 3;
 /// One weight and what is known of it.
 typedef struct weight_trial
 {
-    double place; ///< log10 of the weight
-    double score; ///< the less the better
-    double slope; ///< below 0 when the weight is too small, above when it is too large
-    bool regular; ///< the matrix could be solved with
+    double log_lambda; ///< log10 of the weight
+    double score;      ///< the less the better
+    double slope;      ///< below 0 when the weight is too small, above when it is too large
+    bool regular;      ///< the matrix could be solved with
 } weight_trial;
 
 /// All that a search works with.
-typedef struct weight_room
+typedef struct weight_workspace
 {
     const fit_system *system;
     fit_solver *solver;
-    double *values;   ///< of K
-    double *solution; ///< functions x columns
-    double *bent;     ///< functions x columns: M times the solution
-    double *answer;   ///< functions x dimension
-    double *product;  ///< functions x dimension
-} weight_room;
+    double *values;        ///< of K
+    double *solution;      ///< functions x columns
+    double *plate_product; ///< functions x columns: M times the solution
+    double *answer;        ///< functions x dimension
+    double *product;       ///< functions x dimension
+} weight_workspace;
 
-static bat_status room_make(const fit_system *system, fit_solver *solver, weight_room *room, bat_error *error)
+static bat_status workspace_make(const fit_system *system, fit_solver *solver, weight_workspace *workspace, bat_error *error)
 {
     size_t entries = (size_t)system->pattern.first[system->functions], functions = system->functions;
-    *room = (weight_room){.system = system,
-                          .solver = solver,
-                          .values = memory_array(entries, sizeof(double)),
-                          .solution = memory_array(functions * system->columns, sizeof(double)),
-                          .bent = memory_array(functions * system->columns, sizeof(double)),
-                          .answer = memory_array(functions * system->dimension, sizeof(double)),
-                          .product = memory_array(functions * system->dimension, sizeof(double))};
-    bool whole = room->values != NULL && room->solution != NULL && room->bent != NULL && room->answer != NULL &&
-                 room->product != NULL;
-    return whole ? BAT_OK : error_memory(error, entries * sizeof(double));
+    *workspace = (weight_workspace){.system = system,
+                                    .solver = solver,
+                                    .values = memory_array(entries, sizeof(double)),
+                                    .solution = memory_array(functions * system->columns, sizeof(double)),
+                                    .plate_product = memory_array(functions * system->columns, sizeof(double)),
+                                    .answer = memory_array(functions * system->dimension, sizeof(double)),
+                                    .product = memory_array(functions * system->dimension, sizeof(double))};
+    bool complete = workspace->values != NULL && workspace->solution != NULL && workspace->plate_product != NULL &&
+                    workspace->answer != NULL && workspace->product != NULL;
+    return complete ? BAT_OK : error_memory(error, entries * sizeof(double));
 }
 
-static void room_free(weight_room *room)
+static void workspace_free(weight_workspace *workspace)
 {
-    free(room->values);
-    free(room->solution);
-    free(room->bent);
-    free(room->answer);
-    free(room->product);
+    free(workspace->values);
+    free(workspace->solution);
+    free(workspace->plate_product);
+    free(workspace->answer);
+    free(workspace->product);
 }
 
-static bat_status factor(const weight_room *room, double lambda, double *pivot, bat_error *error)
+static bat_status factor(const weight_workspace *workspace, double lambda, double *pivot, bat_error *error)
 {
-    const fit_system *system = room->system;
+    const fit_system *system = workspace->system;
     size_t entries = (size_t)system->pattern.first[system->functions];
     for (size_t k = 0; k < entries; k++)
-        room->values[k] = system->gram[k] + 2 * lambda * system->plate[k];
-    return fit_solver_factor(room->solver, room->values, pivot, error);
+        workspace->values[k] = system->gram[k] + 2 * lambda * system->plate[k];
+    return fit_solver_factor(workspace->solver, workspace->values, pivot, error);
 }
 
 /// The weight at which G and 2 lambda M have the same trace.
@@ -98,19 +98,19 @@ static bat_status singular(const fit_system *system, bat_error *error)
 }
 
 /// Factor, with more smoothing where it takes that.
-static bat_status factor_repaired(const weight_room *room, double *lambda, bat_error *error)
+static bat_status factor_repaired(const weight_workspace *workspace, double *lambda, bat_error *error)
 {
-    double unit = balanced_weight(room->system), pivot, tried = *lambda;
+    double unit = balanced_weight(workspace->system), pivot, tried = *lambda;
     for (;;)
     {
-        bat_status status = factor(room, tried, &pivot, error);
+        bat_status status = factor(workspace, tried, &pivot, error);
         if (status != BAT_OK)
             return status;
-        if (pivot >= LEAST_PIVOT)
+        if (pivot >= MIN_PIVOT)
             break;
-        if (tried > LARGEST_SHARE * unit)
-            return singular(room->system, error);
-        tried = fmax(tried * REPAIR_FACTOR, LEAST_SHARE * unit);
+        if (tried > MAX_SHARE * unit)
+            return singular(workspace->system, error);
+        tried = fmax(tried * REPAIR_FACTOR, MIN_SHARE * unit);
     }
     *lambda = tried;
     return BAT_OK;
@@ -125,16 +125,16 @@ static void copy_coordinates(const fit_system *system, const double *columns, do
 
 bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double *lambda, double *control, bat_error *error)
 {
-    weight_room room;
-    bat_status status = room_make(system, solver, &room, error);
+    weight_workspace workspace;
+    bat_status status = workspace_make(system, solver, &workspace, error);
     if (status == BAT_OK)
-        status = factor_repaired(&room, lambda, error);
+        status = factor_repaired(&workspace, lambda, error);
     if (status == BAT_OK)
     {
-        copy_coordinates(system, system->right, room.answer);
-        status = fit_solver_solve(solver, system->dimension, room.answer, control, error);
+        copy_coordinates(system, system->right, workspace.answer);
+        status = fit_solver_solve(solver, system->dimension, workspace.answer, control, error);
     }
-    room_free(&room);
+    workspace_free(&workspace);
     return status;
 }
 
@@ -171,38 +171,40 @@ typedef struct weight_effect
 } weight_effect;
 
 /// R' of weight_effect.
-static bat_status find_residual_slope(weight_room *room, double lambda, double *slope, bat_error *error)
+static bat_status find_residual_slope(weight_workspace *workspace, double lambda, double *slope, bat_error *error)
 {
-    const fit_system *system = room->system;
-    copy_coordinates(system, room->bent, room->answer);
-    bat_status status = fit_solver_solve(room->solver, system->dimension, room->answer, room->product, error);
+    const fit_system *system = workspace->system;
+    copy_coordinates(system, workspace->plate_product, workspace->answer);
+    bat_status status = fit_solver_solve(workspace->solver, system->dimension, workspace->answer, workspace->product, error);
     *slope = 0;
     for (size_t k = 0; k < system->functions * system->dimension && status == BAT_OK; k++)
-        *slope += 8 * lambda * room->answer[k] * room->product[k];
+        *slope += 8 * lambda * workspace->answer[k] * workspace->product[k];
     return status;
 }
 
-static bat_status measure_effect(weight_room *room, double lambda, bool sloped, weight_effect *effect, bat_error *error)
+static bat_status measure_effect(weight_workspace *workspace, double lambda, bool sloped, weight_effect *effect,
+                                 bat_error *error)
 {
-    const fit_system *system = room->system;
-    bat_status status = fit_solver_solve(room->solver, system->columns, system->right, room->solution, error);
+    const fit_system *system = workspace->system;
+    bat_status status = fit_solver_solve(workspace->solver, system->columns, system->right, workspace->solution, error);
     if (status != BAT_OK)
         return status;
-    fit_system_multiply(system, system->plate, system->columns, room->solution, room->bent);
-    column_sums met = multiply_columns(system, system->right, room->solution);
-    column_sums energy = multiply_columns(system, room->solution, room->bent);
-    double residual = system->square - met.coordinates - 2 * lambda * energy.coordinates;
+    fit_system_multiply(system, system->plate, system->columns, workspace->solution, workspace->plate_product);
+    column_sums inner = multiply_columns(system, system->right, workspace->solution);
+    column_sums energy = multiply_columns(system, workspace->solution, workspace->plate_product);
+    double residual = system->square - inner.coordinates - 2 * lambda * energy.coordinates;
     *effect = (weight_effect){.residual = fmax(fmax(residual, RESIDUAL_NOISE * system->square), DBL_MIN),
-                              .trace = met.probes,
+                              .trace = inner.probes,
                               .trace_slope = -2 * energy.probes,
                               .energy = energy.coordinates};
-    return sloped ? find_residual_slope(room, lambda, &effect->residual_slope, error) : BAT_OK;
+    return sloped ? find_residual_slope(workspace, lambda, &effect->residual_slope, error) : BAT_OK;
 }
 
 /// The logarithm of generalized cross-validation's R / (1 - T / N)^2 (Craven and Wahba, 1979).
-static void judge_cross_validation(const weight_room *room, double lambda, const weight_effect *effect, weight_trial *trial)
+static void score_cross_validation(const weight_workspace *workspace, double lambda, const weight_effect *effect,
+                                   weight_trial *trial)
 {
-    double points = (double)room->system->counted, left = fmax(1 - effect->trace / points, DBL_EPSILON);
+    double points = (double)workspace->system->counted, left = fmax(1 - effect->trace / points, DBL_EPSILON);
     trial->score = log(effect->residual) - 2 * log(left);
     trial->slope = lambda * (effect->residual_slope / effect->residual + 2 * effect->trace_slope / (points * left));
 }
@@ -210,40 +212,42 @@ static void judge_cross_validation(const weight_room *room, double lambda, const
 /// Restricted likelihood, when J is the logarithm of a density of surfaces (Wahba, 1985): it is largest where
 ///     2 lambda J / s^2 = T - 3   per coordinate,   s^2 = (R + 2 lambda J) / (N - 3),
 /// 3 being the number of functions without energy: constants and the two coordinates of the square.
-static void judge_likelihood(const weight_room *room, double lambda, const weight_effect *effect, weight_trial *trial)
+static void score_likelihood(const weight_workspace *workspace, double lambda, const weight_effect *effect,
+                             weight_trial *trial)
 {
-    double points = fmax((double)room->system->counted - PLANE_FUNCTIONS, 1), bent = 2 * lambda * effect->energy;
-    trial->slope = points * bent / (effect->residual + bent) - (effect->trace - PLANE_FUNCTIONS);
+    double points = fmax((double)workspace->system->counted - PLANE_FUNCTIONS, 1), penalty = 2 * lambda * effect->energy;
+    trial->slope = points * penalty / (effect->residual + penalty) - (effect->trace - PLANE_FUNCTIONS);
     trial->score = fabs(trial->slope);
 }
 
 /// The discrepancy principle: the mean squared residual is the noise's variance (Morozov, 1966).
-static void judge_discrepancy(const weight_room *room, double noise, const weight_effect *effect, weight_trial *trial)
+static void score_discrepancy(const weight_workspace *workspace, double noise, const weight_effect *effect,
+                              weight_trial *trial)
 {
-    double numbers = (double)(room->system->counted * room->system->dimension);
+    double numbers = (double)(workspace->system->counted * workspace->system->dimension);
     trial->slope = log(effect->residual / (numbers * noise * noise));
     trial->score = fabs(trial->slope);
 }
 
-static bat_status try_weight(weight_room *room, const fit_weight_search *search, double place, weight_trial *trial,
-                             bat_error *error)
+static bat_status try_weight(weight_workspace *workspace, const fit_weight_search *search, double log_lambda,
+                             weight_trial *trial, bat_error *error)
 {
-    double lambda = pow(10, place), pivot;
-    *trial = (weight_trial){.place = place, .score = INFINITY, .slope = -INFINITY};
-    bat_status status = factor(room, lambda, &pivot, error);
-    if (status != BAT_OK || pivot < LEAST_PIVOT)
+    double lambda = pow(10, log_lambda), pivot;
+    *trial = (weight_trial){.log_lambda = log_lambda, .score = INFINITY, .slope = -INFINITY};
+    bat_status status = factor(workspace, lambda, &pivot, error);
+    if (status != BAT_OK || pivot < MIN_PIVOT)
         return status;
     weight_effect effect;
-    status = measure_effect(room, lambda, search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION, &effect, error);
+    status = measure_effect(workspace, lambda, search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION, &effect, error);
     if (status != BAT_OK)
         return status;
     trial->regular = true;
     if (search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION)
-        judge_cross_validation(room, lambda, &effect, trial);
+        score_cross_validation(workspace, lambda, &effect, trial);
     else if (search->smoothing == BAT_SURFACE_SMOOTHING_LIKELIHOOD)
-        judge_likelihood(room, lambda, &effect, trial);
+        score_likelihood(workspace, lambda, &effect, trial);
     else
-        judge_discrepancy(room, search->noise, &effect, trial);
+        score_discrepancy(workspace, search->noise, &effect, trial);
     return BAT_OK;
 }
 
@@ -251,14 +255,14 @@ static bat_status try_weight(weight_room *room, const fit_weight_search *search,
 static double zero_between(const weight_trial *low, const weight_trial *high)
 {
     double share = low->regular ? low->slope / (low->slope - high->slope) : 0.5;
-    return low->place + fmin(fmax(share, 0.1), 0.9) * (high->place - low->place);
+    return low->log_lambda + fmin(fmax(share, 0.1), 0.9) * (high->log_lambda - low->log_lambda);
 }
 
 /// Where a search stands.
 typedef struct weight_bracket
 {
-    double least, largest;  ///< places that it stays between
-    weight_trial low, high; ///< the nearest trials that are too small and too large
+    double low_limit, high_limit; ///< places that it stays between
+    weight_trial low, high;       ///< the nearest trials that are too small and too large
     bool has_low, has_high;
     double step;
 } weight_bracket;
@@ -278,53 +282,54 @@ static void bracket_add(weight_bracket *bracket, const weight_trial *trial)
 }
 
 /// The next place to try; false when there is none worth it.
-static bool bracket_next(weight_bracket *bracket, double *place)
+static bool bracket_next(weight_bracket *bracket, double *log_lambda)
 {
     if (bracket->has_low && bracket->has_high)
     {
-        *place = zero_between(&bracket->low, &bracket->high);
-        return bracket->high.place - bracket->low.place > RESOLUTION;
+        *log_lambda = zero_between(&bracket->low, &bracket->high);
+        return bracket->high.log_lambda - bracket->low.log_lambda > RESOLUTION;
     }
-    double from = bracket->has_low ? bracket->low.place : bracket->high.place;
-    double to = bracket->has_low ? fmin(from + bracket->step, bracket->largest) : fmax(from - bracket->step, bracket->least);
+    double from = bracket->has_low ? bracket->low.log_lambda : bracket->high.log_lambda;
+    double to =
+        bracket->has_low ? fmin(from + bracket->step, bracket->high_limit) : fmax(from - bracket->step, bracket->low_limit);
     bracket->step = fmin(2 * bracket->step, FAR_STEP);
-    *place = to;
+    *log_lambda = to;
     return to != from;
 }
 
-static bool goes_on(const fit_weight_search *search)
+static bool may_continue(const fit_weight_search *search)
 {
     return search->progress.report == NULL || search->progress.report(search->progress.context, 0);
 }
 
-static bat_status run_search(weight_room *room, const fit_weight_search *search, double *lambda, double *control,
+static bat_status run_search(weight_workspace *workspace, const fit_weight_search *search, double *lambda, double *control,
                              bat_error *error)
 {
-    double unit = log10(balanced_weight(room->system));
-    weight_bracket bracket = {.least = unit + log10(LEAST_SHARE),
-                              .largest = unit + log10(LARGEST_SHARE),
+    double unit = log10(balanced_weight(workspace->system));
+    weight_bracket bracket = {.low_limit = unit + log10(MIN_SHARE),
+                              .high_limit = unit + log10(MAX_SHARE),
                               .step = search->lambda > 0 ? NEAR_STEP : FAR_STEP};
-    double place = search->lambda > 0 ? log10(search->lambda) : unit + 0.5 * log10(LEAST_SHARE);
-    place = fmin(fmax(place, bracket.least), bracket.largest);
+    double log_lambda = search->lambda > 0 ? log10(search->lambda) : unit + 0.5 * log10(MIN_SHARE);
+    log_lambda = fmin(fmax(log_lambda, bracket.low_limit), bracket.high_limit);
     weight_trial best = {.score = INFINITY};
     for (int k = 0; k < search->trials || !best.regular; k++)
     {
         weight_trial trial;
-        bat_status status = goes_on(search) ? try_weight(room, search, place, &trial, error)
-                                            : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+        bat_status status = may_continue(search) ? try_weight(workspace, search, log_lambda, &trial, error)
+                                                 : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
         if (status != BAT_OK)
             return status;
         if (trial.regular && trial.score < best.score)
         {
             best = trial;
-            *lambda = pow(10, place);
-            copy_coordinates(room->system, room->solution, control);
+            *lambda = pow(10, log_lambda);
+            copy_coordinates(workspace->system, workspace->solution, control);
         }
         bracket_add(&bracket, &trial);
-        if (!bracket_next(&bracket, &place))
+        if (!bracket_next(&bracket, &log_lambda))
             break;
     }
-    return best.regular ? BAT_OK : singular(room->system, error);
+    return best.regular ? BAT_OK : singular(workspace->system, error);
 }
 
 bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const fit_weight_search *search, double *lambda,
@@ -335,10 +340,10 @@ bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const f
         *lambda = search->lambda;
         return fit_weight_solve(system, solver, lambda, control, error);
     }
-    weight_room room;
-    bat_status status = room_make(system, solver, &room, error);
+    weight_workspace workspace;
+    bat_status status = workspace_make(system, solver, &workspace, error);
     if (status == BAT_OK)
-        status = run_search(&room, search, lambda, control, error);
-    room_free(&room);
+        status = run_search(&workspace, search, lambda, control, error);
+    workspace_free(&workspace);
     return status;
 }

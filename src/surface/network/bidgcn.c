@@ -17,7 +17,7 @@ enum
 {
     W = SURFACE_WIDTH,
     ROWS = 16 * LEARN_TILE, ///< points that go through a layer together
-    PARTS = 3               ///< layers of the output network
+    OUTPUT_LAYERS = 3       ///< layers of the output network
 };
 
 /// @file
@@ -30,14 +30,14 @@ enum
 
 enum
 {
-    SURFACE_SEEN = 5,                ///< numbers of a source, at most: its place, and a boundary point's parameters
-    SURFACE_SIGHT = 3 + SURFACE_SEEN ///< of an edge
+    SOURCE_FEATURES = 5,                ///< numbers of a source, at most: its place, and a boundary point's parameters
+    EDGE_FEATURES = 3 + SOURCE_FEATURES ///< of an edge
 };
 
 /// The layer's parameters.
 typedef struct surface_first_layer
 {
-    size_t seen;              ///< numbers of a source: 3 or 5
+    size_t source_features;   ///< numbers of a source: 3 or 5
     const real *weight;       ///< SURFACE_WIDTH x (3 + seen): of x_i, x_j - x_i, u_j
     const real *gain, *shift; ///< SURFACE_WIDTH
 } surface_first_layer;
@@ -45,13 +45,13 @@ typedef struct surface_first_layer
 /// Sums over edges of e and of its products: of `second` the lower triangle.
 typedef struct surface_moments
 {
-    double count, first[SURFACE_SIGHT], second[SURFACE_SIGHT][SURFACE_SIGHT];
+    double count, first[EDGE_FEATURES], second[EDGE_FEATURES][EDGE_FEATURES];
 } surface_moments;
 
 /// The layer with its normalization: shares . e + begin.
 typedef struct surface_first_folded
 {
-    double shares[SURFACE_SIGHT][SURFACE_WIDTH];
+    double shares[EDGE_FEATURES][SURFACE_WIDTH];
     double begin[SURFACE_WIDTH];
 } surface_first_folded;
 
@@ -59,16 +59,16 @@ typedef struct surface_first_folded
 
 /// Add a target's edges.
 /// @param sources count x seen
-static void surface_moments_edges(const real place[3], const real *sources, size_t seen, const uint64_t *bits, size_t words,
-                                  surface_moments *moments)
+static void surface_moments_edges(const real position[3], const real *sources, size_t source_features, const uint64_t *bits,
+                                  size_t words, surface_moments *moments)
 {
-    double count = 0, sum[SURFACE_SEEN] = {0};
+    double count = 0, sum[SOURCE_FEATURES] = {0};
     for (size_t w = 0; w < words; w++)
         for (uint64_t word = bits[w]; word != 0; word &= word - 1)
         {
-            const real *source = sources + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * seen;
+            const real *source = sources + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * source_features;
             count++;
-            for (size_t a = 0; a < seen; a++)
+            for (size_t a = 0; a < source_features; a++)
             {
                 sum[a] += (double)source[a];
                 for (size_t b = 0; b <= a; b++)
@@ -78,22 +78,22 @@ static void surface_moments_edges(const real place[3], const real *sources, size
     moments->count += count;
     for (size_t a = 0; a < 3; a++)
     {
-        moments->first[a] += count * (double)place[a];
+        moments->first[a] += count * (double)position[a];
         for (size_t b = 0; b <= a; b++)
-            moments->second[a][b] += count * (double)place[a] * (double)place[b];
+            moments->second[a][b] += count * (double)position[a] * (double)position[b];
     }
-    for (size_t a = 0; a < seen; a++)
+    for (size_t a = 0; a < source_features; a++)
     {
         moments->first[3 + a] += sum[a];
         for (size_t b = 0; b < 3; b++)
-            moments->second[3 + a][b] += sum[a] * (double)place[b];
+            moments->second[3 + a][b] += sum[a] * (double)position[b];
     }
 }
 
 static void surface_moments_add(const surface_moments *more, surface_moments *moments)
 {
     moments->count += more->count;
-    for (size_t a = 0; a < SURFACE_SIGHT; a++)
+    for (size_t a = 0; a < EDGE_FEATURES; a++)
     {
         moments->first[a] += more->first[a];
         for (size_t b = 0; b <= a; b++)
@@ -102,13 +102,13 @@ static void surface_moments_add(const surface_moments *more, surface_moments *mo
 }
 
 /// The mean of e over all edges, and its covariance; zero without edges.
-static void find_covariance(const surface_moments *moments, double mean[SURFACE_SIGHT],
-                            double covariance[SURFACE_SIGHT][SURFACE_SIGHT])
+static void find_covariance(const surface_moments *moments, double mean[EDGE_FEATURES],
+                            double covariance[EDGE_FEATURES][EDGE_FEATURES])
 {
     double share = moments->count > 0 ? 1 / moments->count : 0;
-    for (size_t a = 0; a < SURFACE_SIGHT; a++)
+    for (size_t a = 0; a < EDGE_FEATURES; a++)
         mean[a] = share * moments->first[a];
-    for (size_t a = 0; a < SURFACE_SIGHT; a++)
+    for (size_t a = 0; a < EDGE_FEATURES; a++)
         for (size_t b = 0; b <= a; b++)
             covariance[a][b] = covariance[b][a] = share * moments->second[a][b] - mean[a] * mean[b];
 }
@@ -119,14 +119,14 @@ static void find_covariance(const surface_moments *moments, double mean[SURFACE_
 static void surface_first_fold(const surface_first_layer *layer, const surface_moments *moments,
                                surface_first_folded *folded)
 {
-    size_t sight = 3 + layer->seen;
-    double mean[SURFACE_SIGHT], covariance[SURFACE_SIGHT][SURFACE_SIGHT];
+    size_t edge_features = 3 + layer->source_features;
+    double mean[EDGE_FEATURES], covariance[EDGE_FEATURES][EDGE_FEATURES];
     find_covariance(moments, mean, covariance);
     for (size_t c = 0; c < W; c++)
     {
-        const real *weight = layer->weight + c * sight;
-        double w[SURFACE_SIGHT], middle = 0, variance = 0;
-        for (size_t a = 0; a < sight; a++)
+        const real *weight = layer->weight + c * edge_features;
+        double w[EDGE_FEATURES], middle = 0, variance = 0;
+        for (size_t a = 0; a < edge_features; a++)
         {
             w[a] = (double)weight[a] - (a < 3 ? (double)weight[a + 3] : 0);
             middle += w[a] * mean[a];
@@ -136,7 +136,7 @@ static void surface_first_fold(const surface_first_layer *layer, const surface_m
         }
         double rate = (double)layer->gain[c] / sqrt(fmax(variance, 0) + (double)NORMALIZATION_EPSILON);
         folded->begin[c] = (double)layer->shift[c] - rate * middle;
-        for (size_t a = 0; a < sight; a++)
+        for (size_t a = 0; a < edge_features; a++)
             folded->shares[a][c] = rate * w[a];
     }
 }
@@ -151,22 +151,22 @@ static void add_share(double number, const double *restrict shares, double *rest
 /// What sources give.
 /// @param sources count x seen
 /// @param near    receives count x SURFACE_WIDTH
-static void surface_first_spread(const surface_first_folded *folded, const real *sources, size_t count, size_t seen,
-                                 real *near)
+static void surface_first_sources(const surface_first_folded *folded, const real *sources, size_t count,
+                                  size_t source_features, real *messages_from)
 {
     for (size_t j = 0; j < count; j++)
     {
         double sum[W] = {0};
-        for (size_t a = 0; a < seen; a++)
-            add_share((double)sources[j * seen + a], folded->shares[3 + a], sum);
+        for (size_t a = 0; a < source_features; a++)
+            add_share((double)sources[j * source_features + a], folded->shares[3 + a], sum);
         for (size_t c = 0; c < W; c++)
-            near[j * W + c] = (real)sum[c];
+            messages_from[j * W + c] = (real)sum[c];
     }
 }
 
 /// The sum over neighbours of max(0, begin + near_j).
 LANES_CLONES
-static void sum_messages(const uint64_t *bits, size_t words, const real *near, const real *begin, real *sum)
+static void sum_messages(const uint64_t *bits, size_t words, const real *messages_from, const real *begin, real *sum)
 {
     surface_lanes total[SURFACE_VECTORS], own[SURFACE_VECTORS];
     for (size_t v = 0; v < SURFACE_VECTORS; v++)
@@ -177,7 +177,7 @@ static void sum_messages(const uint64_t *bits, size_t words, const real *near, c
     for (size_t w = 0; w < words; w++)
         for (uint64_t word = bits[w]; word != 0; word &= word - 1)
         {
-            const real *row = near + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * W;
+            const real *row = messages_from + (w * SURFACE_WORD + (size_t)__builtin_ctzll(word)) * W;
             for (size_t v = 0; v < SURFACE_VECTORS; v++)
             {
                 surface_lanes z = own[v] + *(const surface_lanes *)(row + v * SURFACE_LANES);
@@ -190,7 +190,7 @@ static void sum_messages(const uint64_t *bits, size_t words, const real *near, c
 
 /// The mean over a target's neighbours, 0 without any.
 /// @param mean receives SURFACE_WIDTH numbers
-static void surface_first_mean(const surface_first_folded *folded, const real place[3], const real *near,
+static void surface_first_mean(const surface_first_folded *folded, const real position[3], const real *messages_from,
                                const uint64_t *bits, size_t words, uint32_t degree, real *mean)
 {
     double own[W];
@@ -198,10 +198,10 @@ static void surface_first_mean(const surface_first_folded *folded, const real pl
     for (size_t c = 0; c < W; c++)
         own[c] = folded->begin[c];
     for (size_t a = 0; a < 3; a++)
-        add_share((double)place[a], folded->shares[a], own);
+        add_share((double)position[a], folded->shares[a], own);
     for (size_t c = 0; c < W; c++)
         begin[c] = (real)own[c];
-    sum_messages(bits, words, near, begin, mean);
+    sum_messages(bits, words, messages_from, begin, mean);
     for (size_t c = 0; c < W && degree > 0; c++)
         mean[c] /= (real)degree;
 }
@@ -220,8 +220,8 @@ typedef struct surface_inference
     bool informed;
     message messages[2]; ///< along interior and boundary edges
     learn_packed hidden[SURFACE_HIDDEN];
-    learn_packed output[PARTS];
-    const real *gain[PARTS - 1], *shift[PARTS - 1];
+    learn_packed output[OUTPUT_LAYERS];
+    const real *gain[OUTPUT_LAYERS - 1], *shift[OUTPUT_LAYERS - 1];
     real *values; ///< the parameters as they are
     real *packed; ///< all layers
 } surface_inference;
@@ -253,7 +253,7 @@ static void pack_all(const learn_parameters *parameters, surface_inference *netw
     for (size_t k = 0; k < (network->informed ? 2 : 1); k++)
     {
         size_t p = surface_network_part(parameters, k == 0 ? SURFACE_PART_INTERIOR : SURFACE_PART_BOUNDARY);
-        network->messages[k] = (message){.first = {.seen = list[p].columns - 3,
+        network->messages[k] = (message){.first = {.source_features = list[p].columns - 3,
                                                    .weight = network->values + list[p].offset,
                                                    .gain = network->values + list[p + 2].offset,
                                                    .shift = network->values + list[p + 3].offset},
@@ -263,10 +263,10 @@ static void pack_all(const learn_parameters *parameters, surface_inference *netw
     for (size_t layer = 0; layer < SURFACE_HIDDEN; layer++)
         network->hidden[layer] = pack(parameters, hidden + 2 * layer, &memory);
     size_t output = surface_network_part(parameters, SURFACE_PART_OUTPUT);
-    for (size_t part = 0; part < PARTS; part++)
+    for (size_t part = 0; part < OUTPUT_LAYERS; part++)
     {
         network->output[part] = pack(parameters, output + 4 * part, &memory);
-        if (part + 1 == PARTS)
+        if (part + 1 == OUTPUT_LAYERS)
             break;
         network->gain[part] = network->values + list[output + 4 * part + 2].offset;
         network->shift[part] = network->values + list[output + 4 * part + 3].offset;
@@ -304,35 +304,35 @@ void surface_inference_free(void *network)
 // Memory
 
 /// What one cloud needs. Rows are whole tiles, as layers read and write behind the last.
-typedef struct run
+typedef struct inference_run
 {
     const surface_inference *network;
     int threads;
-    size_t count;          ///< points of the graphs
-    size_t bound;          ///< points whose parameters are told
-    const uint32_t *order; ///< count: each point's number in the cloud, in an order in which near ones follow each other
-    real *place;           ///< count x 3
-    real *bound_place;     ///< bound x 3
-    real *bound_seen;      ///< bound x SURFACE_SEEN: places and parameters
-    real *features;        ///< (1 + SURFACE_HIDDEN) x tiles x W
-    real *sources;         ///< of a graph
-    real *bound_sources;   ///< of the boundary's
-    real *word_sums;       ///< words x W
-    real *near;            ///< what interior points give to the first layer: count x W
-    real *bound_near;      ///< what boundary points do: bound x W
-    real *wide[2];         ///< of the output network: tiles x SURFACE_OUTPUT
-    double *sums;          ///< blocks x SURFACE_OUTPUT
-    uint64_t *bits;        ///< threads x ROWS x words
-} run;
+    size_t count;            ///< points of the graphs
+    size_t boundary_count;   ///< points whose parameters are told
+    const uint32_t *order;   ///< count: each point's number in the cloud, in an order in which near ones follow each other
+    real *position;          ///< count x 3
+    real *boundary_position; ///< bound x 3
+    real *boundary_features; ///< bound x SOURCE_FEATURES: places and parameters
+    real *features;          ///< (1 + SURFACE_HIDDEN) x tiles x W
+    real *sources;           ///< of a graph
+    real *boundary_sources;  ///< of the boundary's
+    real *word_sums;         ///< words x W
+    real *messages_from;     ///< what interior points give to the first layer: count x W
+    real *boundary_messages; ///< what boundary points do: bound x W
+    real *hidden_output[2];  ///< of the output network: tiles x SURFACE_OUTPUT
+    double *sums;            ///< blocks x SURFACE_OUTPUT
+    uint64_t *bits;          ///< threads x ROWS x words
+} inference_run;
 
-static size_t blocks_of(const run *r)
+static size_t blocks_of(const inference_run *r)
 {
     return (r->count + ROWS - 1) / ROWS;
 }
 
-static size_t words_of(const run *r)
+static size_t words_of(const inference_run *r)
 {
-    return surface_words(r->count > r->bound ? r->count : r->bound);
+    return surface_words(r->count > r->boundary_count ? r->count : r->boundary_count);
 }
 
 /// The place of the next array, and that behind it; null without memory.
@@ -348,32 +348,32 @@ static void *next_array(void *memory, size_t *used, size_t count, size_t size)
 }
 
 /// Set the arrays of a run in memory; returns its size.
-static size_t lay_out(run *r, void *memory)
+static size_t lay_out(inference_run *r, void *memory)
 {
     size_t used = 0, tiles = learn_whole_tiles(r->count);
-    r->place = next_array(memory, &used, 3 * tiles, sizeof(real));
-    r->bound_place = next_array(memory, &used, 3 * r->bound, sizeof(real));
-    r->bound_seen = next_array(memory, &used, SURFACE_SEEN * r->bound, sizeof(real));
+    r->position = next_array(memory, &used, 3 * tiles, sizeof(real));
+    r->boundary_position = next_array(memory, &used, 3 * r->boundary_count, sizeof(real));
+    r->boundary_features = next_array(memory, &used, SOURCE_FEATURES * r->boundary_count, sizeof(real));
     r->features = next_array(memory, &used, (1 + SURFACE_HIDDEN) * tiles * W, sizeof(real));
     r->sources = next_array(memory, &used, surface_sources_size(r->count, W), sizeof(real));
-    r->bound_sources = next_array(memory, &used, surface_sources_size(r->bound, 3), sizeof(real));
+    r->boundary_sources = next_array(memory, &used, surface_sources_size(r->boundary_count, 3), sizeof(real));
     r->word_sums = next_array(memory, &used, words_of(r) * W, sizeof(real));
-    r->near = next_array(memory, &used, r->count * W, sizeof(real));
-    r->bound_near = next_array(memory, &used, r->bound * W, sizeof(real));
+    r->messages_from = next_array(memory, &used, r->count * W, sizeof(real));
+    r->boundary_messages = next_array(memory, &used, r->boundary_count * W, sizeof(real));
     for (size_t i = 0; i < 2; i++)
-        r->wide[i] = next_array(memory, &used, tiles * SURFACE_OUTPUT, sizeof(real));
+        r->hidden_output[i] = next_array(memory, &used, tiles * SURFACE_OUTPUT, sizeof(real));
     r->sums = next_array(memory, &used, blocks_of(r) * SURFACE_OUTPUT, sizeof(double));
     r->bits = next_array(memory, &used, (size_t)r->threads * ROWS * words_of(r), sizeof(uint64_t));
     return used;
 }
 
-static real *features_of(const run *r, size_t layer)
+static real *features_of(const inference_run *r, size_t layer)
 {
     return r->features + layer * learn_whole_tiles(r->count) * W;
 }
 
 /// Where the calling thread keeps the bits of a block.
-static uint64_t *own_bits(const run *r)
+static uint64_t *thread_bits(const inference_run *r)
 {
     size_t thread = 0;
 #if defined(_OPENMP)
@@ -382,7 +382,7 @@ static uint64_t *own_bits(const run *r)
     return r->bits + thread * ROWS * words_of(r);
 }
 
-static size_t rows_from(const run *r, size_t begin)
+static size_t rows_from(const inference_run *r, size_t begin)
 {
     return r->count - begin < ROWS ? r->count - begin : ROWS;
 }
@@ -401,65 +401,67 @@ typedef struct edges
 {
     const message *message;
     surface_sources sources;
-    const real *seen; ///< of the sources
-    real *near;       ///< what sources give to the first layer
+    const real *source_features; ///< of the sources
+    real *messages_from;         ///< what sources give to the first layer
     surface_first_folded first;
 } edges;
 
 /// Describe a kind of edges, and lay its sources out.
-static void begin_edges(const run *r, size_t kind, edges *e)
+static void begin_edges(const inference_run *r, size_t kind, edges *e)
 {
-    bool bound = kind == 1;
+    bool boundary_count = kind == 1;
     e->message = &r->network->messages[kind];
-    e->seen = bound ? r->bound_seen : r->place;
-    e->near = bound ? r->bound_near : r->near;
-    e->sources = bound ? surface_sources_make(r->bound_place, r->bound, 3, r->bound_sources)
-                       : surface_sources_make(r->place, r->count, 3, r->sources);
+    e->source_features = boundary_count ? r->boundary_features : r->position;
+    e->messages_from = boundary_count ? r->boundary_messages : r->messages_from;
+    e->sources = boundary_count ? surface_sources_make(r->boundary_position, r->boundary_count, 3, r->boundary_sources)
+                                : surface_sources_make(r->position, r->count, 3, r->sources);
 }
 
 /// Find the mean and variance that the first layer is normalized by.
-static void measure_edges(const run *r, edges *e, surface_moments *of_blocks)
+static void measure_edges(const inference_run *r, edges *e, surface_moments *of_blocks)
 {
-    size_t words = surface_words(e->sources.count), blocks = blocks_of(r), seen = e->message->first.seen;
+    size_t words = surface_words(e->sources.count), blocks = blocks_of(r),
+           source_features = e->message->first.source_features;
     surface_moments all = {0};
 #pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
     for (size_t b = 0; b < blocks; b++)
     {
-        uint64_t *bits = own_bits(r);
+        uint64_t *bits = thread_bits(r);
         uint32_t degrees[ROWS];
         size_t begin = b * ROWS, rows = rows_from(r, begin);
         of_blocks[b] = (surface_moments){0};
-        surface_neighbours(&e->sources, r->place + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
+        surface_neighbours(&e->sources, r->position + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
         for (size_t i = 0; i < rows; i++)
-            surface_moments_edges(r->place + 3 * (begin + i), e->seen, seen, bits + i * words, words, &of_blocks[b]);
+            surface_moments_edges(r->position + 3 * (begin + i), e->source_features, source_features, bits + i * words,
+                                  words, &of_blocks[b]);
     }
     for (size_t b = 0; b < blocks; b++)
         surface_moments_add(&of_blocks[b], &all);
     surface_first_fold(&e->message->first, &all, &e->first);
-    surface_first_spread(&e->first, e->seen, e->sources.count, seen, e->near);
+    surface_first_sources(&e->first, e->source_features, e->sources.count, source_features, e->messages_from);
 }
 
 /// Add what one kind of edges says to the features of a block of points.
-static void add_said(const run *r, const edges *e, size_t begin, real *features)
+static void add_messages(const inference_run *r, const edges *e, size_t begin, real *features)
 {
-    _Alignas(64) real means[ROWS * W] = {0}, said[ROWS * W];
+    _Alignas(64) real means[ROWS * W] = {0}, output[ROWS * W];
     uint32_t degrees[ROWS];
-    uint64_t *bits = own_bits(r);
+    uint64_t *bits = thread_bits(r);
     size_t rows = rows_from(r, begin), words = surface_words(e->sources.count);
-    surface_neighbours(&e->sources, r->place + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
+    surface_neighbours(&e->sources, r->position + 3 * begin, rows, SURFACE_RADIUS, bits, degrees);
     for (size_t i = 0; i < rows; i++)
-        surface_first_mean(&e->first, r->place + 3 * (begin + i), e->near, bits + i * words, words, degrees[i],
+        surface_first_mean(&e->first, r->position + 3 * (begin + i), e->messages_from, bits + i * words, words, degrees[i],
                            means + i * W);
-    learn_packed_linear(&e->message->second, learn_whole_tiles(rows), means, W, said);
+    learn_packed_linear(&e->message->second, learn_whole_tiles(rows), means, W, output);
     for (size_t i = 0; i < rows; i++)
         for (size_t c = 0; c < W && degrees[i] > 0; c++)
-            features[i * W + c] += said[i * W + c];
+            features[i * W + c] += output[i * W + c];
 }
 
 /// From places to the first features.
-static bat_status input_layer(const run *r, bat_error *error)
+static bat_status input_layer(const inference_run *r, bat_error *error)
 {
-    size_t kinds = r->network->informed && r->bound > 0 ? 2 : 1, blocks = blocks_of(r);
+    size_t kinds = r->network->informed && r->boundary_count > 0 ? 2 : 1, blocks = blocks_of(r);
     surface_moments *of_blocks = memory_array(blocks, sizeof *of_blocks);
     edges *all = memory_array(kinds, sizeof *all);
     bat_status status = BAT_OK;
@@ -477,7 +479,7 @@ static bat_status input_layer(const run *r, bat_error *error)
         size_t rows = rows_from(r, b * ROWS);
         memset(features, 0, learn_whole_tiles(rows) * W * sizeof *features);
         for (size_t kind = 0; kind < kinds; kind++)
-            add_said(r, &all[kind], b * ROWS, features);
+            add_messages(r, &all[kind], b * ROWS, features);
         rectify(rows * W, features);
     }
     free(of_blocks);
@@ -498,11 +500,11 @@ static void join(const real *restrict x, uint32_t degree, const real *restrict s
     }
 }
 
-static void hidden_block(const run *r, size_t layer, const surface_sources *sources, size_t begin)
+static void hidden_block(const inference_run *r, size_t layer, const surface_sources *sources, size_t begin)
 {
     _Alignas(64) real joined[ROWS * 2 * W];
     uint32_t degrees[ROWS];
-    uint64_t *bits = own_bits(r);
+    uint64_t *bits = thread_bits(r);
     const real *x = features_of(r, layer);
     real *y = features_of(r, layer + 1) + begin * W;
     size_t rows = rows_from(r, begin), tiles = learn_whole_tiles(rows), words = surface_words(r->count);
@@ -519,7 +521,7 @@ static void hidden_block(const run *r, size_t layer, const surface_sources *sour
         rectify(tiles * W, y);
 }
 
-static void hidden_layer(const run *r, size_t layer)
+static void hidden_layer(const inference_run *r, size_t layer)
 {
     size_t blocks = blocks_of(r);
     const real *x = features_of(r, layer);
@@ -547,7 +549,7 @@ static void sum_columns(size_t rows, const real *restrict x, const real *restric
         sums[c] = (double)own[c];
 }
 
-static void mean_of_blocks(const run *r, real *mean)
+static void mean_of_blocks(const inference_run *r, real *mean)
 {
     for (size_t c = 0; c < SURFACE_OUTPUT; c++)
     {
@@ -571,9 +573,9 @@ static void normalize(size_t rows, const real *restrict slope, const real *restr
 }
 
 /// The normalization behind a part of the output network, from the sums of its blocks' columns.
-static void fold_output(const run *r, size_t part, real *slope, real *begin)
+static void fold_output(const inference_run *r, size_t part, real *slope, real *begin)
 {
-    const real *y = r->wide[part];
+    const real *y = r->hidden_output[part];
     real mean[SURFACE_OUTPUT], variance[SURFACE_OUTPUT];
     size_t blocks = blocks_of(r);
     mean_of_blocks(r, mean);
@@ -589,7 +591,7 @@ static void fold_output(const run *r, size_t part, real *slope, real *begin)
 }
 
 /// The first part, of all features side by side.
-static void join_output(const run *r)
+static void join_output(const inference_run *r)
 {
     size_t blocks = blocks_of(r);
 #pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
@@ -600,14 +602,14 @@ static void join_output(const run *r)
         for (size_t layer = 0; layer <= SURFACE_HIDDEN; layer++)
             for (size_t i = 0; i < tiles; i++)
                 memcpy(joined + i * SURFACE_JOINED + layer * W, features_of(r, layer) + (begin + i) * W, W * sizeof *joined);
-        real *y = r->wide[0] + begin * SURFACE_OUTPUT;
+        real *y = r->hidden_output[0] + begin * SURFACE_OUTPUT;
         learn_packed_linear(&r->network->output[0], tiles, joined, SURFACE_JOINED, y);
         sum_columns(rows, y, NULL, r->sums + b * SURFACE_OUTPUT);
     }
 }
 
 /// @param first of the points whose parameters are wanted
-static void output_network(const run *r, size_t first, double *interior)
+static void output_network(const inference_run *r, size_t first, double *interior)
 {
     size_t blocks = blocks_of(r);
     real slope[SURFACE_OUTPUT], begin[SURFACE_OUTPUT];
@@ -617,47 +619,49 @@ static void output_network(const run *r, size_t first, double *interior)
     for (size_t b = 0; b < blocks; b++)
     {
         size_t rows = rows_from(r, b * ROWS), tiles = learn_whole_tiles(rows), at = b * ROWS * SURFACE_OUTPUT;
-        normalize(tiles, slope, begin, r->wide[0] + at);
-        learn_packed_linear(&r->network->output[1], tiles, r->wide[0] + at, SURFACE_OUTPUT, r->wide[1] + at);
-        sum_columns(rows, r->wide[1] + at, NULL, r->sums + b * SURFACE_OUTPUT);
+        normalize(tiles, slope, begin, r->hidden_output[0] + at);
+        learn_packed_linear(&r->network->output[1], tiles, r->hidden_output[0] + at, SURFACE_OUTPUT,
+                            r->hidden_output[1] + at);
+        sum_columns(rows, r->hidden_output[1] + at, NULL, r->sums + b * SURFACE_OUTPUT);
     }
     fold_output(r, 1, slope, begin);
 #pragma omp parallel for num_threads(threads_for(r->threads, blocks)) schedule(static)
     for (size_t b = 0; b < blocks; b++)
     {
-        _Alignas(64) real said[ROWS * LEARN_PANEL];
+        _Alignas(64) real output[ROWS * LEARN_PANEL];
         size_t rows = rows_from(r, b * ROWS), tiles = learn_whole_tiles(rows), at = b * ROWS * SURFACE_OUTPUT;
-        normalize(tiles, slope, begin, r->wide[1] + at);
-        learn_packed_linear(&r->network->output[2], tiles, r->wide[1] + at, SURFACE_OUTPUT, said);
+        normalize(tiles, slope, begin, r->hidden_output[1] + at);
+        learn_packed_linear(&r->network->output[2], tiles, r->hidden_output[1] + at, SURFACE_OUTPUT, output);
         for (size_t i = 0; i < rows; i++)
         {
             size_t point = r->order[b * ROWS + i];
             for (size_t d = 0; d < 2 && point >= first; d++)
-                interior[2 * (point - first) + d] = (double)real_sigmoid(said[i * LEARN_PANEL + d]);
+                interior[2 * (point - first) + d] = (double)real_sigmoid(output[i * LEARN_PANEL + d]);
         }
     }
 }
 
 // All of it
 
-static void read_places(const run *r, const double *points, const double *bound, const double *parameters)
+static void read_places(const inference_run *r, const double *points, const double *boundary_count, const double *parameters)
 {
     size_t tiles = learn_whole_tiles(r->count);
     for (size_t i = 0; i < 3 * r->count; i++)
-        r->place[i] = (real)points[3 * (size_t)r->order[i / 3] + i % 3];
-    for (size_t i = 0; i < 3 * r->bound; i++)
-        r->bound_place[i] = (real)bound[i];
-    for (size_t i = 0; i < SURFACE_SEEN * r->bound; i++)
+        r->position[i] = (real)points[3 * (size_t)r->order[i / 3] + i % 3];
+    for (size_t i = 0; i < 3 * r->boundary_count; i++)
+        r->boundary_position[i] = (real)boundary_count[i];
+    for (size_t i = 0; i < SOURCE_FEATURES * r->boundary_count; i++)
     {
-        size_t k = i / SURFACE_SEEN, a = i % SURFACE_SEEN;
-        r->bound_seen[i] = (real)(a < 3 ? bound[3 * k + a] : parameters[2 * k + a - 3]);
+        size_t k = i / SOURCE_FEATURES, a = i % SOURCE_FEATURES;
+        r->boundary_features[i] = (real)(a < 3 ? boundary_count[3 * k + a] : parameters[2 * k + a - 3]);
     }
     for (size_t layer = 0; layer <= SURFACE_HIDDEN; layer++)
         memset(features_of(r, layer) + r->count * W, 0, (tiles - r->count) * W * sizeof(real));
 }
 
 /// From places to parameters.
-static bat_status run_network(run *r, const bat_cloud *cloud, const double *boundary, double *interior, bat_error *error)
+static bat_status run_network(inference_run *r, const bat_cloud *cloud, const double *boundary, double *interior,
+                              bat_error *error)
 {
     size_t begin = cloud->count - r->count, size = lay_out(r, NULL);
     void *memory = memory_array(size, 1);
@@ -679,7 +683,7 @@ bat_status surface_inference_run(const void *network, const bat_cloud *cloud, co
 {
     const surface_inference *made = network;
     size_t begin = made->informed ? cloud->boundary_count : 0;
-    run r = {.network = made, .count = cloud->count - begin, .bound = begin};
+    inference_run r = {.network = made, .count = cloud->count - begin, .boundary_count = begin};
     neighbour_tree tree;
     if (cloud->count == cloud->boundary_count)
         return BAT_OK;
@@ -695,21 +699,21 @@ bat_status surface_inference_run(const void *network, const bat_cloud *cloud, co
 
 // Parameters
 
-static void add_layer(learn_parameters *parameters, size_t outputs, size_t inputs, const char *part, int place)
+static void add_layer(learn_parameters *parameters, size_t outputs, size_t inputs, const char *part, int position)
 {
     char name[LEARN_NAME_SIZE];
-    (void)snprintf(name, sizeof name, "%s.%d.weight", part, place);
+    (void)snprintf(name, sizeof name, "%s.%d.weight", part, position);
     (void)learn_parameters_add(parameters, outputs, inputs, name);
-    (void)snprintf(name, sizeof name, "%s.%d.bias", part, place);
+    (void)snprintf(name, sizeof name, "%s.%d.bias", part, position);
     (void)learn_parameters_add(parameters, 0, outputs, name);
 }
 
-static void add_normalization(learn_parameters *parameters, size_t width, const char *part, int place)
+static void add_normalization(learn_parameters *parameters, size_t width, const char *part, int position)
 {
     char name[LEARN_NAME_SIZE];
-    (void)snprintf(name, sizeof name, "%s.%d.weight", part, place);
+    (void)snprintf(name, sizeof name, "%s.%d.weight", part, position);
     (void)learn_parameters_add(parameters, 0, width, name);
-    (void)snprintf(name, sizeof name, "%s.%d.bias", part, place);
+    (void)snprintf(name, sizeof name, "%s.%d.bias", part, position);
     (void)learn_parameters_add(parameters, 0, width, name);
 }
 

@@ -12,59 +12,61 @@
 
 enum
 {
-    AFFINE = 4,
+    AFFINE_TERMS = 4,
     /// Longer loops are thinned: the system is dense.
-    MOST_CENTRES = 512,
+    MAX_CENTRES = 512,
     /// Points on either side that foretell a point of the loop.
-    AROUND = 2
+    NEIGHBOURS_A_SIDE = 2
 };
 
 /// Of the loop's noise, as lambda.
 static const double NOISE_WEIGHT = 5;
-static const double LEAST_LAMBDA = 1e-6;
+static const double MIN_LAMBDA = 1e-6;
 /// Keeps planar loops, whose affine part is not unique, regular.
 static const double AFFINE_RIDGE = 1e-9;
 /// The median of the length of a vector of three standard normal numbers.
 static const double MEDIAN_LENGTH = 1.5381722544550522;
 
 /// Where the neighbours of a point stand along the polygon through them, the point itself at 0.
-static void place_along(const double *here, const double *const near[2 * AROUND], double at[2 * AROUND])
+static void chord_positions(const double *point, const double *const neighbours[2 * NEIGHBOURS_A_SIDE],
+                            double at[2 * NEIGHBOURS_A_SIDE])
 {
     double reach = 0;
-    for (size_t k = AROUND; k-- > 0;)
+    for (size_t k = NEIGHBOURS_A_SIDE; k-- > 0;)
     {
-        reach += vector3_distance(k + 1 < AROUND ? near[k + 1] : here, near[k]);
+        reach += vector3_distance(k + 1 < NEIGHBOURS_A_SIDE ? neighbours[k + 1] : point, neighbours[k]);
         at[k] = -reach;
     }
     reach = 0;
-    for (size_t k = AROUND; k < (size_t)2 * AROUND; k++)
+    for (size_t k = NEIGHBOURS_A_SIDE; k < (size_t)2 * NEIGHBOURS_A_SIDE; k++)
     {
-        reach += vector3_distance(k > AROUND ? near[k - 1] : here, near[k]);
+        reach += vector3_distance(k > NEIGHBOURS_A_SIDE ? neighbours[k - 1] : point, neighbours[k]);
         at[k] = reach;
     }
 }
 
 /// How far point i of the loop lies from where the cubic through its neighbours would have it, by the standard deviation
 /// that noise of each coordinate would give that; negative where neighbours coincide.
-static double surprise(const bat_cloud *cloud, size_t i)
+static double prediction_error(const bat_cloud *cloud, size_t i)
 {
     size_t count = cloud->boundary_count;
-    const double *points = cloud->points, *here = points + 3 * i;
-    const double *near[2 * AROUND] = {points + 3 * ((i + count - 2) % count), points + 3 * ((i + count - 1) % count),
-                                      points + 3 * ((i + 1) % count), points + 3 * ((i + 2) % count)};
-    double at[2 * AROUND], squares = 1, gap[3] = {here[0], here[1], here[2]};
-    place_along(here, near, at);
-    for (size_t k = 0; k < (size_t)2 * AROUND; k++)
+    const double *points = cloud->points, *point = points + 3 * i;
+    const double *neighbours[2 * NEIGHBOURS_A_SIDE] = {points + 3 * ((i + count - 2) % count),
+                                                       points + 3 * ((i + count - 1) % count),
+                                                       points + 3 * ((i + 1) % count), points + 3 * ((i + 2) % count)};
+    double at[2 * NEIGHBOURS_A_SIDE], squares = 1, gap[3] = {point[0], point[1], point[2]};
+    chord_positions(point, neighbours, at);
+    for (size_t k = 0; k < (size_t)2 * NEIGHBOURS_A_SIDE; k++)
     {
         double factor = 1;
-        for (size_t m = 0; m < (size_t)2 * AROUND; m++)
+        for (size_t m = 0; m < (size_t)2 * NEIGHBOURS_A_SIDE; m++)
             if (m != k)
                 factor *= -at[m] / (at[k] - at[m]);
         if (!isfinite(factor))
             return -1;
         squares += factor * factor;
         for (size_t a = 0; a < 3; a++)
-            gap[a] -= factor * near[k][a];
+            gap[a] -= factor * neighbours[k][a];
     }
     return sqrt((gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]) / squares);
 }
@@ -75,9 +77,9 @@ static double surprise(const bat_cloud *cloud, size_t i)
 static double loop_noise(const bat_cloud *cloud, double *scratch)
 {
     size_t count = 0;
-    for (size_t i = 0; cloud->boundary_count > (size_t)2 * AROUND && i < cloud->boundary_count; i++)
+    for (size_t i = 0; cloud->boundary_count > (size_t)2 * NEIGHBOURS_A_SIDE && i < cloud->boundary_count; i++)
     {
-        double length = surprise(cloud, i);
+        double length = prediction_error(cloud, i);
         if (length >= 0)
             scratch[count++] = length;
     }
@@ -88,9 +90,9 @@ static double loop_noise(const bat_cloud *cloud, double *scratch)
 }
 
 /// The upper triangle of the system by rows: that of the lower one by columns, as LAPACK has it.
-static void fill_system(const surface_extension *extension, double lambda, double *matrix)
+static void fill_system(const biharmonic_extension *extension, double lambda, double *matrix)
 {
-    size_t count = extension->count, side = count + AFFINE;
+    size_t count = extension->count, side = count + AFFINE_TERMS;
     memset(matrix, 0, side * side * sizeof *matrix);
     for (size_t i = 0; i < count; i++)
     {
@@ -106,9 +108,9 @@ static void fill_system(const surface_extension *extension, double lambda, doubl
         matrix[i * side + i] = -AFFINE_RIDGE;
 }
 
-static bat_status solve(surface_extension *extension, double lambda, bat_error *error)
+static bat_status solve(biharmonic_extension *extension, double lambda, bat_error *error)
 {
-    size_t side = extension->count + AFFINE;
+    size_t side = extension->count + AFFINE_TERMS;
     double *matrix = memory_array(side * side, sizeof *matrix), *columns = memory_array(side, 2 * sizeof *columns);
     lapack_int *pivots = memory_array(side, sizeof *pivots);
     bat_status status = BAT_OK;
@@ -139,13 +141,13 @@ static bat_status solve(surface_extension *extension, double lambda, bat_error *
     return status;
 }
 
-bat_status surface_extension_make(const bat_cloud *cloud, const double *boundary, surface_extension *extension,
-                                  bat_error *error)
+bat_status biharmonic_extension_make(const bat_cloud *cloud, const double *boundary, biharmonic_extension *extension,
+                                     bat_error *error)
 {
-    size_t loop = cloud->boundary_count, step = (loop + MOST_CENTRES - 1) / MOST_CENTRES, count = (loop + step - 1) / step;
-    surface_extension made = {.count = count};
+    size_t loop = cloud->boundary_count, step = (loop + MAX_CENTRES - 1) / MAX_CENTRES, count = (loop + step - 1) / step;
+    biharmonic_extension made = {.count = count};
     made.centres = memory_array(count, 3 * sizeof *made.centres);
-    made.weights = memory_array(count + AFFINE, 2 * sizeof *made.weights);
+    made.weights = memory_array(count + AFFINE_TERMS, 2 * sizeof *made.weights);
     double *scratch = memory_array(loop, sizeof *scratch);
     bat_status status = BAT_OK;
     if (made.centres == NULL || made.weights == NULL || scratch == NULL)
@@ -158,26 +160,27 @@ bat_status surface_extension_make(const bat_cloud *cloud, const double *boundary
             made.centres[i] = cloud->points[3 * (i / 3 * step) + i % 3] - made.middle[i % 3];
         for (size_t i = 0; i < 2 * count; i++)
             made.weights[i] = boundary[2 * (i / 2 * step) + i % 2];
-        memset(made.weights + 2 * count, 0, (size_t)2 * AFFINE * sizeof *made.weights);
+        memset(made.weights + 2 * count, 0, (size_t)2 * AFFINE_TERMS * sizeof *made.weights);
         made.noise = loop_noise(cloud, scratch);
-        status = solve(&made, LEAST_LAMBDA + NOISE_WEIGHT * made.noise, error);
+        status = solve(&made, MIN_LAMBDA + NOISE_WEIGHT * made.noise, error);
     }
     free(scratch);
     if (status == BAT_OK)
         *extension = made;
     else
-        surface_extension_free(&made);
+        biharmonic_extension_free(&made);
     return status;
 }
 
-void surface_extension_free(surface_extension *extension)
+void biharmonic_extension_free(biharmonic_extension *extension)
 {
     free(extension->centres);
     free(extension->weights);
-    *extension = (surface_extension){0};
+    *extension = (biharmonic_extension){0};
 }
 
-void surface_extension_at(const surface_extension *extension, const double *points, size_t count, double *parameters)
+void biharmonic_extension_evaluate(const biharmonic_extension *extension, const double *points, size_t count,
+                                   double *parameters)
 {
     const double *affine = extension->weights + 2 * extension->count;
     for (size_t i = 0; i < count; i++)

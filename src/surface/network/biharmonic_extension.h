@@ -11,23 +11,24 @@
 /// The kernel |x| is that of the biharmonic spline in space (Duchon 1977; Wahba 1990, section 2.4). Where the loop is noisy
 /// lambda is not small, and the map passes by its parameters.
 
-typedef struct surface_extension
+typedef struct biharmonic_extension
 {
     double *centres; ///< count x 3, of the middle of the loop
     double *weights; ///< (count + 4) x 2: w, a, B
     size_t count;
     double middle[3];
     double noise; ///< of the loop's points, as the standard deviation of a coordinate: about three quarters of it
-} surface_extension;
+} biharmonic_extension;
 
 /// @param cloud    in the unit box
 /// @param boundary cloud->boundary_count x 2
 /// @return BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE when the system is singular
-bat_status surface_extension_make(const bat_cloud *cloud, const double *boundary, surface_extension *extension,
-                                  bat_error *error);
-void surface_extension_free(surface_extension *extension);
+bat_status biharmonic_extension_make(const bat_cloud *cloud, const double *boundary, biharmonic_extension *extension,
+                                     bat_error *error);
+void biharmonic_extension_free(biharmonic_extension *extension);
 /// @param points     count x 3
 /// @param parameters receives count x 2, in [0, 1]
-void surface_extension_at(const surface_extension *extension, const double *points, size_t count, double *parameters);
+void biharmonic_extension_evaluate(const biharmonic_extension *extension, const double *points, size_t count,
+                                   double *parameters);
 
 #endif

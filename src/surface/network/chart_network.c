@@ -18,14 +18,14 @@ enum
 };
 
 /// What the gate's number is before a network says anything: it lets most of a step pass.
-static const double GATE_AT_REST = 2;
+static const double GATE_BIAS = 2;
 
 /// A patch farther from the cloud than this, in the unit box and beside the noise, says that the chart is folded.
-static const double FOLDED = 0.05;
+static const double MAX_RESIDUAL = 0.05;
 
 /// The patch through the whole cloud at its first parameters, and what follows from it.
-static bat_status describe(const bat_cloud *cloud, const double *boundary, double noise, surface_chart *chart,
-                           bat_error *error)
+static bat_status fit_patch(const bat_cloud *cloud, const double *boundary, double noise, surface_chart *chart,
+                            bat_error *error)
 {
     size_t bound = cloud->boundary_count;
     double *all = memory_array(cloud->count, 2 * sizeof *all);
@@ -33,15 +33,15 @@ static bat_status describe(const bat_cloud *cloud, const double *boundary, doubl
         return error_memory(error, cloud->count * 2 * sizeof *all);
     memcpy(all, boundary, 2 * bound * sizeof *all);
     memcpy(all + 2 * bound, chart->parameters, 2 * chart->count * sizeof *all);
-    surface_descriptor patch;
-    bat_status status = surface_descriptor_make(cloud->points, all, cloud->count, noise, &patch, error);
+    polynomial_patch patch;
+    bat_status status = polynomial_patch_fit(cloud->points, all, cloud->count, noise, &patch, error);
     free(all);
     if (status != BAT_OK)
         return status;
-    chart->sees = surface_descriptor_see(&patch, chart->seen);
-    chart->folded = patch.residual * patch.residual > FOLDED * FOLDED + 3 * noise * noise;
+    chart->has_features = polynomial_patch_features(&patch, chart->features);
+    chart->folded = patch.residual * patch.residual > MAX_RESIDUAL * MAX_RESIDUAL + 3 * noise * noise;
     for (size_t i = 0; i < chart->count; i++)
-        surface_descriptor_step(&patch, cloud->points + 3 * (bound + i), chart->parameters + 2 * i, chart->steps + 2 * i);
+        polynomial_patch_step(&patch, cloud->points + 3 * (bound + i), chart->parameters + 2 * i, chart->steps + 2 * i);
     return BAT_OK;
 }
 
@@ -51,13 +51,13 @@ bat_status surface_chart_make(const bat_cloud *cloud, const double *boundary, do
     surface_chart made = {.count = cloud->count - cloud->boundary_count};
     made.parameters = memory;
     made.steps = memory + 2 * made.count;
-    surface_extension extension;
-    bat_status status = surface_extension_make(cloud, boundary, &extension, error);
+    biharmonic_extension extension;
+    bat_status status = biharmonic_extension_make(cloud, boundary, &extension, error);
     if (status != BAT_OK)
         return status;
-    surface_extension_at(&extension, cloud->points + 3 * cloud->boundary_count, made.count, made.parameters);
-    status = describe(cloud, boundary, extension.noise, &made, error);
-    surface_extension_free(&extension);
+    biharmonic_extension_evaluate(&extension, cloud->points + 3 * cloud->boundary_count, made.count, made.parameters);
+    status = fit_patch(cloud, boundary, extension.noise, &made, error);
+    biharmonic_extension_free(&extension);
     if (status == BAT_OK)
         *chart = made;
     return status;
@@ -65,7 +65,7 @@ bat_status surface_chart_make(const bat_cloud *cloud, const double *boundary, do
 
 static double gate(const double *moves)
 {
-    return 1 / (1 + exp(-moves[GATE] - GATE_AT_REST));
+    return 1 / (1 + exp(-moves[GATE] - GATE_BIAS));
 }
 
 static double bubble(const double parameter[2])
@@ -80,8 +80,8 @@ void surface_chart_move(const surface_chart *chart, const double *moves, double 
     {
         const double *at = chart->parameters + 2 * i;
         double u[ORDERS], v[ORDERS], field[2] = {0}, height = bubble(at);
-        surface_legendre(at[0], CHART_DEGREE, u);
-        surface_legendre(at[1], CHART_DEGREE, v);
+        legendre_polynomials(at[0], CHART_DEGREE, u);
+        legendre_polynomials(at[1], CHART_DEGREE, v);
         for (size_t k = 0; k < CHART_TERMS; k++)
         {
             double term = u[k / ORDERS] * v[k % ORDERS];
@@ -100,8 +100,8 @@ void surface_chart_move_back(const surface_chart *chart, const double *moves, co
     {
         const double *at = chart->parameters + 2 * i, *by = by_interior + 2 * i;
         double u[ORDERS], v[ORDERS], height = bubble(at);
-        surface_legendre(at[0], CHART_DEGREE, u);
-        surface_legendre(at[1], CHART_DEGREE, v);
+        legendre_polynomials(at[0], CHART_DEGREE, u);
+        legendre_polynomials(at[1], CHART_DEGREE, v);
         for (size_t k = 0; k < CHART_TERMS; k++)
         {
             double term = height * u[k / ORDERS] * v[k % ORDERS];
@@ -117,7 +117,7 @@ void surface_chart_move_back(const surface_chart *chart, const double *moves, co
 
 static size_t inputs_of(size_t layer)
 {
-    return layer == 0 ? (size_t)SURFACE_SEEN : (size_t)CHART_WIDTH;
+    return layer == 0 ? (size_t)PATCH_FEATURES : (size_t)CHART_WIDTH;
 }
 
 static size_t outputs_of(size_t layer)
@@ -151,11 +151,11 @@ static bat_status make_network(const learn_parameters *parameters, void **networ
     return BAT_OK;
 }
 
-static void say_at_once(const real *weights, const double *seen, double *moves)
+static void evaluate_layers(const real *weights, const double *features, double *moves)
 {
     real x[CHART_WIDTH], y[CHART_WIDTH];
-    for (size_t i = 0; i < SURFACE_SEEN; i++)
-        x[i] = (real)seen[i];
+    for (size_t i = 0; i < PATCH_FEATURES; i++)
+        x[i] = (real)features[i];
     for (size_t layer = 0; layer < CHART_LAYERS; layer++)
     {
         size_t inputs = inputs_of(layer), outputs = outputs_of(layer);
@@ -218,8 +218,8 @@ static bat_status infer(const void *network, const bat_cloud *cloud, const doubl
     else if (status == BAT_OK)
     {
         double moves[CHART_MOVES] = {0};
-        if (chart.sees)
-            say_at_once(network, chart.seen, moves);
+        if (chart.has_features)
+            evaluate_layers(network, chart.features, moves);
         surface_chart_move(&chart, moves, interior);
     }
     blas_single_end();

@@ -23,11 +23,11 @@ enum
 
 typedef struct surface_chart
 {
-    size_t count;              ///< interior points
-    double *parameters;        ///< count x 2: the first ones; 0 to 1
-    double *steps;             ///< count x 2
-    double seen[SURFACE_SEEN]; ///< what the network sees; zeros when there is nothing to see
-    bool sees;
+    size_t count;                    ///< interior points
+    double *parameters;              ///< count x 2: the first ones; 0 to 1
+    double *steps;                   ///< count x 2
+    double features[PATCH_FEATURES]; ///< what the network sees; zeros when there is nothing to see
+    bool has_features;
     bool folded; ///< the patch at the first parameters is far from the cloud: a deep shape, which the extension folds
 } surface_chart;
 

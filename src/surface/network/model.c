@@ -22,8 +22,8 @@ struct bat_surface_model
 };
 
 /// Take the weights of a kind out of a file: of a checkpoint the best ones.
-static bat_status take(const safetensors *content, const surface_network_kind *kind, bat_surface_model *model,
-                       bat_error *error)
+static bat_status extract_weights(const safetensors *content, const surface_network_kind *kind, bat_surface_model *model,
+                                  bat_error *error)
 {
     learn_parameters parameters = {0};
     const char *prefix = "";
@@ -40,10 +40,10 @@ static bat_status take(const safetensors *content, const surface_network_kind *k
 }
 
 /// Make the model that a file's content holds.
-static bat_status model_of(const safetensors *content, bat_surface_model **model, bat_error *error)
+static bat_status make_model(const safetensors *content, bat_surface_model **model, bat_error *error)
 {
     const char *recipe = safetensors_find_note(content, "recipe");
-    const surface_network_kind *kind = surface_network_kind_named(recipe);
+    const surface_network_kind *kind = surface_network_kind_by_name(recipe);
     bat_surface_model *made = calloc(1, sizeof *made);
     bat_status status = BAT_OK;
     if (made == NULL)
@@ -52,7 +52,7 @@ static bat_status model_of(const safetensors *content, bat_surface_model **model
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
                            "the file holds no network for surfaces: its recipe is '%.60s'", recipe != NULL ? recipe : "");
     else
-        status = take(content, kind, made, error);
+        status = extract_weights(content, kind, made, error);
     if (status == BAT_OK)
         *model = made;
     else
@@ -66,14 +66,14 @@ bat_status bat_surface_model_read(const char *path, bat_surface_model **model, b
     bat_status status = safetensors_read(path, &content, error);
     if (status != BAT_OK)
         return status;
-    status = model_of(&content, model, error);
+    status = make_model(&content, model, error);
     safetensors_free(&content);
     return status;
 }
 
 bat_status bat_surface_model_builtin(bat_surface_model **model, bat_error *error)
 {
-    return model_of(&weights_surface, model, error);
+    return make_model(&weights_surface, model, error);
 }
 
 void bat_surface_model_free(bat_surface_model *model)
@@ -113,12 +113,12 @@ enum
     KIND_COUNT = sizeof KINDS / sizeof *KINDS
 };
 
-const surface_network_kind *surface_network_kind_named(const char *recipe)
+const surface_network_kind *surface_network_kind_by_name(const char *recipe)
 {
-    static const char FIRST[] = "surface ";
-    if (recipe == NULL || strncmp(recipe, FIRST, sizeof FIRST - 1) != 0)
+    static const char PREFIX[] = "surface ";
+    if (recipe == NULL || strncmp(recipe, PREFIX, sizeof PREFIX - 1) != 0)
         return NULL;
-    recipe += sizeof FIRST - 1;
+    recipe += sizeof PREFIX - 1;
     size_t length = strcspn(recipe, ",");
     for (size_t i = 0; i < KIND_COUNT; i++)
         if (strlen(KINDS[i]->name) == length && strncmp(KINDS[i]->name, recipe, length) == 0)

@@ -36,6 +36,6 @@ typedef struct surface_network_kind
 } surface_network_kind;
 
 /// The kind that the recipe's note of a file names; null where there is none, or no note.
-const surface_network_kind *surface_network_kind_named(const char *recipe);
+const surface_network_kind *surface_network_kind_by_name(const char *recipe);
 
 #endif

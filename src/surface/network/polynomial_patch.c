@@ -12,13 +12,13 @@
 
 enum
 {
-    ORDERS = SURFACE_DEGREE + 1,
+    ORDERS = PATCH_DEGREE + 1,
     BLOCK = 64, ///< points whose terms stand side by side
-    COLUMNS = SURFACE_TERMS + 3
+    COLUMNS = PATCH_TERMS + 3
 };
 
 /// What coefficients cost, against the mean square distance in the unit box.
-static const double COST = 1e-7;
+static const double ORDER_COST = 1e-7;
 /// Coefficients of order a^2 + b^2 are expected to be of size 0.3 over that: where noise hides them they give way.
 static const double NOISE_COST = 1 / (0.3 * 0.3);
 /// Keeps fewer points than coefficients regular.
@@ -26,9 +26,9 @@ static const double RIDGE = 1e-14;
 /// Added, against the product of the squared tangents, to the determinant of a step where tangents are nearly parallel.
 static const double STEP_RIDGE = 1e-3, STEP_FLOOR = 1e-9;
 /// No step goes farther in either parameter.
-static const double LONGEST_STEP = 0.2;
+static const double MAX_STEP = 0.2;
 
-void surface_legendre(double t, int degree, double *values)
+void legendre_polynomials(double t, int degree, double *values)
 {
     double x = 2 * t - 1;
     values[0] = 1;
@@ -42,7 +42,7 @@ static void legendre_slopes(const double *values, double *slopes)
 {
     slopes[0] = 0;
     slopes[1] = 2;
-    for (int k = 1; k < SURFACE_DEGREE; k++)
+    for (int k = 1; k < PATCH_DEGREE; k++)
         slopes[k + 1] = slopes[k - 1] + 2 * (2 * k + 1) * values[k];
 }
 
@@ -50,12 +50,12 @@ static void legendre_slopes(const double *values, double *slopes)
 static void fill_row(const double *point, const double *parameter, double *row)
 {
     double u[ORDERS], v[ORDERS];
-    surface_legendre(parameter[0], SURFACE_DEGREE, u);
-    surface_legendre(parameter[1], SURFACE_DEGREE, v);
+    legendre_polynomials(parameter[0], PATCH_DEGREE, u);
+    legendre_polynomials(parameter[1], PATCH_DEGREE, v);
     for (size_t a = 0; a < ORDERS; a++)
         for (size_t b = 0; b < ORDERS; b++)
             row[a * ORDERS + b] = u[a] * v[b];
-    memcpy(row + SURFACE_TERMS, point, 3 * sizeof *point);
+    memcpy(row + PATCH_TERMS, point, 3 * sizeof *point);
 }
 
 /// rows^T rows of terms and coordinates, over the number of points; the upper triangle.
@@ -73,35 +73,34 @@ static void accumulate(const double *points, const double *parameters, size_t co
 }
 
 /// Solve for the coefficients; `products` becomes the factor.
-static bat_status solve(double *products, double cost, surface_descriptor *descriptor, bat_error *error)
+static bat_status solve(double *products, double cost, polynomial_patch *descriptor, bat_error *error)
 {
-    double right[3 * SURFACE_TERMS];
-    for (size_t k = 0; k < SURFACE_TERMS; k++)
+    double right[3 * PATCH_TERMS];
+    for (size_t k = 0; k < PATCH_TERMS; k++)
     {
         size_t a = k / ORDERS, b = k % ORDERS;
         double order = (double)(a * a + b * b);
         for (size_t d = 0; d < 3; d++)
-            right[d * SURFACE_TERMS + k] = products[k * COLUMNS + SURFACE_TERMS + d];
+            right[d * PATCH_TERMS + k] = products[k * COLUMNS + PATCH_TERMS + d];
         products[k * COLUMNS + k] += cost * order * order + RIDGE;
     }
     // The upper triangle by rows is the lower one by columns.
-    bool solved = LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', SURFACE_TERMS, 3, products, COLUMNS, right, SURFACE_TERMS) == 0;
-    for (size_t k = 0; k < SURFACE_TERMS; k++)
+    bool solved = LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', PATCH_TERMS, 3, products, COLUMNS, right, PATCH_TERMS) == 0;
+    for (size_t k = 0; k < PATCH_TERMS; k++)
         for (size_t d = 0; d < 3; d++)
         {
-            descriptor->terms[k][d] = right[d * SURFACE_TERMS + k];
+            descriptor->terms[k][d] = right[d * PATCH_TERMS + k];
             // Not every factorization tells of what is no number.
             solved = solved && isfinite(descriptor->terms[k][d]);
         }
     return solved ? BAT_OK : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no polynomial patch fits the cloud");
 }
 
-static void evaluate(const surface_descriptor *descriptor, const double parameter[2], double x[3], double xu[3],
-                     double xv[3])
+static void evaluate(const polynomial_patch *descriptor, const double parameter[2], double x[3], double xu[3], double xv[3])
 {
     double u[ORDERS], v[ORDERS], du[ORDERS], dv[ORDERS];
-    surface_legendre(parameter[0], SURFACE_DEGREE, u);
-    surface_legendre(parameter[1], SURFACE_DEGREE, v);
+    legendre_polynomials(parameter[0], PATCH_DEGREE, u);
+    legendre_polynomials(parameter[1], PATCH_DEGREE, v);
     legendre_slopes(u, du);
     legendre_slopes(v, dv);
     for (size_t d = 0; d < 3; d++)
@@ -124,7 +123,7 @@ static void evaluate(const surface_descriptor *descriptor, const double paramete
     }
 }
 
-static double root_mean_square(const surface_descriptor *descriptor, const double *points, const double *parameters,
+static double root_mean_square(const polynomial_patch *descriptor, const double *points, const double *parameters,
                                size_t count)
 {
     double sum = 0, x[3], xu[3], xv[3];
@@ -137,16 +136,16 @@ static double root_mean_square(const surface_descriptor *descriptor, const doubl
     return sqrt(sum / (double)count);
 }
 
-bat_status surface_descriptor_make(const double *points, const double *parameters, size_t count, double noise,
-                                   surface_descriptor *descriptor, bat_error *error)
+bat_status polynomial_patch_fit(const double *points, const double *parameters, size_t count, double noise,
+                                polynomial_patch *descriptor, bat_error *error)
 {
     size_t size = (size_t)COLUMNS * (COLUMNS + BLOCK) * sizeof(double);
     double *products = memory_array(size, 1);
     if (products == NULL)
         return error_memory(error, size);
     accumulate(points, parameters, count, products + COLUMNS * COLUMNS, products);
-    surface_descriptor made;
-    bat_status status = solve(products, COST + NOISE_COST * noise * noise / (double)count, &made, error);
+    polynomial_patch made;
+    bat_status status = solve(products, ORDER_COST + NOISE_COST * noise * noise / (double)count, &made, error);
     free(products);
     if (status != BAT_OK)
         return status;
@@ -157,11 +156,11 @@ bat_status surface_descriptor_make(const double *points, const double *parameter
 
 static double bounded(double step)
 {
-    return fmin(fmax(step, -LONGEST_STEP), LONGEST_STEP);
+    return fmin(fmax(step, -MAX_STEP), MAX_STEP);
 }
 
-void surface_descriptor_step(const surface_descriptor *descriptor, const double point[3], const double parameter[2],
-                             double step[2])
+void polynomial_patch_step(const polynomial_patch *descriptor, const double point[3], const double parameter[2],
+                           double step[2])
 {
     double x[3], xu[3], xv[3], gap[3];
     evaluate(descriptor, parameter, x, xu, xv);
@@ -174,7 +173,7 @@ void surface_descriptor_step(const surface_descriptor *descriptor, const double 
     step[1] = bounded((uu * across - uv * along) / determinant);
 }
 
-bool surface_descriptor_see(const surface_descriptor *descriptor, double *seen)
+bool polynomial_patch_features(const polynomial_patch *descriptor, double *features)
 {
     const double *p = descriptor->terms[ORDERS], *q = descriptor->terms[1];
     double first[3], second[3], third[3];
@@ -190,10 +189,10 @@ bool surface_descriptor_see(const surface_descriptor *descriptor, double *seen)
     for (size_t d = 0; d < 3; d++)
         second[d] /= height;
     vector3_cross(first, second, third);
-    for (size_t k = 1; k < SURFACE_TERMS; k++)
+    for (size_t k = 1; k < PATCH_TERMS; k++)
     {
         const double *c = descriptor->terms[k];
-        double *to = seen + 3 * (k - 1);
+        double *to = features + 3 * (k - 1);
         to[0] = scale * vector3_dot(c, first);
         to[1] = scale * vector3_dot(c, second);
         to[2] = scale * vector3_dot(c, third);

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /// Numbers that stand for points that are given.
-static const uint32_t GIVEN = UINT32_MAX;
+static const uint32_t FIXED = UINT32_MAX;
 
 /// The unknowns and their system.
 typedef struct average_problem
@@ -41,7 +41,7 @@ static bat_status number_unknowns(const bat_cloud *cloud, const bool *moved, ave
     for (size_t i = 0; i < cloud->count; i++)
     {
         bool unknown = i >= cloud->boundary_count && (moved == NULL || moved[i]);
-        problem->numbers[i] = unknown ? (uint32_t)problem->count : GIVEN;
+        problem->numbers[i] = unknown ? (uint32_t)problem->count : FIXED;
         if (unknown)
             problem->points[problem->count++] = (uint32_t)i;
     }
@@ -77,7 +77,7 @@ static void fill_system(const bat_cloud *cloud, const sparse_rows *rows, const d
         for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
         {
             size_t point = rows->columns[e];
-            if (problem->numbers[point] == GIVEN)
+            if (problem->numbers[point] == FIXED)
                 for (size_t c = 0; c < 2; c++)
                     given[c] += rows->values[e] * parameters[2 * point + c];
             else
@@ -98,7 +98,7 @@ static void write_solution(const bat_cloud *cloud, const average_problem *proble
     {
         double low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < cloud->count; i++)
-            if (problem->numbers[i] == GIVEN)
+            if (problem->numbers[i] == FIXED)
             {
                 low = fmin(low, parameters[2 * i + c]);
                 high = fmax(high, parameters[2 * i + c]);
@@ -108,7 +108,7 @@ static void write_solution(const bat_cloud *cloud, const average_problem *proble
     }
 }
 
-bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_way way,
+bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_solver solver,
                           double *parameters, bat_error *error)
 {
     average_problem problem = {0};
@@ -118,9 +118,9 @@ bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const
     if (status == BAT_OK)
     {
         fill_system(cloud, rows, parameters, &problem);
-        status = way.direct
+        status = solver.direct
                      ? average_solve_direct(&problem.weights, problem.constant, problem.solution, error)
-                     : average_solve_iterative(&problem.weights, problem.constant, way.threads, problem.solution, error);
+                     : average_solve_iterative(&problem.weights, problem.constant, solver.threads, problem.solution, error);
     }
     if (status == BAT_OK)
         write_solution(cloud, &problem, parameters);

@@ -42,8 +42,8 @@ static double boundary_area(const bat_cloud *cloud, const double *parameters)
 /// inverse of `plain`.
 typedef struct map_sums
 {
-    double plain[2][2]; ///< of x x^T about the mean
-    double mixed[2][2]; ///< of u x^T
+    double xx[2][2]; ///< of x x^T about the mean
+    double ux[2][2]; ///< of u x^T
 } map_sums;
 
 static map_sums sum_map(const fold_finder *finder, const neighbour_list *near, size_t point, const double *parameters)
@@ -65,15 +65,15 @@ static map_sums sum_map(const fold_finder *finder, const neighbour_list *near, s
         for (size_t a = 0; a < 2; a++)
             for (size_t b = 0; b < 2; b++)
             {
-                sums.plain[a][b] += x[a] * x[b];
-                sums.mixed[a][b] += u[a] * x[b];
+                sums.xx[a][b] += x[a] * x[b];
+                sums.ux[a][b] += u[a] * x[b];
             }
     }
     for (size_t a = 0; a < 2; a++)
         for (size_t b = 0; b < 2; b++)
         {
-            sums.plain[a][b] -= sum_x[a] * sum_x[b] / count;
-            sums.mixed[a][b] -= sum_u[a] * sum_x[b] / count;
+            sums.xx[a][b] -= sum_x[a] * sum_x[b] / count;
+            sums.ux[a][b] -= sum_u[a] * sum_x[b] / count;
         }
     return sums;
 }
@@ -94,7 +94,7 @@ static double ratio_of(const double a[2][2])
 /// Of a map whose matrix is mixed times the inverse of plain.
 static double stretch_of(const map_sums *sums)
 {
-    const double(*p)[2] = sums->plain, (*m)[2] = sums->mixed;
+    const double(*p)[2] = sums->xx, (*m)[2] = sums->ux;
     // The inverse but for its determinant, which the ratio does not see.
     double map[2][2];
     for (size_t a = 0; a < 2; a++)
@@ -106,17 +106,17 @@ static double stretch_of(const map_sums *sums)
 }
 
 static void find_by_planes(const fold_finder *finder, const neighbour_list *near, size_t point, const double *parameters,
-                           bool upright, bool *folded, double *stretches)
+                           bool positive, bool *folded, double *stretches)
 {
     map_sums sums = sum_map(finder, near, point, parameters);
-    double area = determinant((const double(*)[2])sums.mixed);
-    folded[point] = !(upright ? area > 0 : area < 0);
+    double area = determinant((const double(*)[2])sums.ux);
+    folded[point] = !(positive ? area > 0 : area < 0);
     if (stretches != NULL)
         stretches[point - finder->order.cloud.boundary_count] = stretch_of(&sums);
 }
 
 /// Which way the triangles run: above 0 as the boundary does, below 0 against it.
-static int triangles_way(const bat_cloud *cloud)
+static int triangle_orientation(const bat_cloud *cloud)
 {
     size_t count = cloud->boundary_count;
     int with = 0, against = 0;
@@ -130,9 +130,9 @@ static int triangles_way(const bat_cloud *cloud)
     return with >= against ? 1 : -1;
 }
 
-static void find_by_triangles(const bat_cloud *cloud, const double *parameters, bool upright, bool *folded)
+static void find_by_triangles(const bat_cloud *cloud, const double *parameters, bool positive, bool *folded)
 {
-    int way = upright ? triangles_way(cloud) : -triangles_way(cloud);
+    int orientation = positive ? triangle_orientation(cloud) : -triangle_orientation(cloud);
     memset(folded, 0, cloud->count * sizeof *folded);
     for (size_t t = 0; t < cloud->triangle_count; t++)
     {
@@ -140,17 +140,17 @@ static void find_by_triangles(const bat_cloud *cloud, const double *parameters, 
         const double *a = parameters + 2 * (size_t)corner[0], *b = parameters + 2 * (size_t)corner[1],
                      *c = parameters + 2 * (size_t)corner[2];
         double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        bool turned = !(way > 0 ? area > 0 : area < 0);
+        bool flipped = !(orientation > 0 ? area > 0 : area < 0);
         for (size_t k = 0; k < 3; k++)
-            folded[corner[k]] = folded[corner[k]] || (turned && corner[k] >= cloud->boundary_count);
+            folded[corner[k]] = folded[corner[k]] || (flipped && corner[k] >= cloud->boundary_count);
     }
 }
 
-bat_status fold_finder_run(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
-                           bat_error *error)
+bat_status fold_finder_find(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
+                            bat_error *error)
 {
     const bat_cloud *cloud = &finder->order.cloud;
-    bool upright = boundary_area(cloud, parameters) >= 0;
+    bool positive = boundary_area(cloud, parameters) >= 0;
     bat_status status = BAT_OK;
     memset(folded, 0, cloud->boundary_count * sizeof *folded);
 #pragma omp parallel num_threads(threads_for(0, cloud->count / 256 + 1))
@@ -162,7 +162,7 @@ bat_status fold_finder_run(const fold_finder *finder, const double *parameters, 
             bat_status own =
                 neighbours_nearest(&finder->order.tree, cloud->points + 3 * i, finder->oriented.reach[i], &near, NULL);
             if (own == BAT_OK)
-                find_by_planes(finder, &near, i, parameters, upright, folded, stretches);
+                find_by_planes(finder, &near, i, parameters, positive, folded, stretches);
             else
 #pragma omp atomic write
                 status = own;
@@ -172,7 +172,7 @@ bat_status fold_finder_run(const fold_finder *finder, const double *parameters, 
     if (status != BAT_OK)
         return error_set(error, status, BAT_NO_INDEX, 0, "out of memory for neighbourhoods");
     if (cloud->triangle_count > 0)
-        find_by_triangles(cloud, parameters, upright, folded);
+        find_by_triangles(cloud, parameters, positive, folded);
     return BAT_OK;
 }
 
@@ -285,7 +285,7 @@ bat_status parameter_faults_find(const fold_finder *finder, const double *parame
     size_t interior = cloud->count - cloud->boundary_count;
     double *stretches = memory_array(interior, sizeof *stretches);
     bat_cloud_parameters_report found = {.first = BAT_NO_INDEX};
-    bat_status status = stretches != NULL ? fold_finder_run(finder, parameters, faults->folded, stretches, error)
+    bat_status status = stretches != NULL ? fold_finder_find(finder, parameters, faults->folded, stretches, error)
                                           : error_memory(error, interior * sizeof *stretches);
     if (status == BAT_OK)
         status = find_coincident(cloud, parameters, faults->coincident, &found.coincident, error);

@@ -25,8 +25,8 @@ void fold_finder_free(fold_finder *finder);
 /// @param folded     receives count; false on the boundary
 /// @param stretches  receives the ratio of the map's singular values for each interior point; may be null
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status fold_finder_run(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
-                           bat_error *error);
+bat_status fold_finder_find(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
+                            bat_error *error);
 
 /// What to complain of, by point in spatial order.
 typedef struct parameter_faults

@@ -13,7 +13,7 @@
 #include <string.h>
 
 /// Eq. (7) of Giannelli et al. (2023): over the root of the number of points.
-static const double RADIUS = 3;
+static const double RADIUS_FACTOR = 3;
 
 const char *bat_cloud_parameterization_name(bat_cloud_parameterization method)
 {
@@ -54,7 +54,7 @@ static bat_status check_options(const bat_cloud *cloud, const double *boundary,
 static bat_status parameterize_published(const bat_cloud *cloud, const double *boundary,
                                          const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
-    double radius = options->radius > 0 ? options->radius : RADIUS / sqrt((double)cloud->count);
+    double radius = options->radius > 0 ? options->radius : RADIUS_FACTOR / sqrt((double)cloud->count);
     neighbour_tree tree;
     bat_status status = neighbour_tree_build(cloud->points, cloud->count, &tree, error);
     if (status != BAT_OK)
@@ -76,15 +76,15 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
     if (status == BAT_OK)
     {
         memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
-        status = averages_solve(cloud, &rows, NULL, (average_way){.direct = true}, parameters, error);
+        status = averages_solve(cloud, &rows, NULL, (average_solver){.direct = true}, parameters, error);
     }
     sparse_rows_free(&rows);
     neighbour_tree_free(&tree);
     return status;
 }
 
-static bat_status parameterize_always(const bat_cloud *cloud, const double *boundary,
-                                      const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
+static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *boundary,
+                                        const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
     spatial_order order = {0};
     sparse_rows rows = {0};
@@ -96,10 +96,10 @@ static bat_status parameterize_always(const bat_cloud *cloud, const double *boun
     if (status == BAT_OK)
     {
         memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
-        status = averages_solve(&order.cloud, &rows, NULL, (average_way){.threads = options->threads}, ordered, error);
+        status = averages_solve(&order.cloud, &rows, NULL, (average_solver){.threads = options->threads}, ordered, error);
     }
     if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING)
-        status = stretch_minimize(&order.cloud, &rows, (average_way){.threads = options->threads}, ordered, error);
+        status = stretch_minimize(&order.cloud, &rows, (average_solver){.threads = options->threads}, ordered, error);
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
     sparse_rows_free(&rows);
@@ -116,5 +116,5 @@ bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary
         return status;
     if (options->published && options->method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE)
         return parameterize_published(cloud, boundary, options, parameters, error);
-    return parameterize_always(cloud, boundary, options, parameters, error);
+    return parameterize_adaptive(cloud, boundary, options, parameters, error);
 }

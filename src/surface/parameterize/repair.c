@@ -75,7 +75,7 @@ static bool is_better(const bat_cloud_parameters_report *report, const bat_cloud
 }
 
 /// Looks at the current parameters and keeps them where they are the best so far.
-static bat_status look(repair *work, bool first, bat_error *error)
+static bat_status evaluate(repair *work, bool first, bat_error *error)
 {
     size_t count = work->finder->order.cloud.count;
     bat_status status = parameter_faults_find(work->finder, work->current, &work->faults, &work->report, error);
@@ -122,16 +122,16 @@ static bat_status blend(repair *work, bat_error *error)
     bat_status status = weights_make(cloud, &work->finder->order.tree, &options, &rows, error);
     memcpy(work->uniform, work->current, 2 * cloud->boundary_count * sizeof *work->uniform);
     if (status == BAT_OK)
-        status = averages_solve(cloud, &rows, NULL, (average_way){.threads = 0}, work->uniform, error);
+        status = averages_solve(cloud, &rows, NULL, (average_solver){.threads = 0}, work->uniform, error);
     if (status == BAT_OK)
-        status = averages_solve(cloud, &work->rows, NULL, (average_way){.threads = 0}, work->current, error);
+        status = averages_solve(cloud, &work->rows, NULL, (average_solver){.threads = 0}, work->current, error);
     sparse_rows_free(&rows);
     for (size_t step = 1; step <= BLENDS && status == BAT_OK && work->best_report.folded > 0; step++)
     {
         double share = 1 / (double)(BLENDS + 1 - step);
         for (size_t k = 2 * cloud->boundary_count; k < 2 * cloud->count; k++)
             work->current[k] += share * (work->uniform[k] - work->current[k]);
-        status = look(work, false, error);
+        status = evaluate(work, false, error);
     }
     return status;
 }
@@ -139,15 +139,15 @@ static bat_status blend(repair *work, bat_error *error)
 static bat_status unfold(repair *work, bat_error *error)
 {
     const bat_cloud *cloud = &work->finder->order.cloud;
-    bat_status status = look(work, true, error);
+    bat_status status = evaluate(work, true, error);
     bool large = cloud->count > LARGE;
     for (size_t round = 0; round < (large ? 1 : ROUNDS) && status == BAT_OK && fault_count(&work->report) > 0; round++)
     {
         if (!grow_moved(work, (size_t)1 << round))
             break;
-        status = averages_solve(cloud, &work->rows, work->moved, (average_way){.threads = 0}, work->current, error);
+        status = averages_solve(cloud, &work->rows, work->moved, (average_solver){.threads = 0}, work->current, error);
         if (status == BAT_OK)
-            status = look(work, false, error);
+            status = evaluate(work, false, error);
     }
     if (status == BAT_OK && work->best_report.folded > 0 && !large)
         status = blend(work, error);

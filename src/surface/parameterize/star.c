@@ -13,9 +13,9 @@
 #include <string.h>
 
 /// Corners of the hull that lie this close to a straight line, in proportion, are left out.
-static const double STRAIGHT = 1e-12;
+static const double COLLINEAR = 1e-12;
 /// Points this much closer than the farthest one lie at the origin.
-static const double TOUCHING = 1e-24;
+static const double COINCIDENT = 1e-24;
 
 static double cross(const double a[2], const double b[2])
 {
@@ -32,7 +32,7 @@ static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[
     for (size_t k = 0; k < count; k++)
     {
         double square = planar[k][0] * planar[k][0] + planar[k][1] * planar[k][1];
-        bool apart = square > TOUCHING * farthest;
+        bool apart = square > COINCIDENT * farthest;
         // An inverse of 0 is never a corner.
         inverse[k][0] = apart ? planar[k][0] / square * farthest : 0;
         inverse[k][1] = apart ? planar[k][1] / square * farthest : 0;
@@ -46,11 +46,11 @@ static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[
 }
 
 /// Which of two ways from a corner of the hull leaves the other to its left; of two in line the longer.
-static bool is_better_way(const double way[2], const double other[2])
+static bool is_further_clockwise(const double direction[2], const double other[2])
 {
-    double turn = cross(way, other), length = way[0] * way[0] + way[1] * way[1];
+    double turn = cross(direction, other), length = direction[0] * direction[0] + direction[1] * direction[1];
     double other_length = other[0] * other[0] + other[1] * other[1];
-    if (turn * turn > STRAIGHT * STRAIGHT * length * other_length)
+    if (turn * turn > COLLINEAR * COLLINEAR * length * other_length)
         return turn < 0;
     return other_length > length;
 }
@@ -62,29 +62,29 @@ static size_t next_corner(const double (*points)[2], size_t count, size_t from)
     static const double ORIGIN[2] = {0, 0};
     const double *at = from == SIZE_MAX ? ORIGIN : points[from];
     size_t next = SIZE_MAX;
-    double way[2] = {-at[0], -at[1]};
+    double direction[2] = {-at[0], -at[1]};
     for (size_t k = 0; k < count; k++)
     {
         double other[2] = {points[k][0] - at[0], points[k][1] - at[1]};
-        if ((other[0] == 0 && other[1] == 0) || !is_better_way(way, other))
+        if ((other[0] == 0 && other[1] == 0) || !is_further_clockwise(direction, other))
             continue;
         next = k;
-        way[0] = other[0];
-        way[1] = other[1];
+        direction[0] = other[0];
+        direction[1] = other[1];
     }
     return next;
 }
 
 /// Begins the ring after its gap.
-static void turn_ring(size_t *ring, size_t count, size_t gap)
+static void rotate_ring(size_t *ring, size_t count, size_t gap)
 {
-    size_t kept[STAR_RING];
-    memcpy(kept, ring, count * sizeof *ring);
+    size_t copy[STAR_MAX_RING];
+    memcpy(copy, ring, count * sizeof *ring);
     for (size_t k = 0; k < count; k++)
-        ring[k] = kept[(k + gap) % count];
+        ring[k] = copy[(k + gap) % count];
 }
 
-size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_RING], bool *closed)
+size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_MAX_RING], bool *closed)
 {
     const double(*corners)[2] = (const double(*)[2])inverse;
     size_t first = invert(planar, count, inverse), found = 0, gap = 0, at = first;
@@ -93,7 +93,7 @@ size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], 
         return 0;
     do
     {
-        if (at != SIZE_MAX && found == STAR_RING)
+        if (at != SIZE_MAX && found == STAR_MAX_RING)
             return 0;
         if (at != SIZE_MAX)
             ring[found++] = at;
@@ -106,7 +106,7 @@ size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], 
         }
         at = next_corner(corners, count, at);
     } while (at != first);
-    turn_ring(ring, found, gap % found);
+    rotate_ring(ring, found, gap % found);
     return found;
 }
 
@@ -181,12 +181,12 @@ static int compare_spokes(const void *a, const void *b)
     return (first->angle > second->angle) - (first->angle < second->angle);
 }
 
-static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, spoke spokes[STAR_RING], size_t *count)
+static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, spoke spokes[STAR_MAX_RING], size_t *count)
 {
     for (size_t k = 0; k < *count; k++)
         if (spokes[k].place == place)
             return true;
-    if (*count == STAR_RING)
+    if (*count == STAR_MAX_RING)
         return false;
     double angle = atan2(planar[place][1] - planar[middle][1], planar[place][0] - planar[middle][0]);
     spokes[(*count)++] = (spoke){.angle = angle, .place = place};
@@ -194,7 +194,7 @@ static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, sp
 }
 
 /// Gathers the corners of the triangles around the middle; returns how many there are, 0 for too many.
-static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, spoke spokes[STAR_RING])
+static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, spoke spokes[STAR_MAX_RING])
 {
     size_t count = 0;
     facetT *facet;
@@ -215,7 +215,7 @@ static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, s
     return count;
 }
 
-bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_t middle, size_t ring[STAR_RING],
+bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_t middle, size_t ring[STAR_MAX_RING],
                                   size_t *ring_count, bat_error *error)
 {
     *ring_count = 0;
@@ -236,7 +236,7 @@ bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_
     memcpy(points, planar, count * 2 * sizeof *points);
     qh_zero(qh, messages);
     char options[] = "qhull d Qt Qbb Qc";
-    spoke spokes[STAR_RING];
+    spoke spokes[STAR_MAX_RING];
     // A failure of Qhull is one of the points: too few of them, or all in line.
     if (qh_new_qhull(qh, 2, (int)count, points, False, options, NULL, messages) == 0)
     {

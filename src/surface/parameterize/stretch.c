@@ -8,15 +8,15 @@
 #include <string.h>
 
 /// Of a determinant against its trace squared: flatter neighbourhoods in the parameter plane are taken for this round.
-static const double FLATTEST = 1e-6;
+static const double RIDGE = 1e-6;
 /// Rounds go on while each takes this share off.
-static const double WORTHWHILE = 0.01;
+static const double MIN_REDUCTION = 0.01;
 /// Of the whole's: points that stretch less count as if they stretched so much.
-static const double LEAST_STRETCH = 1e-6;
+static const double MIN_STRETCH = 1e-6;
 
 enum
 {
-    MOST_ROUNDS = 10
+    MAX_ROUNDS = 10
 };
 
 /// The least-squares derivative from differences to the row's neighbours, as the root of half its squared Frobenius norm.
@@ -38,9 +38,9 @@ static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t
             xv[d] += x * v;
         }
     }
-    double least = FLATTEST * (uu + vv);
-    uu += least;
-    vv += least;
+    double minimum = RIDGE * (uu + vv);
+    uu += minimum;
+    vv += minimum;
     double determinant = uu * vv - uv * uv, squares = 0;
     for (size_t d = 0; d < 3; d++)
     {
@@ -76,33 +76,33 @@ static double measure_interior(const bat_cloud *cloud, const sparse_rows *rows, 
 static bat_status measure(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch,
                           double *energy, bat_error *error)
 {
-    size_t bound = cloud->boundary_count;
-    size_t *uses = calloc(bound, sizeof *uses);
+    size_t boundary_count = cloud->boundary_count;
+    size_t *uses = calloc(boundary_count, sizeof *uses);
     if (uses == NULL)
-        return error_memory(error, bound * sizeof *uses);
+        return error_memory(error, boundary_count * sizeof *uses);
     *energy = measure_interior(cloud, rows, parameters, stretch);
-    memset(stretch, 0, bound * sizeof *stretch);
+    memset(stretch, 0, boundary_count * sizeof *stretch);
     for (size_t row = 0; row < rows->row_count; row++)
         for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
-            if (rows->columns[e] < bound)
+            if (rows->columns[e] < boundary_count)
             {
-                stretch[rows->columns[e]] += stretch[bound + row];
+                stretch[rows->columns[e]] += stretch[boundary_count + row];
                 uses[rows->columns[e]]++;
             }
-    for (size_t k = 0; k < bound; k++)
+    for (size_t k = 0; k < boundary_count; k++)
         stretch[k] = uses[k] > 0 ? stretch[k] / (double)uses[k] : 1;
     free(uses);
     return BAT_OK;
 }
 
 /// Divide weights by the stretch at the neighbour.
-static void reweight(const double *stretch, double least, sparse_rows *rows)
+static void reweight(const double *stretch, double minimum, sparse_rows *rows)
 {
     for (size_t row = 0; row < rows->row_count; row++)
     {
         double sum = 0;
         for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
-            sum += rows->values[e] /= fmax(stretch[rows->columns[e]], least);
+            sum += rows->values[e] /= fmax(stretch[rows->columns[e]], minimum);
         for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
             rows->values[e] /= sum;
     }
@@ -111,31 +111,32 @@ static void reweight(const double *stretch, double least, sparse_rows *rows)
 /// Even out once.
 /// @param stretch at all points before, and after
 /// @param energy  receives the stretch of the whole; infinite where the system is not solved
-static bat_status even_out(const bat_cloud *cloud, sparse_rows *rows, average_way way, double least, double *stretch,
-                           double *parameters, double *energy, bat_error *error)
+static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double minimum,
+                                     double *stretch, double *parameters, double *energy, bat_error *error)
 {
-    reweight(stretch, least, rows);
-    bat_status status = averages_solve(cloud, rows, NULL, way, parameters, error);
+    reweight(stretch, minimum, rows);
+    bat_status status = averages_solve(cloud, rows, NULL, solver, parameters, error);
     *energy = INFINITY;
     if (status == BAT_NO_CONVERGENCE)
         return BAT_OK;
     return status == BAT_OK ? measure(cloud, rows, parameters, stretch, energy, error) : status;
 }
 
-bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_way way, double *parameters, bat_error *error)
+bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+                            bat_error *error)
 {
     double *stretch = memory_array(cloud->count, sizeof *stretch), *next = memory_array(cloud->count, 2 * sizeof *next);
-    double energy = 0, fallen;
+    double energy = 0, reduced;
     bat_status status = stretch != NULL && next != NULL ? measure(cloud, rows, parameters, stretch, &energy, error)
                                                         : error_memory(error, cloud->count * 2 * sizeof *next);
     if (status == BAT_OK)
         memcpy(next, parameters, 2 * cloud->count * sizeof *next);
-    for (int round = 0; round < MOST_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
+    for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
     {
-        status = even_out(cloud, rows, way, LEAST_STRETCH * energy, stretch, next, &fallen, error);
-        if (status != BAT_OK || !(fallen < (1 - WORTHWHILE) * energy))
+        status = reweight_and_solve(cloud, rows, solver, MIN_STRETCH * energy, stretch, next, &reduced, error);
+        if (status != BAT_OK || !(reduced < (1 - MIN_REDUCTION) * energy))
             break;
-        energy = fallen;
+        energy = reduced;
         memcpy(parameters, next, 2 * cloud->count * sizeof *parameters);
     }
     free(stretch);

@@ -12,7 +12,7 @@
 /// @param rows       averages that the parameters obey; changed by every round, the last one that was not worthwhile too
 /// @param parameters count x 2
 /// @return as averages_solve()
-bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_way way, double *parameters,
+bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
                             bat_error *error);
 
 #endif

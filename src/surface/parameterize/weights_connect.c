@@ -131,14 +131,14 @@ static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, 
                                bool *chosen, bat_error *error)
 {
     uint32_t *parts = memory_array(cloud->count, sizeof *parts);
-    double *least = memory_array(cloud->count, sizeof *least);
+    double *minimum = memory_array(cloud->count, sizeof *minimum);
     bat_status status = BAT_OK;
-    if (parts == NULL || least == NULL)
-        status = error_memory(error, cloud->count * sizeof *least);
+    if (parts == NULL || minimum == NULL)
+        status = error_memory(error, cloud->count * sizeof *minimum);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
     {
         parts[i] = (uint32_t)i;
-        least[i] = INFINITY;
+        minimum[i] = INFINITY;
     }
     for (size_t k = 0; k < table->count && status == BAT_OK; k++)
     {
@@ -149,13 +149,13 @@ static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, 
     }
     for (size_t k = 0; k < table->count && status == BAT_OK; k++)
     {
-        double *part = &least[find_part(parts, table->points[k])];
+        double *part = &minimum[find_part(parts, table->points[k])];
         *part = fmin(*part, table->links[k * LINKS].squared);
     }
     for (size_t k = 0; k < table->count && status == BAT_OK; k++)
-        chosen[k] = table->links[k * LINKS].squared <= LINK_REACH * least[find_part(parts, table->points[k])];
+        chosen[k] = table->links[k * LINKS].squared <= LINK_REACH * minimum[find_part(parts, table->points[k])];
     free(parts);
-    free(least);
+    free(minimum);
     return status;
 }
 

@@ -14,7 +14,7 @@ enum
 
 /// The star in the best plane of at least `wanted` neighbours; its corners are places in the list.
 static bat_status find_star(const weight_source *source, weight_scratch *scratch, size_t point, size_t wanted,
-                            size_t corners[STAR_RING], size_t *count, bool *closed, bat_error *error)
+                            size_t corners[STAR_MAX_RING], size_t *count, bool *closed, bat_error *error)
 {
     const double *points = source->cloud->points, *place = points + 3 * point;
     neighbour_list *near = &scratch->near;
@@ -34,7 +34,7 @@ static bat_status find_star(const weight_source *source, weight_scratch *scratch
 static bat_status first_wanted(const weight_source *source, weight_scratch *scratch, size_t point, size_t *wanted,
                                bat_error *error)
 {
-    *wanted = NEIGHBOURHOOD_FEWEST;
+    *wanted = NEIGHBOURHOOD_MIN;
     if (source->radius == 0)
         return BAT_OK;
     bat_status status =
@@ -50,7 +50,7 @@ static bool lay_out(const weight_source *source, const weight_scratch *scratch, 
                     size_t count, bool closed, double (*ring)[2])
 {
     const double *points = source->cloud->points;
-    double spokes[STAR_RING][3];
+    double spokes[STAR_MAX_RING][3];
     for (size_t k = 0; k < count; k++)
     {
         ring[k][0] = scratch->planar[corners[k]][0];
@@ -63,7 +63,7 @@ static bool lay_out(const weight_source *source, const weight_scratch *scratch, 
 bat_status weights_of_star(const weight_source *source, weight_scratch *scratch, size_t point, weight_chunk *chunk,
                            bat_error *error)
 {
-    size_t first = 0, count = 0, corners[STAR_RING];
+    size_t first = 0, count = 0, corners[STAR_MAX_RING];
     bool closed = false, all = false;
     bat_status status = first_wanted(source, scratch, point, &first, error);
     for (size_t growth = 0, wanted = first; growth <= GROWTHS && status == BAT_OK && !closed && !all; growth++)
@@ -76,7 +76,7 @@ bat_status weights_of_star(const weight_source *source, weight_scratch *scratch,
         status = weight_chunk_reserve(chunk, count, error);
     if (status != BAT_OK)
         return status;
-    double ring[STAR_RING][2];
+    double ring[STAR_MAX_RING][2];
     if (!lay_out(source, scratch, point, corners, count, closed, ring))
     {
         weight_source by_distance = *source;
@@ -111,7 +111,7 @@ static bat_status append_ring(const weight_source *source, const neighbour_list 
                               size_t count, weight_chunk *chunk, bat_error *error)
 {
     const double *points = source->cloud->points;
-    double spokes[STAR_RING][3], ring[STAR_RING][2];
+    double spokes[STAR_MAX_RING][3], ring[STAR_MAX_RING][2];
     bat_status status = weight_chunk_reserve(chunk, count, error);
     if (status != BAT_OK)
         return status;
@@ -138,7 +138,7 @@ bat_status weights_of_triangulated_ball(const weight_source *source, weight_scra
         return status;
     if (near->count < 4)
         return fail_at(source, point, error, "has fewer than three points");
-    size_t ring[STAR_RING], count;
+    size_t ring[STAR_MAX_RING], count;
     local_plane plane = local_plane_fit(points, near);
     for (size_t k = 0; k < near->count; k++)
         local_plane_project(&plane, place, points + 3 * (size_t)near->entries[k].item, scratch->planar[k]);

@@ -8,7 +8,7 @@ static bool is_leaf(const box_tree_node *node)
     return node->child[0] == 0;
 }
 
-static box_tree_area whole(const box_tree *tree)
+static box_tree_area complete(const box_tree *tree)
 {
     return (box_tree_area){{0, 0}, {tree->size[0], tree->size[1]}};
 }
@@ -140,7 +140,7 @@ static bool raise_node(box_tree *tree, uint32_t index, const box_tree_area *boun
 
 bat_status box_tree_raise(box_tree *tree, const box_tree_area *area, uint8_t level, bat_error *error)
 {
-    box_tree_area bounds = whole(tree);
+    box_tree_area bounds = complete(tree);
     return raise_node(tree, 0, &bounds, area, level) ? BAT_OK : error_memory(error, tree->count * sizeof *tree->nodes);
 }
 
@@ -187,7 +187,7 @@ bat_status box_tree_leaves(const box_tree *tree, box_tree_leaf **leaves, size_t 
     box_tree_leaf *made = memory_array(tree->count / 2 + 1, sizeof *made);
     if (made == NULL)
         return error_memory(error, tree->count / 2 * sizeof *made);
-    box_tree_area bounds = whole(tree);
+    box_tree_area bounds = complete(tree);
     *count = (size_t)(collect(tree, 0, &bounds, made) - made);
     *leaves = made;
     return BAT_OK;

@@ -13,7 +13,7 @@
 
 enum
 {
-    MOST_LOCALS = (BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1)
+    MAX_LOCALS = (BAT_SPLINE_MAX_DEGREE + 1) * (BAT_SPLINE_MAX_DEGREE + 1)
 };
 
 /// The univariate functions of an active cell and their derivatives by u or v.
@@ -155,7 +155,7 @@ void bat_hierarchical_space_basis(const bat_hierarchical_space *space, size_t ce
         hierarchical_local_values(space, found, u, v, derivatives, values);
         return;
     }
-    double local[6 * MOST_LOCALS];
+    double local[6 * MAX_LOCALS];
     hierarchical_local_values(space, found, u, v, derivatives, local);
     for (size_t k = 0; k < order_count(derivatives); k++)
         hierarchical_extract_products(space, found, local + k * locals, 1, values + k * found->active);
@@ -265,17 +265,18 @@ bat_status bat_spline_surface_evaluate(const bat_spline_surface *surface, const 
         return status;
     const bat_hierarchical_space *space = surface->space;
     int threads = threads_for(0, count / 256);
-    size_t room = (hierarchical_locals(space) + 3 * ((size_t)space->options.degree[1] + 1)) * surface->dimension;
-    double *scratch = memory_array((size_t)threads * room, sizeof *scratch);
+    size_t scratch_size = (hierarchical_locals(space) + 3 * ((size_t)space->options.degree[1] + 1)) * surface->dimension;
+    double *scratch = memory_array((size_t)threads * scratch_size, sizeof *scratch);
     if (scratch == NULL)
-        return error_memory(error, (size_t)threads * room * sizeof *scratch);
+        return error_memory(error, (size_t)threads * scratch_size * sizeof *scratch);
     cell_points points;
     status = cell_points_make(space, parameters, count, threads, &points, error);
     if (status == BAT_OK)
     {
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 64)
         for (size_t c = 0; c < space->cell_count; c++)
-            evaluate_cell(surface, c, &points, parameters, derivatives, scratch + (size_t)threads_current() * room, values);
+            evaluate_cell(surface, c, &points, parameters, derivatives, scratch + (size_t)threads_current() * scratch_size,
+                          values);
         cell_points_free(&points);
     }
     free(scratch);

@@ -118,10 +118,10 @@ typedef struct refined_rows
 } refined_rows;
 
 /// Where the last searches in a set ended, one for each row of local functions.
-typedef struct near_runs
+typedef struct run_hints
 {
     size_t row[BAT_SPLINE_MAX_DEGREE + 1];
-} near_runs;
+} run_hints;
 
 /// The rows of a cell in the making.
 typedef struct cell_rows
@@ -131,20 +131,20 @@ typedef struct cell_rows
     uint32_t *supported; ///< numbers of the local functions in the level's sets
     uint32_t *selected;
     size_t count;
-    near_runs near_supported, near_selected, near_parent;
+    run_hints hint_supported, hint_selected, hint_parent;
 } cell_rows;
 
 /// The numbers in a set of functions of the local functions of a cell; UINT32_MAX for those not in it.
 /// @return how many are in it
-static size_t find_numbers(const bat_hierarchical_space *space, const run_set *functions, uint32_t column, uint32_t row,
-                           near_runs *near, uint32_t *numbers)
+static size_t local_numbers(const bat_hierarchical_space *space, const run_set *functions, uint32_t column, uint32_t row,
+                            run_hints *hints, uint32_t *numbers)
 {
     uint32_t columns = (uint32_t)space->options.degree[0] + 1, rows = (uint32_t)space->options.degree[1] + 1;
     size_t found = 0;
     memset(numbers, 0xff, hierarchical_locals(space) * sizeof *numbers);
     for (uint32_t b = 0; b < rows; b++)
     {
-        size_t i = run_set_seek_near(functions, row + b, column, &near->row[b]);
+        size_t i = run_set_lower_bound_from(functions, row + b, column, &hints->row[b]);
         for (; i < functions->count; i++)
         {
             const grid_run *run = &functions->runs[i];
@@ -200,31 +200,31 @@ void hierarchical_refine_rows(const bat_hierarchical_space *space, size_t level,
 /// Set the numbers of supported functions to zero, and drop the rows that are zero then.
 static void truncate_rows(const uint32_t *supported, size_t locals, cell_rows *rows)
 {
-    size_t kept = 0;
+    size_t count = 0;
     for (size_t k = 0; k < rows->count; k++)
     {
         const double *row = rows->values + k * locals;
-        double *to = rows->values + kept * locals;
+        double *to = rows->values + count * locals;
         bool zero = true;
         for (size_t a = 0; a < locals; a++)
         {
             to[a] = supported[a] == UINT32_MAX ? row[a] : 0;
             zero = zero && to[a] == 0;
         }
-        rows->indices[kept] = rows->indices[k];
-        kept += !zero;
+        rows->indices[count] = rows->indices[k];
+        count += !zero;
     }
-    rows->count = kept;
+    rows->count = count;
 }
 
 /// What coarser functions are on a cell, from the rows of the refined cell that it is a quarter of.
 /// @param supported numbers of the cell's local functions; not read in the plain basis
-static void take_from_parent(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row,
-                             const uint32_t *supported, const refined_rows *parents, cell_rows *rows)
+static void refine_parent_rows(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row,
+                               const uint32_t *supported, const refined_rows *parents, cell_rows *rows)
 {
     size_t locals = hierarchical_locals(space);
     const run_set *refined = &space->level[level - 1].refined;
-    const grid_run *run = &refined->runs[run_set_seek_near(refined, row / 2, column / 2, &rows->near_parent.row[0])];
+    const grid_run *run = &refined->runs[run_set_lower_bound_from(refined, row / 2, column / 2, &rows->hint_parent.row[0])];
     size_t parent = run->number + (column / 2 - run->begin), first = parents->first[parent];
     rows->count = parents->first[parent + 1] - first;
     if (rows->count == 0 || parents->values == NULL)
@@ -256,11 +256,11 @@ static bool store_refined(const bat_hierarchical_space *space, size_t level, uin
 {
     size_t locals = hierarchical_locals(space);
     const hierarchical_level *sets = &space->level[level];
-    size_t supported = find_numbers(space, &sets->supported, column, row, &rows->near_supported, rows->supported);
-    find_numbers(space, &sets->selected, column, row, &rows->near_selected, rows->selected);
+    size_t supported = local_numbers(space, &sets->supported, column, row, &rows->hint_supported, rows->supported);
+    local_numbers(space, &sets->selected, column, row, &rows->hint_selected, rows->selected);
     rows->count = 0;
     if (parents->first != NULL && (supported < locals || !space->options.truncated))
-        take_from_parent(space, level, column, row, rows->supported, parents, rows);
+        refine_parent_rows(space, level, column, row, rows->supported, parents, rows);
     add_selected(locals, rows);
     size_t count = stored->count + rows->count;
     if (!array_grow((void **)&stored->values, &stored->value_capacity, count * locals, sizeof *stored->values) ||
@@ -281,10 +281,10 @@ static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, c
 {
     size_t locals = hierarchical_locals(space), level = cell->level;
     size_t own =
-        find_numbers(space, &space->level[level].selected, cell->column, cell->row, &rows->near_selected, rows->selected);
+        local_numbers(space, &space->level[level].selected, cell->column, cell->row, &rows->hint_selected, rows->selected);
     rows->count = 0;
     if (parents->first != NULL && (own < locals || !space->options.truncated))
-        take_from_parent(space, level, cell->column, cell->row, rows->selected, parents, rows);
+        refine_parent_rows(space, level, cell->column, cell->row, rows->selected, parents, rows);
     cell->active = (uint32_t)(rows->count + own);
     cell->coarse = (uint32_t)rows->count;
     cell->first = space->active_count;
@@ -305,7 +305,7 @@ static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, c
         if (rows->selected[a] != UINT32_MAX)
             *next++ = rows->selected[a];
     space->active_count += cell->active;
-    space->most_active = cell->active > space->most_active ? cell->active : space->most_active;
+    space->max_active = cell->active > space->max_active ? cell->active : space->max_active;
     return true;
 }
 
@@ -314,7 +314,7 @@ static bool extract_level(bat_hierarchical_space *space, size_t level, const ref
                           refined_rows *stored)
 {
     const run_set *refined = &space->level[level].refined, *cells = &space->level[level].cells;
-    rows->near_supported = rows->near_selected = rows->near_parent = (near_runs){0};
+    rows->hint_supported = rows->hint_selected = rows->hint_parent = (run_hints){0};
     stored->count = 0;
     free(stored->first);
     stored->first = memory_array((size_t)run_set_size(refined) + 1, sizeof *stored->first);
@@ -335,9 +335,9 @@ static bool extract_level(bat_hierarchical_space *space, size_t level, const ref
 
 static bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error)
 {
-    size_t locals = hierarchical_locals(space), room = space->levels * locals;
-    cell_rows rows = {.values = memory_array(room * locals, sizeof *rows.values),
-                      .indices = memory_array(room, sizeof *rows.indices),
+    size_t locals = hierarchical_locals(space), max_rows = space->levels * locals;
+    cell_rows rows = {.values = memory_array(max_rows * locals, sizeof *rows.values),
+                      .indices = memory_array(max_rows, sizeof *rows.indices),
                       .supported = memory_array(locals, sizeof *rows.supported),
                       .selected = memory_array(locals, sizeof *rows.selected)};
     refined_rows levels[2] = {{0}};
@@ -354,7 +354,7 @@ static bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error 
     free(rows.indices);
     free(rows.supported);
     free(rows.selected);
-    return made ? BAT_OK : error_memory(error, (space->extraction_count + room * locals) * sizeof *rows.values);
+    return made ? BAT_OK : error_memory(error, (space->extraction_count + max_rows * locals) * sizeof *rows.values);
 }
 
 bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error)

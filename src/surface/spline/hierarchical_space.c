@@ -234,7 +234,7 @@ size_t bat_hierarchical_space_levels(const bat_hierarchical_space *space)
 
 size_t bat_hierarchical_space_max_active(const bat_hierarchical_space *space)
 {
-    return space->most_active;
+    return space->max_active;
 }
 
 bat_spline_function bat_hierarchical_space_function(const bat_hierarchical_space *space, size_t index)

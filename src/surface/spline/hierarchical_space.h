@@ -49,7 +49,7 @@ struct bat_hierarchical_space
     size_t function_count;
     hierarchical_cell *cells;
     size_t cell_count;
-    size_t most_active;
+    size_t max_active;
     uint32_t *active;
     size_t active_count, active_capacity;
     double *extraction;

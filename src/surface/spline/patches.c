@@ -14,7 +14,7 @@
 /// The run of the row below with the same columns, if there is one.
 static size_t run_below(const run_set *cells, const grid_run *run)
 {
-    size_t i = run_set_seek(cells, run->row + 1, run->begin);
+    size_t i = run_set_lower_bound(cells, run->row + 1, run->begin);
     if (i == cells->count || cells->runs[i].row != run->row + 1 || cells->runs[i].begin != run->begin ||
         cells->runs[i].end != run->end)
         return cells->count;

@@ -33,7 +33,7 @@ static bool contains(const bat_hierarchical_space *space, const bat_hierarchical
 }
 
 /// The active cell of a space that holds a cell of the same or a finer level.
-static const hierarchical_cell *cell_around(const bat_hierarchical_space *space, const hierarchical_cell *fine)
+static const hierarchical_cell *cell_containing(const bat_hierarchical_space *space, const hierarchical_cell *fine)
 {
     int shift = BAT_HIERARCHICAL_MAX_LEVELS - 1 - (int)fine->level;
     uint32_t level = box_tree_level(&space->tree, (uint64_t)fine->column << shift, (uint64_t)fine->row << shift);
@@ -42,55 +42,55 @@ static const hierarchical_cell *cell_around(const bat_hierarchical_space *space,
 }
 
 /// Room for the truncated basis' way.
-typedef struct prolong_room
+typedef struct prolong_workspace
 {
-    double *local; ///< locals x dimension
-    double *rows;  ///< dimension x locals
-    bool *known;   ///< of the refined space's functions
-} prolong_room;
+    double *local;  ///< locals x dimension
+    double *rows;   ///< dimension x locals
+    bool *computed; ///< of the refined space's functions
+} prolong_workspace;
 
 /// The coefficients of the surface in a cell of the refined space.
-static void local_on(const bat_hierarchical_space *space, const hierarchical_cell *fine, const double *coarse,
-                     size_t dimension, const prolong_room *room)
+static void coefficients_on(const bat_hierarchical_space *space, const hierarchical_cell *fine, const double *coarse,
+                            size_t dimension, const prolong_workspace *workspace)
 {
     size_t locals = hierarchical_locals(space);
-    const hierarchical_cell *around = cell_around(space, fine);
-    hierarchical_local_control(space, around, coarse, dimension, room->local);
+    const hierarchical_cell *container = cell_containing(space, fine);
+    hierarchical_local_control(space, container, coarse, dimension, workspace->local);
     for (size_t a = 0; a < locals; a++)
         for (size_t d = 0; d < dimension; d++)
-            room->rows[d * locals + a] = room->local[a * dimension + d];
-    for (uint32_t level = around->level; level < fine->level; level++)
+            workspace->rows[d * locals + a] = workspace->local[a * dimension + d];
+    for (uint32_t level = container->level; level < fine->level; level++)
     {
         uint32_t up = fine->level - level - 1;
-        hierarchical_refine_rows(space, level, fine->column >> up, fine->row >> up, dimension, room->rows);
+        hierarchical_refine_rows(space, level, fine->column >> up, fine->row >> up, dimension, workspace->rows);
     }
 }
 
-static bool all_known(const bat_hierarchical_space *space, const hierarchical_cell *cell, const bool *known)
+static bool all_computed(const bat_hierarchical_space *space, const hierarchical_cell *cell, const bool *computed)
 {
     for (size_t k = cell->coarse; k < cell->active; k++)
-        if (!known[space->active[cell->first + k]])
+        if (!computed[space->active[cell->first + k]])
             return false;
     return true;
 }
 
 static void prolong_truncated(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
-                              const double *coarse, size_t dimension, double *fine, const prolong_room *room)
+                              const double *coarse, size_t dimension, double *fine, const prolong_workspace *workspace)
 {
     size_t locals = hierarchical_locals(space);
     for (size_t i = 0; i < refined->cell_count; i++)
     {
         const hierarchical_cell *cell = &refined->cells[i];
-        if (all_known(refined, cell, room->known))
+        if (all_computed(refined, cell, workspace->computed))
             continue;
-        local_on(space, cell, coarse, dimension, room);
+        coefficients_on(space, cell, coarse, dimension, workspace);
         for (size_t k = cell->coarse; k < cell->active; k++)
         {
             uint32_t function = refined->active[cell->first + k];
             size_t a = hierarchical_local(refined, cell, k);
             for (size_t d = 0; d < dimension; d++)
-                fine[function * dimension + d] = room->rows[d * locals + a];
-            room->known[function] = true;
+                fine[function * dimension + d] = workspace->rows[d * locals + a];
+            workspace->computed[function] = true;
         }
     }
 }
@@ -99,16 +99,16 @@ static bat_status make_truncated(const bat_hierarchical_space *space, const bat_
                                  const double *coarse, size_t dimension, double *fine, bat_error *error)
 {
     size_t size = hierarchical_locals(space) * dimension;
-    prolong_room room = {.local = memory_array(size, sizeof *room.local),
-                         .rows = memory_array(size, sizeof *room.rows),
-                         .known = calloc(refined->function_count, sizeof *room.known)};
-    bool made = room.local != NULL && room.rows != NULL && room.known != NULL;
+    prolong_workspace workspace = {.local = memory_array(size, sizeof *workspace.local),
+                                   .rows = memory_array(size, sizeof *workspace.rows),
+                                   .computed = calloc(refined->function_count, sizeof *workspace.computed)};
+    bool made = workspace.local != NULL && workspace.rows != NULL && workspace.computed != NULL;
     if (made)
-        prolong_truncated(space, refined, coarse, dimension, fine, &room);
-    free(room.local);
-    free(room.rows);
-    free(room.known);
-    return made ? BAT_OK : error_memory(error, 2 * size * sizeof *room.rows + refined->function_count);
+        prolong_truncated(space, refined, coarse, dimension, fine, &workspace);
+    free(workspace.local);
+    free(workspace.rows);
+    free(workspace.computed);
+    return made ? BAT_OK : error_memory(error, 2 * size * sizeof *workspace.rows + refined->function_count);
 }
 
 /// The children of function i of a level in one direction: from 2 i - degree on, degree + 2 of them, as far as they are of
@@ -119,8 +119,8 @@ static uint32_t first_child(uint32_t i, uint32_t degree)
 }
 
 /// Add a function's children to the coefficients of the next level.
-static void pass_on(const bat_hierarchical_space *refined, bat_spline_function function, const double *coefficients,
-                    size_t dimension, double *next)
+static void add_to_children(const bat_hierarchical_space *refined, bat_spline_function function, const double *coefficients,
+                            size_t dimension, double *next)
 {
     const run_set *supported = &refined->level[function.level + 1].supported;
     size_t spans[2] = {hierarchical_spans(refined, function.level, 0), hierarchical_spans(refined, function.level, 1)};
@@ -139,8 +139,8 @@ static void pass_on(const bat_hierarchical_space *refined, bat_spline_function f
 }
 
 /// Coefficients for all functions of a level with support in its region, to begin with those of the coarse space.
-static double *begin_level(const bat_hierarchical_space *space, const bat_hierarchical_space *refined, size_t level,
-                           const double *coarse, size_t dimension)
+static double *initial_level(const bat_hierarchical_space *space, const bat_hierarchical_space *refined, size_t level,
+                             const double *coarse, size_t dimension)
 {
     const run_set *supported = &refined->level[level].supported, *selected = &space->level[level].selected;
     double *begun = calloc((size_t)run_set_size(supported) * dimension + 1, sizeof *begun);
@@ -155,8 +155,8 @@ static double *begin_level(const bat_hierarchical_space *space, const bat_hierar
 }
 
 /// Keep what the refined space selects of a level, and pass on the rest.
-static void settle_level(const bat_hierarchical_space *refined, uint32_t level, const double *coefficients, size_t dimension,
-                         double *fine, double *next)
+static void store_level(const bat_hierarchical_space *refined, uint32_t level, const double *coefficients, size_t dimension,
+                        double *fine, double *next)
 {
     const run_set *supported = &refined->level[level].supported;
     for (const grid_run *run = supported->runs; run < run_set_end(supported); run++)
@@ -167,19 +167,19 @@ static void settle_level(const bat_hierarchical_space *refined, uint32_t level, 
             if (number != UINT32_MAX)
                 memcpy(fine + number * dimension, from, dimension * sizeof *fine);
             else
-                pass_on(refined, (bat_spline_function){level, i, run->row}, from, dimension, next);
+                add_to_children(refined, (bat_spline_function){level, i, run->row}, from, dimension, next);
         }
 }
 
 static bat_status make_plain(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
                              const double *coarse, size_t dimension, double *fine, bat_error *error)
 {
-    double *level = begin_level(space, refined, 0, coarse, dimension);
+    double *level = initial_level(space, refined, 0, coarse, dimension);
     for (uint32_t l = 0; l < refined->levels && level != NULL; l++)
     {
-        double *next = begin_level(space, refined, l + 1 < refined->levels ? l + 1 : l, coarse, dimension);
+        double *next = initial_level(space, refined, l + 1 < refined->levels ? l + 1 : l, coarse, dimension);
         if (next != NULL)
-            settle_level(refined, l, level, dimension, fine, next);
+            store_level(refined, l, level, dimension, fine, next);
         free(level);
         level = next;
     }

@@ -71,7 +71,7 @@ static bool ends_before(const grid_run *run, uint32_t row, uint32_t column)
     return run->row < row || (run->row == row && run->end <= column);
 }
 
-size_t run_set_seek(const run_set *set, uint32_t row, uint32_t column)
+size_t run_set_lower_bound(const run_set *set, uint32_t row, uint32_t column)
 {
     size_t low = 0, high = set->count;
     while (low < high)
@@ -85,19 +85,19 @@ size_t run_set_seek(const run_set *set, uint32_t row, uint32_t column)
     return low;
 }
 
-size_t run_set_seek_near(const run_set *set, uint32_t row, uint32_t column, size_t *near)
+size_t run_set_lower_bound_from(const run_set *set, uint32_t row, uint32_t column, size_t *hint)
 {
-    size_t i = *near;
+    size_t i = *hint;
     if (i < set->count && ends_before(&set->runs[i], row, column))
         i++;
     bool after = i == 0 || ends_before(&set->runs[i - 1], row, column);
     bool before = i == set->count || !ends_before(&set->runs[i], row, column);
-    return *near = after && before ? i : run_set_seek(set, row, column);
+    return *hint = after && before ? i : run_set_lower_bound(set, row, column);
 }
 
 uint32_t run_set_find(const run_set *set, uint32_t row, uint32_t column)
 {
-    size_t i = run_set_seek(set, row, column);
+    size_t i = run_set_lower_bound(set, row, column);
     if (i == set->count || set->runs[i].row != row || set->runs[i].begin > column)
         return UINT32_MAX;
     return set->runs[i].number + (column - set->runs[i].begin);

@@ -33,9 +33,9 @@ uint64_t run_set_size(const run_set *set);
 void run_set_number(run_set *set, uint32_t first);
 
 /// The first run that does not end before a place or at it, or `count`.
-size_t run_set_seek(const run_set *set, uint32_t row, uint32_t column);
+size_t run_set_lower_bound(const run_set *set, uint32_t row, uint32_t column);
 /// The same, tried first at and behind `*near`, where the last search ended, and keeping the place: for searches in order.
-size_t run_set_seek_near(const run_set *set, uint32_t row, uint32_t column, size_t *near);
+size_t run_set_lower_bound_from(const run_set *set, uint32_t row, uint32_t column, size_t *hint);
 /// The number of a place, or UINT32_MAX.
 uint32_t run_set_find(const run_set *set, uint32_t row, uint32_t column);
 

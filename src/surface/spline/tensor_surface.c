@@ -199,7 +199,7 @@ static bat_status convert(bat_tensor_surface *surface, int direction, conversion
 }
 
 /// Convert, whatever comes of it, and clean up.
-static bat_status finish(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
+static bat_status convert_and_free(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
 {
     bat_status status = convert(surface, direction, to, error);
     conversion_free(to);
@@ -265,7 +265,7 @@ bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direc
     to.knots.knots[span + 1] = knot;
     memcpy(to.knots.knots + span + 2, old->knots + span + 1, (old->count - span - 1) * sizeof *old->knots);
     insert_weights(old, knot, span, &to);
-    return finish(surface, direction, &to, error);
+    return convert_and_free(surface, direction, &to, error);
 }
 
 /// The knots of the degree above: those of the domain are there once more than before; of those outside nothing depends.
@@ -337,7 +337,7 @@ bat_status bat_tensor_surface_elevate(bat_tensor_surface *surface, int direction
     if (status != BAT_OK)
         return status;
     elevate_weights(old, &to);
-    return finish(surface, direction, &to, error);
+    return convert_and_free(surface, direction, &to, error);
 }
 
 bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, double low, double high, bat_error *error)
@@ -359,5 +359,5 @@ bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, d
         to.first[i] = span - p;
         blossom_weights(old, span, support + 1, to.weights + i * (p + 1));
     }
-    return finish(surface, direction, &to, error);
+    return convert_and_free(surface, direction, &to, error);
 }

@@ -87,14 +87,14 @@ typedef struct cell_knots
     int above[BAT_SPLINE_MAX_DEGREE + 1]; ///< [j]: the j-th knot after its beginning lies so far after that
 } cell_knots;
 
-static double reciprocal(int whole)
+static double reciprocal(int complete)
 {
     static const double TABLE[] = {0,      1,      1. / 2,  1. / 3,  1. / 4,  1. / 5,  1. / 6,  1. / 7,
                                    1. / 8, 1. / 9, 1. / 10, 1. / 11, 1. / 12, 1. / 13, 1. / 14, 1. / 15};
-    return TABLE[whole];
+    return TABLE[complete];
 }
 
-static void knots_about(int degree, size_t cells, size_t cell, cell_knots *knots)
+static void knots_around(int degree, size_t cells, size_t cell, cell_knots *knots)
 {
     for (int j = 1; j <= degree; j++)
     {
@@ -133,16 +133,16 @@ static void raise_derivatives(const cell_knots *knots, int j, const double *from
 void uniform_basis_values(int degree, size_t cells, size_t cell, double s, int derivatives, double *values)
 {
     cell_knots knots;
-    knots_about(degree, cells, cell, &knots);
+    knots_around(degree, cells, cell, &knots);
     // The functions of the last three degrees, each in the place of its degree modulo 3.
-    double kept[3][BAT_SPLINE_MAX_DEGREE + 1], slopes[BAT_SPLINE_MAX_DEGREE + 1];
-    kept[0][0] = 1;
+    double recent[3][BAT_SPLINE_MAX_DEGREE + 1], slopes[BAT_SPLINE_MAX_DEGREE + 1];
+    recent[0][0] = 1;
     for (int j = 1; j <= degree; j++)
-        raise_values(&knots, j, s, kept[(j - 1) % 3], kept[j % 3]);
+        raise_values(&knots, j, s, recent[(j - 1) % 3], recent[j % 3]);
     size_t count = (size_t)degree + 1;
-    memcpy(values, kept[degree % 3], count * sizeof *values);
+    memcpy(values, recent[degree % 3], count * sizeof *values);
     if (derivatives >= 1)
-        raise_derivatives(&knots, degree, kept[(degree - 1) % 3], values + count);
+        raise_derivatives(&knots, degree, recent[(degree - 1) % 3], values + count);
     if (derivatives < 2)
         return;
     if (degree < 2)
@@ -150,6 +150,6 @@ void uniform_basis_values(int degree, size_t cells, size_t cell, double s, int d
         memset(values + 2 * count, 0, count * sizeof *values);
         return;
     }
-    raise_derivatives(&knots, degree - 1, kept[(degree - 2) % 3], slopes);
+    raise_derivatives(&knots, degree - 1, recent[(degree - 2) % 3], slopes);
     raise_derivatives(&knots, degree, slopes, values + 2 * count);
 }
