@@ -1,3 +1,11 @@
+/// @file
+/// Candidates of bat_surface_reconstruct(): parameterization, repair of folds, fit, metrics, selection.
+///
+/// The metrics of a surface S for points x_i with parameters u_i are
+///     mean squared distance     (1/n) sum_i |S(u_i) - x_i|^2   (robust fits: the median of the squares), and
+///     one-sided Hausdorff distance   max over y in Y of min_i |y - x_i|,
+/// where Y holds the corners and the centre of every cell of S. The second detects oscillations between the points.
+
 #include "surface/candidate.h"
 
 #include "base/clock.h"
@@ -11,10 +19,10 @@
 
 enum
 {
-    POINTS_PER_FUNCTION = 4 ///< of a fit to a part of the points, at least
+    POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a sample
 };
 
-// How many times as far as another one a surface may stray.
+// Largest admissible ratio of a one-sided Hausdorff distance to the smallest one among the candidates.
 static const double MAX_DISTANCE_RATIO = 2;
 
 void surface_candidate_free(surface_candidate *candidate)
@@ -26,13 +34,13 @@ void surface_candidate_free(surface_candidate *candidate)
     *candidate = (surface_candidate){0};
 }
 
-/// A failure that ends all: there is no memory, or the caller wants to stop.
+/// Whether a failure ends the whole reconstruction: out of memory, or cancelled.
 static bool is_fatal(bat_status status)
 {
     return status == BAT_NO_MEMORY || status == BAT_CANCELLED;
 }
 
-/// Note a failure of the candidate alone.
+/// Record a failure of this candidate in its report. A fatal failure is passed on to the caller instead.
 static bat_status record_failure(bat_status status, const bat_error *failure, surface_candidate *candidate, bat_error *error)
 {
     if (status == BAT_OK)
@@ -89,7 +97,8 @@ static bool has_faults(const bat_cloud_parameters_report *report)
     return report->folded + report->outside + report->coincident > 0;
 }
 
-/// Parameters of which many are folded would be others altogether once unfolded, and not compete under their name.
+/// Reject parameters with more than a quarter of the interior points folded: their repair would replace the method's
+/// parameters by averages, so that the comparison would not be one of methods.
 static bat_status check_folds(const bat_cloud *cloud, const bat_cloud_parameters_report *folds, bat_error *error)
 {
     size_t interior = cloud->count - cloud->boundary_count;
@@ -125,7 +134,7 @@ enum
     CELL_SAMPLES = 5 ///< of a cell
 };
 
-/// Corners and middle of all cells.
+/// Parameters of the corners and the centre of all cells.
 static double *sample_cells(const bat_hierarchical_space *space, size_t cells)
 {
     static const double CELL_POINTS[CELL_SAMPLES][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0.5}};
@@ -158,6 +167,8 @@ static bat_status farthest_sample(const double *positions, size_t count, const n
     return status;
 }
 
+/// One-sided Hausdorff distance from the surface to the points: the maximum over corners and centres of cells of the
+/// distance to the nearest point.
 static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const double *points, size_t count, double *stray,
                                       bat_error *error)
 {
@@ -187,7 +198,7 @@ static int compare_numbers(const void *a, const void *b)
     return (first > second) - (first < second);
 }
 
-/// The median of squared distances: what outliers do not change.
+/// The median of the squared distances, which is insensitive to outliers.
 static bat_status median_squared(const double *distances, size_t count, double *median, bat_error *error)
 {
     double *sorted = memory_array(count, sizeof *sorted);
@@ -200,7 +211,7 @@ static bat_status median_squared(const double *distances, size_t count, double *
     return BAT_OK;
 }
 
-/// The figures of a fit to some points.
+/// Store the metrics of a fit in the candidate's report.
 static bat_status record_metrics(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
                                  const bat_spline_surface *surface, const bat_surface_fit_report *fit,
                                  bat_surface_candidate *report, bat_error *error)
@@ -216,7 +227,7 @@ static bat_status record_metrics(const bat_surface_fit_data *data, const bat_sur
     return status;
 }
 
-/// Whether parameters of the boundary lie on the square's sides, as they do unless they were given.
+/// Whether all boundary parameters lie on the sides of the unit square. Only given parameters may violate this.
 static bool boundary_on_sides(const bat_cloud *cloud, const double *parameters)
 {
     for (size_t i = 0; i < cloud->boundary_count; i++)
@@ -249,14 +260,15 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_o
     return record_failure(status, &failure, candidate, error);
 }
 
-/// A part of a cloud's points with their parameters, boundary first.
+/// A random sample of a cloud's points with their parameters, boundary points first.
 typedef struct cloud_sample
 {
     double *points, *parameters;
     size_t count, boundary_count;
 } cloud_sample;
 
-/// Points are drawn by chance, as their order in a file may follow the lines of a scanner; the boundary keeps its share.
+/// Select each point with probability wanted / count. A random choice is needed because the order of points in a file may
+/// follow scan lines. The boundary is sampled at the same rate.
 static bat_status draw_sample(const bat_cloud *cloud, const double *parameters, size_t wanted, cloud_sample *sample,
                               bat_error *error)
 {

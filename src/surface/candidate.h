@@ -4,38 +4,39 @@
 #include "batten/surface.h"
 
 /// @file
-/// One way to find a cloud's parameters, and a fit on trial.
+/// A candidate of bat_surface_reconstruct(): one way to parameterize a cloud, and its fit.
 
-/// All zero: none. Release it with surface_candidate_free().
+/// A parameterization and its fit. All zero: empty. Release it with surface_candidate_free().
 typedef struct surface_candidate
 {
     bat_surface_candidate report;
-    double *parameters; ///< count x 2, unfolded, as fits begin with them
-    double *corrected;  ///< count x 2, as the fit left them; null where that went through a part of the points
+    double *parameters; ///< count x 2, after repair: the initial parameters of a fit
+    double *corrected;  ///< count x 2, after the parameter corrections of the fit; null after a fit to a sample
     bat_spline_surface surface;
     bat_surface_fit_report fit;
 } surface_candidate;
 
 void surface_candidate_free(surface_candidate *candidate);
 
-/// Parameterize and unfold.
+/// Parameterize a cloud by method `kind`, check the parameters for folds and repair them.
 /// @param boundary cloud->boundary_count x 2; null for given parameters
-/// @return BAT_OK, also where the candidate is out, as its report's failure says; BAT_NO_MEMORY
+/// @return BAT_OK, also when the method fails (then report.failure describes the failure); BAT_NO_MEMORY
 bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
                                   bat_surface_parameters kind, surface_candidate *candidate, bat_error *error);
 
-/// Fit all points, and keep the surface.
-/// @param slides as in bat_surface_fit_data
-/// @return as surface_candidate_make(), or BAT_CANCELLED
+/// Fit a surface to all points and store it with its metrics.
+/// @param slides see bat_surface_fit_data
+/// @return see surface_candidate_make(); also BAT_CANCELLED
 bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
                                  surface_candidate *candidate, bat_error *error);
-/// Fit about `points` of them, and keep the figures alone.
+/// Fit a surface to a random sample of about `points` points and store only its metrics.
 bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
                                         size_t points, surface_candidate *candidate, bat_error *error);
 
-/// The best of candidates by their fits: of those that stray less than twice as far as another, the one with fewer functions
-/// where both reach the tolerance, else the one with the smaller distances. The first where all have failed. Notes which
-/// stray.
+/// Index of the best candidate. A candidate is excluded when its one-sided Hausdorff distance (surface to points) exceeds
+/// twice the smallest one. Among the others, those that reach the tolerance win, and of these the one with the fewest
+/// functions. If none reaches the tolerance, or none is set, the smallest mean squared distance wins. Returns 0 when all
+/// have failed. Sets `strays` of the excluded ones.
 size_t surface_candidate_best(surface_candidate *candidates, size_t count, const bat_surface_fit_options *options);
 
 #endif

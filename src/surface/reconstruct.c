@@ -1,3 +1,10 @@
+/// @file
+/// From a cloud to a spline surface: boundary, parameters, adaptive fit. docs/surfaces.md describes the steps.
+///
+/// For each way k of parameterizing, S_k is the adaptive fit to the points x_i at the parameters u_i^k. The result is the
+/// S_k that surface_candidate_best() selects. Clouds of more than MAX_ALL_POINTS points are first fitted on a random sample
+/// for each k; only the selected k is then fitted to all points.
+
 #include "batten/surface.h"
 
 #include "base/error.h"
@@ -10,12 +17,12 @@
 
 enum
 {
-    MIN_POINTS = 4,         ///< that can be the corners of a patch
-    MAX_ALL_POINTS = 20000, ///< points that are all fitted on trial
-    SAMPLE_POINTS = 10000,  ///< of a larger cloud
+    MIN_POINTS = 4,         ///< one for each corner of a patch
+    MAX_ALL_POINTS = 20000, ///< clouds with more points are fitted on a sample first
+    SAMPLE_POINTS = 10000,  ///< of that sample
 };
 
-// The share of the work on a large cloud that trials are.
+// Progress share of the fits to samples, for clouds that are fitted on a sample first.
 static const double TRIAL_SHARE = 0.3;
 
 const char *bat_surface_parameters_name(bat_surface_parameters parameters)
@@ -50,31 +57,31 @@ static bat_status check_options(const bat_surface_options *options, bat_error *e
 {
     const char *wrong = NULL;
     if ((unsigned)options->parameters >= BAT_SURFACE_PARAMETERS_COUNT)
-        wrong = "there is no such way to find parameters";
+        wrong = "unknown method of parameterization";
     else if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
-        wrong = "parameters are said to be given, but none are";
+        wrong = "the method is 'given', but no parameters are given";
     if (wrong != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
     const bat_hierarchical_options *space = &options->fit.space;
     size_t minimum = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
     if (options->fit.functions > 0 && options->fit.functions < minimum)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the coarsest spline has %zu functions, more than the %zu that are allowed", minimum,
+                         "the coarsest spline has %zu functions, more than the allowed %zu", minimum,
                          options->fit.functions);
     return BAT_OK;
 }
 
-/// A reconstruction under way.
+/// The state of a reconstruction.
 typedef struct reconstruction
 {
     bat_cloud *cloud;
     const bat_surface_options *options;
-    bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< to try
+    bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
     size_t kind_count;
-    double *boundary; ///< parameters; null where given ones need none
+    double *boundary; ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
     surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
-    surface_candidate *best;   ///< of them
-    bat_surface_result result; ///< the candidates' figures, and what was found
+    surface_candidate *best;   ///< one of `candidates`
+    bat_surface_result result; ///< metrics of the candidates, later the selected surface
 } reconstruction;
 
 static void list_kinds(reconstruction *work)
@@ -91,13 +98,14 @@ static void list_kinds(reconstruction *work)
     }
 }
 
-/// Find what is not known of the boundary, and its parameters.
+/// Detect the boundary and its corners where they are unknown, and compute the parameters of the boundary points.
 static bat_status prepare(reconstruction *work, bat_error *error)
 {
     bat_cloud *cloud = work->cloud;
     bat_status status = bat_cloud_check(cloud, error);
     if (status == BAT_OK && cloud->count < MIN_POINTS)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are no patch of surface", cloud->count);
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "a surface patch needs at least four points, the cloud has %zu", cloud->count);
     bool given = work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN;
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {
@@ -117,7 +125,7 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     return bat_cloud_boundary_parameters(cloud, work->options->sides, work->boundary, error);
 }
 
-/// Whether trials go through all points, so that the best is the result already.
+/// Whether every candidate is fitted to all points; the best fit is then already the result.
 static bool fits_all_points(const reconstruction *work)
 {
     return work->kind_count == 1 || work->cloud->count <= MAX_ALL_POINTS;

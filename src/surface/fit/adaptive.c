@@ -1,3 +1,12 @@
+/// @file
+/// The adaptive fitting loop of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et
+/// al. (2014):
+///     repeat  fit: solve (G + 2 lambda M) c = b  (system.h, smoothing.h)
+///             correct: move parameters to foot points  (foot_points.h)
+///             stop if the tolerance or the budget is reached
+///             mark and refine cells  (marking.h)
+/// The default criterion for lambda is restricted likelihood. With `robust`, points are re-weighted after every measurement.
+
 #include "base/ascending.h"
 #include "base/clock.h"
 #include "base/error.h"
@@ -15,17 +24,17 @@ enum
 {
     POINTS_PER_FUNCTION = 4, ///< where neither a tolerance nor a budget says when to stop
     SMALL_SYSTEM = 500,      ///< functions up to which weights cost next to nothing to try
-    TRIALS_FIRST = 12,       ///< weights tried in the first round and in those of small systems,
-    TRIALS = 4,              ///< in those of larger ones,
-    TRIALS_LAST = 6,         ///< and in the one that fills the budget
-    NEWTON_STEPS = 3         ///< of a parameter, in one correction of the loop
+    TRIALS_FIRST = 12,       ///< weights evaluated in the first round and for small systems,
+    TRIALS = 4,              ///< for larger systems,
+    TRIALS_LAST = 6,         ///< and in the round that fills the budget
+    NEWTON_STEPS = 3         ///< Newton steps of a parameter in one correction
 };
 
-// A parameter has settled, in the loop, when a step is shorter than this part of a cell.
+// Newton's method for a parameter stops when a step is at most this long, in cells.
 static const double STEP_TOLERANCE = 1e-3;
-// A budget is met from this part of it on; refinement adds a few functions at a time at least.
+// A budget counts as filled from this fraction on, because refinement adds at least a few functions at a time.
 static const double BUDGET_FILLED = 0.99;
-// Distances below this part of the points' size are rounding.
+// Distances below this fraction of the size of the point set are rounding errors.
 static const double ROUNDING = 1e-13;
 
 bat_surface_fit_options bat_surface_fit_defaults(void)
@@ -67,17 +76,17 @@ static bat_status check_options(const bat_surface_fit_options *options, bat_erro
 
 enum
 {
-    NEIGHBOURS = 48 ///< points that share a scale
+    NEIGHBOURS = 48 ///< consecutive points in Morton order that share a scale
 };
 
-// The median of absolute values times this is the standard deviation of a normal distribution.
+// Ratio of the standard deviation to the median absolute value of a normal distribution.
 static const double NORMAL_SCALE = 1.4826;
-// Where Tukey's biweight reaches zero, in scales: 95 per cent as efficient as least squares on normal noise.
+// Tuning constant of Tukey's biweight: 95 per cent efficiency for normally distributed noise.
 static const double TUKEY_REACH = 4.685;
-// No scale is below this part of the points' size: points that are met to rounding are no outliers.
+// Lower bound of the scale, as a fraction of the size of the point set: residuals of rounding size are no outliers.
 static const double MIN_SCALE = 1e-12;
 
-/// The upper median; sorts the values.
+/// The upper median. Sorts the values.
 static double median(double *values, size_t count)
 {
     qsort(values, count, sizeof *values, ascending);
@@ -98,6 +107,12 @@ static double biweight(double distance, double scale)
     return share < 1 ? left * left : 0;
 }
 
+/// One step of iteratively re-weighted least squares with Tukey's biweight (Beaton and Tukey, 1974):
+///     w_i = (1 - t^2)^2 for t < 1, else 0,   t = d_i / (4.685 s_i),   s_i = 1.4826 max(median of all d, median of the
+///     neighbours' d).
+/// The second median is that of the neighbours in Morton order. It prevents that a feature which the surface is still too
+/// stiff to follow is taken for outliers.
+/// @param outliers receives the number of points of weight 0
 static bat_status update_robust_weights(fit_points *points, size_t *outliers, bat_error *error)
 {
     double *sorted = memory_array(points->count, sizeof *sorted);
@@ -121,7 +136,7 @@ static bat_status update_robust_weights(fit_points *points, size_t *outliers, ba
     return BAT_OK;
 }
 
-/// All that the loop works with.
+/// State of the adaptive loop.
 typedef struct fit_loop
 {
     const bat_surface_fit_options *options;
@@ -131,14 +146,14 @@ typedef struct fit_loop
     fit_solver *solver;
     double *control; ///< functions x dimension
     fit_nets nets;
-    double lambda; ///< of the last fit; 0 before the first
-    size_t budget; ///< of functions; 0: none
-    double size;   ///< the largest coordinate of a point
-    bool full;     ///< nothing more fits the budget
+    double lambda; ///< smoothing weight of the last fit; 0 before the first
+    size_t budget; ///< maximum number of functions; 0: none
+    double size;   ///< the largest absolute coordinate of a point
+    bool full;     ///< no further refinement fits the budget
     size_t outliers;
     bat_surface_fit_round *rounds; ///< iterations + 1
     size_t count;
-    double begin, reported; ///< seconds of the clock, and the share of the work last reported
+    double begin, reported; ///< start time in seconds, and the progress last reported
 } fit_loop;
 
 static void loop_free_fit(fit_loop *loop)
@@ -177,7 +192,7 @@ static bat_status loop_make(const bat_surface_fit_data *data, const bat_surface_
     return status;
 }
 
-/// The share of the work done: of the way to the budget on a logarithmic scale, or of the iterations.
+/// The fraction of work done: the logarithmic progress towards the budget, or the fraction of iterations.
 static double share_done(const fit_loop *loop)
 {
     double first = (double)(loop->count > 0 ? loop->rounds[0].functions : 1);
@@ -188,7 +203,7 @@ static double share_done(const fit_loop *loop)
     return fmin(share, 0.99);
 }
 
-/// Report; false when the caller wants to stop. Asked with a share that it does not use, as part of a search for a weight.
+/// Report progress; false to cancel. Serves as the progress callback of the search for lambda; its argument is ignored.
 static bool loop_report(void *context, double unused)
 {
     (void)unused;
@@ -203,7 +218,7 @@ static bat_status loop_check(fit_loop *loop, bat_error *error)
     return loop_report(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
 }
 
-/// The most weights to try in this round.
+/// Maximum number of weights to evaluate in this round.
 static int trials_for(const fit_loop *loop)
 {
     size_t functions = loop->system.functions;
@@ -212,8 +227,8 @@ static int trials_for(const fit_loop *loop)
     return loop->budget > 0 && (double)functions >= BUDGET_FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
 }
 
-/// Fit over the space at hand, whose system is there, to points that know their cells.
-/// @param search whether a weight is looked for, or the last one taken
+/// Solve for the control points over the current space. Requires fit_points_locate().
+/// @param search whether to search for lambda; otherwise the last one is used
 static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
@@ -237,7 +252,7 @@ static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
     return status;
 }
 
-/// Measure distances, or move the parameters to their feet, and weigh the points anew.
+/// Measure distances, or move the parameters to foot points, and update the robust weights.
 static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *error)
 {
     fit_correction correction = {NEWTON_STEPS, STEP_TOLERANCE};
@@ -255,7 +270,7 @@ static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *err
     return status;
 }
 
-/// The system of a new space.
+/// Set up the system of the current space.
 static bat_status begin_round(fit_loop *loop, bat_error *error)
 {
     size_t functions = bat_hierarchical_space_functions(loop->space);
@@ -328,7 +343,7 @@ static bat_surface_fit_round measure_round(const fit_loop *loop)
     return round;
 }
 
-/// Whether what was asked for is there: the share within the tolerance, the budget, or a surface exact to rounding.
+/// Whether the goal is reached: the required share of points within the tolerance, or the budget, or an exact surface.
 static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round)
 {
     if (loop->options->tolerance > 0)
@@ -337,8 +352,8 @@ static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round
     return filled || round->largest <= ROUNDING * loop->size;
 }
 
-/// Refine where the points are farthest off.
-/// @param refined receives whether there was anything to refine
+/// Refine the marked cells.
+/// @param refined receives whether any cell was refined
 static bat_status refine_marked(fit_loop *loop, bool *refined, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
@@ -380,7 +395,7 @@ static bat_status run(fit_loop *loop, bat_error *error)
     return status;
 }
 
-/// Hand the surface, the parameters and the report over.
+/// Move the surface, the parameters and the report to the caller.
 static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_spline_surface *surface,
                                bat_surface_fit_report *report, bat_error *error)
 {

@@ -1,3 +1,10 @@
+/// @file
+/// Distances and foot points; see foot_points.h.
+///
+/// For f(u) = 1/2 |S(u) - x|^2 with d = S(u) - x, Newton's method uses
+///     f_i = d . S_i,   f_ij = S_i . S_j + d . S_ij   (full);   S_i . S_j alone is the Gauss-Newton matrix (gauss).
+/// Hoschek, "Intrinsic parametrization for approximation" (1988), introduced the correction of parameters in this way.
+
 #include "surface/fit/foot_points.h"
 
 #include "base/error.h"
@@ -19,7 +26,7 @@ bat_status fit_nets_make(const bat_hierarchical_space *space, const double *cont
     nets->control = memory_array(numbers, sizeof *nets->control);
     if (nets->control == NULL)
         return error_memory(error, numbers * sizeof *nets->control);
-    // As if every cell had as many coarser functions as local ones.
+    // An estimate that assumes as many coarser functions as local ones on every cell.
     double operations = (double)cells * (double)(hierarchical_locals(space) * stride);
 #pragma omp parallel for schedule(static) num_threads(threads_worth(threads, cells, operations))
     for (size_t c = 0; c < cells; c++)
@@ -71,15 +78,15 @@ enum
 {
     MAX_STEPS = 50,
     MAX_HALVINGS = 10,
-    MAX_WRONG_FEET = 64 ///< points that look for their feet elsewhere, in one go
+    MAX_WRONG_FEET = 64 ///< maximum number of points that restart in one call
 };
 
-// The longest step in a direction, in cells.
+// Maximum step length in either direction, in cells.
 static const double MAX_STEP = 1;
-// A matrix whose determinant is less than this part of the product of its diagonal is as good as singular.
+// A matrix is treated as singular when its determinant is below this fraction of the product of its diagonal.
 static const double MIN_DETERMINANT = 1e-10;
 
-// A point this many times as far off as the mean may have lost its way.
+// A foot counts as possibly wrong when its distance exceeds this multiple of the mean distance.
 static const double WRONG_FOOT_RATIO = 10;
 
 fit_correction fit_correction_full(void)
@@ -87,15 +94,15 @@ fit_correction fit_correction_full(void)
     return (fit_correction){.steps = MAX_STEPS, .tolerance = 4 * DBL_EPSILON};
 }
 
-/// A place on the surface and what is known there.
+/// A parameter, and the derivatives of half the squared distance there.
 typedef struct foot_point
 {
     double at[2];
     size_t cell;
-    double square;      ///< of the distance to the point
-    double gradient[2]; ///< of half the square
-    double full[3];     ///< second derivatives by uu, uv, vv
-    double gauss[3];    ///< the same without the surface's second derivatives
+    double square;      ///< squared distance to the point
+    double gradient[2]; ///< gradient of half the squared distance
+    double full[3];     ///< its second derivatives uu, uv, vv
+    double gauss[3];    ///< the Gauss-Newton approximation of these
 } foot_point;
 
 static void foot_measure(const fit_nets *nets, const double *position, double *scratch, foot_point *foot)
@@ -126,7 +133,7 @@ static void foot_measure(const fit_nets *nets, const double *position, double *s
         foot->full[k] = gauss[k] + second[k];
 }
 
-/// Where a parameter may go.
+/// The admissible box of a parameter.
 typedef struct foot_limits
 {
     double low[2], high[2];
@@ -134,7 +141,7 @@ typedef struct foot_limits
 
 static const foot_limits UNIT_SQUARE = {{0, 0}, {1, 1}};
 
-/// Whether a parameter may follow the gradient: there is room, and it is not pressed against its end.
+/// Whether a parameter may move against the gradient: its range is not empty, and it does not press against an active bound.
 static bool may_move(const foot_point *foot, const foot_limits *limits, int direction)
 {
     double low = limits->low[direction], high = limits->high[direction];
@@ -153,7 +160,7 @@ static bool solve_both(const double *matrix, const double *gradient, double *ste
     return true;
 }
 
-/// The step along one direction: by Newton's method where the square of the distance is convex.
+/// The step in one direction: a Newton step where the squared distance is convex, else a Gauss-Newton step.
 static double solve_one(const foot_point *foot, int direction)
 {
     double full = foot->full[2 * direction], gauss = foot->gauss[2 * direction];
@@ -171,7 +178,7 @@ static void choose_step(const foot_point *foot, const foot_limits *limits, doubl
         step[k] = moves[k] ? solve_one(foot, k) : 0;
 }
 
-/// Shorten a step that is longer than the method can be trusted for.
+/// Shorten a step to at most MAX_STEP cells, within which the quadratic model is reliable.
 /// @return its length in cells
 static double limit_step(const fit_nets *nets, const foot_point *foot, double *step)
 {
@@ -186,7 +193,7 @@ static double limit_step(const fit_nets *nets, const foot_point *foot, double *s
     return MAX_STEP;
 }
 
-/// Go along a step, half as far again and again until the distance falls.
+/// Line search: halve the step until the distance decreases. False when it never does.
 static bool line_search(const fit_nets *nets, const double *position, const foot_limits *limits, const double *step,
                         double *scratch, foot_point *now)
 {
@@ -209,7 +216,7 @@ static bool line_search(const fit_nets *nets, const double *position, const foot
     return false;
 }
 
-/// Follow Newton's method from a place where the surface has been measured.
+/// Run Newton's method from a parameter at which foot_measure() was called.
 static void descend(const fit_nets *nets, const double *position, const foot_limits *limits, fit_correction correction,
                     double *scratch, foot_point *now)
 {
@@ -223,7 +230,7 @@ static void descend(const fit_nets *nets, const double *position, const foot_lim
     }
 }
 
-/// Give a row what was found for it.
+/// Store a foot in row `row`. Returns whether the parameter changed.
 static bool store_foot(fit_points *points, size_t row, const foot_point *found)
 {
     double *at = points->parameter + 2 * row;
@@ -234,7 +241,8 @@ static bool store_foot(fit_points *points, size_t row, const foot_point *found)
     return moved;
 }
 
-/// Where a point may go: a free one anywhere, one of the boundary along its side, at most half way to the corners.
+/// The admissible box of a parameter: the square for a free one, half way to the corners along the side for one that slides,
+/// and a point for a fixed one.
 static foot_limits limits_of(const fit_points *points, size_t row)
 {
     const double *at = points->parameter + 2 * row;
@@ -261,7 +269,7 @@ static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, 
     return store_foot(points, row, &now);
 }
 
-/// A point far off, for sorting.
+/// A point with a large distance, for sorting.
 typedef struct far_point
 {
     double distance;
@@ -276,8 +284,8 @@ static int compare_far(const void *a, const void *b)
     return (x->row > y->row) - (x->row < y->row);
 }
 
-/// The free points that are farthest off, many times as far as the mean, farthest first.
-/// @return how many there are, at most MAX_WRONG_FEET
+/// The free points with the largest distances, if above WRONG_FOOT_RATIO times the mean, in descending order.
+/// @return their number, at most MAX_WRONG_FEET
 static size_t find_wrong_feet(const fit_points *points, double mean, far_point *outlying)
 {
     size_t count = 0;
@@ -295,7 +303,7 @@ static size_t find_wrong_feet(const fit_points *points, double mean, far_point *
     return count < MAX_WRONG_FEET ? count : MAX_WRONG_FEET;
 }
 
-/// The nearest point in space that is near its own foot.
+/// The nearest point in space whose own distance is at most the mean.
 static size_t nearest_with_foot(const fit_points *points, size_t row, double mean)
 {
     size_t dimension = points->dimension, nearest = row;
@@ -318,7 +326,7 @@ static size_t nearest_with_foot(const fit_points *points, size_t row, double mea
     return nearest;
 }
 
-/// The foot of a point from where the nearest one has its own.
+/// The foot found from the parameter of the nearest point that has a small distance.
 static foot_point foot_from_neighbour(const fit_nets *nets, const fit_points *points, size_t row, double mean,
                                       fit_correction correction, double *scratch)
 {

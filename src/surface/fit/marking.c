@@ -1,3 +1,10 @@
+/// @file
+/// Marking by error, as in adaptive finite elements.
+///
+/// A cell c has the error indicator  e_c = sum over its points of w_i |S(u_i) - x_i|^2.  With a tolerance, all cells with a
+/// point beyond it are marked. Without one, the smallest set of cells with  sum e_c >= BULK_SHARE * total  is marked:
+/// Doerfler, "A convergent adaptive algorithm for Poisson's equation" (1996).
+
 #include "surface/fit/marking.h"
 
 #include "base/error.h"
@@ -6,22 +13,22 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Without a tolerance, the worst cells that have this share of the squared error are marked (Doerfler, 1996).
+// Share of the total squared error that the marked cells carry, without a tolerance (Doerfler, 1996).
 static const double BULK_SHARE = 0.3;
-// As many cells are marked as it takes for so many times the functions, so that rounds do not creep.
+// Minimum growth factor of the number of functions in one round, which bounds the number of rounds.
 static const double MIN_GROWTH = 1.1;
-// Points are told apart when they are spread over this part of a cell in one direction.
+// Points of a cell are separable by finer functions when they spread over at least this part of the cell in a direction.
 static const double SEPARATION = 1.0 / 16;
 
 enum
 {
-    /// A cell and so many rings hold functions of the next level of any degree.
+    /// A cell with this many rings contains the support of a function of the next level, for any degree.
     ENOUGH_RINGS = BAT_SPLINE_MAX_DEGREE / 4 + 1,
-    /// This part of a budget is small enough to be left over.
+    /// One part in this many of a budget may be left unused.
     SLACK = 500
 };
 
-/// A cell and the sum of squared errors of its points.
+/// A cell and its error indicator.
 typedef struct ranked_cell
 {
     double score;
@@ -36,13 +43,13 @@ static int compare_ranked(const void *a, const void *b)
     return (x->cell > y->cell) - (x->cell < y->cell);
 }
 
-/// What a cell's points say of it.
+/// Statistics of the points of a cell.
 typedef struct cell_points
 {
-    double sum;     ///< of weighted squared distances
-    double largest; ///< distance
+    double sum;     ///< sum of weighted squared distances
+    double largest; ///< largest distance
     double count;
-    double low[2], high[2]; ///< the parameters lie between
+    double low[2], high[2]; ///< bounding box of the parameters
 } cell_points;
 
 static cell_points gather_points(const fit_points *points, size_t cell)
@@ -65,8 +72,8 @@ static cell_points gather_points(const fit_points *points, size_t cell)
     return gathered;
 }
 
-/// Whether finer functions could tell the points of a cell apart. Those that cannot be told apart have lost their way, and
-/// would draw functions without end.
+/// Whether finer functions could separate the points of a cell. Points that coincide in the parameters, such as points whose
+/// projection converged to a wrong foot, would otherwise be refined without end.
 static bool are_separable(const bat_hierarchical_space *space, const cell_points *gathered, uint32_t level)
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(space);
@@ -76,8 +83,8 @@ static bool are_separable(const bat_hierarchical_space *space, const cell_points
     return false;
 }
 
-/// The score of a cell; 0 when all its points lie within the tolerance, and for cells of the last level. Without a tolerance
-/// few points in a cell count less, as they say less of it.
+/// The score of a cell, 0 for cells not to refine: all points within the tolerance, or last level. Without a tolerance the
+/// score is multiplied by (n - 1) / n for n points, because few points determine the error less reliably.
 static double score_of(const bat_hierarchical_space *space, const fit_points *points, size_t cell, double tolerance)
 {
     uint32_t level = bat_hierarchical_space_cell(space, cell).level;
@@ -89,8 +96,8 @@ static double score_of(const bat_hierarchical_space *space, const fit_points *po
     return are_separable(space, &gathered, level) ? gathered.sum * (gathered.count - 1) / gathered.count : 0;
 }
 
-/// Rank the cells that have an error.
-/// @return how many there are
+/// Sort the cells of positive score in descending order.
+/// @return their number
 static size_t rank_cells(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
                          ranked_cell *ranked)
 {
@@ -105,7 +112,7 @@ static size_t rank_cells(const bat_hierarchical_space *space, const fit_points *
     return count;
 }
 
-/// The number of first cells that have the bulk of the error.
+/// The number of highest-ranked cells that carry BULK_SHARE of the total error.
 static size_t bulk_of(const ranked_cell *ranked, size_t count)
 {
     double total = 0, sum = 0;
@@ -117,7 +124,7 @@ static size_t bulk_of(const ranked_cell *ranked, size_t count)
     return wanted;
 }
 
-/// Everything a refinement is chosen from.
+/// The data from which a refinement is chosen.
 typedef struct mark_choice
 {
     const bat_hierarchical_space *space;
@@ -125,14 +132,14 @@ typedef struct mark_choice
     int rings;
 } mark_choice;
 
-/// The side of a cell with its rings, in cells.
+/// Width of a cell with its rings, in cells.
 static size_t side_of(const mark_choice *choice)
 {
     return 2 * (size_t)choice->rings + 1;
 }
 
-/// A cell and those in its rings that are active cells of its own level. Rings across coarser ones would refine those
-/// through several levels at once, which costs more functions than it takes off the error.
+/// A cell and the active cells of the same level in its rings. Coarser cells in the rings are not refined: they would be
+/// refined through several levels at once, which costs more functions than it reduces the error.
 /// @param boxes receives up to side_of()^2 boxes
 static size_t surround(const mark_choice *choice, bat_spline_box cell, bat_spline_box *boxes)
 {
@@ -179,7 +186,8 @@ static bat_status refine_first(const mark_choice *choice, size_t count, bat_hier
     return status;
 }
 
-/// Refine the most first cells that fit the budget, by regula falsi kept off the ends: 0 fit, `count` do not.
+/// Refine the largest number of highest-ranked cells that fits the budget, by regula falsi on the number of cells. Initially
+/// 0 cells fit and `count` do not.
 static bat_status fill_budget(const mark_choice *choice, size_t count, size_t count_functions, size_t budget,
                               bat_hierarchical_space **refined, bat_error *error)
 {
@@ -205,8 +213,8 @@ static bat_status fill_budget(const mark_choice *choice, size_t count, size_t co
     return BAT_OK;
 }
 
-/// Refine the first `wanted` cells, or as many as fit. Where that gives few functions, more cells are taken, up to `most`,
-/// and then more rings.
+/// Refine the first `wanted` cells, or as many as fit the budget. If the number of functions grows too little, double the
+/// number of cells up to `maximum`, then add rings.
 static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t maximum, size_t budget,
                                 bat_hierarchical_space **refined, bat_error *error)
 {

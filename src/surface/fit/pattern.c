@@ -1,3 +1,11 @@
+/// @file
+/// Assembly of sparse symmetric matrices over the cells of a hierarchical space; see pattern.h.
+///
+///     K = sum over cells c of E_c^T K_c E_c,   E_c selects the functions that are active on cell c.
+///
+/// Cells are processed in batches. All threads compute the contributions of a batch; each thread then adds those of its own
+/// functions, cell by cell, so that every entry is summed in the same order for any number of threads.
+
 #include "surface/fit/pattern.h"
 
 #include "base/error.h"
@@ -10,11 +18,11 @@
 
 enum
 {
-    BATCH_NUMBERS = 4 << 20, ///< room for what cells add before it is summed, at least that of one cell
-    OPERATIONS_AN_ENTRY = 10 ///< of a cell's matrix, for threads_worth()
+    BATCH_NUMBERS = 4 << 20, ///< numbers in the buffer of one batch; at least one cell always fits
+    OPERATIONS_AN_ENTRY = 10 ///< estimated cost of extracting and adding one entry, for threads_worth()
 };
 
-/// The cells of every function, in rising order.
+/// The cells in the support of every function, ascending.
 typedef struct function_cells
 {
     size_t *first; ///< functions + 2
@@ -54,8 +62,8 @@ static int compare_rows(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// The functions that meet function f and do not come before it, in rising order.
-/// @param seen for every function the last one, plus one, that it was found to meet
+/// The row indices of column f: functions g >= f that share a cell with f, ascending.
+/// @param marked marked[g] is 1 + the last column in which g was found
 static size_t find_rows(const bat_hierarchical_space *space, const function_cells *cells, size_t f, uint32_t *marked,
                         int *rows)
 {
@@ -75,7 +83,7 @@ static size_t find_rows(const bat_hierarchical_space *space, const function_cell
     return count;
 }
 
-/// Find all rows of one function after another, on one thread for a range of them.
+/// Count or store the row indices of columns begin to end - 1.
 static void find_range(const bat_hierarchical_space *space, const function_cells *cells, size_t begin, size_t end,
                        uint32_t *marked, int *rows, fit_pattern *pattern, bool counting)
 {
@@ -86,7 +94,7 @@ static void find_range(const bat_hierarchical_space *space, const function_cells
             (void)find_rows(space, cells, f, marked, pattern->row + pattern->first[f]);
 }
 
-/// Count the rows of all columns, or find them.
+/// Count or store the row indices of all columns. False when out of memory.
 static bool find_all(const bat_hierarchical_space *space, const function_cells *cells, int threads, fit_pattern *pattern,
                      bool counting)
 {
@@ -116,7 +124,7 @@ static bat_status add_up(fit_pattern *pattern, bat_error *error)
     {
         total += (size_t)pattern->first[f + 1];
         if (total > INT_MAX)
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu functions meet in too many pairs to solve for them",
+            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the matrix of %zu functions has too many entries",
                              pattern->functions);
         pattern->first[f + 1] = (int)total;
     }
@@ -149,11 +157,11 @@ void fit_pattern_free(fit_pattern *pattern)
     *pattern = (fit_pattern){0};
 }
 
-/// What the cells of a batch add, one after another.
+/// The contributions of a batch of cells, stored one after another.
 typedef struct batch
 {
     size_t begin, end; ///< cells
-    size_t *place;     ///< of each cell's numbers, and where the last one ends
+    size_t *place;     ///< offset of each cell's numbers
     double *numbers;
 } batch;
 
@@ -162,7 +170,7 @@ static size_t numbers_of(const fit_cell_work *work, size_t active)
     return (work->values == NULL ? 0 : active * active) + active * work->columns;
 }
 
-/// Take as many cells as fit the room, at least one.
+/// Extend the batch by as many cells as fit the buffer, at least one.
 static void batch_set(const bat_hierarchical_space *space, const fit_cell_work *work, size_t cells, size_t room, batch *now)
 {
     const uint32_t *active;
@@ -179,7 +187,7 @@ static void batch_set(const bat_hierarchical_space *space, const fit_cell_work *
     }
 }
 
-/// Let a thread compute every cell it can get.
+/// Compute the contributions of all cells of a batch.
 static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work *work, const batch *now, int threads)
 {
     bool allocated = true;
@@ -203,7 +211,7 @@ static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work 
     return allocated;
 }
 
-/// Add a cell's column to that of the matrix. Both lists of rows rise, so one walk finds all places.
+/// Add a column of a cell's matrix to the sparse matrix. Both row lists ascend, so that one pass merges them.
 static void add_column(const fit_pattern *pattern, const uint32_t *active, size_t count, size_t k, const double *matrix,
                        double *values)
 {
@@ -217,7 +225,7 @@ static void add_column(const fit_pattern *pattern, const uint32_t *active, size_
     }
 }
 
-/// Add what a batch holds, each thread for functions of its own.
+/// Add the contributions of a batch; each thread adds those of its own functions.
 static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
                       const batch *now, int threads)
 {
@@ -241,7 +249,7 @@ static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *
         }
 }
 
-/// About how many arithmetic operations it takes to extract and add the matrices of all cells.
+/// Estimated number of arithmetic operations to extract and add the matrices of all cells.
 static double operations_to_add(const bat_hierarchical_space *space)
 {
     const uint32_t *active;

@@ -1,3 +1,6 @@
+/// @file
+/// The points of a fit in Morton order (Morton, 1966), by a radix sort of interleaved parameter bits, and sorted by cell.
+
 #include "surface/fit/points.h"
 
 #include "base/error.h"
@@ -10,11 +13,11 @@
 
 enum
 {
-    MORTON_BITS = 16, ///< of a coordinate
-    RADIX_BITS = 11,  ///< sorted at a time
-    RADIX_PASSES = 3, ///< cover both coordinates
+    MORTON_BITS = 16, ///< of each parameter in a Morton key
+    RADIX_BITS = 11,  ///< sorted in one pass
+    RADIX_PASSES = 3, ///< cover all 2 x MORTON_BITS bits
     RADIX_SIZE = 1 << RADIX_BITS,
-    OPERATIONS_TO_LOCATE = 100 ///< a point, for threads_worth()
+    OPERATIONS_TO_LOCATE = 100 ///< estimate for one point, for threads_worth()
 };
 
 static bat_status check_counts(const bat_surface_fit_data *data, bat_error *error)
@@ -24,13 +27,13 @@ static bat_status check_counts(const bat_surface_fit_data *data, bat_error *erro
     if (data->count < 1)
         wrong = "there are no points to fit";
     else if (data->dimension < 1)
-        wrong = "points need at least one coordinate";
+        wrong = "the dimension of the points must be at least 1";
     else if (data->boundary_count > data->count)
-        wrong = "more boundary points than points";
+        wrong = "there are more boundary points than points";
     if (wrong != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
     if (data->count >= UINT32_MAX || size_multiply_overflows(data->count, data->dimension, &numbers))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points are more than a fit takes", data->count);
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points are more than a fit can process", data->count);
     return BAT_OK;
 }
 
@@ -46,11 +49,12 @@ static bat_status check_point(const bat_surface_fit_data *data, size_t i, bat_er
         if (!isfinite(point[k]))
             return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has a coordinate that is not finite", i);
     if (!(at[0] >= 0 && at[0] <= 1 && at[1] >= 0 && at[1] <= 1))
-        return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has the parameter (%g, %g) outside of the square", i,
-                         at[0], at[1]);
+        return error_set(error, BAT_INVALID_POINT, i, 0, "the parameter (%g, %g) of point %zu is outside the unit square",
+                         at[0], at[1], i);
     if (i < data->boundary_count && !is_end(at[0]) && !is_end(at[1]))
         return error_set(error, BAT_INVALID_POINT, i, 0,
-                         "boundary point %zu has the parameter (%g, %g) inside of the square", i, at[0], at[1]);
+                         "the parameter (%g, %g) of boundary point %zu is not on the boundary of the square", at[0], at[1],
+                         i);
     return BAT_OK;
 }
 
@@ -81,7 +85,7 @@ static uint64_t spread_bits(double parameter)
     return spread;
 }
 
-/// Sort keys with the point's number in the low half by their high half.
+/// Radix sort by the upper 32 bits of the keys, which hold the Morton code; the lower 32 bits hold the point's index.
 static void sort_keys(uint64_t *keys, uint64_t *other, size_t count)
 {
     for (int pass = 0; pass < RADIX_PASSES; pass++)
@@ -104,7 +108,7 @@ static void sort_keys(uint64_t *keys, uint64_t *other, size_t count)
     }
 }
 
-/// Number the points along the Morton curve.
+/// Order the points along the Morton curve.
 static bat_status set_numbers(const bat_surface_fit_data *data, uint32_t *number, bat_error *error)
 {
     uint64_t *keys = memory_array(data->count, 2 * sizeof *keys);
@@ -208,7 +212,7 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
     free(points->first);
     points->first = first;
     points->cells = cells;
-    // Counts two places on, beginnings one place on, which filling moves to where they belong.
+    // Counting sort: counts are stored two entries ahead, so that offsets advance into place while the order is filled.
     for (size_t row = 0; row < points->count; row++)
         first[points->cell[row] + 2]++;
     for (size_t c = 0; c <= cells; c++)

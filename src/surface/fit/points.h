@@ -4,10 +4,10 @@
 #include "batten/surface_fit.h"
 
 /// @file
-/// The points of a fit in the order that makes passes over them quick: along a Morton curve of their first parameters, so
-/// that the points of any cell lie close together in memory, and beside it by cells of the space at hand.
+/// The points of a fit, ordered for fast passes: along a Morton curve of their initial parameters, so that the points of a
+/// cell are close in memory, and by the cells of the current space.
 
-/// How a parameter may move.
+/// The degrees of freedom of a parameter in parameter correction.
 typedef enum fit_freedom
 {
     FIT_FREE,
@@ -16,28 +16,29 @@ typedef enum fit_freedom
     FIT_FIXED
 } fit_freedom;
 
-/// Release it with fit_points_free().
+/// Points in Morton order; row r is the caller's point number[r]. Release it with fit_points_free().
 typedef struct fit_points
 {
     size_t count, dimension;
-    uint32_t *number;  ///< of a row among the caller's points
-    double *position;  ///< count x dimension, less `centre`
+    uint32_t *number;  ///< count: index of a row among the caller's points
+    double *position;  ///< count x dimension: coordinates minus `centre`
     double *parameter; ///< count x 2
     double *weight;    ///< count
-    double *distance;  ///< count: |S(u_i) - x_i| as last measured
+    double *distance;  ///< count: |S(u_i) - x_i| at the last measurement
     uint8_t *freedom;  ///< count: a fit_freedom
-    double *centre;    ///< dimension: what has been taken off all positions
-    uint32_t *order;   ///< rows by cells of the space
+    double *centre;    ///< dimension: the offset subtracted from all positions
+    uint32_t *order;   ///< count: rows sorted by cell
     uint32_t *cell;    ///< count: the cell of a row
-    size_t *first;     ///< cells + 1: where the rows of a cell begin in `order`
+    size_t *first;     ///< cells + 1: offsets of the rows of each cell in `order`
     size_t cells;
 } fit_points;
 
-/// Check data: counts, points, parameters, and boundary parameters on the boundary.
+/// Check counts, coordinates, parameters, and that boundary parameters lie on the boundary of the square.
 bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error);
 
+/// Copy the points in Morton order.
 /// @param weights  count, or null for ones
-/// @param centred  whether the mean is taken off the positions, for a basis whose functions add up to one
+/// @param centred  whether to subtract the mean position, which is exact for a basis that is a partition of unity
 bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
                            bat_error *error);
 void fit_points_free(fit_points *points);
@@ -45,14 +46,14 @@ void fit_points_free(fit_points *points);
 /// Find the cells of all points.
 void fit_points_locate(fit_points *points, const bat_hierarchical_space *space, int threads);
 
-/// Order the points, which know their cells, by them.
+/// Sort the rows by cell (counting sort). Requires fit_points_locate().
 bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *space, bat_error *error);
 
-/// Add the centre to all control points.
+/// Add the subtracted centre to all control points.
 void fit_points_restore(const fit_points *points, size_t functions, double *control);
 
-/// Hand parameters back to the caller.
-/// @return how many differ from what they were there
+/// Copy the parameters back to the caller's order.
+/// @return the number of parameters that changed
 size_t fit_points_return(const fit_points *points, bat_surface_fit_data *data);
 
 #endif

@@ -1,3 +1,12 @@
+/// @file
+/// One penalized least-squares fit with given weights and lambda (bat_spline_fit), and one parameter correction
+/// (bat_spline_correct).
+///
+/// The solution of the normal equations is refined with residuals r = x - A c of the points,
+///     K dc = A^T W r - 2 lambda M c,   c <- c + dc,
+/// so that the error grows with the condition number of A instead of its square (Bjorck, "Numerical methods for least
+/// squares problems", 1996, section 2.9.3).
+
 #include "batten/surface_fit.h"
 
 #include "base/error.h"
@@ -11,10 +20,10 @@
 
 enum
 {
-    MAX_REFINEMENTS = 4 ///< of a solution
+    MAX_REFINEMENTS = 4 ///< maximum number of refinements of a solution
 };
 
-// A solution is refined until it changes by less than this part of it.
+// Refinement stops when the relative change is at most this.
 static const double CHANGE_TOLERANCE = 4 * DBL_EPSILON;
 
 static bat_status check_weights(const bat_surface_fit_data *data, const double *weights, double lambda, bat_error *error)
@@ -28,7 +37,7 @@ static bat_status check_weights(const bat_surface_fit_data *data, const double *
     return BAT_OK;
 }
 
-/// All that one fit works with.
+/// Workspace of one fit.
 typedef struct single_fit
 {
     fit_points points;
@@ -74,7 +83,7 @@ static bat_status single_make(const bat_hierarchical_space *space, const bat_sur
     return complete ? BAT_OK : error_memory(error, numbers * sizeof *fit->change);
 }
 
-/// The residual of all points.
+/// Compute the residuals of all points.
 static bat_status find_residual(single_fit *fit, const double *control, bat_error *error)
 {
     fit_nets nets;
@@ -85,9 +94,8 @@ static bat_status find_residual(single_fit *fit, const double *control, bat_erro
     return status;
 }
 
-/// Solve for what the residual still says: K change = A^T W r - 2 lambda M c. Residuals are those of points, not of the
-/// normal equations, so that the condition of A counts once where the equations count it twice (Bjorck, 1996,
-/// section 2.9.3).
+/// One step of iterative refinement.
+/// @param relative receives the relative change in the maximum norm
 static bat_status refine_solution(single_fit *fit, double lambda, double *control, double *relative, bat_error *error)
 {
     size_t numbers = fit->system.functions * fit->points.dimension;
@@ -142,8 +150,8 @@ bat_status bat_spline_correct(const bat_spline_surface *surface, bat_surface_fit
 {
     bat_status status = fit_points_check(data, error);
     if (status == BAT_OK && data->dimension != surface->dimension)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "points of %zu coordinates and a surface of %zu",
-                           data->dimension, surface->dimension);
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "the points have %zu coordinates, the surface has %zu", data->dimension, surface->dimension);
     if (status != BAT_OK)
         return status;
     fit_points points;

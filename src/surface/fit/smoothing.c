@@ -1,3 +1,14 @@
+/// @file
+/// Choice of the smoothing weight lambda; see smoothing.h. With K = G + 2 lambda M, define
+///     c = K^-1 b,   J = c^T M c,   R = x^T W x - b^T c - 2 lambda J,   dR/dlambda = 8 lambda (M c)^T K^-1 (M c),
+///     T = trace of the influence matrix  ~ mean over z of z^T W^1/2 A y,   y = K^-1 A^T W^1/2 z,   dT/dlambda ~ -2 y^T M y.
+/// R is the sum of squared residuals of N points; T is estimated with random signs z (Hutchinson, 1990). The criteria are
+///     restricted likelihood   2 lambda J / s^2 = T - 3 for each coordinate,   s^2 = (R + 2 lambda J) / (N - 3)   (Wahba,
+///     1985) cross-validation        minimize R / (1 - T / N)^2   (generalized; Craven and Wahba, 1979) discrepancy R = N
+///     dimension noise^2   (Morozov, 1966)
+/// where 3 is the dimension of the null space of M: 1, u, v. The slope of each criterion changes sign at the best weight;
+/// log10 lambda is bracketed and found by regula falsi.
+
 #include "surface/fit/smoothing.h"
 
 #include "base/error.h"
@@ -8,38 +19,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A pivot of Cholesky's method below this part of its diagonal entry has lost all but its first digits.
+// Smallest admissible ratio of a Cholesky pivot to its diagonal entry. Below it only the first digits are correct.
 static const double MIN_PIVOT = 1e-13;
-// Weights are sought between these multiples of the one at which G and 2 lambda M have the same trace.
+// Bounds of the search, as multiples of the weight at which G and 2 lambda M have the same trace.
 static const double MIN_SHARE = 1e-13;
 static const double MAX_SHARE = 1e6;
-// Where smoothing is added to make a matrix regular, it grows by this factor.
+// Factor by which lambda grows until the matrix is regular.
 static const double REPAIR_FACTOR = 10;
-// The sum of squared residuals is known to this part of the sum of squares.
+// Relative rounding error of R, with respect to x^T W x.
 static const double RESIDUAL_NOISE = 1e-15;
-// The first step of the search from a weight of an earlier fit, and from none, in powers of ten, the longest too: farther
-// off there may be a second place where a score levels out. A weight is found when it is known to the last.
+// First steps of the search in log10 lambda: from the weight of an earlier fit, and from no estimate. The second is also the
+// longest step, because a score may level out at a distant second place. The search ends when log10 lambda is known to
+// RESOLUTION.
 static const double NEAR_STEP = 0.5;
 static const double FAR_STEP = 2;
 static const double RESOLUTION = 0.1;
-// The dimension of the space of functions without thin-plate energy.
+// Dimension of the null space of the thin-plate energy.
 static const double PLANE_FUNCTIONS = 3;
 
-/// One weight and what is known of it.
+/// A weight and its score.
 typedef struct weight_trial
 {
-    double log_lambda; ///< log10 of the weight
-    double score;      ///< the less the better
-    double slope;      ///< below 0 when the weight is too small, above when it is too large
-    bool regular;      ///< the matrix could be solved with
+    double log_lambda; ///< log10 lambda
+    double score;      ///< to be minimized
+    double slope;      ///< negative if the weight is too small, positive if it is too large
+    bool regular;      ///< the matrix is regular in double precision
 } weight_trial;
 
-/// All that a search works with.
+/// Workspace of a search.
 typedef struct weight_workspace
 {
     const fit_system *system;
     fit_solver *solver;
-    double *values;        ///< of K
+    double *values;        ///< entries of K
     double *solution;      ///< functions x columns
     double *plate_product; ///< functions x columns: M times the solution
     double *answer;        ///< functions x dimension
@@ -94,10 +106,10 @@ static double balanced_weight(const fit_system *system)
 static bat_status singular(const fit_system *system, bat_error *error)
 {
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                     "the points do not determine %zu functions, not even with smoothing", system->functions);
+                     "the points do not determine %zu functions, even with smoothing", system->functions);
 }
 
-/// Factor, with more smoothing where it takes that.
+/// Factor K; increase lambda until K is regular.
 static bat_status factor_repaired(const weight_workspace *workspace, double *lambda, bat_error *error)
 {
     double unit = balanced_weight(workspace->system), pivot, tried = *lambda;
@@ -116,7 +128,7 @@ static bat_status factor_repaired(const weight_workspace *workspace, double *lam
     return BAT_OK;
 }
 
-/// The first columns of right-hand sides, those of the coordinates.
+/// Copy the first columns, those of the coordinates.
 static void copy_coordinates(const fit_system *system, const double *columns, double *coordinates)
 {
     for (size_t f = 0; f < system->functions; f++)
@@ -138,7 +150,7 @@ bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double
     return status;
 }
 
-/// Sums over functions of products of two sets of columns: of the coordinates, and of the probes.
+/// Inner products of two sets of columns, summed over the coordinates, and averaged over the probes.
 typedef struct column_sums
 {
     double coordinates, probes;
@@ -159,10 +171,7 @@ static column_sums multiply_columns(const fit_system *system, const double *a, c
     return sums;
 }
 
-/// What a weight does to the sum R of squared residuals, the trace T of the influence matrix and the energy J, with their
-/// derivatives by it:
-///     c = K^-1 b,   J = c^T M c,   R = x^T W x - b^T c - 2 lambda J,   R' = 8 lambda (M c)^T K^-1 (M c),
-///     y = K^-1 A^T W^1/2 z,   T ~ mean over z of z^T W^1/2 A y,   T' ~ -2 y^T M y   (Hutchinson, 1990).
+/// R, T and J of a weight, with their derivatives; see the head of the file.
 typedef struct weight_effect
 {
     double residual, residual_slope;
@@ -170,7 +179,7 @@ typedef struct weight_effect
     double energy;
 } weight_effect;
 
-/// R' of weight_effect.
+/// dR/dlambda.
 static bat_status find_residual_slope(weight_workspace *workspace, double lambda, double *slope, bat_error *error)
 {
     const fit_system *system = workspace->system;
@@ -200,7 +209,7 @@ static bat_status measure_effect(weight_workspace *workspace, double lambda, boo
     return sloped ? find_residual_slope(workspace, lambda, &effect->residual_slope, error) : BAT_OK;
 }
 
-/// The logarithm of generalized cross-validation's R / (1 - T / N)^2 (Craven and Wahba, 1979).
+/// Generalized cross-validation: log of R / (1 - T / N)^2.
 static void score_cross_validation(const weight_workspace *workspace, double lambda, const weight_effect *effect,
                                    weight_trial *trial)
 {
@@ -209,9 +218,8 @@ static void score_cross_validation(const weight_workspace *workspace, double lam
     trial->slope = lambda * (effect->residual_slope / effect->residual + 2 * effect->trace_slope / (points * left));
 }
 
-/// Restricted likelihood, when J is the logarithm of a density of surfaces (Wahba, 1985): it is largest where
-///     2 lambda J / s^2 = T - 3   per coordinate,   s^2 = (R + 2 lambda J) / (N - 3),
-/// 3 being the number of functions without energy: constants and the two coordinates of the square.
+/// Restricted likelihood, with -J / s^2 as the log density of a Gaussian prior on surfaces. The slope is the difference of
+/// both sides of its stationarity condition.
 static void score_likelihood(const weight_workspace *workspace, double lambda, const weight_effect *effect,
                              weight_trial *trial)
 {
@@ -220,7 +228,7 @@ static void score_likelihood(const weight_workspace *workspace, double lambda, c
     trial->score = fabs(trial->slope);
 }
 
-/// The discrepancy principle: the mean squared residual is the noise's variance (Morozov, 1966).
+/// Discrepancy principle: log of the ratio of the mean squared residual to the variance of the noise.
 static void score_discrepancy(const weight_workspace *workspace, double noise, const weight_effect *effect,
                               weight_trial *trial)
 {
@@ -251,18 +259,18 @@ static bat_status try_weight(weight_workspace *workspace, const fit_weight_searc
     return BAT_OK;
 }
 
-/// Where the line through both slopes is zero, kept off the ends.
+/// The zero of the line through both slopes, kept within 10 to 90 per cent of the bracket.
 static double zero_between(const weight_trial *low, const weight_trial *high)
 {
     double share = low->regular ? low->slope / (low->slope - high->slope) : 0.5;
     return low->log_lambda + fmin(fmax(share, 0.1), 0.9) * (high->log_lambda - low->log_lambda);
 }
 
-/// Where a search stands.
+/// State of a search.
 typedef struct weight_bracket
 {
-    double low_limit, high_limit; ///< places that it stays between
-    weight_trial low, high;       ///< the nearest trials that are too small and too large
+    double low_limit, high_limit; ///< bounds of log10 lambda
+    weight_trial low, high;       ///< the closest weights that are too small and too large
     bool has_low, has_high;
     double step;
 } weight_bracket;
@@ -281,7 +289,7 @@ static void bracket_add(weight_bracket *bracket, const weight_trial *trial)
     }
 }
 
-/// The next place to try; false when there is none worth it.
+/// The next log10 lambda to evaluate; false when the search has converged or has reached its bounds.
 static bool bracket_next(weight_bracket *bracket, double *log_lambda)
 {
     if (bracket->has_low && bracket->has_high)

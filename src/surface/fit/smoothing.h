@@ -5,25 +5,26 @@
 #include "surface/fit/system.h"
 
 /// @file
-/// The weight of smoothing: solutions of the normal equations for a given one, and the search for a good one.
+/// Solution of the normal equations for a smoothing weight lambda, and the choice of lambda by restricted maximum
+/// likelihood, generalized cross-validation or the discrepancy principle.
 
-/// What to look for and from where.
+/// The criterion and the start of a search for lambda.
 typedef struct fit_weight_search
 {
     bat_surface_smoothing smoothing;
-    double noise;  ///< of a coordinate, for BAT_SURFACE_SMOOTHING_DISCREPANCY
-    double lambda; ///< the given one, or where the search begins; 0: nowhere in particular
-    int trials;    ///< the most weights tried, at least 1
+    double noise;  ///< standard deviation of the noise of a coordinate, for BAT_SURFACE_SMOOTHING_DISCREPANCY
+    double lambda; ///< the given weight, or the start of the search; 0: no estimate is known
+    int trials;    ///< maximum number of weights to evaluate, at least 1
     bat_progress progress;
 } fit_weight_search;
 
-/// Solve (G + 2 lambda M) c = b. Where that is singular in double precision, lambda is raised until it is not.
-/// @param lambda  receives what was used
+/// Solve (G + 2 lambda M) c = b. If the matrix is singular in double precision, lambda is increased until it is not.
+/// @param lambda  receives the weight used
 /// @param control functions x dimension
 bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double *lambda, double *control, bat_error *error);
 
-/// Solve with the best weight that the search finds.
-/// @param lambda receives it
+/// Search for the best weight and solve with it.
+/// @param lambda receives the weight
 bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const fit_weight_search *search, double *lambda,
                            double *control, bat_error *error);
 

@@ -1,3 +1,10 @@
+/// @file
+/// Assembly of the normal equations of a fit; see system.h.
+///
+/// The thin-plate matrix is exact. On a cell the integrand is a sum of products of univariate polynomials, so that
+///     M_ij = U2_ac V0_bd + U1_ac V1_bd + U0_ac V2_bd,   Uk_ac = integral of the k-th derivatives of functions a and c,
+/// with univariate integrals by Gauss-Legendre quadrature with degree + 1 nodes.
+
 #include "surface/fit/system.h"
 
 #include "base/error.h"
@@ -10,17 +17,17 @@
 
 enum
 {
-    SIDE = BAT_SPLINE_MAX_DEGREE + 1 ///< the most functions of a cell in one direction, and nodes of a rule
+    SIDE = BAT_SPLINE_MAX_DEGREE + 1 ///< maximum number of functions of a cell in one direction, and of quadrature nodes
 };
 
-/// Gauss' rule on [0, 1] for polynomials of degree 2 count - 1.
+/// Gauss-Legendre quadrature on [0, 1] with `count` nodes, exact for polynomials of degree 2 count - 1.
 typedef struct gauss_rule
 {
     int count;
     double node[SIDE], weight[SIDE];
 } gauss_rule;
 
-/// Legendre's polynomial of degree n and its derivative at x inside of (-1, 1).
+/// The Legendre polynomial of degree n and its derivative at x in (-1, 1).
 static double legendre(int n, double x, double *slope)
 {
     double before = 1, now = x;
@@ -34,7 +41,7 @@ static double legendre(int n, double x, double *slope)
     return now;
 }
 
-/// Nodes are the zeros of Legendre's polynomial, by Newton's method from Tricomi's approximation.
+/// The nodes are the zeros of the Legendre polynomial, computed by Newton's method from Tricomi's approximation.
 static gauss_rule gauss_rule_make(int count)
 {
     gauss_rule rule = {.count = count};
@@ -56,7 +63,7 @@ typedef struct plate_context
     gauss_rule rule[2];
 } plate_context;
 
-/// Univariate integrals over a cell, of products of two functions' derivatives of order 0, 1, 2.
+/// Univariate integrals over a cell of products of the k-th derivatives of two functions, k = 0, 1, 2.
 typedef struct side_integrals
 {
     double of[3][SIDE * SIDE];
@@ -80,7 +87,8 @@ static void integrate_side(const plate_context *plate, const hierarchical_cell *
                     integrals->of[order][i * side + j] +=
                         rule->weight[n] * values[order * side + i] * values[order * side + j];
     }
-    // Derivatives are by places within the cell: each by the parameter is one by those times the number of spans.
+    // Derivatives refer to the local coordinate of the cell; each derivative with respect to the parameter contributes a
+    // factor `spans`.
     for (int order = 0; order < 3; order++, scale *= spans * spans)
         for (size_t k = 0; k < side * side; k++)
             integrals->of[order][k] *= scale;
@@ -106,6 +114,7 @@ static void fill_thin_plate(const void *context, size_t index, double *scratch, 
     hierarchical_extract_matrix(plate->space, cell, scratch, scratch + locals * locals, matrix);
 }
 
+/// Compute the lower triangle of the thin-plate matrix M.
 static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchical_space *space, int threads,
                                  double *values, bat_error *error)
 {
@@ -149,7 +158,7 @@ void fit_system_free(fit_system *system)
     *system = (fit_system){0};
 }
 
-/// What a cell's part is gathered from.
+/// The data from which the contribution of a cell is assembled.
 typedef struct gather_context
 {
     const fit_system *system;
@@ -158,8 +167,8 @@ typedef struct gather_context
     size_t probes;
 } gather_context;
 
-/// 1 or -1, for a point and a probe the same in all fits: a bit of the finalizer of splitmix64 (Steele, Lea and Flood,
-/// 2014).
+/// A pseudo-random sign that depends only on the point and the probe: one bit of the finalizer of splitmix64 (Steele, Lea
+/// and Flood, 2014).
 static double random_sign(uint32_t number, size_t probe)
 {
     uint64_t z = ((uint64_t)probe << 32 | number) * UINT64_C(0x9e3779b97f4a7c15) + UINT64_C(0x9e3779b97f4a7c15);
@@ -168,7 +177,7 @@ static double random_sign(uint32_t number, size_t probe)
     return (z ^ z >> 31) >> 63 != 0 ? 1 : -1;
 }
 
-/// What a point weighs in the right-hand sides.
+/// The coefficients of a point in the right-hand sides: w x for the coordinates, sqrt(w) z for the probes.
 static void set_loads(const gather_context *gather, size_t row, double *loads)
 {
     const fit_points *points = gather->points;
@@ -180,7 +189,7 @@ static void set_loads(const gather_context *gather, size_t row, double *loads)
         loads[dimension + k] = root * random_sign(points->number[row], k);
 }
 
-/// Add the products of a point's `count` functions: the lower triangle, and the right-hand sides.
+/// Add the contribution of a point with `count` function values to the lower triangle and the right-hand sides.
 static void add_point(size_t count, const double *values, double weight, const double *loads, size_t columns, double *matrix,
                       double *right)
 {
@@ -195,7 +204,7 @@ static void add_point(size_t count, const double *values, double weight, const d
     }
 }
 
-/// Whether it is less work to extract a cell's few points than the products of its local functions.
+/// Whether evaluating the active functions at each point costs less than first assembling in the local functions.
 static bool extract_points_first(size_t points, size_t locals, size_t coarse, size_t active)
 {
     return points * (coarse * locals + active * active / 2) < points * locals * locals / 2 + 2 * coarse * locals * active;
