@@ -1,3 +1,12 @@
+/// @file
+/// Parameters and inference of the network of bidgcn.h, without a tape.
+///
+/// The first layers of h and g are linear in e = (x_i, x_j, u_j). Mean and variance of z = w . e + b over all edges
+/// therefore follow from the mean and the covariance of e,
+///     mean(z) = w . mean(e) + b,   var(z) = w^T cov(e) w,
+/// so that batch normalization needs one pass over the edges to accumulate the moments of e. The normalized z is a term of
+/// the target plus a term of the source. Blocks of ROWS points pass through the layers together.
+
 #include "surface/network/bidgcn.h"
 
 #include "base/error.h"
@@ -16,39 +25,31 @@
 enum
 {
     W = SURFACE_WIDTH,
-    ROWS = 16 * LEARN_TILE, ///< points that go through a layer together
+    ROWS = 16 * LEARN_TILE, ///< points in a block
     OUTPUT_LAYERS = 3       ///< layers of the output network
 };
 
-/// @file
-/// The first layers of src/surface/network/surface_network.h for inference: linear layer, batch normalization over all
-/// edges, ReLU, and the mean over a point's edges.
-///
-/// Along an edge the layer says z = (W_a - W_b) x_i + W_b x_j + W_u u_j. That is linear in the numbers e = (x_i, x_j, u_j),
-/// so that mean and variance of z over all edges follow from those of e. With them z normalized is a share of the target's
-/// and one of the source's.
-
 enum
 {
-    SOURCE_FEATURES = 5,                ///< numbers of a source, at most: its place, and a boundary point's parameters
-    EDGE_FEATURES = 3 + SOURCE_FEATURES ///< of an edge
+    SOURCE_FEATURES = 5, ///< maximum number of features of a source: position, and parameters of a boundary point
+    EDGE_FEATURES = 3 + SOURCE_FEATURES ///< maximum number of features of an edge
 };
 
-/// The layer's parameters.
+/// The parameters of a first layer.
 typedef struct surface_first_layer
 {
-    size_t source_features;   ///< numbers of a source: 3 or 5
-    const real *weight;       ///< SURFACE_WIDTH x (3 + seen): of x_i, x_j - x_i, u_j
+    size_t source_features;   ///< features of a source: 3 or 5
+    const real *weight;       ///< SURFACE_WIDTH x (3 + source_features): for x_i, x_j - x_i, u_j
     const real *gain, *shift; ///< SURFACE_WIDTH
 } surface_first_layer;
 
-/// Sums over edges of e and of its products: of `second` the lower triangle.
+/// Moments of e over edges: number, sums, and sums of products (lower triangle).
 typedef struct surface_moments
 {
     double count, first[EDGE_FEATURES], second[EDGE_FEATURES][EDGE_FEATURES];
 } surface_moments;
 
-/// The layer with its normalization: shares . e + begin.
+/// The layer with its normalization folded in: z = shares . e + begin.
 typedef struct surface_first_folded
 {
     double shares[EDGE_FEATURES][SURFACE_WIDTH];
@@ -57,8 +58,8 @@ typedef struct surface_first_folded
 
 // Moments
 
-/// Add a target's edges.
-/// @param sources count x seen
+/// Add the edges of a target to the moments.
+/// @param sources count x source_features
 static void surface_moments_edges(const real position[3], const real *sources, size_t source_features, const uint64_t *bits,
                                   size_t words, surface_moments *moments)
 {
@@ -101,7 +102,7 @@ static void surface_moments_add(const surface_moments *more, surface_moments *mo
     }
 }
 
-/// The mean of e over all edges, and its covariance; zero without edges.
+/// The mean and covariance of e over all edges; zero without edges.
 static void find_covariance(const surface_moments *moments, double mean[EDGE_FEATURES],
                             double covariance[EDGE_FEATURES][EDGE_FEATURES])
 {
@@ -115,7 +116,8 @@ static void find_covariance(const surface_moments *moments, double mean[EDGE_FEA
 
 // The layer
 
-/// @param moments of all edges
+/// Fold the batch normalization into the layer.
+/// @param moments moments of all edges
 static void surface_first_fold(const surface_first_layer *layer, const surface_moments *moments,
                                surface_first_folded *folded)
 {
@@ -148,8 +150,8 @@ static void add_share(double number, const double *restrict shares, double *rest
         sum[c] += number * shares[c];
 }
 
-/// What sources give.
-/// @param sources count x seen
+/// The terms of the sources in z.
+/// @param sources count x source_features
 /// @param near    receives count x SURFACE_WIDTH
 static void surface_first_sources(const surface_first_folded *folded, const real *sources, size_t count,
                                   size_t source_features, real *messages_from)
@@ -188,7 +190,7 @@ static void sum_messages(const uint64_t *bits, size_t words, const real *message
         *(surface_lanes *)(sum + v * SURFACE_LANES) = total[v];
 }
 
-/// The mean over a target's neighbours, 0 without any.
+/// The mean of max(0, z) over the neighbours of a target; 0 if there are none.
 /// @param mean receives SURFACE_WIDTH numbers
 static void surface_first_mean(const surface_first_folded *folded, const real position[3], const real *messages_from,
                                const uint64_t *bits, size_t words, uint32_t degree, real *mean)
@@ -208,7 +210,7 @@ static void surface_first_mean(const surface_first_folded *folded, const real po
 
 // Weights
 
-/// h or g.
+/// The message function h or g.
 typedef struct message
 {
     surface_first_layer first;
@@ -218,12 +220,12 @@ typedef struct message
 typedef struct surface_inference
 {
     bool informed;
-    message messages[2]; ///< along interior and boundary edges
+    message messages[2]; ///< h for interior edges, g for boundary edges
     learn_packed hidden[SURFACE_HIDDEN];
     learn_packed output[OUTPUT_LAYERS];
     const real *gain[OUTPUT_LAYERS - 1], *shift[OUTPUT_LAYERS - 1];
-    real *values; ///< the parameters as they are
-    real *packed; ///< all layers
+    real *values; ///< copy of the parameters
+    real *packed; ///< the packed layers
 } surface_inference;
 
 static size_t packed_size(const learn_parameters *parameters)
@@ -235,7 +237,7 @@ static size_t packed_size(const learn_parameters *parameters)
     return size;
 }
 
-/// Lay out the layer whose weight is parameter p, at *memory, which moves on.
+/// Pack the layer whose weight is parameter p at *memory, and advance *memory.
 static learn_packed pack(const learn_parameters *parameters, size_t p, real **memory)
 {
     const learn_parameter *weight = &parameters->list[p];
@@ -303,24 +305,24 @@ void surface_inference_free(void *network)
 
 // Memory
 
-/// What one cloud needs. Rows are whole tiles, as layers read and write behind the last.
+/// Workspace of an inference. Numbers of rows are rounded up to whole tiles, because layers process whole tiles.
 typedef struct inference_run
 {
     const surface_inference *network;
     int threads;
-    size_t count;            ///< points of the graphs
-    size_t boundary_count;   ///< points whose parameters are told
-    const uint32_t *order;   ///< count: each point's number in the cloud, in an order in which near ones follow each other
+    size_t count;            ///< points of the network
+    size_t boundary_count;   ///< boundary points with parameters; 0 without the informed layer
+    const uint32_t *order;   ///< count: indices of the points in a spatially coherent order
     real *position;          ///< count x 3
-    real *boundary_position; ///< bound x 3
-    real *boundary_features; ///< bound x SOURCE_FEATURES: places and parameters
+    real *boundary_position; ///< boundary_count x 3
+    real *boundary_features; ///< boundary_count x SOURCE_FEATURES: positions and parameters
     real *features;          ///< (1 + SURFACE_HIDDEN) x tiles x W
-    real *sources;           ///< of a graph
-    real *boundary_sources;  ///< of the boundary's
+    real *sources;           ///< packed sources of a graph
+    real *boundary_sources;  ///< packed sources of the boundary
     real *word_sums;         ///< words x W
-    real *messages_from;     ///< what interior points give to the first layer: count x W
-    real *boundary_messages; ///< what boundary points do: bound x W
-    real *hidden_output[2];  ///< of the output network: tiles x SURFACE_OUTPUT
+    real *messages_from;     ///< count x W: terms of interior points in the first layer
+    real *boundary_messages; ///< boundary_count x W: terms of boundary points
+    real *hidden_output[2];  ///< tiles x SURFACE_OUTPUT: layers of the output network
     double *sums;            ///< blocks x SURFACE_OUTPUT
     uint64_t *bits;          ///< threads x ROWS x words
 } inference_run;
@@ -335,7 +337,7 @@ static size_t words_of(const inference_run *r)
     return surface_words(r->count > r->boundary_count ? r->count : r->boundary_count);
 }
 
-/// The place of the next array, and that behind it; null without memory.
+/// Reserve the next array at a multiple of 64 bytes; null without memory, to compute the total size.
 static void *next_array(void *memory, size_t *used, size_t count, size_t size)
 {
     enum
@@ -347,7 +349,7 @@ static void *next_array(void *memory, size_t *used, size_t count, size_t size)
     return array;
 }
 
-/// Set the arrays of a run in memory; returns its size.
+/// Assign the arrays of the workspace; returns their total size.
 static size_t lay_out(inference_run *r, void *memory)
 {
     size_t used = 0, tiles = learn_whole_tiles(r->count);
@@ -372,7 +374,7 @@ static real *features_of(const inference_run *r, size_t layer)
     return r->features + layer * learn_whole_tiles(r->count) * W;
 }
 
-/// Where the calling thread keeps the bits of a block.
+/// The neighbour bits of a block for the calling thread.
 static uint64_t *thread_bits(const inference_run *r)
 {
     size_t thread = 0;
@@ -396,17 +398,17 @@ static void rectify(size_t count, real *y)
         y[i] = y[i] > 0 ? y[i] : 0;
 }
 
-/// One kind of edges.
+/// Edges to interior or to boundary points.
 typedef struct edges
 {
     const message *message;
     surface_sources sources;
-    const real *source_features; ///< of the sources
-    real *messages_from;         ///< what sources give to the first layer
+    const real *source_features; ///< features of the sources
+    real *messages_from;         ///< terms of the sources in the first layer
     surface_first_folded first;
 } edges;
 
-/// Describe a kind of edges, and lay its sources out.
+/// Set up a kind of edges, and pack its sources.
 static void begin_edges(const inference_run *r, size_t kind, edges *e)
 {
     bool boundary_count = kind == 1;
@@ -417,7 +419,7 @@ static void begin_edges(const inference_run *r, size_t kind, edges *e)
                                 : surface_sources_make(r->position, r->count, 3, r->sources);
 }
 
-/// Find the mean and variance that the first layer is normalized by.
+/// Accumulate the moments of the edges, and fold the normalization into the first layer.
 static void measure_edges(const inference_run *r, edges *e, surface_moments *of_blocks)
 {
     size_t words = surface_words(e->sources.count), blocks = blocks_of(r),
@@ -441,7 +443,7 @@ static void measure_edges(const inference_run *r, edges *e, surface_moments *of_
     surface_first_sources(&e->first, e->source_features, e->sources.count, source_features, e->messages_from);
 }
 
-/// Add what one kind of edges says to the features of a block of points.
+/// Add the mean message of one kind of edges to the features of a block.
 static void add_messages(const inference_run *r, const edges *e, size_t begin, real *features)
 {
     _Alignas(64) real means[ROWS * W] = {0}, output[ROWS * W];
@@ -458,7 +460,7 @@ static void add_messages(const inference_run *r, const edges *e, size_t begin, r
             features[i * W + c] += output[i * W + c];
 }
 
-/// From places to the first features.
+/// Compute f_0.
 static bat_status input_layer(const inference_run *r, bat_error *error)
 {
     size_t kinds = r->network->informed && r->boundary_count > 0 ? 2 : 1, blocks = blocks_of(r);
@@ -489,7 +491,7 @@ static bat_status input_layer(const inference_run *r, bat_error *error)
 
 // The hidden layers
 
-/// x_i and mean_j x_j - x_i, side by side.
+/// Concatenate f_i and mean_j f_j - f_i.
 LANES_CLONES
 static void join(const real *restrict x, uint32_t degree, const real *restrict sum, real *restrict joined)
 {
@@ -534,7 +536,7 @@ static void hidden_layer(const inference_run *r, size_t layer)
 
 // The output network
 
-/// Add up the columns of a block of rows: of the numbers, or of their squared differences from a mean.
+/// Sum the columns of a block of rows, or their squared deviations from a mean.
 LANES_CLONES
 static void sum_columns(size_t rows, const real *restrict x, const real *restrict mean, double *restrict sums)
 {
@@ -572,7 +574,7 @@ static void normalize(size_t rows, const real *restrict slope, const real *restr
         }
 }
 
-/// The normalization behind a part of the output network, from the sums of its blocks' columns.
+/// Batch normalization after layer `part` of the output network, as slope and offset, from the column sums of the blocks.
 static void fold_output(const inference_run *r, size_t part, real *slope, real *begin)
 {
     const real *y = r->hidden_output[part];
@@ -590,7 +592,7 @@ static void fold_output(const inference_run *r, size_t part, real *slope, real *
     }
 }
 
-/// The first part, of all features side by side.
+/// The first layer of the output network, applied to the concatenated features.
 static void join_output(const inference_run *r)
 {
     size_t blocks = blocks_of(r);
@@ -608,7 +610,8 @@ static void join_output(const inference_run *r)
     }
 }
 
-/// @param first of the points whose parameters are wanted
+/// Apply the output network.
+/// @param first index of the first interior point in the cloud
 static void output_network(const inference_run *r, size_t first, double *interior)
 {
     size_t blocks = blocks_of(r);
@@ -659,7 +662,7 @@ static void read_places(const inference_run *r, const double *points, const doub
         memset(features_of(r, layer) + r->count * W, 0, (tiles - r->count) * W * sizeof(real));
 }
 
-/// From places to parameters.
+/// Compute the parameters.
 static bat_status run_network(inference_run *r, const bat_cloud *cloud, const double *boundary, double *interior,
                               bat_error *error)
 {
@@ -717,7 +720,7 @@ static void add_normalization(learn_parameters *parameters, size_t width, const 
     (void)learn_parameters_add(parameters, 0, width, name);
 }
 
-/// Places are those of PyTorch's Sequential: layer, normalization, ReLU, layer, …
+/// Names follow PyTorch's Sequential: 0 layer, 1 normalization, 2 ReLU, 3 layer, …
 static void add_message(learn_parameters *parameters, size_t inputs, const char *part)
 {
     add_layer(parameters, SURFACE_WIDTH, inputs, part, 0);

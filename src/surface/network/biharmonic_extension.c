@@ -1,3 +1,9 @@
+/// @file
+/// Biharmonic extension of boundary parameters (see biharmonic_extension.h), by a dense symmetric indefinite solve.
+///
+/// The noise of the loop is estimated from the deviation of each point from the cubic through two neighbours on either side:
+/// with interpolation weights g_k, the deviation x_i - sum g_k x_k has standard deviation noise sqrt(1 + sum g_k^2).
+
 #include "surface/network/biharmonic_extension.h"
 #include "base/ascending.h"
 #include "linalg/vector3.h"
@@ -13,21 +19,21 @@
 enum
 {
     AFFINE_TERMS = 4,
-    /// Longer loops are thinned: the system is dense.
+    /// Longer loops are subsampled, because the system is dense.
     MAX_CENTRES = 512,
-    /// Points on either side that foretell a point of the loop.
+    /// Neighbours on either side that predict a point of the loop.
     NEIGHBOURS_A_SIDE = 2
 };
 
-/// Of the loop's noise, as lambda.
+/// lambda for each unit of noise.
 static const double NOISE_WEIGHT = 5;
 static const double MIN_LAMBDA = 1e-6;
-/// Keeps planar loops, whose affine part is not unique, regular.
+/// Regularizes planar loops, for which the affine part is not unique.
 static const double AFFINE_RIDGE = 1e-9;
-/// The median of the length of a vector of three standard normal numbers.
+/// Median length of a vector of three standard normal numbers (median of the chi distribution).
 static const double MEDIAN_LENGTH = 1.5381722544550522;
 
-/// Where the neighbours of a point stand along the polygon through them, the point itself at 0.
+/// Arc lengths of the neighbours along the polygon through them, relative to the point itself.
 static void chord_positions(const double *point, const double *const neighbours[2 * NEIGHBOURS_A_SIDE],
                             double at[2 * NEIGHBOURS_A_SIDE])
 {
@@ -45,8 +51,8 @@ static void chord_positions(const double *point, const double *const neighbours[
     }
 }
 
-/// How far point i of the loop lies from where the cubic through its neighbours would have it, by the standard deviation
-/// that noise of each coordinate would give that; negative where neighbours coincide.
+/// Deviation of point i from the cubic through its neighbours, divided by sqrt(1 + sum g_k^2); negative where neighbours
+/// coincide.
 static double prediction_error(const bat_cloud *cloud, size_t i)
 {
     size_t count = cloud->boundary_count;
@@ -71,8 +77,8 @@ static double prediction_error(const bat_cloud *cloud, size_t i)
     return sqrt((gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]) / squares);
 }
 
-/// The noise of the loop's points, as the standard deviation of a coordinate: from the median surprise.
-/// Noise along the loop surprises nobody, so that it says about three quarters of what there is.
+/// The standard deviation of a coordinate of the loop's points, from the median deviation. Noise along the loop is not
+/// detected, so that the estimate is about three quarters of the true value.
 /// @param scratch boundary_count numbers
 static double loop_noise(const bat_cloud *cloud, double *scratch)
 {
@@ -89,7 +95,7 @@ static double loop_noise(const bat_cloud *cloud, double *scratch)
     return scratch[count / 2] / MEDIAN_LENGTH;
 }
 
-/// The upper triangle of the system by rows: that of the lower one by columns, as LAPACK has it.
+/// Fill the upper triangle by rows, which is the lower triangle in LAPACK's column order.
 static void fill_system(const biharmonic_extension *extension, double lambda, double *matrix)
 {
     size_t count = extension->count, side = count + AFFINE_TERMS;
@@ -122,15 +128,15 @@ static bat_status solve(biharmonic_extension *extension, double lambda, bat_erro
         for (size_t i = 0; i < 2 * side; i++)
             columns[i] = extension->weights[2 * (i % side) + i / side];
         double size, *work = NULL;
-        // Column by column for LAPACK; its workspace is asked for first.
+        // The first call queries the size of the workspace.
         lapack_int n = (lapack_int)side,
                    info = LAPACKE_dsysv_work(LAPACK_COL_MAJOR, 'L', n, 2, matrix, n, pivots, columns, n, &size, -1);
         if (info == 0 && (work = memory_array((size_t)size, sizeof *work)) == NULL)
             status = error_memory(error, (size_t)size * sizeof *work);
         else if (info != 0 ||
                  LAPACKE_dsysv_work(LAPACK_COL_MAJOR, 'L', n, 2, matrix, n, pivots, columns, n, work, (lapack_int)size) != 0)
-            status =
-                error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the parameters of the boundary cannot be carried on");
+            status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                               "the boundary parameters cannot be extended to the interior");
         free(work);
         for (size_t i = 0; status == BAT_OK && i < 2 * side; i++)
             extension->weights[2 * (i % side) + i / side] = columns[i];

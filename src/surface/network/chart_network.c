@@ -1,3 +1,6 @@
+/// @file
+/// Charts and the network that moves them; see chart_network.h.
+
 #include "surface/network/chart_network.h"
 
 #include "base/error.h"
@@ -17,13 +20,13 @@ enum
     GATE = 2 * CHART_TERMS
 };
 
-/// What the gate's number is before a network says anything: it lets most of a step pass.
+/// The logit of the gate for a zero output of the network: most of a step is taken.
 static const double GATE_BIAS = 2;
 
-/// A patch farther from the cloud than this, in the unit box and beside the noise, says that the chart is folded.
+/// A chart is treated as folded when the residual of its patch, beyond the noise, exceeds this in the unit box.
 static const double MAX_RESIDUAL = 0.05;
 
-/// The patch through the whole cloud at its first parameters, and what follows from it.
+/// Fit the patch to the whole cloud at the initial parameters, and compute features and steps.
 static bat_status fit_patch(const bat_cloud *cloud, const double *boundary, double noise, surface_chart *chart,
                             bat_error *error)
 {
@@ -171,7 +174,7 @@ static void evaluate_layers(const real *weights, const double *features, double 
         moves[i] = (double)x[i];
 }
 
-/// Parameters of little stretch, which take more time.
+/// Stretch-minimizing parameters, for deep shapes.
 static bat_status parameterize_deep(const bat_cloud *cloud, const double *boundary, int threads, double *interior,
                                     bat_error *error)
 {
@@ -191,7 +194,7 @@ static bat_status parameterize_deep(const bat_cloud *cloud, const double *bounda
 static bat_status check_boundary(const bat_cloud *cloud, const double *boundary, bat_error *error)
 {
     if (cloud->boundary_count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
     for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
         if (!isfinite(boundary[i]))
             return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
@@ -212,7 +215,7 @@ static bat_status infer(const void *network, const bat_cloud *cloud, const doubl
     surface_chart chart;
     blas_single_begin();
     status = surface_chart_make(cloud, boundary, memory, &chart, error);
-    // Charts of deep shapes are like none that the network has learned from: it is not asked about them.
+    // Deep shapes lie outside the training distribution of the network.
     if (status == BAT_OK && chart.folded)
         status = parameterize_deep(cloud, boundary, threads, interior, error);
     else if (status == BAT_OK)

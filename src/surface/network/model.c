@@ -1,3 +1,6 @@
+/// @file
+/// Models that parameterize clouds: the table of network kinds, reading weights, and scaling clouds to the unit box.
+
 #include "surface/network/model.h"
 
 #include "base/error.h"
@@ -21,7 +24,7 @@ struct bat_surface_model
     void *network;
 };
 
-/// Take the weights of a kind out of a file: of a checkpoint the best ones.
+/// Extract the weights of a kind from a file; from a checkpoint, the best weights so far.
 static bat_status extract_weights(const safetensors *content, const surface_network_kind *kind, bat_surface_model *model,
                                   bat_error *error)
 {
@@ -50,7 +53,7 @@ static bat_status make_model(const safetensors *content, bat_surface_model **mod
         status = error_memory(error, sizeof *made);
     else if (kind == NULL)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                           "the file holds no network for surfaces: its recipe is '%.60s'", recipe != NULL ? recipe : "");
+                           "the file contains no network for surfaces; its recipe is '%.60s'", recipe != NULL ? recipe : "");
     else
         status = extract_weights(content, kind, made, error);
     if (status == BAT_OK)
@@ -94,7 +97,7 @@ bat_status bat_surface_model_parameterize(const bat_surface_model *model, const 
     bat_cloud boxed = *cloud;
     unit_box box = unit_box_of(cloud->points, cloud->count);
     if (!isfinite(box.size))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud is larger than numbers can tell");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the size of the cloud is not finite");
     boxed.points = memory_array(cloud->count, 3 * sizeof *boxed.points);
     if (boxed.points == NULL)
         return error_memory(error, cloud->count * 3 * sizeof *boxed.points);

@@ -1,3 +1,7 @@
+/// @file
+/// Penalized least squares for the coefficients of a patch, by normal equations and Cholesky factorization:
+///     (A^T A / n + diag(cost (a^2 + b^2)^2)) c = A^T x / n,   cost = ORDER_COST + NOISE_COST noise^2 / n
+
 #include "surface/network/polynomial_patch.h"
 
 #include "base/error.h"
@@ -13,19 +17,19 @@
 enum
 {
     ORDERS = PATCH_DEGREE + 1,
-    BLOCK = 64, ///< points whose terms stand side by side
+    BLOCK = 64, ///< rows assembled at a time
     COLUMNS = PATCH_TERMS + 3
 };
 
-/// What coefficients cost, against the mean square distance in the unit box.
+/// Penalty factor, relative to the mean squared distance in the unit box.
 static const double ORDER_COST = 1e-7;
-/// Coefficients of order a^2 + b^2 are expected to be of size 0.3 over that: where noise hides them they give way.
+/// Penalty factor for noise: the prior standard deviation of c_ab is 0.3 / (a^2 + b^2).
 static const double NOISE_COST = 1 / (0.3 * 0.3);
-/// Keeps fewer points than coefficients regular.
+/// Regularizes fits with fewer points than coefficients.
 static const double RIDGE = 1e-14;
-/// Added, against the product of the squared tangents, to the determinant of a step where tangents are nearly parallel.
+/// Regularize a step where the tangents are nearly parallel: STEP_RIDGE relative to |X_u|^2 |X_v|^2, STEP_FLOOR absolute.
 static const double STEP_RIDGE = 1e-3, STEP_FLOOR = 1e-9;
-/// No step goes farther in either parameter.
+/// Maximum length of a step in either parameter.
 static const double MAX_STEP = 0.2;
 
 void legendre_polynomials(double t, int degree, double *values)
@@ -37,7 +41,7 @@ void legendre_polynomials(double t, int degree, double *values)
         values[k + 1] = ((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1);
 }
 
-/// Derivatives by t of Legendre's polynomials of 2 t - 1.
+/// Derivatives with respect to t of the Legendre polynomials at 2 t - 1.
 static void legendre_slopes(const double *values, double *slopes)
 {
     slopes[0] = 0;
@@ -46,7 +50,7 @@ static void legendre_slopes(const double *values, double *slopes)
         slopes[k + 1] = slopes[k - 1] + 2 * (2 * k + 1) * values[k];
 }
 
-/// A point's terms, then its coordinates.
+/// A row of the design matrix: the terms at a parameter, then the coordinates of the point.
 static void fill_row(const double *point, const double *parameter, double *row)
 {
     double u[ORDERS], v[ORDERS];
@@ -58,7 +62,7 @@ static void fill_row(const double *point, const double *parameter, double *row)
     memcpy(row + PATCH_TERMS, point, 3 * sizeof *point);
 }
 
-/// rows^T rows of terms and coordinates, over the number of points; the upper triangle.
+/// The upper triangle of rows^T rows / count.
 static void accumulate(const double *points, const double *parameters, size_t count, double *rows, double *products)
 {
     memset(products, 0, (size_t)COLUMNS * COLUMNS * sizeof *products);
@@ -90,10 +94,12 @@ static bat_status solve(double *products, double cost, polynomial_patch *descrip
         for (size_t d = 0; d < 3; d++)
         {
             descriptor->terms[k][d] = right[d * PATCH_TERMS + k];
-            // Not every factorization tells of what is no number.
+            // LAPACK may not report NaN.
             solved = solved && isfinite(descriptor->terms[k][d]);
         }
-    return solved ? BAT_OK : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no polynomial patch fits the cloud");
+    return solved ? BAT_OK
+                  : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                              "the polynomial patch through the cloud cannot be computed");
 }
 
 static void evaluate(const polynomial_patch *descriptor, const double parameter[2], double x[3], double xu[3], double xv[3])

@@ -1,3 +1,9 @@
+/// @file
+/// Exact radius graphs by blocked matrix products; see radius_graph.h.
+///
+/// With p_j = x.y_j - |y_j|^2 / 2, the test |x - y_j| <= r is  p_j >= (|x|^2 - r^2) / 2.  In floating point the test is
+/// decided by p_j outside an interval that bounds the rounding error, and by a sum in double precision inside it.
+
 #include "surface/network/radius_graph.h"
 
 #include "base/lanes.h"
@@ -9,7 +15,7 @@
 
 // Sources
 
-/// The middle of some rows, and how far the farthest of them is from it.
+/// The mean of some rows, and the largest distance of a row from it.
 LANES_CLONES
 static void enclose(const real *rows, size_t count, size_t width, real *centre, real *reach)
 {
@@ -53,7 +59,7 @@ surface_sources surface_sources_make(const real *points, size_t count, size_t wi
         longest = fmax(longest, square);
     }
     learn_packed product = learn_pack(width, count, points, width, bias, memory);
-    // Nothing is near what fills up the last panel.
+    // The padding of the last panel is beyond any radius.
     for (size_t j = count; j < columns; j++)
         packed_bias[j] = (real)-HUGE_VAL;
     for (size_t p = 0; p < panels; p++)
@@ -68,11 +74,11 @@ surface_sources surface_sources_make(const real *points, size_t count, size_t wi
 
 enum
 {
-    CHUNK = 1024, ///< sources that targets are compared with together, so that both stay in the nearest caches
+    CHUNK = 1024, ///< number of sources compared at a time, so that sources and targets fit in the first caches
     PANELS = CHUNK / LEARN_PANEL
 };
 
-/// Which products of a panel are not below a bound.
+/// Bit mask of the products of a panel that are at least `bound`.
 static inline uint32_t compare(const real *products, real bound)
 {
     uint32_t bits = 0;
@@ -93,7 +99,7 @@ static bool is_near(const surface_sources *sources, const real *target, size_t s
     return square <= radius * radius;
 }
 
-/// Products from which a target's neighbours are to be told: all of `surely` and above are, none below `perhaps`.
+/// Bounds of the products: at or above `surely` a source is a neighbour, below `perhaps` it is not.
 typedef struct bounds
 {
     real surely, perhaps;
@@ -105,15 +111,15 @@ static bounds bounds_of(const surface_sources *sources, const real *target, doub
     double square = 0;
     for (size_t c = 0; c < sources->width; c++)
         square += (double)target[c] * (double)target[c];
-    // The error of a sum of products is at most as many roundings of the norms' product (Higham 2002, section 3.1); then
-    // that of the bias and of the bounds themselves.
+    // The error of an inner product of n terms is at most n units of roundoff times the norms (Higham 2002, section 3.1).
+    // The remaining terms bound the errors of the bias and of the bounds.
     double norm = sqrt(square), longest = sources->longest;
     double slack = epsilon * ((double)(sources->width + 2) * norm * longest + longest * longest + square + radius * radius);
     double bound = 0.5 * (square - radius * radius);
     return (bounds){(real)(bound + slack), (real)(bound - slack)};
 }
 
-/// Set the bits of one target among a run of panels; returns how many.
+/// Set the bits of one target for consecutive panels; returns the number of neighbours.
 LANES_CLONES
 static uint32_t find(const surface_sources *sources, const real *target, double radius, bounds b, size_t panel,
                      size_t panels, const real *products, uint64_t *bits)
@@ -136,12 +142,12 @@ static uint32_t find(const surface_sources *sources, const real *target, double 
     return degree;
 }
 
-/// Which panels' balls lie so that targets in a ball may have neighbours in them.
+/// Which panels may contain neighbours of targets in a given ball, by their bounding balls.
 LANES_CLONES
 static void reach(const surface_sources *sources, const real *centre, real own_reach, double radius, size_t panel,
                   size_t panels, bool *reached)
 {
-    // Far more than roundings make of distances and reaches.
+    // Far above the rounding errors of distances and radii.
     const double careful = 1 + 1e-3, slack = 1e-4 * sources->longest;
     for (size_t p = 0; p < panels; p++)
     {
@@ -151,7 +157,7 @@ static void reach(const surface_sources *sources, const real *centre, real own_r
         for (size_t c = 0; c < sources->width; c++)
             square += (centre[c] - other[c]) * (centre[c] - other[c]);
         double bound = careful * (radius + (double)own_reach + (double)sources->reaches[panel + p]) + slack;
-        // Where numbers are none they are looked at.
+        // NaN counts as reached.
         reached[p] = !((double)square > bound * bound);
     }
 }
@@ -159,14 +165,14 @@ static void reach(const surface_sources *sources, const real *centre, real own_r
 /// A tile of targets.
 typedef struct target_tile
 {
-    const real *x; ///< LEARN_TILE rows, of which the first `rows` count
+    const real *x; ///< LEARN_TILE rows, of which the first `rows` are in use
     size_t rows;
     uint64_t *bits; ///< rows x words
     uint32_t *degrees;
     bounds of[LEARN_TILE];
 } target_tile;
 
-/// Compare with the sources of a run of panels.
+/// Compare with the sources of consecutive panels.
 static void compare_panels(const surface_sources *sources, const target_tile *tile, double radius, size_t panel,
                            size_t panels)
 {
@@ -182,7 +188,7 @@ static void compare_panels(const surface_sources *sources, const target_tile *ti
                                  products + r * columns, tile->bits + r * words);
 }
 
-/// Compare with those sources of a chunk that may be near.
+/// Compare with the sources of a chunk whose bounding balls are within reach.
 static void compare_chunk(const surface_sources *sources, const target_tile *tile, double radius, size_t panel,
                           size_t panels)
 {

@@ -1,3 +1,6 @@
+/// @file
+/// k-d tree of boxes with levels; see box_tree.h.
+
 #include "surface/spline/box_tree.h"
 
 #include "base/array_grow.h"
@@ -21,7 +24,7 @@ static box_tree_area half_of(const box_tree_area *area, const box_tree_node *nod
     return half;
 }
 
-/// Whether an area reaches to a side of a node's cut.
+/// Whether an area intersects a side of a node's cut.
 static bool meets(const box_tree_area *area, const box_tree_node *node, int side)
 {
     return side == 0 ? area->low[node->axis] < node->cut : area->high[node->axis] > node->cut;
@@ -42,7 +45,7 @@ bat_status box_tree_make(uint64_t width, uint64_t height, box_tree *tree, bat_er
     return BAT_OK;
 }
 
-/// Copy what hangs on a node to the place `to`, children behind all that is there.
+/// Copy a subtree to node `to`; descendants are appended.
 static void copy_node(const box_tree *tree, uint32_t from, box_tree *copy, uint32_t to)
 {
     box_tree_node node = tree->nodes[from];
@@ -80,7 +83,7 @@ static uint64_t roundest_between(uint64_t a, uint64_t b)
     return (b - 1) >> digit << digit;
 }
 
-/// Cut a leaf that an edge of `area` crosses, across its longer side where both would do.
+/// Cut a leaf that an edge of `area` crosses; along the longer side if both axes qualify.
 static bool cut_leaf(box_tree *tree, uint32_t leaf, const box_tree_area *bounds, const box_tree_area *area)
 {
     bool x = crosses(area, bounds, 0), y = crosses(area, bounds, 1);
@@ -100,7 +103,7 @@ static bool cut_leaf(box_tree *tree, uint32_t leaf, const box_tree_area *bounds,
     return true;
 }
 
-/// Make two leaves of one level their parent's leaf.
+/// Merge two leaves of the same level into their parent.
 static void join_children(box_tree *tree, uint32_t index)
 {
     box_tree_node *node = &tree->nodes[index], *lower = &tree->nodes[node->child[0]], *upper = &tree->nodes[node->child[1]];

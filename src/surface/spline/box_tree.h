@@ -4,27 +4,29 @@
 #include "batten/base.h"
 
 /// @file
-/// Which level a place of the square has: a k-d tree of boxes with levels, after Kiss, Giannelli and Jüttler, "Algorithms
-/// and data structures for truncated hierarchical B-splines" (2014). Coordinates are whole numbers, from 0 to the square's
-/// size. A box is only ever cut along the line inside of it that the highest power of two divides, so that the tree's depth
-/// is at most twice the number of binary digits of the size, in whatever order levels are raised, and cuts follow the grid
-/// of the box that made them.
+/// The level of every cell of the square: a k-d tree of boxes with levels, after Kiss, Giannelli and Jüttler, "Algorithms
+/// and data structures for truncated hierarchical B-splines" (2014).
+///
+/// Coordinates are integers from 0 to the size of the square. A box is cut at the interior integer divisible by the highest
+/// power of two. The depth is therefore at most twice the number of binary digits of the size, for any order of insertions,
+/// and cuts follow the dyadic grids.
 
-/// Places from low to high - 1.
+/// The integer box [low, high).
 typedef struct box_tree_area
 {
     uint64_t low[2], high[2];
 } box_tree_area;
 
+/// A node: an inner node with a cut, or a leaf with a level.
 typedef struct box_tree_node
 {
-    uint64_t cut;      ///< where the upper child begins
-    uint32_t child[2]; ///< 0, 0: a leaf
-    uint8_t axis;      ///< that the cut is across
-    uint8_t level;     ///< of a leaf
+    uint64_t cut;      ///< first coordinate of the upper child
+    uint32_t child[2]; ///< indices of the children; 0, 0 for a leaf
+    uint8_t axis;      ///< axis of the cut
+    uint8_t level;     ///< level of a leaf
 } box_tree_node;
 
-/// Release it with box_tree_free(). Node 0 is the root.
+/// The tree; node 0 is the root. Release it with box_tree_free().
 typedef struct box_tree
 {
     box_tree_node *nodes;
@@ -32,28 +34,29 @@ typedef struct box_tree
     uint64_t size[2];
 } box_tree;
 
-/// One area of level 0. Sizes are above 0.
+/// Make a tree with one box of level 0. Both sizes are positive.
 bat_status box_tree_make(uint64_t width, uint64_t height, box_tree *tree, bat_error *error);
-/// A copy that wastes nothing: without nodes out of use, in depth-first order.
+/// A compact copy: without unused nodes, in depth-first order.
 bat_status box_tree_copy(const box_tree *tree, box_tree *copy, bat_error *error);
 void box_tree_free(box_tree *tree);
 
-/// Raise an area to at least a level.
-/// @return BAT_OK or BAT_NO_MEMORY, the area then being raised in part
+/// Raise all of an area to at least `level`.
+/// @return BAT_OK, or BAT_NO_MEMORY with the area partly raised
 bat_status box_tree_raise(box_tree *tree, const box_tree_area *area, uint8_t level, bat_error *error);
 
-/// Whether all of an area has at least a level.
+/// Whether all of an area has at least the level `level`.
 bool box_tree_reaches(const box_tree *tree, const box_tree_area *area, uint8_t level);
-/// The level of a place.
+/// The level at (x, y).
 uint8_t box_tree_level(const box_tree *tree, uint64_t x, uint64_t y);
 
+/// A box of constant level.
 typedef struct box_tree_leaf
 {
     box_tree_area area;
     uint8_t level;
 } box_tree_leaf;
 
-/// All boxes; they cover the square once.
+/// List the boxes of the leaves, which tile the square.
 /// @param leaves receives an array from malloc()
 bat_status box_tree_leaves(const box_tree *tree, box_tree_leaf **leaves, size_t *count, bat_error *error);
 

@@ -1,3 +1,7 @@
+/// @file
+/// Evaluation of basis functions and surfaces on the cells of a hierarchical space:
+///     S(u, v) = sum_ab C_ab N_a(u) N_b(v)   on each cell, C = E^T control  (hierarchical_space.h).
+
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
@@ -7,9 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/// @file
-/// The functions of a space at a parameter: those of the cell's own level, times the cell's extraction.
 
 enum
 {
@@ -32,7 +33,7 @@ static void hierarchical_values(const bat_hierarchical_space *space, const hiera
             values[d * count + a] *= power;
 }
 
-/// Which derivatives by u and v a row of values holds: B, B_u, B_v, B_uu, B_uv, B_vv.
+/// Orders of derivatives with respect to u and v in each row of values: B, B_u, B_v, B_uu, B_uv, B_vv.
 static const struct
 {
     uint8_t u, v;
@@ -104,7 +105,7 @@ void hierarchical_local_control(const bat_hierarchical_space *space, const hiera
     }
 }
 
-/// Sums over the functions of u, and then of v; inlined, so that surfaces in space get loops of known length.
+/// Sum over the functions of u, then of v. Inlined, so that dimension 3 gets loops of constant length.
 static inline void evaluate_sums(const double *across, size_t columns, const double *along, size_t rows, const double *local,
                                  size_t dimension, int derivatives, double *scratch, double *values)
 {
@@ -186,10 +187,10 @@ void bat_spline_surface_free(bat_spline_surface *surface)
     *surface = (bat_spline_surface){0};
 }
 
-/// Points sorted by the cells that hold them.
+/// Points sorted by the cells that contain them.
 typedef struct cell_points
 {
-    uint32_t *cell; ///< of every point
+    uint32_t *cell; ///< cell of every point
     size_t *order;  ///< the points, cell by cell
     size_t *begin;  ///< cells + 1
 } cell_points;
@@ -215,7 +216,7 @@ static bat_status cell_points_make(const bat_hierarchical_space *space, const do
 #pragma omp parallel for num_threads(threads) schedule(static)
     for (size_t i = 0; i < count; i++)
         points->cell[i] = (uint32_t)bat_hierarchical_space_locate(space, parameters[2 * i], parameters[2 * i + 1]);
-    // Counting moves each beginning one cell on; sorting moves it back.
+    // Counting sort: offsets point to the ends of the cells, and move to their beginnings while points are placed.
     for (size_t i = 0; i < count; i++)
         points->begin[points->cell[i]]++;
     size_t before = 0;
@@ -229,8 +230,8 @@ static bat_status cell_points_make(const bat_hierarchical_space *space, const do
 static bat_status check_parameters(const double *parameters, size_t count, int derivatives, bat_error *error)
 {
     if (derivatives < 0 || derivatives > 2)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "derivatives of order %d are not among 0 to 2",
-                         derivatives);
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the order of derivatives, %d, is not between 0 and 2", derivatives);
     for (size_t i = 0; i < count; i++)
         for (size_t d = 0; d < 2; d++)
             if (!(parameters[2 * i + d] >= 0 && parameters[2 * i + d] <= 1))

@@ -1,3 +1,13 @@
+/// @file
+/// Construction of a hierarchical space from its box tree: regions, active cells, basis functions, extraction.
+///
+/// With B_l the B-splines of level l and O_l the region of level l, the basis (Kraft, 1997) is
+///     { B in B_l : supp B is in O_l but not in O_l+1, l = 0, 1, … }.
+/// The extraction is computed from level to level. On every cell of a level, each active function of coarser levels is a row
+/// of coefficients in local functions. Rows of a refined cell, extended by the functions selected on its level, are
+/// converted to its quarters by the two-scale relation. For the truncated basis, coefficients of functions with support in
+/// the next region are then set to zero, and zero rows are dropped.
+
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/array_grow.h"
@@ -7,10 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// @file
-/// From the box tree to the active cells and the selected functions, level by level, as sets of runs.
-
-/// Sort the boxes of the tree by level into runs of cells.
+/// Convert the boxes of the tree to runs of cells for each level.
 static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)
 {
     box_tree_leaf *leaves;
@@ -35,8 +42,8 @@ static bat_status collect_cells(bat_hierarchical_space *space, bat_error *error)
     return made ? BAT_OK : error_memory(error, count * sizeof *leaves);
 }
 
-/// The region of a level and its functions: those that the region supports, of which those are selected that the refined
-/// cells, which are the next region, do not support.
+/// Region, supported and selected functions of a level. Selected are the functions supported in the region but not in its
+/// refined part.
 static bool make_level(bat_hierarchical_space *space, size_t level)
 {
     uint32_t size[2] = {(uint32_t)hierarchical_spans(space, level, 0), (uint32_t)hierarchical_spans(space, level, 1)};
@@ -51,7 +58,7 @@ static bool make_level(bat_hierarchical_space *space, size_t level)
     return all;
 }
 
-/// Go from the finest region, whose cells are all active, to the coarsest.
+/// Process the levels from the finest, whose cells are all active, to the coarsest.
 static bat_status make_levels(bat_hierarchical_space *space, bat_error *error)
 {
     bool made = true;
@@ -60,7 +67,7 @@ static bat_status make_levels(bat_hierarchical_space *space, bat_error *error)
     return made ? BAT_OK : error_memory(error, sizeof(grid_run));
 }
 
-/// Number the places of a set after `*count` others.
+/// Number the elements of a set from `*count` on.
 static bat_status number_places(run_set *set, const char *what, size_t *count, bat_error *error)
 {
     uint64_t size = run_set_size(set);
@@ -101,14 +108,7 @@ static void list_level(bat_hierarchical_space *space, uint32_t level)
             space->functions[run->number + (i - run->begin)] = (bat_spline_function){level, i, run->row};
 }
 
-/// @file
-/// The extraction of the cells: what coarser functions are on a cell, in the cell's local functions. It is found level by
-/// level, of refined cells as of active ones. On a cell each function of the basis of coarser levels is a row of numbers. On
-/// a refined cell those that its level selects join. The two-scale relation says the rows in the functions of the next level
-/// on each quarter of the cell; of the truncated basis those numbers are then set to zero that belong to functions with
-/// support in the next region, and what has become zero is gone.
-
-/// The rows of the refined cells of a level, one cell after the other.
+/// The rows of all refined cells of a level.
 typedef struct refined_rows
 {
     double *values;
@@ -117,25 +117,25 @@ typedef struct refined_rows
     size_t count, value_capacity, index_capacity;
 } refined_rows;
 
-/// Where the last searches in a set ended, one for each row of local functions.
+/// Results of the previous searches in a set, one for each row of local functions.
 typedef struct run_hints
 {
     size_t row[BAT_SPLINE_MAX_DEGREE + 1];
 } run_hints;
 
-/// The rows of a cell in the making.
+/// The rows of the current cell.
 typedef struct cell_rows
 {
-    double *values;      ///< room for those of all levels
+    double *values;      ///< max_rows x locals
     uint32_t *indices;   ///< of the functions
-    uint32_t *supported; ///< numbers of the local functions in the level's sets
+    uint32_t *supported; ///< numbers of the local functions in the set of supported functions
     uint32_t *selected;
     size_t count;
     run_hints hint_supported, hint_selected, hint_parent;
 } cell_rows;
 
-/// The numbers in a set of functions of the local functions of a cell; UINT32_MAX for those not in it.
-/// @return how many are in it
+/// Find the numbers of a cell's local functions in a set of functions; UINT32_MAX for those not in the set.
+/// @return the number of local functions in the set
 static size_t local_numbers(const bat_hierarchical_space *space, const run_set *functions, uint32_t column, uint32_t row,
                             run_hints *hints, uint32_t *numbers)
 {
@@ -160,7 +160,7 @@ static size_t local_numbers(const bat_hierarchical_space *space, const run_set *
     return found;
 }
 
-/// One row, coefficients b (p + 1) + a, by both two-scale relations.
+/// Apply both two-scale relations to one row, with coefficient b (p + 1) + a.
 static void refine_row(const uniform_refinement *across, const uniform_refinement *along, size_t columns, size_t rows,
                        double *row)
 {
@@ -197,7 +197,7 @@ void hierarchical_refine_rows(const bat_hierarchical_space *space, size_t level,
                    rows + k * locals);
 }
 
-/// Set the numbers of supported functions to zero, and drop the rows that are zero then.
+/// Truncate: set the coefficients of supported functions to zero, and drop rows that become zero.
 static void truncate_rows(const uint32_t *supported, size_t locals, cell_rows *rows)
 {
     size_t count = 0;
@@ -217,8 +217,8 @@ static void truncate_rows(const uint32_t *supported, size_t locals, cell_rows *r
     rows->count = count;
 }
 
-/// What coarser functions are on a cell, from the rows of the refined cell that it is a quarter of.
-/// @param supported numbers of the cell's local functions; not read in the plain basis
+/// Compute the rows of a cell from those of the refined cell of which it is a quarter.
+/// @param supported numbers of the cell's local functions; not used for the plain basis
 static void refine_parent_rows(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row,
                                const uint32_t *supported, const refined_rows *parents, cell_rows *rows)
 {
@@ -236,7 +236,7 @@ static void refine_parent_rows(const bat_hierarchical_space *space, size_t level
         truncate_rows(supported, locals, rows);
 }
 
-/// Add the functions that a refined cell's level selects, each being a local function there.
+/// Append the selected functions of the cell's level as unit rows.
 static void add_selected(size_t locals, cell_rows *rows)
 {
     for (size_t a = 0; a < locals; a++)
@@ -250,7 +250,7 @@ static void add_selected(size_t locals, cell_rows *rows)
     }
 }
 
-/// Find the rows of a refined cell and put them behind those of the cells before it.
+/// Compute and append the rows of a refined cell.
 static bool store_refined(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row,
                           const refined_rows *parents, cell_rows *rows, refined_rows *stored)
 {
@@ -275,8 +275,8 @@ static bool store_refined(const bat_hierarchical_space *space, size_t level, uin
     return true;
 }
 
-/// Find what coarser functions are on an active cell and put it with the cell's own functions behind the cells before it. Of
-/// the functions that do not vanish on an active cell, its level selects those it supports.
+/// Compute and append the extraction and the active functions of an active cell. On an active cell, all supported local
+/// functions are selected.
 static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, const refined_rows *parents, cell_rows *rows)
 {
     size_t locals = hierarchical_locals(space), level = cell->level;
@@ -309,7 +309,7 @@ static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, c
     return true;
 }
 
-/// All cells of a level, from the rows of the level before.
+/// Extraction of all cells of a level, from the rows of the level before.
 static bool extract_level(bat_hierarchical_space *space, size_t level, const refined_rows *parents, cell_rows *rows,
                           refined_rows *stored)
 {

@@ -1,3 +1,7 @@
+/// @file
+/// Hierarchical B-spline spaces: creation, refinement, admissibility and queries. Giannelli, Jüttler and Speleers,
+/// "THB-splines: the truncated basis for hierarchical splines" (2012).
+
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
@@ -20,7 +24,7 @@ static bat_status check_options(const bat_hierarchical_options *options, bat_err
     for (int d = 0; d < 2; d++)
     {
         if (options->degree[d] < 1 || options->degree[d] > BAT_SPLINE_MAX_DEGREE)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 1 to %d",
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 1 and %d",
                              options->degree[d], BAT_SPLINE_MAX_DEGREE);
         if (options->spans[d] == 0)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
@@ -28,11 +32,11 @@ static bat_status check_options(const bat_hierarchical_options *options, bat_err
     }
     if (options->admissible < 0 || options->admissible == 1)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the class of admissibility %d is neither 0 nor 2 or more", options->admissible);
+                         "the class of admissibility %d must be 0 or at least 2", options->admissible);
     return BAT_OK;
 }
 
-/// Whether the grid of a level can be counted in 32 bits.
+/// Whether the cells and functions of a level in each direction can be numbered with 32 bits.
 static bool level_fits(const bat_hierarchical_options *options, size_t level)
 {
     for (int d = 0; d < 2; d++)
@@ -41,7 +45,7 @@ static bool level_fits(const bat_hierarchical_options *options, size_t level)
     return true;
 }
 
-/// A space of a tree, which becomes the space's, or is freed on failure.
+/// Make a space from a box tree. Takes ownership of the tree, also on failure.
 static bat_status make_of_tree(const bat_hierarchical_options *options, box_tree *tree, bat_hierarchical_space **space,
                                bat_error *error)
 {
@@ -117,16 +121,16 @@ static bat_status check_box(const bat_hierarchical_options *options, const bat_s
     for (int d = 0; d < 2; d++)
     {
         if (box->low[d] >= box->high[d])
-            return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "box %zu is of no cells", index);
+            return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "box %zu contains no cells", index);
         if (box->high[d] > options->spans[d] << box->level)
             return error_set(error, BAT_INVALID_ARGUMENT, index, 0,
-                             "box %zu leaves the grid of level %u, of %zu x %zu cells", index, box->level,
+                             "box %zu exceeds the grid of level %u, which has %zu x %zu cells", index, box->level,
                              options->spans[0] << box->level, options->spans[1] << box->level);
     }
     return BAT_OK;
 }
 
-/// The box of cells of a coarser level that holds a box.
+/// The smallest box of a coarser level that contains a box.
 static bat_spline_box coarsen(const bat_spline_box *box, uint32_t level)
 {
     bat_spline_box coarse = {.level = level};
@@ -151,10 +155,10 @@ static bat_spline_box extend(const bat_hierarchical_options *options, const bat_
     return wide;
 }
 
-/// Which coarser cells must be refined so that a box of cells can be, in a space of class m: of the truncated basis those
-/// that the support extension by functions of level l - m + 2 meets (Buffa and Giannelli 2016, section 3); of the plain
-/// basis the support extension by functions of level l - m + 1 (Bracco, Giannelli and Vázquez, "Refinement algorithms for
-/// adaptive isogeometric methods with hierarchical splines", 2018). False when there are none.
+/// The coarser cells that must be refined before a box of level l, to preserve admissibility of class m. Truncated basis:
+/// the support extension with respect to level l - m + 2 (Buffa and Giannelli 2016, section 3). Plain basis: with respect to
+/// level l - m + 1 (Bracco, Giannelli and Vázquez, "Refinement algorithms for adaptive isogeometric methods with
+/// hierarchical splines", 2018). False when there are none.
 static bool neighbourhood(const bat_hierarchical_options *options, const bat_spline_box *box, bat_spline_box *coarse)
 {
     uint32_t m = (uint32_t)options->admissible;
@@ -175,7 +179,7 @@ static bat_status refine_box(const bat_hierarchical_options *options, box_tree *
         area.low[d] = (uint64_t)box->low[d] << (FINEST - box->level);
         area.high[d] = (uint64_t)box->high[d] << (FINEST - box->level);
     }
-    // What has been refined already has had its neighbours refined, too.
+    // The neighbours of cells that are already refined have been refined before.
     if (box_tree_reaches(tree, &area, (uint8_t)(box->level + 1)))
         return BAT_OK;
     bat_status status = BAT_OK;
@@ -267,8 +271,8 @@ size_t bat_hierarchical_space_active(const bat_hierarchical_space *space, size_t
     return space->cells[cell].active;
 }
 
-/// The column (or row) of the finest grid that holds a parameter. The borders of column c are the doubles nearest c / count
-/// and (c + 1) / count, which a product may miss by a bit.
+/// The column (or row) of the finest grid that contains a parameter. The borders of column c are the doubles nearest to c /
+/// count and (c + 1) / count; the product may be off by one unit in the last place.
 static uint64_t finest_cell(const bat_hierarchical_space *space, int direction, double parameter)
 {
     uint64_t count = (uint64_t)space->options.spans[direction] << FINEST;

@@ -1,3 +1,8 @@
+/// @file
+/// Knot vectors, and B-spline basis functions with derivatives by the recurrence of Cox and de Boor (The NURBS Book, A2.2
+/// and A2.3):
+///     B_i,p(t) = (t - t_i) / (t_i+p - t_i) B_i,p-1(t) + (t_i+p+1 - t) / (t_i+p+1 - t_i+1) B_i+1,p-1(t).
+
 #include "batten/spline.h"
 
 #include "base/error.h"
@@ -10,7 +15,7 @@
 bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error)
 {
     if (degree < 0 || degree > BAT_SPLINE_MAX_DEGREE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 0 to %d", degree,
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 0 and %d", degree,
                          BAT_SPLINE_MAX_DEGREE);
     if (spans == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a knot vector needs at least one span");
@@ -40,10 +45,10 @@ bat_status bat_knot_vector_check(const bat_knot_vector *knots, bat_error *error)
         if (!isfinite(knots->knots[i]))
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu is not finite", i);
         if (i > 0 && knots->knots[i] < knots->knots[i - 1])
-            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu is below the one before it", i);
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu is smaller than the knot before it", i);
         multiplicity = i > 0 && knots->knots[i] == knots->knots[i - 1] ? multiplicity + 1 : 1;
         if (multiplicity > p + 1)
-            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu repeats its value more than %zu times", i, p + 1);
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "knot %zu has a multiplicity above %zu", i, p + 1);
     }
     if (!(knots->knots[p] < knots->knots[knots->count - p - 1]))
         return error_set(error, BAT_INVALID_ARGUMENT, p, 0, "the domain from knot %zu to knot %zu has no length", p,
@@ -69,7 +74,7 @@ void bat_knot_vector_free(bat_knot_vector *knots)
 
 size_t bat_knot_vector_span(const bat_knot_vector *knots, double t)
 {
-    // Between low, at or before t, and high, after t or the domain's end.
+    // Bisection with knots[low] <= t, and knots[high] > t or at the end of the domain.
     size_t low = (size_t)knots->degree, high = bat_knot_vector_functions(knots);
     if (t >= knots->knots[high])
         while (knots->knots[high - 1] == knots->knots[high])
@@ -82,11 +87,11 @@ size_t bat_knot_vector_span(const bat_knot_vector *knots, double t)
     return low;
 }
 
-/// A triangle of functions of all degrees and the differences of knots that belong to them.
+/// The functions of degrees 0 to p on a span, and the widths of their recurrences.
 typedef struct basis_triangle
 {
     double values[BAT_SPLINE_MAX_DEGREE + 1][BAT_SPLINE_MAX_DEGREE + 1]; ///< [j][r]: function span - j + r of degree j
-    double widths[BAT_SPLINE_MAX_DEGREE + 1][BAT_SPLINE_MAX_DEGREE + 1]; ///< [j][r]: its support without the last knot
+    double widths[BAT_SPLINE_MAX_DEGREE + 1][BAT_SPLINE_MAX_DEGREE + 1]; ///< [j][r]: denominator of the recurrence
 } basis_triangle;
 
 /// A2.2 of The NURBS Book.
@@ -122,7 +127,7 @@ void bat_knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, 
             memset(row, 0, (p + 1) * sizeof *row);
             continue;
         }
-        // The k-th derivatives of degree p come by k differences from the functions of degree p - k.
+        // k differences of the functions of degree p - k give the k-th derivatives of degree p.
         memcpy(row, triangle.values[p - k], (p - k + 1) * sizeof *row);
         for (size_t j = p - k + 1; j <= p; j++)
         {
@@ -149,7 +154,7 @@ void bat_knot_vector_greville(const bat_knot_vector *knots, double *abscissae)
             abscissae[i] = (inner[-1] + inner[0]) / 2;
             continue;
         }
-        // Offsets from one of the knots add up without a rounding error where the knots are all the same.
+        // Sums of offsets from the first knot are exact when all knots coincide.
         double sum = 0;
         for (size_t k = 1; k < p; k++)
             sum += inner[k] - inner[0];

@@ -1,3 +1,8 @@
+/// @file
+/// Conversion of a hierarchical surface to tensor-product patches. Active cells of one level are grouped into rectangles.
+/// Over a rectangle the surface is a B-spline surface of that level, whose control points are the local coefficients of its
+/// cells.
+
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/array_grow.h"
@@ -8,10 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// @file
-/// Sets of cells as few boxes: runs of the same columns in rows that follow each other are one.
-
-/// The run of the row below with the same columns, if there is one.
+/// The run with the same columns in the next row, if there is one.
 static size_t run_below(const run_set *cells, const grid_run *run)
 {
     size_t i = run_set_lower_bound(cells, run->row + 1, run->begin);
@@ -21,6 +23,8 @@ static size_t run_below(const run_set *cells, const grid_run *run)
     return i;
 }
 
+/// Append a set of cells as disjoint boxes to an array from malloc(). Runs with equal columns in consecutive rows form one
+/// box.
 static bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_spline_box **boxes, size_t *count,
                                      size_t *capacity, bat_error *error)
 {
@@ -49,7 +53,7 @@ bat_status bat_hierarchical_space_regions(const bat_hierarchical_space *space, b
 {
     bat_spline_box *made = NULL;
     size_t made_count = 0, capacity = 0;
-    // An array, even where there is one level only.
+    // Allocate the array even if there is only one level.
     bat_status status = array_grow((void **)&made, &capacity, 1, sizeof *made) ? BAT_OK : error_memory(error, sizeof *made);
     for (uint32_t l = 1; l < space->levels && status == BAT_OK; l++)
         status = hierarchical_boxes(&space->level[l].region, l, &made, &made_count, &capacity, error);
@@ -63,11 +67,7 @@ bat_status bat_hierarchical_space_regions(const bat_hierarchical_space *space, b
     return BAT_OK;
 }
 
-/// @file
-/// A hierarchical surface as tensor-product pieces: over a box of active cells of one level the surface is one of that
-/// level's B-splines, whose coefficients the cells' extraction says.
-
-/// Room for a piece in the B-splines of its level that do not vanish on its box.
+/// Allocate a patch with the knots of its level's B-splines that do not vanish on its box.
 static bat_status make_piece(const bat_spline_surface *surface, const bat_spline_box *box, bat_tensor_surface *piece,
                              bat_error *error)
 {
@@ -92,7 +92,7 @@ static bat_status make_piece(const bat_spline_surface *surface, const bat_spline
     return error_memory(error, size * sizeof *piece->control);
 }
 
-/// Copy a cell's coefficients to their places in the piece of a box that holds the cell.
+/// Copy the local coefficients of a cell to the patch whose box contains the cell.
 static void place_cell(const bat_spline_surface *surface, const bat_spline_box *box, const hierarchical_cell *cell,
                        double *local, bat_tensor_surface *piece)
 {

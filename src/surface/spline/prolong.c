@@ -1,3 +1,12 @@
+/// @file
+/// Prolongation of coefficients to a refined space.
+///
+/// Truncated basis: the coefficient of a function of level l equals the coefficient of its B-spline in the representation of
+/// the surface in level l, on any active cell of level l in its support ("preservation of coefficients"; Giannelli, Jüttler
+/// and Speleers, "Strongly stable bases for adaptively refined multilevel spline spaces", 2014). It is read off there.
+///
+/// Plain basis: a function that is no longer selected is replaced by its children, B = sum_j r_j B_j, level by level.
+
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
@@ -6,14 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// @file
-/// The functions of a space in those of one refined from it. In the truncated basis the coefficient of a function of level l
-/// is what the B-spline has in the representation by level l on any active cell of level l in its support: the coarser
-/// functions have had it taken out (Giannelli, Jüttler and Speleers, "Strongly stable bases for adaptively refined
-/// multilevel spline spaces", 2014). So it is read off there. In the plain basis a function that is no longer selected is
-/// the sum of its children by the two-scale relation, which go on to the next level.
-
-/// Whether a space could have been refined from another, as far as options and places tell.
+/// Whether `refined` contains `space`: the same options, and at least the same level everywhere.
 static bool contains(const bat_hierarchical_space *space, const bat_hierarchical_space *refined)
 {
     const bat_hierarchical_options *a = &space->options, *b = &refined->options;
@@ -32,7 +34,7 @@ static bool contains(const bat_hierarchical_space *space, const bat_hierarchical
     return true;
 }
 
-/// The active cell of a space that holds a cell of the same or a finer level.
+/// The active cell of a space that contains a cell of the same or a finer level.
 static const hierarchical_cell *cell_containing(const bat_hierarchical_space *space, const hierarchical_cell *fine)
 {
     int shift = BAT_HIERARCHICAL_MAX_LEVELS - 1 - (int)fine->level;
@@ -41,15 +43,15 @@ static const hierarchical_cell *cell_containing(const bat_hierarchical_space *sp
     return &space->cells[run_set_find(&space->level[level].cells, fine->row >> up, fine->column >> up)];
 }
 
-/// Room for the truncated basis' way.
+/// Workspace for the truncated basis.
 typedef struct prolong_workspace
 {
     double *local;  ///< locals x dimension
     double *rows;   ///< dimension x locals
-    bool *computed; ///< of the refined space's functions
+    bool *computed; ///< functions of the refined space with known coefficient
 } prolong_workspace;
 
-/// The coefficients of the surface in a cell of the refined space.
+/// The local coefficients of the surface on a cell of the refined space.
 static void coefficients_on(const bat_hierarchical_space *space, const hierarchical_cell *fine, const double *coarse,
                             size_t dimension, const prolong_workspace *workspace)
 {
@@ -111,14 +113,13 @@ static bat_status make_truncated(const bat_hierarchical_space *space, const bat_
     return made ? BAT_OK : error_memory(error, 2 * size * sizeof *workspace.rows + refined->function_count);
 }
 
-/// The children of function i of a level in one direction: from 2 i - degree on, degree + 2 of them, as far as they are of
-/// the grid.
+/// The children of function i in one direction are 2 i - degree to 2 i + 1, clipped to the grid. Returns the first.
 static uint32_t first_child(uint32_t i, uint32_t degree)
 {
     return 2 * i < degree ? 0 : 2 * i - degree;
 }
 
-/// Add a function's children to the coefficients of the next level.
+/// Distribute the coefficient of a function to its children.
 static void add_to_children(const bat_hierarchical_space *refined, bat_spline_function function, const double *coefficients,
                             size_t dimension, double *next)
 {
@@ -138,7 +139,7 @@ static void add_to_children(const bat_hierarchical_space *refined, bat_spline_fu
         }
 }
 
-/// Coefficients for all functions of a level with support in its region, to begin with those of the coarse space.
+/// Initial coefficients of all functions with support in the level's region: those of the coarse space, else 0.
 static double *initial_level(const bat_hierarchical_space *space, const bat_hierarchical_space *refined, size_t level,
                              const double *coarse, size_t dimension)
 {
@@ -154,7 +155,7 @@ static double *initial_level(const bat_hierarchical_space *space, const bat_hier
     return begun;
 }
 
-/// Keep what the refined space selects of a level, and pass on the rest.
+/// Store the coefficients of selected functions, and distribute the others to the next level.
 static void store_level(const bat_hierarchical_space *refined, uint32_t level, const double *coefficients, size_t dimension,
                         double *fine, double *next)
 {
@@ -192,7 +193,7 @@ bat_status bat_hierarchical_space_prolong(const bat_hierarchical_space *space, c
                                           const double *coarse, size_t dimension, double *fine, bat_error *error)
 {
     if (!contains(space, refined))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the space was not refined from the coarse one");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the refined space does not contain the coarse one");
     return refined->options.truncated ? make_truncated(space, refined, coarse, dimension, fine, error)
                                       : make_plain(space, refined, coarse, dimension, fine, error);
 }

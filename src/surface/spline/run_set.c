@@ -1,3 +1,6 @@
+/// @file
+/// Set operations on sorted runs of grid cells; see run_set.h. Union, difference and support take linear time.
+
 #include "surface/spline/run_set.h"
 
 #include "base/array_grow.h"
@@ -65,7 +68,7 @@ void run_set_number(run_set *set, uint32_t first)
     }
 }
 
-/// Whether a run ends before a place or at it.
+/// Whether a run ends at or before (row, column).
 static bool ends_before(const grid_run *run, uint32_t row, uint32_t column)
 {
     return run->row < row || (run->row == row && run->end <= column);
@@ -149,7 +152,7 @@ bool run_set_halve(const run_set *set, run_set *coarse)
     return made;
 }
 
-/// In each row the functions of a degree whose support lies in a run.
+/// For each row, the univariate functions whose support lies in a run.
 static bool support_columns(const run_set *cells, uint32_t width, uint32_t degree, run_set *columns)
 {
     bool made = true;
@@ -163,7 +166,7 @@ static bool support_columns(const run_set *cells, uint32_t width, uint32_t degre
     return made;
 }
 
-/// Where the rows of a set begin, and behind them the set's end. Null when out of memory.
+/// Offsets of the rows of a set, followed by the number of runs. Null when out of memory.
 static size_t *row_beginnings(const run_set *set, size_t *rows)
 {
     size_t *begin = memory_array(set->count + 1, sizeof *begin);
@@ -176,7 +179,7 @@ static size_t *row_beginnings(const run_set *set, size_t *rows)
     return begin;
 }
 
-/// Append to a row what `count` rows of a set have in common.
+/// Append the intersection of `count` rows of a set to a row.
 static bool append_common(const run_set *set, const size_t *begin, size_t count, uint32_t row, run_set *common)
 {
     size_t at[BAT_SPLINE_MAX_DEGREE + 1];

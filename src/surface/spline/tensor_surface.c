@@ -1,3 +1,9 @@
+/// @file
+/// Tensor-product B-spline surfaces: evaluation, knot insertion, degree elevation, restriction.
+///     S(u, v) = sum_ij c_ij B_i(u) B_j(v)
+/// Every change of the knot vector of a direction is a linear map of the control points. Row i of the map has degree + 1
+/// weights: the blossom at the knots of the new function i.
+
 #include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
@@ -8,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The numbers of a surface's control points.
+/// The size of the array of control points, in numbers.
 static size_t control_size(const bat_tensor_surface *surface)
 {
     return bat_knot_vector_functions(&surface->knots[0]) * bat_knot_vector_functions(&surface->knots[1]) *
@@ -65,8 +71,7 @@ static bool in_domain(const bat_knot_vector *knots, double t)
     return t >= knots->knots[knots->degree] && t <= knots->knots[bat_knot_vector_functions(knots)];
 }
 
-/// Add what the functions of one parameter make of the control points, for derivative `u` by the first and `v` by the
-/// second.
+/// Add sum_ab along[b] across[a] c_ab to a value.
 static void add_products(const bat_tensor_surface *surface, const size_t span[2], const double *across, const double *along,
                          double *value)
 {
@@ -117,10 +122,6 @@ bat_status bat_tensor_surface_evaluate(const bat_tensor_surface *surface, const 
     return BAT_OK;
 }
 
-/// @file
-/// Other knot vectors of the same surface. Every new control point is a sum of up to degree + 1 old ones of its row (or
-/// column), the same for all rows: the blossom at the knots of the new one.
-
 void blossom_weights(const bat_knot_vector *knots, size_t span, const double *arguments, double *weights)
 {
     const double *after = knots->knots + span + 1;
@@ -138,10 +139,11 @@ void blossom_weights(const bat_knot_vector *knots, size_t span, const double *ar
     }
 }
 
-/// New functions of a direction in old ones: row i has degree + 1 weights of old functions first[i] on.
+/// The new control points of a direction from the old ones: point i is the sum of degree + 1 weights times points first[i],
+/// first[i] + 1, …
 typedef struct conversion
 {
-    bat_knot_vector knots; ///< the new ones
+    bat_knot_vector knots; ///< new knot vector
     size_t *first;
     double *weights;
 } conversion;
@@ -153,7 +155,7 @@ static void conversion_free(conversion *made)
     free(made->weights);
 }
 
-/// Room for a conversion to `count` knots of a degree.
+/// Allocate a conversion to `count` knots of a degree.
 static bat_status conversion_make(const bat_knot_vector *old, size_t count, int degree, conversion *made, bat_error *error)
 {
     size_t functions = count - (size_t)degree - 1, width = (size_t)old->degree + 1;
@@ -166,7 +168,7 @@ static bat_status conversion_make(const bat_knot_vector *old, size_t count, int 
     return error_memory(error, functions * width * sizeof *made->weights);
 }
 
-/// Give a surface the new functions of a direction; takes the conversion's knots on success.
+/// Apply a conversion to a surface. Takes the knots of the conversion on success.
 static bat_status convert(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
 {
     bat_knot_vector *old = &surface->knots[direction];
@@ -175,7 +177,7 @@ static bat_status convert(bat_tensor_surface *surface, int direction, conversion
     double *control = calloc(rows * others * dimension, sizeof *control);
     if (control == NULL)
         return error_memory(error, rows * others * dimension * sizeof *control);
-    // Function i of the direction and k of the other one is at i step + k across.
+    // Control point i of the direction and k of the other one has the index i step + k across.
     size_t step = direction == 0 ? 1 : others, across = direction == 0 ? rows : 1,
            old_across = direction == 0 ? old_rows : 1;
     for (size_t i = 0; i < rows; i++)
@@ -198,7 +200,7 @@ static bat_status convert(bat_tensor_surface *surface, int direction, conversion
     return BAT_OK;
 }
 
-/// Convert, whatever comes of it, and clean up.
+/// Apply a conversion and free it.
 static bat_status convert_and_free(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
 {
     bat_status status = convert(surface, direction, to, error);
@@ -213,7 +215,7 @@ static bat_status check_direction(const bat_tensor_surface *surface, int directi
     return bat_tensor_surface_check(surface, error);
 }
 
-/// The last knot that is not above t, which is not the last of all.
+/// The index of the last knot <= t, which is not the last of all knots.
 static size_t last_not_above(const bat_knot_vector *knots, double t)
 {
     size_t last = knots->count - 1;
@@ -222,7 +224,7 @@ static size_t last_not_above(const bat_knot_vector *knots, double t)
     return last;
 }
 
-/// Boehm's algorithm: function i of the new knots is share of old function i and the rest of i - 1.
+/// Boehm's algorithm: c'_i = share_i c_i + (1 - share_i) c_i-1.
 static void insert_weights(const bat_knot_vector *old, double knot, size_t span, conversion *to)
 {
     size_t p = (size_t)old->degree, functions = bat_knot_vector_functions(old);
@@ -232,7 +234,7 @@ static void insert_weights(const bat_knot_vector *old, double knot, size_t span,
         double share = i + p <= span ? 1 : 0;
         if (i + p > span && i <= span && i < functions)
             share = (knot - old->knots[i]) / (old->knots[i + p] - old->knots[i]);
-        // A row of weights never reaches past the last old function.
+        // The weights of a row refer to existing control points only.
         size_t first = i < functions - p ? i : functions - p - 1;
         first -= first == i && i > 0 && share < 1;
         to->first[i] = first;
@@ -255,7 +257,7 @@ bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direc
                          old->knots[p], old->knots[bat_knot_vector_functions(old)]);
     size_t span = last_not_above(old, knot);
     if (span >= p && old->knots[span - p] == knot)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the knot %g is there %zu times already", knot,
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the knot %g already has multiplicity %zu", knot,
                          p + 1);
     conversion to;
     status = conversion_make(old, old->count + 1, old->degree, &to, error);
@@ -268,12 +270,12 @@ bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direc
     return convert_and_free(surface, direction, &to, error);
 }
 
-/// The knots of the degree above: those of the domain are there once more than before; of those outside nothing depends.
+/// The knots after degree elevation: those in the domain gain one in multiplicity; those outside do not matter.
 static bat_status elevate_knots(const bat_knot_vector *old, conversion *to, bat_error *error)
 {
     size_t p = (size_t)old->degree, last = old->count - 1, functions = bat_knot_vector_functions(old);
     const double *knots = old->knots;
-    // The last knot at the domain's beginning and the first at its end.
+    // The last knot at the beginning of the domain and the first at its end.
     size_t begin = last_not_above(old, knots[p]), end = functions, inner = 0;
     while (knots[end - 1] == knots[functions])
         end--;
@@ -298,7 +300,7 @@ static bat_status elevate_knots(const bat_knot_vector *old, conversion *to, bat_
     return BAT_OK;
 }
 
-/// Function i of the new degree is the mean of the blossom over the ways to leave out one of its degree + 1 inner knots.
+/// New control point i is the mean of the blossom over the degree + 1 subsets of its inner knots (Prautzsch, 1984).
 static void elevate_weights(const bat_knot_vector *old, conversion *to)
 {
     size_t p = (size_t)old->degree, functions = bat_knot_vector_functions(&to->knots);
@@ -306,7 +308,7 @@ static void elevate_weights(const bat_knot_vector *old, conversion *to)
     memset(to->weights, 0, functions * (p + 1) * sizeof *to->weights);
     for (size_t i = 0; i < functions; i++)
     {
-        // Any segment of the support will do; the middle one is best conditioned.
+        // Every segment of the support gives the same value; the middle one is best conditioned.
         const double *support = to->knots.knots + i, *inner = support + 1;
         double low = fmax(fmin(support[0], end), begin), high = fmin(fmax(support[p + 2], begin), end);
         size_t span = bat_knot_vector_span(old, low + (high - low) / 2);
@@ -330,7 +332,7 @@ bat_status bat_tensor_surface_elevate(bat_tensor_surface *surface, int direction
         return status;
     const bat_knot_vector *old = &surface->knots[direction];
     if (old->degree == BAT_SPLINE_MAX_DEGREE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree is %d already, the highest",
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree is already the maximum, %d",
                          BAT_SPLINE_MAX_DEGREE);
     conversion to;
     status = elevate_knots(old, &to, error);

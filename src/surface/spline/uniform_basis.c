@@ -1,3 +1,8 @@
+/// @file
+/// Uniform B-splines by the recurrence of Cox and de Boor, with integer knots, and their two-scale relations by knot
+/// insertion:
+///     B_i(coarse) = sum_j R_ij B_j(fine),   R by inserting the midpoints of all cells (Boehm, 1980; The NURBS Book, A5.1).
+
 #include "surface/spline/uniform_basis.h"
 
 #include "base/error.h"
@@ -6,15 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Knot number i of a grid of `cells`, in units of half a cell.
+/// Knot i of a grid with `cells` cells, in units of half a cell.
 static size_t clamped_knot(size_t cells, size_t degree, size_t i)
 {
     size_t cell = i < degree ? 0 : i - degree;
     return 2 * (cell > cells ? cells : cell);
 }
 
-/// Insert the middles of all cells from left to right by Boehm's algorithm (The NURBS Book, A5.1). Between insertions the
-/// matrix says the coarse functions in those of the knots so far; its rows are 2 cells + degree long.
+/// Insert the midpoints of all cells from left to right. Between insertions, the matrix expresses the coarse functions in
+/// those of the current knots; its rows have 2 cells + degree entries.
 static void insert_middles(size_t cells, size_t degree, double *matrix)
 {
     size_t rows = cells + degree, stride = 2 * cells + degree;
@@ -23,7 +28,7 @@ static void insert_middles(size_t cells, size_t degree, double *matrix)
         matrix[i * stride + i] = 1;
     for (size_t cell = 0; cell < cells; cell++)
     {
-        // Knots up to the cell's beginning are fine ones already, 2 cell + degree + 1 in number; the others are coarse.
+        // Knots up to the beginning of the cell are already fine, 2 cell + degree + 1 in number; the others are coarse.
         size_t middle = 2 * cell + 1, span = 2 * cell + degree, columns = rows + cell;
         for (size_t i = columns; i > span - degree; i--)
         {
@@ -80,11 +85,11 @@ double uniform_basis_two_scale(const uniform_basis *basis, size_t cells, size_t 
     return refinement.rows[(coarse - cell) * refinement.stride + fine - fine_cell];
 }
 
-/// What A2.2 of The NURBS Book needs of the knots about a cell: whole numbers of cells, and their reciprocals.
+/// Distances of the knots from a cell, in cells, as algorithm A2.2 of The NURBS Book uses them.
 typedef struct cell_knots
 {
-    int below[BAT_SPLINE_MAX_DEGREE + 1]; ///< [j]: the j-th knot at or before the cell lies so far before it, j from 1
-    int above[BAT_SPLINE_MAX_DEGREE + 1]; ///< [j]: the j-th knot after its beginning lies so far after that
+    int below[BAT_SPLINE_MAX_DEGREE + 1]; ///< [j]: distance of the j-th knot at or before the cell, j >= 1
+    int above[BAT_SPLINE_MAX_DEGREE + 1]; ///< [j]: distance of the j-th knot after the beginning of the cell
 } cell_knots;
 
 static double reciprocal(int complete)
@@ -103,7 +108,7 @@ static void knots_around(int degree, size_t cells, size_t cell, cell_knots *knot
     }
 }
 
-/// Raise the functions of degree j - 1 to degree j.
+/// Functions of degree j from those of degree j - 1.
 static void raise_values(const cell_knots *knots, int j, double s, const double *from, double *to)
 {
     double saved = 0;
@@ -117,7 +122,7 @@ static void raise_values(const cell_knots *knots, int j, double s, const double 
     to[j] = saved;
 }
 
-/// The derivatives of the functions of degree j from values (or derivatives) of those of degree j - 1.
+/// Derivatives of the functions of degree j from values (or derivatives) of those of degree j - 1.
 static void raise_derivatives(const cell_knots *knots, int j, const double *from, double *to)
 {
     double before = 0;
@@ -134,7 +139,7 @@ void uniform_basis_values(int degree, size_t cells, size_t cell, double s, int d
 {
     cell_knots knots;
     knots_around(degree, cells, cell, &knots);
-    // The functions of the last three degrees, each in the place of its degree modulo 3.
+    // The functions of the last three degrees, at the index degree modulo 3.
     double recent[3][BAT_SPLINE_MAX_DEGREE + 1], slopes[BAT_SPLINE_MAX_DEGREE + 1];
     recent[0][0] = 1;
     for (int j = 1; j <= degree; j++)
