@@ -1,3 +1,10 @@
+/// @file
+/// Alpha-shape boundaries in tangent planes; see alpha_boundary.h.
+///
+/// In the tangent plane, a neighbour at distance d < 2 alpha and direction t blocks the centre directions t - acos(d / (2
+/// alpha)) to t + acos(d / (2 alpha)). The complement of all blocked intervals are the free arcs; a point is on the boundary
+/// if it has any.
+
 #include "surface/cloud/alpha_boundary.h"
 
 #include "base/array_grow.h"
@@ -14,29 +21,30 @@
 
 enum
 {
-    /// Neighbours that show the tangent plane and the spacing. They double where the points scatter across the plane, as
-    /// long as that makes it flatter: noise gets flatter, curvature does not.
+    /// Numbers of neighbours for plane and spacing. The number doubles while the scatter across the plane is large and the
+    /// larger neighbourhood is flatter: noise averages out, curvature does not.
     MIN_PLANE = 36,
     MAX_PLANE = 1152,
-    /// Of small clouds no more than one in so many.
+    /// In small clouds, at most one in PLANE_SHARE points is a neighbour, but at least FEW_PLANE points are.
     PLANE_SHARE = 3,
     FEW_PLANE = 10,
-    /// Neighbours that mostly are all around a point inside.
+    /// Number of neighbours that usually surround an interior point.
     INTERIOR_NEIGHBOURS = 16
 };
 
 static const double PI = 3.14159265358979323846;
-/// Scatter across the plane against that along it, in variance, up to which points count as a surface.
+/// Largest ratio of the variance across the plane to the smaller one along it for points on a surface.
 static const double MAX_FLATNESS = 0.03;
-/// The disc's radius in spacings. At random points the largest empty discs among thousands have about twice the spacing.
+/// Radius of the disc, in spacings. For random points, the largest of thousands of empty discs has about twice the spacing.
 static const double RADIUS_IN_SPACINGS = 1.6;
-/// The least radius of the disc in deviations across the plane: the rim of a noisy cloud is frayed by as much.
+/// Minimum radius of the disc, in standard deviations across the plane: noise roughens the boundary by this much.
 static const double RADIUS_IN_NOISE = 2.0;
+/// The search for a plane stops when the flatness grows by more than this factor.
 static const double FLATNESS_GROWTH = 1.1;
-/// Directions that are free by less than this are not.
+/// Shorter free arcs are ignored.
 static const double MIN_ARC = 1e-6;
 
-/// The directions in which a neighbour is in the way of the disc.
+/// The interval of directions that a neighbour blocks.
 typedef struct alpha_boundary_blocked
 {
     double begin, end;
@@ -49,7 +57,7 @@ void alpha_boundary_search_free(alpha_boundary_search *search)
     free(search->blocked);
 }
 
-/// Find the plane around a point, and leave the neighbours that it was fitted to in the list.
+/// Fit the tangent plane at a point. The list receives the neighbours of the last fit.
 static bat_status find_plane(alpha_boundary_search *search, const double *here, local_plane *plane, bat_error *error)
 {
     size_t count = search->tree->count, maximum = count / PLANE_SHARE;
@@ -72,7 +80,7 @@ static bat_status find_plane(alpha_boundary_search *search, const double *here, 
     }
 }
 
-/// Turn the plane over where its normal is on the other side.
+/// Flip the plane if its normal points away from the reference.
 static void orient(local_plane *plane, const double *reference)
 {
     if (reference == NULL || vector3_dot(plane->axes[2], reference) >= 0)
@@ -92,7 +100,7 @@ static int compare_blocked(const void *a, const void *b)
     return (p->item > q->item) - (p->item < q->item);
 }
 
-/// The shadows of the listed neighbours; returns how many, or SIZE_MAX when out of memory.
+/// Compute the sorted intervals that the listed neighbours block. Returns their number, SIZE_MAX when out of memory.
 static size_t find_blocked(alpha_boundary_search *search, uint32_t point, const alpha_boundary_point *found)
 {
     void *memory = search->blocked;
@@ -126,13 +134,14 @@ static void add_free_arc(alpha_boundary_point *found, double begin, double end, 
     found->arcs[found->arc_count++] = (alpha_boundary_arc){begin - turn, end - turn, from, to};
 }
 
-/// What the sorted shadows leave free. A point that nothing is near has no arcs: it is no part of any rim.
+/// Compute the free arcs between sorted blocked intervals. A point without neighbours within reach has no arcs: it is not on
+/// any boundary.
 static void find_free_arcs(const alpha_boundary_blocked *blocked, size_t count, alpha_boundary_point *found)
 {
     found->arc_count = 0;
     if (count == 0)
         return;
-    // How far shadows reach that began before the first one.
+    // The end of intervals that wrap around past the first one.
     alpha_boundary_blocked reach = blocked[0];
     for (size_t i = 0; i < count; i++)
         if (blocked[i].end - 2 * PI > reach.end)
@@ -147,7 +156,7 @@ static void find_free_arcs(const alpha_boundary_blocked *blocked, size_t count, 
     add_free_arc(found, reach.end, blocked[0].begin + 2 * PI, reach.item, blocked[0].item);
 }
 
-/// How large the disc is, by the neighbours in the list.
+/// Set spacing and radius from the neighbours in the list.
 static void set_radius(const alpha_boundary_search *search, double scale, alpha_boundary_point *found)
 {
     size_t count = search->near.count;
@@ -198,12 +207,12 @@ bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_
 
 enum
 {
-    /// How often the disc is made smaller where it fits nowhere.
+    /// Maximum number of reductions of the disc where it fits nowhere.
     MAX_SHRINKS = 6,
     MIN_CYCLE = 3
 };
 static const double SHRINK = 0.85;
-/// How far an arc may begin from where the disc arrives.
+/// Maximum angle between the arriving disc and the begin of an arc.
 static const double MAX_ANGLE_ERROR = 1.5707963267948966;
 
 void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles)
@@ -214,13 +223,13 @@ void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles)
     *cycles = (alpha_boundary_cycles){0};
 }
 
-/// A walk along the rim.
+/// State of the tracing of boundaries.
 typedef struct alpha_boundary_trace
 {
     alpha_boundary_search search;
-    key_map steps; ///< from a step, a pair of points, to its number over all walks
+    key_map steps; ///< maps a step, a pair of points, to its number over all traces
     uint32_t step_count;
-    uint32_t *path; ///< the points of the present walk
+    uint32_t *path; ///< the points of the current trace
     size_t path_count, path_capacity;
 } alpha_boundary_trace;
 
@@ -234,13 +243,13 @@ static bool path_add(alpha_boundary_trace *trace, uint32_t point)
     return grown;
 }
 
-/// How far one direction is from another, 0 to pi.
+/// The angle between two directions, 0 to pi.
 static double angle_apart(double a, double b)
 {
     return fabs(remainder(a - b, 2 * PI));
 }
 
-/// The arc at which the disc goes on when it comes from another point; null when there is none.
+/// The arc along which the disc continues when it arrives from another point; null if there is none.
 static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, uint32_t before, uint32_t point,
                                           const alpha_boundary_point *here)
 {
@@ -266,8 +275,8 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
     return best;
 }
 
-/// Roll on from a point, where the disc came from another one; `normal` is that of the former and becomes that of the point.
-/// The next point is BAT_MESH_NONE when the disc is lost.
+/// Roll the disc over `point`, arriving from `before`. `normal` is the normal at `before` on entry and at `point` on return.
+/// `next` receives the next boundary point, BAT_MESH_NONE if the disc fits nowhere.
 static bat_status next_point(alpha_boundary_trace *trace, uint32_t before, uint32_t point, double normal[3], uint32_t *next,
                              bat_error *error)
 {
@@ -289,8 +298,8 @@ static bat_status next_point(alpha_boundary_trace *trace, uint32_t before, uint3
     return BAT_OK;
 }
 
-/// Walk from a point until a step repeats. `begin` receives where in the path the cycle begins; SIZE_MAX when there is none
-/// or it was found before.
+/// Trace the boundary from a point until a step repeats. `begin` receives the index in the path at which the cycle begins;
+/// SIZE_MAX if there is none, or if it was found before.
 static bat_status trace_from(alpha_boundary_trace *trace, uint32_t start, const alpha_boundary_point *there, size_t arc,
                              size_t *begin, bat_error *error)
 {
@@ -328,7 +337,7 @@ static double distance_between(const double *points, uint32_t a, uint32_t b)
     return sqrt(vector3_dot(side, side));
 }
 
-/// The length of the closed line through points.
+/// The length of a closed polygon.
 static double length_of(const double *points, const uint32_t *line, size_t count)
 {
     double length = 0;
@@ -337,8 +346,8 @@ static double length_of(const double *points, const uint32_t *line, size_t count
     return length;
 }
 
-/// Where a closed line comes to a point again, keep the longer part, until it comes to none again. `last` has an entry for
-/// every point, all SIZE_MAX before and afterwards.
+/// Make a closed polygon simple: at every repeated point, keep the longer of the two parts. All entries of `last`, one for
+/// each point, are SIZE_MAX on entry and on return.
 static size_t cut_pinches(const double *points, uint32_t *line, size_t count, size_t *last)
 {
     for (bool pinched = true; pinched;)
@@ -371,7 +380,7 @@ static size_t cut_pinches(const double *points, uint32_t *line, size_t count, si
     return count;
 }
 
-/// Take the cycle that the path ends with.
+/// Store the cycle at the end of the path.
 static bat_status store_cycle(alpha_boundary_trace *trace, size_t begin, size_t *last, alpha_boundary_cycles *cycles,
                               bat_error *error)
 {
@@ -414,7 +423,7 @@ static bat_status is_on_boundary(alpha_boundary_search *search, uint32_t point, 
     return status;
 }
 
-/// Mark the points that a disc can touch.
+/// Mark the boundary points.
 static bat_status mark_boundary(const double *points, const neighbour_tree *tree, bool *on_boundary, bat_error *error)
 {
     bool failed = false;
@@ -429,7 +438,7 @@ static bat_status mark_boundary(const double *points, const neighbour_tree *tree
     return failed ? error_memory(error, tree->count) : BAT_OK;
 }
 
-/// Walk along every rim once.
+/// Trace every boundary once.
 static bat_status trace_all(alpha_boundary_trace *trace, bool *on_boundary, size_t *last, alpha_boundary_cycles *cycles,
                             bat_error *error)
 {

@@ -5,15 +5,17 @@
 #include "surface/cloud/neighbours.h"
 
 /// @file
-/// Where the rim of a cloud without connectivity runs: by rolling a disc around it in the tangent plane of each point. A
-/// point is on the rim when a disc can touch it that has no point inside (Edelsbrunner, Kirkpatrick and Seidel, "On the
-/// shape of a set of points in the plane", 1983); the disc's size follows the points' spacing.
+/// Detection of boundary loops of a cloud without connectivity: alpha shapes in tangent planes.
+///
+/// A point x is on the boundary of the alpha shape if an empty disc of radius alpha touches it (Edelsbrunner, Kirkpatrick
+/// and Seidel, "On the shape of a set of points in the plane", 1983). Here each point uses its own tangent plane and a
+/// radius that follows the local spacing. The disc rolls from point to point along the boundary.
 
-/// The directions, seen from a point, in which the centre of an empty disc may lie that touches it.
+/// An interval of directions from a point in which the centre of an empty disc that touches the point may lie.
 typedef struct alpha_boundary_arc
 {
-    double begin, end; ///< counter-clockwise; begin is between -pi and pi, end above it by at most 2 pi
-    uint32_t from, to; ///< the points that the disc touches too at the begin and at the end
+    double begin, end; ///< counter-clockwise angles; begin in [-pi, pi], end - begin in (0, 2 pi]
+    uint32_t from, to; ///< the points that the disc also touches at begin and at end
 } alpha_boundary_arc;
 
 enum
@@ -21,20 +23,20 @@ enum
     ALPHA_BOUNDARY_MAX_ARCS = 8
 };
 
-/// What the cloud looks like around a point.
+/// The local geometry at a point.
 typedef struct alpha_boundary_point
 {
-    local_plane plane; ///< around the point, its normal as a reference asks
-    double spacing;    ///< of points in the plane
-    double radius;     ///< of the disc
+    local_plane plane; ///< tangent plane; its normal agrees with the reference
+    double spacing;    ///< mean spacing of points in the plane
+    double radius;     ///< radius of the disc
     size_t arc_count;
     alpha_boundary_arc arcs[ALPHA_BOUNDARY_MAX_ARCS];
 } alpha_boundary_point;
 
-/// Points whose rim is sought, and room to work in; every thread needs its own.
+/// The points, and the workspace of a search. Not thread-safe: every thread needs its own.
 typedef struct alpha_boundary_search
 {
-    const double *points; ///< rows of 3
+    const double *points; ///< count x 3
     const neighbour_tree *tree;
     neighbour_list near;
     struct alpha_boundary_blocked *blocked;
@@ -43,27 +45,27 @@ typedef struct alpha_boundary_search
 
 void alpha_boundary_search_free(alpha_boundary_search *search);
 
-/// Look at a point.
-/// @param reference the side that the normal shall be on; null for any
-/// @param scale     of the disc; 1: as the spacing asks
+/// Compute the local geometry at a point.
+/// @param reference vector whose side the normal is oriented to; null for any
+/// @param scale     factor of the radius
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t point, const double *reference, double scale,
                                      alpha_boundary_point *found, bat_error *error);
 
-/// Whether a few neighbours show already that no disc can touch a point: where they lie in a plane, all around it.
+/// Quick test by few neighbours whether a point is in the interior: they are coplanar and surround the point.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, bool *inside, bat_error *error);
 
-/// A closed line along the rim.
+/// A closed polygon along the boundary.
 typedef struct alpha_boundary_cycle
 {
     uint32_t *points; ///< owned
     size_t count;
     double length;
-    double extent; ///< the greatest distance of a point from their mean
+    double extent; ///< the largest distance of a point from the mean of the points
 } alpha_boundary_cycle;
 
-/// All closed lines, in no order that matters but always the same.
+/// All closed polygons, in a deterministic order.
 typedef struct alpha_boundary_cycles
 {
     alpha_boundary_cycle *cycles;
@@ -72,8 +74,8 @@ typedef struct alpha_boundary_cycles
 
 void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles);
 
-/// Find all closed lines of at least three different points along the rim.
-/// @return BAT_OK or BAT_NO_MEMORY; to be freed in any case
+/// Find all closed polygons with at least three different points along the boundary.
+/// @return BAT_OK or BAT_NO_MEMORY; release `cycles` in both cases
 bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree *tree, alpha_boundary_cycles *cycles,
                                       bat_error *error);
 

@@ -1,3 +1,8 @@
+/// @file
+/// Detection of the boundary loop of a cloud (bat_cloud_find_boundary): the longest closed polygon of the alpha-shape
+/// boundary (alpha_boundary.h) that is not a gap between points. In noisy clouds, where points overlap, the loop is searched
+/// in a random subset whose spacing exceeds the noise.
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/cloud.h"
@@ -12,13 +17,13 @@ enum
 {
     MIN_BOUNDARY = 4
 };
-/// A line goes around more than a chance gap between points where it gets further from its middle than so many of its own
-/// steps, or where it has at least this share of all points.
+/// A polygon is a boundary, rather than a gap between points, if its extent exceeds this multiple of its mean edge length,
+/// or if it has at least LARGE_SHARE of all points.
 static const double MIN_EXTENT = 2.5;
 static const double LARGE_SHARE = 1.0 / 3;
-/// A second line of this share of the first one's length is another boundary; a shorter one is a gap.
+/// A second polygon of at least this share of the longest one's length is another boundary; a shorter one is a gap.
 static const double OTHER_BOUNDARY = 0.25;
-/// Two lines of which at least this share of points coincides, or nearly so, are the same one.
+/// Two polygons are the same boundary if at least this share of the points of one is close to the other.
 static const double SAME_LINE = 0.5;
 
 static bool is_wide(const alpha_boundary_cycle *line, size_t count)
@@ -27,7 +32,7 @@ static bool is_wide(const alpha_boundary_cycle *line, size_t count)
            (double)line->count >= LARGE_SHARE * (double)count;
 }
 
-/// Whether a line runs mostly along another one: within two of its own steps on average.
+/// Whether a polygon runs mostly along another one: within two of its mean edge lengths.
 static bool runs_along(const double *points, const alpha_boundary_cycle *line, const alpha_boundary_cycle *other)
 {
     size_t near = 0;
@@ -50,7 +55,7 @@ static bat_status no_loop(bat_error *error, const char *text)
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no boundary loop was found: %s", text);
 }
 
-/// The longest line, where no other one could be a boundary too.
+/// Select the longest polygon; fail if another one may be a boundary too.
 static bat_status choose(const double *points, size_t count, const alpha_boundary_cycles *cycles,
                          alpha_boundary_cycle **chosen, bat_error *error)
 {
@@ -59,8 +64,8 @@ static bat_status choose(const double *points, size_t count, const alpha_boundar
         if (is_wide(&cycles->cycles[i], count) && (longest == NULL || cycles->cycles[i].length > longest->length))
             longest = &cycles->cycles[i];
     if (longest == NULL)
-        return no_loop(error, cycles->count == 0 ? "there are neighbours on all sides of every point"
-                                                 : "there are only small gaps between points; the surface looks closed");
+        return no_loop(error, cycles->count == 0 ? "every point is surrounded by neighbours"
+                                                 : "there are only small gaps between points; the surface seems closed");
     if (longest->count < MIN_BOUNDARY)
         return no_loop(error, "it has only three points");
     for (size_t i = 0; i < cycles->count; i++)
@@ -77,7 +82,7 @@ static bat_status choose(const double *points, size_t count, const alpha_boundar
     return BAT_OK;
 }
 
-/// Find the loop among points; `loop` is to be freed in any case.
+/// Find the loop. Release `loop` also on failure.
 static bat_status find_loop(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
 {
     neighbour_tree tree = {0};
@@ -104,7 +109,7 @@ static int compare_numbers(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/// How thick the cloud is, across its tangent planes, in spacings of its points: a high quantile over some of them.
+/// The thickness of the cloud: a high quantile of the standard deviation across tangent planes, in spacings of the points.
 static bat_status measure_thickness(const double *points, size_t count, double *thickness, bat_error *error)
 {
     enum
@@ -130,7 +135,7 @@ static bat_status measure_thickness(const double *points, size_t count, double *
     return status;
 }
 
-/// Choose `wanted` of `count` points at random, the same ones each time; in rising order.
+/// Draw `wanted` of `count` points at random, with a fixed seed, in ascending order (selection sampling; Knuth, 1969).
 static void draw_sample(size_t count, size_t wanted, size_t *chosen)
 {
     bat_random random = bat_random_seed(count);
@@ -140,7 +145,7 @@ static void draw_sample(size_t count, size_t wanted, size_t *chosen)
             chosen[made++] = i;
 }
 
-/// Find the loop among so many of the points only.
+/// Find the loop in a random subset of `wanted` points.
 static bat_status find_loop_of_sample(const double *points, size_t count, size_t wanted, alpha_boundary_cycle *loop,
                                       bat_error *error)
 {
@@ -165,8 +170,8 @@ static bat_status find_loop_of_sample(const double *points, size_t count, size_t
     return status;
 }
 
-/// Find the loop. Where points lie above each other because of noise, the order around the loop is lost: fewer of them tell
-/// more. The first try takes so many that the noise is no more than their spacing; further ones take half as many each.
+/// Find the loop in a possibly noisy cloud. Noise destroys the order around the loop where it exceeds the spacing. The first
+/// subset is chosen so that the noise is at most the spacing; further ones have half as many points each.
 static bat_status find_loop_in_noise(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
 {
     enum
@@ -185,14 +190,14 @@ static bat_status find_loop_in_noise(const double *points, size_t count, alpha_b
     while (status == BAT_NO_CONVERGENCE && thickness > noise_thickness && wanted / 2 >= minimum)
     {
         wanted /= 2;
-        // What the first try said is what the caller hears.
+        // The error text of the first attempt is reported.
         status = find_loop_of_sample(points, count, wanted, loop, NULL);
     }
     return status;
 }
 
-/// The loop from its lowest point towards the lower of that one's neighbours, then all other points: `order` receives, for
-/// each new place, the point that goes there.
+/// The loop, from its lowest index towards the lower of the two neighbours, followed by all other points. order[i] receives
+/// the point at the new index i.
 static void order_points(const alpha_boundary_cycle *loop, size_t count, bool *in_loop, size_t *order)
 {
     size_t first = 0, size = loop->count, made = 0;
@@ -212,7 +217,7 @@ static void order_points(const alpha_boundary_cycle *loop, size_t count, bool *i
             order[made++] = point;
 }
 
-/// Bring the loop to the front.
+/// Reorder the cloud so that the loop comes first.
 static bat_status reorder(bat_cloud *cloud, const alpha_boundary_cycle *loop, bat_error *error)
 {
     size_t count = cloud->count;

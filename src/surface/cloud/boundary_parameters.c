@@ -1,19 +1,30 @@
+/// @file
+/// Boundary parameters: the boundary loop is mapped to the boundary of the unit square.
+///
+/// Four points of the loop, given or detected, are mapped to the corners; each side between them is mapped by chord length,
+/// centripetally (Lee, 1989) or uniformly. Detected corners maximize
+///     sum over corners of sharpness - EVENNESS * sum over sides of (side / length - 1/4)^2.
+/// The sharpness is the turning angle of the loop towards the patch, in the tangent plane, between a chord behind and a
+/// chord ahead of the corner. The chords span a fixed share of the loop, so that a jagged loop has no spurious corners. The
+/// turning angle of a circle is subtracted, so that a smooth loop is split evenly.
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/cloud.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/local_plane.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/// A closed line through points, by arc length.
+/// A closed polygon, parameterized by arc length.
 typedef struct cloud_loop
 {
     const double *points; ///< count x 3, the caller's; squares of their differences must fit a double
     size_t count;
-    double *arc; ///< count + 1: the length from point 0 to each point, and the whole length
+    double *arc; ///< count + 1: arc length from point 0 to each point, and the total length
 } cloud_loop;
 
 static inline double cloud_loop_length(const cloud_loop *loop)
@@ -44,7 +55,7 @@ static void cloud_loop_free(cloud_loop *loop)
     *loop = (cloud_loop){0};
 }
 
-/// The place on the loop at a length from point 0, which may be any.
+/// The point at an arc length from point 0, taken modulo the total length.
 static void cloud_loop_at(const cloud_loop *loop, double length, double place[3])
 {
     double complete = cloud_loop_length(loop);
@@ -76,35 +87,35 @@ enum
 {
     CORNERS = 4,
     WINDOWS = 3,
-    /// Places that are compared, the sharpest of each of so many equal parts of the loop.
+    /// Maximum number of candidates: the sharpest point in each of this many equal parts of the loop.
     MAX_CANDIDATES = 100,
-    /// Points of the cloud that show where the patch lies.
+    /// Maximum number of points of the cloud used for tangent planes.
     MAX_SAMPLES = 8192,
     MIN_NEIGHBOURS = 12
 };
 
 static const double PI = 3.14159265358979323846;
-/// The chords, as shares of the loop.
+/// Lengths of the chords, as shares of the loop.
 static const double WINDOW_SHARES[WINDOWS] = {1.0 / 40, 3.0 / 80, 1.0 / 20};
-/// A side's least share of the loop.
+/// Minimum share of a side in the loop.
 #define MIN_SIDE (1.0 / 40)
 static const double EVENNESS = 6.0;
-/// What turns less than so many times as a circle is smooth; what turns further than MAX_TURN is no sharper.
+/// Turning angles below this multiple of a circle's count as smooth; those above MAX_TURN count as MAX_TURN.
 static const double SMOOTH_TURN = 2.0;
 static const double MAX_TURN = 2.0943951023931953; // 2 pi / 3
-/// Of turns out of the tangent plane, so that they decide where nothing else does.
+/// Weight of the turning angle in space, which decides ties.
 static const double TURN_IN_SPACE = 0.1;
 
-/// A cloud whose corners are sought.
+/// State of the detection of corners.
 typedef struct corner_search
 {
     cloud_loop loop;
-    double *points;  ///< of the cloud, in unit size
-    double *samples; ///< some of them
+    double *points;  ///< points of the cloud, scaled to unit size
+    double *samples; ///< a subset of them
     size_t sample_count;
     neighbour_tree tree; ///< of the samples
     neighbour_list near;
-    double *sharpness; ///< of every point of the loop
+    double *sharpness; ///< sharpness of every point of the loop
 } corner_search;
 
 static void search_free(corner_search *search)
@@ -117,7 +128,7 @@ static void search_free(corner_search *search)
     free(search->sharpness);
 }
 
-/// Every so many-th point, interior ones before those of the boundary.
+/// Take every stride-th point of the cloud.
 static bat_status take_samples(const bat_cloud *cloud, corner_search *search, bat_error *error)
 {
     size_t count = cloud->count, stride = count / MAX_SAMPLES + 1;
@@ -142,7 +153,7 @@ static bat_status search_begin(const bat_cloud *cloud, corner_search *search, ba
     return status == BAT_OK ? take_samples(cloud, search, error) : status;
 }
 
-/// Take the part of a vector in a plane.
+/// Project a vector to the plane with a unit normal.
 static void flatten(double vector[3], const double normal[3])
 {
     double out = vector3_dot(vector, normal);
@@ -157,7 +168,8 @@ static double angle_between(const double a[3], const double b[3])
     return atan2(sqrt(vector3_dot(across, across)), vector3_dot(a, b));
 }
 
-/// How far the loop turns at a point, over chords of a length: in space, and in the plane towards its inside.
+/// The turning angle of the loop at a point, between chords of a given length: in space, and in the tangent plane, positive
+/// towards the patch.
 static void turns_at(const corner_search *search, size_t at, double chord, const local_plane *plane, double *in_space,
                      double *in_plane)
 {
@@ -199,16 +211,16 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
     return BAT_OK;
 }
 
-/// Points that may become corners.
+/// Candidates for corners.
 typedef struct candidate_set
 {
     size_t points[MAX_CANDIDATES];
-    double shares[MAX_CANDIDATES]; ///< of the loop's length that lie before them
+    double shares[MAX_CANDIDATES]; ///< arc length before each, as a share of the loop
     double sharpness[MAX_CANDIDATES];
     size_t count;
 } candidate_set;
 
-/// The sharpest point of each of many equal parts of the loop; equal in length, or in number of points.
+/// Select the sharpest point of each of MAX_CANDIDATES parts, equal in length or in number of points.
 static void choose_candidates(const corner_search *search, bool by_length, candidate_set *set)
 {
     const cloud_loop *loop = &search->loop;
@@ -232,23 +244,23 @@ static void choose_candidates(const corner_search *search, bool by_length, candi
     }
 }
 
-/// What a side costs that is a share of the loop.
+/// The cost of a side with a given share of the loop.
 static double side_cost(double share, double min_side)
 {
     double off = share - 1.0 / CORNERS;
     return share < min_side ? INFINITY : EVENNESS * off * off;
 }
 
-/// The best choice found so far, and room for the choices that begin with the same corner.
+/// The best choice so far, and the tables of dynamic programming.
 typedef struct corner_choice
 {
     double best;
     size_t corners[CORNERS];               ///< candidates
-    double value[CORNERS][MAX_CANDIDATES]; ///< the best sum of so many corners, the last one at a candidate
+    double value[CORNERS][MAX_CANDIDATES]; ///< best sum for k + 1 corners, the last one at a candidate
     size_t from[CORNERS][MAX_CANDIDATES];  ///< the candidate before it
 } corner_choice;
 
-/// The best corner before candidate `c`, which is corner number k.
+/// Find the best corner k - 1 for corner k at candidate c.
 static void choose_before(const candidate_set *set, int k, size_t c, size_t first, double min_side, corner_choice *choice)
 {
     double best = -INFINITY;
@@ -266,7 +278,7 @@ static void choose_before(const candidate_set *set, int k, size_t c, size_t firs
     choice->from[k][c] = from;
 }
 
-/// Among all choices whose first corner is a given candidate, by dynamic programming over the corners.
+/// Optimize all choices whose first corner is a given candidate, by dynamic programming over the corners.
 static void choose_from(const candidate_set *set, size_t first, double min_side, corner_choice *choice)
 {
     for (size_t c = first; c < set->count; c++)
@@ -293,7 +305,7 @@ static void choose_from(const candidate_set *set, size_t first, double min_side,
 
 static bat_status choose(const corner_search *search, size_t corners[CORNERS], bat_error *error)
 {
-    // Points may be so uneven that no four of them lie far apart.
+    // Fallbacks for very uneven points, of which no four are far apart.
     static const struct
     {
         bool by_length;
@@ -345,16 +357,16 @@ bat_status bat_cloud_find_corners(bat_cloud *cloud, bat_error *error)
     return status;
 }
 
-/// Where the loop has a point of the input.
+/// The index in the loop of a point of the input.
 static size_t find_place(const bat_cloud *cloud, size_t point)
 {
     for (size_t i = 0; i < cloud->boundary_count; i++)
-        if ((cloud->order == NULL ? i : cloud->order[i]) == point)
+        if (cloud_input_index(cloud, i) == point)
             return i;
     return BAT_NO_INDEX;
 }
 
-/// How places of the loop move: one becomes the first, and the way round may turn over.
+/// A change of the loop's order: `first` becomes index 0, and the direction may be reversed.
 typedef struct loop_rotation
 {
     size_t first, count;
@@ -367,7 +379,7 @@ static size_t rotated_place(const loop_rotation *turn, size_t place)
                           : (place + turn->count - turn->first) % turn->count;
 }
 
-/// Whether the other corners follow the first one around the loop; `turned` receives their places then.
+/// Whether the corners are in order after a rotation of the loop; `rotated` receives their new indices.
 static bool corners_rise(const loop_rotation *turn, const size_t places[4], size_t rotated[4])
 {
     for (int k = 0; k < 4; k++)
@@ -420,8 +432,7 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
     {
         places[k] = find_place(cloud, corners[k]);
         if (places[k] == BAT_NO_INDEX)
-            return error_set(error, BAT_INVALID_ARGUMENT, corners[k], 0, "corner %zu is no point of the boundary",
-                             corners[k]);
+            return error_set(error, BAT_INVALID_ARGUMENT, corners[k], 0, "corner %zu is not a boundary point", corners[k]);
     }
     loop_rotation turn = {places[0], cloud->boundary_count, false};
     if (!corners_rise(&turn, places, rotated))
@@ -438,7 +449,7 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
     return BAT_OK;
 }
 
-/// What the way from a point of the loop to the next counts.
+/// The parameter increment between consecutive points of the loop.
 static double step_between(const double *from, const double *to, bat_cloud_sides method)
 {
     double side[3];
@@ -447,7 +458,7 @@ static double step_between(const double *from, const double *to, bat_cloud_sides
     return method == BAT_CLOUD_SIDES_CHORD_LENGTH ? length : method == BAT_CLOUD_SIDES_CENTRIPETAL ? sqrt(length) : 1;
 }
 
-/// Spread the points of a side, from one corner to the next, over the side of the square.
+/// Set the parameters of a side, from one corner to the next.
 static void fill_side(const double *points, size_t count, size_t from, size_t to, int side, bat_cloud_sides method,
                       double *parameters)
 {
@@ -470,7 +481,7 @@ bat_status bat_cloud_boundary_parameters(const bat_cloud *cloud, bat_cloud_sides
 {
     size_t corners[4], count = cloud->boundary_count;
     if ((unsigned)method > BAT_CLOUD_SIDES_UNIFORM)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no way %d of parameters along sides",
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unknown method %d for the parameters of sides",
                          (int)method);
     if (count < 4)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the cloud has no boundary");

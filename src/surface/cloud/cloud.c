@@ -1,7 +1,12 @@
+/// @file
+/// Clouds: memory, validity checks, and conversion of a triangle mesh with one boundary loop (a topological disk, V - E + F
+/// = 1).
+
 #include "batten/cloud.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/point_table.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +20,7 @@ void bat_cloud_free(bat_cloud *cloud)
     *cloud = (bat_cloud){0};
 }
 
-/// A copy of an array that may be absent. False when out of memory.
+/// Copy an array that may be null. False when out of memory.
 static bool copy_array(const void *from, size_t count, size_t size, void **to)
 {
     *to = NULL;
@@ -42,18 +47,12 @@ bat_status bat_cloud_copy(const bat_cloud *cloud, bat_cloud *copy, bat_error *er
     return BAT_OK;
 }
 
-/// The point's place in the input.
-static size_t place_in_input(const bat_cloud *cloud, size_t point)
-{
-    return cloud->order != NULL ? cloud->order[point] : point;
-}
-
 static bat_status check_finite(const bat_cloud *cloud, bat_error *error)
 {
     for (size_t i = 0; i < 3 * cloud->count; i++)
         if (!isfinite(cloud->points[i]))
         {
-            size_t place = place_in_input(cloud, i / 3);
+            size_t place = cloud_input_index(cloud, i / 3);
             return error_set(error, BAT_INVALID_POINT, place, 0, "point %zu is not finite", place);
         }
     return BAT_OK;
@@ -72,7 +71,7 @@ static bat_status check_distinct(const bat_cloud *cloud, bat_error *error)
             room = point_table_add(&table, (uint32_t)i);
             continue;
         }
-        size_t first = place_in_input(cloud, other), second = place_in_input(cloud, i);
+        size_t first = cloud_input_index(cloud, other), second = cloud_input_index(cloud, i);
         size_t later = first > second ? first : second;
         status = error_set(error, BAT_INVALID_POINT, later, 0, "point %zu repeats point %zu", later,
                            first > second ? second : first);
@@ -89,7 +88,7 @@ static bat_status check_boundary(const bat_cloud *cloud, bat_error *error)
     };
     size_t boundary = cloud->boundary_count;
     if (boundary > 0 && boundary < MIN_BOUNDARY)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a boundary of %zu points has no four corners",
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a boundary of %zu points cannot have four corners",
                          boundary);
     if (boundary > cloud->count)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary has %zu points, the cloud only %zu",
@@ -100,7 +99,7 @@ static bat_status check_boundary(const bat_cloud *cloud, bat_error *error)
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "corner %zu is point %zu, beyond the %zu of the boundary", i,
                              cloud->corners[i], boundary);
         if (i > 0 && cloud->corners[i] <= cloud->corners[i - 1])
-            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "corner %zu does not come after the one before it", i);
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "corner %zu does not follow the corner before it", i);
     }
     return BAT_OK;
 }
@@ -129,13 +128,13 @@ bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error)
     return status == BAT_OK ? check_distinct(cloud, error) : status;
 }
 
-/// A mesh that becomes a cloud.
+/// A mesh under conversion.
 typedef struct mesh_patch
 {
     const bat_mesh *mesh;
     bat_mesh_connectivity connectivity;
-    uint32_t *new_number; ///< a vertex's place in the cloud, or BAT_MESH_NONE
-    size_t *order;        ///< the other way round
+    uint32_t *new_number; ///< count of vertices: index in the cloud, or BAT_MESH_NONE
+    size_t *order;        ///< the inverse of new_number
     size_t boundary_count, count;
 } mesh_patch;
 
@@ -151,7 +150,7 @@ static void number_vertex(mesh_patch *patch, uint32_t vertex)
     patch->order[patch->count++] = vertex;
 }
 
-/// Number the loop from its lowest vertex on, faces to the left, and then all other vertices that have faces.
+/// Number the loop from its lowest vertex, with the faces to its left, then all other vertices with faces.
 static bat_status number_vertices(mesh_patch *patch, bat_error *error)
 {
     const bat_mesh_connectivity *connectivity = &patch->connectivity;
@@ -177,7 +176,7 @@ static bat_status number_vertices(mesh_patch *patch, bat_error *error)
     return BAT_OK;
 }
 
-/// Whether all faces hang together. `waiting` has room for every face.
+/// Whether the faces are connected. `waiting` is a workspace with one entry for each face.
 static bool is_one_part(const bat_mesh_connectivity *connectivity, uint32_t *waiting, bool *visited)
 {
     size_t top = 0, reached = 1;
@@ -217,7 +216,7 @@ static bat_status check_disk(const mesh_patch *patch, bat_error *error)
     return status;
 }
 
-/// The points and triangles by their new numbers.
+/// Make the cloud from the new numbers.
 static bat_status make_cloud(mesh_patch *patch, bat_cloud *cloud, bat_error *error)
 {
     const bat_mesh *mesh = patch->mesh;

@@ -1,3 +1,6 @@
+/// @file
+/// Planes by eigenvectors of the covariance matrix  C = (1/n) sum_i (x_i - mean)(x_i - mean)^T.
+
 #include "surface/cloud/local_plane.h"
 
 #include "base/memory.h"
@@ -70,7 +73,7 @@ double *points_to_unit_size(const double *points, size_t count)
     return made;
 }
 
-/// The largest variance across the plane, in proportion to the smaller one along it.
+/// Largest ratio of the variance across the plane to the smaller one along it.
 static const double MAX_THICKNESS = 0.25;
 
 bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, const double place[3], size_t wanted,

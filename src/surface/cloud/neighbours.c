@@ -1,3 +1,7 @@
+/// @file
+/// k-d tree for points in space; see neighbours.h. The points of a node are consecutive in leaf order; the first child has
+/// the lower half.
+
 #include "surface/cloud/neighbours.h"
 
 #include "base/array_grow.h"
@@ -15,7 +19,7 @@ enum
     ROOT = 1,
     LEAF_ITEMS = 16,
     MAX_DEPTH = 40,
-    /// Up to so many entries are sorted by insertion.
+    /// Up to this many entries are sorted by insertion.
     FEW_ENTRIES = 48
 };
 
@@ -61,7 +65,7 @@ void neighbour_graph_free(neighbour_graph *graph)
     *graph = (neighbour_graph){0};
 }
 
-/// What building needs: the caller's points, and the order reached so far.
+/// State of the construction.
 typedef struct tree_builder
 {
     neighbour_tree *tree;
@@ -84,7 +88,7 @@ static neighbour_box box_around(const tree_builder *build, size_t begin, size_t 
     return box;
 }
 
-/// Halve the points below a node across the longest side of their box, and so on, until leaves hold few.
+/// Split the points of a node at the median along the longest side of their box, recursively down to the leaves.
 static void arrange(const tree_builder *build, node_range range)
 {
     neighbour_box box = box_around(build, range.begin, range.end);
@@ -102,7 +106,7 @@ static void arrange(const tree_builder *build, node_range range)
     arrange(build, upper_child(range));
 }
 
-/// Heap numbers up to the deepest level that `count` points need.
+/// The number of heap indices for `count` points.
 static size_t node_capacity(size_t count)
 {
     size_t leaves = 1;
@@ -151,7 +155,8 @@ bat_status neighbour_tree_build(const double *points, size_t count, neighbour_tr
     return BAT_OK;
 }
 
-/// No point in the box is nearer than this: every rounding is no greater than its like in leaf_distances().
+/// Squared distance from a box, a lower bound for its points also in floating point: each rounding error is at most the
+/// corresponding one in leaf_distances().
 static inline double box_squared(const neighbour_box *box, const double place[3])
 {
     double gaps[3];
@@ -164,7 +169,7 @@ static inline double box_squared(const neighbour_box *box, const double place[3]
     return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2];
 }
 
-/// No points in two boxes are nearer than this.
+/// Squared distance between two boxes, a lower bound for their points.
 static inline double boxes_squared(const neighbour_box *a, const neighbour_box *b)
 {
     double gaps[3];
@@ -177,7 +182,7 @@ static inline double boxes_squared(const neighbour_box *a, const neighbour_box *
     return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2];
 }
 
-/// The squared distances of a leaf's points from a place.
+/// The squared distances of the points of a leaf from a place.
 static inline void leaf_distances(const neighbour_tree *tree, size_t begin, size_t count, const double place[3],
                                   double squared[LEAF_ITEMS])
 {
@@ -194,7 +199,7 @@ static inline bool precedes(neighbour a, neighbour b)
     return a.squared < b.squared || (a.squared == b.squared && a.item < b.item);
 }
 
-/// Let an entry sink to its place in the heap of `count` entries whose greatest comes first.
+/// Restore the max-heap property below index `at`.
 static void sift_down(neighbour *heap, size_t count, size_t at)
 {
     neighbour entry = heap[at];
@@ -246,7 +251,7 @@ static bool list_reserve(neighbour_list *list, size_t needed)
     return grown;
 }
 
-/// Add what lies within the radius in a leaf. False when out of memory.
+/// Append the points of a leaf within the radius. False when out of memory.
 static bool add_leaf(const neighbour_tree *tree, node_range leaf, const double place[3], double max_squared,
                      neighbour_list *list)
 {
@@ -296,11 +301,11 @@ bat_status neighbours_within(const neighbour_tree *tree, const double place[3], 
     return BAT_OK;
 }
 
-/// A node that waits to be searched.
+/// A node on the stack of a search.
 typedef struct visit
 {
     node_range range;
-    double bound; ///< no point below it is nearer, squared
+    double bound; ///< lower bound of the squared distances of its points
 } visit;
 
 static visit visit_to(const neighbour_tree *tree, node_range range, const double place[3])
@@ -308,7 +313,7 @@ static visit visit_to(const neighbour_tree *tree, node_range range, const double
     return (visit){range, box_squared(&tree->boxes[range.node], place)};
 }
 
-/// Put the points of a leaf in the heap of the `wanted` nearest; it is a heap once it is full.
+/// Update the `wanted` nearest points by those of a leaf. The list becomes a heap once it is full.
 static void update_nearest(const neighbour_tree *tree, node_range leaf, const double place[3], size_t wanted,
                            neighbour_list *list)
 {
@@ -347,7 +352,7 @@ bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3],
     while (top > 0)
     {
         visit here = waiting[--top];
-        // A point at the same distance may still come first by its number.
+        // A point at the same distance may have a lower index.
         if (list->count == wanted && here.bound > list->entries[0].squared)
             continue;
         if (is_leaf(here.range))
@@ -366,18 +371,18 @@ bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3],
     return BAT_OK;
 }
 
-/// A graph that is being made: rows in leaf order, of numbers of points.
+/// A graph under construction: rows in leaf order, of indices of points.
 typedef struct graph_builder
 {
     const neighbour_tree *tree;
     double max_squared;
-    node_range *near; ///< leaves within the radius of the present one
+    node_range *near; ///< leaves within the radius of the current one
     size_t *ends;     ///< count: where each row ends
     uint32_t *items;  ///< the rows
     size_t item_count, item_capacity;
 } graph_builder;
 
-/// Find the leaves within the radius of a leaf; returns how many.
+/// Find the leaves within the radius of a leaf; returns their number.
 static size_t near_leaves(const graph_builder *build, size_t leaf)
 {
     const neighbour_box *boxes = build->tree->boxes;
@@ -400,7 +405,7 @@ static size_t near_leaves(const graph_builder *build, size_t leaf)
     return count;
 }
 
-/// Write the rows of a leaf's points. False when out of memory.
+/// Write the rows of the points of a leaf. False when out of memory.
 static bool write_rows(graph_builder *build, node_range leaf)
 {
     const neighbour_tree *tree = build->tree;
@@ -452,8 +457,8 @@ static bool write_all_rows(graph_builder *build)
     return true;
 }
 
-/// Being neighbours is mutual: going through the points in order and adding each to the rows of its neighbours leaves every
-/// row sorted. `starts` holds where the rows of the points begin.
+/// Sort the rows by a transposition: the graph is symmetric, and visiting the points in order makes every row ascending. On
+/// entry, `starts` holds the beginnings of the rows.
 static void transpose_rows(const graph_builder *build, const size_t *row_of, neighbour_graph *graph)
 {
     for (size_t point = 0; point < graph->count; point++)
@@ -462,12 +467,12 @@ static void transpose_rows(const graph_builder *build, const size_t *row_of, nei
         for (size_t at = row == 0 ? 0 : build->ends[row - 1]; at < build->ends[row]; at++)
             graph->items[graph->starts[build->items[at]]++] = (uint32_t)point;
     }
-    // Every start has moved to the next one's place.
+    // Every start has advanced to the next one.
     memmove(graph->starts + 1, graph->starts, graph->count * sizeof *graph->starts);
     graph->starts[0] = 0;
 }
 
-/// Bring the rows in the order of the points, and each one in rising order.
+/// Reorder the rows by point, each ascending.
 static bat_status sort_rows(const graph_builder *build, neighbour_graph *graph, bat_error *error)
 {
     size_t count = build->tree->count;

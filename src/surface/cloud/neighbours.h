@@ -4,20 +4,20 @@
 #include "batten/base.h"
 
 /// @file
-/// Which points of a cloud in space lie near a place: all within a radius, the nearest k, or, for every point, its
-/// neighbours within a radius at once. All answers are exact, and in an order that depends on nothing but the points.
+/// Nearest neighbours of points in space by a k-d tree (Bentley, 1975): all points within a radius, the k nearest points, or
+/// the radius graph of all points. Results are exact, and sorted independently of the tree.
 ///
-/// A k-d tree of boxes with the coordinates copied into the order of its leaves. Building takes O(n log n).
+/// The tree stores bounding boxes, and the coordinates in leaf order. Building takes O(n log n).
 
-/// A point of the cloud and how far it is.
+/// A point and its distance.
 typedef struct neighbour
 {
-    double squared; ///< distance
-    uint32_t item;  ///< the point's number
+    double squared; ///< squared distance
+    uint32_t item;  ///< index of the point
 } neighbour;
 
-/// Neighbours in order of their squared distance; of equal ones the lowest number first. All zero: empty. It grows as needed
-/// and serves any number of queries, one after the other; every thread needs its own.
+/// Neighbours by ascending distance; ties by index. All zero: empty. It grows as needed and is reused between queries; every
+/// thread needs its own.
 typedef struct neighbour_list
 {
     neighbour *entries;
@@ -26,7 +26,7 @@ typedef struct neighbour_list
 
 void neighbour_list_free(neighbour_list *list);
 
-/// A box around the points below a node.
+/// The bounding box of the points of a node.
 typedef struct neighbour_box
 {
     double low[3], high[3];
@@ -37,18 +37,18 @@ typedef struct neighbour_tree
 {
     size_t count;
     double *axes[3];      ///< count each, in leaf order; one allocation that begins at axes[0]
-    uint32_t *items;      ///< count: the points' numbers, in leaf order
-    neighbour_box *boxes; ///< of the nodes, numbered as in a heap: 1 is the root, 2 n and 2 n + 1 are below n
+    uint32_t *items;      ///< count: indices of the points, in leaf order
+    neighbour_box *boxes; ///< boxes of the nodes, in heap order: 1 is the root, 2 n and 2 n + 1 are the children of n: 1 is
+                          ///< the root, 2 n and 2 n + 1 are below n
 } neighbour_tree;
 
-/// Build the tree over points, which are copied.
-/// @param points count x 3, finite; squares of their differences must fit a double
-/// @return BAT_OK, BAT_TOO_LARGE (numbers of points have 32 bits) or BAT_NO_MEMORY; `tree` is untouched on failure
+/// Build the tree. The points are copied.
+/// @param points count x 3, finite; squares of differences must not overflow
+/// @return BAT_OK, BAT_TOO_LARGE (indices have 32 bits) or BAT_NO_MEMORY; `tree` is untouched on failure
 bat_status neighbour_tree_build(const double *points, size_t count, neighbour_tree *tree, bat_error *error);
 void neighbour_tree_free(neighbour_tree *tree);
 
-/// All points whose squared distance from a place is not above radius * radius, the place itself among them when it is a
-/// point of the tree.
+/// All points with squared distance <= radius * radius from a place, including a point at the place itself.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status neighbours_within(const neighbour_tree *tree, const double place[3], double radius, neighbour_list *list,
                              bat_error *error);
@@ -58,8 +58,7 @@ bat_status neighbours_within(const neighbour_tree *tree, const double place[3], 
 bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
                               bat_error *error);
 
-/// The neighbours of all points: those of point i are items[starts[i]] … items[starts[i + 1] - 1], rising, itself among
-/// them.
+/// The radius graph: the neighbours of point i are items[starts[i]] to items[starts[i + 1] - 1], ascending, including i.
 typedef struct neighbour_graph
 {
     size_t *starts; ///< count + 1
@@ -67,8 +66,7 @@ typedef struct neighbour_graph
     size_t count;
 } neighbour_graph;
 
-/// Join every point with all points within a radius of it. One pass over the leaves, much faster than a query for each
-/// point.
+/// Build the radius graph. One pass over the leaves, much faster than a query for each point.
 /// @return BAT_OK or BAT_NO_MEMORY; `graph` is untouched on failure
 bat_status neighbour_graph_build(const neighbour_tree *tree, double radius, neighbour_graph *graph, bat_error *error);
 void neighbour_graph_free(neighbour_graph *graph);

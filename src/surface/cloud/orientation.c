@@ -1,3 +1,7 @@
+/// @file
+/// Orientation of tangent planes by Kruskal's algorithm with a signed union-find forest; see orientation.h. Edges are sorted
+/// into buckets by sqrt(1 - |n_i . n_k|).
+
 #include "surface/cloud/orientation.h"
 
 #include "linalg/vector3.h"
@@ -13,11 +17,11 @@
 
 enum
 {
-    LINKS = 10,    ///< neighbours of a point in the graph that carries the turning
-    BUCKETS = 1024 ///< of angles between planes
+    LINKS = 10,    ///< neighbours of a point in the graph
+    BUCKETS = 1024 ///< buckets of edge costs
 };
 
-/// Numbers that stand for no neighbour.
+/// Stands for no neighbour.
 static const uint32_t NONE = UINT32_MAX;
 
 void oriented_planes_free(oriented_planes *oriented)
@@ -27,7 +31,7 @@ void oriented_planes_free(oriented_planes *oriented)
     *oriented = (oriented_planes){0};
 }
 
-/// The nearest LINKS of each point, without itself, and its plane.
+/// Compute the plane and the LINKS nearest neighbours of each point.
 static bat_status fit_planes(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented, uint32_t *links,
                              bat_error *error)
 {
@@ -56,22 +60,21 @@ static bat_status fit_planes(const bat_cloud *cloud, const neighbour_tree *tree,
     return status == BAT_OK ? BAT_OK : error_set(error, status, BAT_NO_INDEX, 0, "out of memory for neighbourhoods");
 }
 
-/// Points that hang together, as trees whose paths shorten on the way, and whether each point's normal has to turn to agree
-/// with that of the point above it.
+/// Union-find forest. flips[i] tells whether the normal of i must be flipped to agree with that of parent[i].
 typedef struct union_find
 {
     uint32_t *parent;
     bool *flips;
 } union_find;
 
-/// The root above a point, and whether the point's normal has to turn to agree with the root's.
+/// Find the root of a point, and whether its normal must be flipped to agree with the root's.
 static uint32_t find_root(const union_find *forest, uint32_t i, bool *flips)
 {
     bool sum = false;
     while (forest->parent[i] != i)
     {
         uint32_t parent = forest->parent[i];
-        // Halve the path: the point above this one becomes the one above that. Roots do not turn.
+        // Path halving: the grandparent becomes the parent. Roots are not flipped.
         forest->flips[i] = forest->flips[i] != forest->flips[parent];
         forest->parent[i] = forest->parent[parent];
         sum = sum != forest->flips[i];
@@ -92,7 +95,7 @@ static size_t bucket_of(const oriented_planes *oriented, size_t i, size_t k)
     return sine >= 1 ? BUCKETS - 1 : (size_t)(sine * BUCKETS);
 }
 
-/// Joins neighbours, those first whose planes differ least.
+/// Merge neighbours in the order of increasing cost.
 static bat_status join(const oriented_planes *oriented, size_t count, const uint32_t *links, union_find *forest,
                        bat_error *error)
 {
@@ -123,7 +126,7 @@ static bat_status join(const oriented_planes *oriented, size_t count, const uint
     return BAT_OK;
 }
 
-/// What a boundary point says about its normal: above 0 where it is right already.
+/// The vote of a boundary point: positive if its normal has the correct sign.
 static double vote_of(const bat_cloud *cloud, const oriented_planes *oriented, const uint32_t *links, size_t i)
 {
     size_t count = cloud->boundary_count;

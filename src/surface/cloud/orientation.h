@@ -6,19 +6,20 @@
 #include "surface/cloud/neighbours.h"
 
 /// @file
-/// Local planes of a cloud that agree about which side is up.
+/// Consistently oriented tangent planes of a cloud.
 
+/// The planes.
 typedef struct oriented_planes
 {
-    local_plane *planes; ///< count: right-handed axes, turned so that normals agree and the boundary runs counter-clockwise
-                         ///< around them
-    size_t *reach;       ///< count: how many nearest points each was fitted to, its middle among them
+    local_plane *planes; ///< count: right-handed, with consistent normals about which the boundary runs counter-clockwise
+    size_t *reach;       ///< count: number of nearest points in each fit, including the point itself
 } oriented_planes;
 
-/// Fit a plane around each point, and turn its normal as its neighbours' are: along the tree of neighbours whose planes
-/// differ least (Hoppe et al. 1992), with the turning that most of the boundary asks for, which has the patch to its left.
-/// What hangs together without the boundary is turned by itself.
-/// @param tree of the cloud's points
+/// Fit a plane at each point and orient the normals consistently: along a minimum spanning forest of the neighbour graph
+/// with the angles between planes as costs (Hoppe, DeRose, Duchamp, McDonald and Stuetzle, "Surface reconstruction from
+/// unorganized points", 1992). The boundary, with the patch to its left, determines the sign by majority. Components without
+/// boundary points keep an arbitrary sign.
+/// @param tree the tree of the cloud's points
 /// @return BAT_OK or BAT_NO_MEMORY; all zero on failure
 bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented,
                                 bat_error *error);

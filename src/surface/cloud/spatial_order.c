@@ -1,7 +1,9 @@
+/// @file
+/// Renumbering of clouds in spatial order; see spatial_order.h.
+
 #include "surface/cloud/spatial_order.h"
 
 #include "surface/cloud/local_plane.h"
-#include "surface/parameterize/weights.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -17,8 +19,7 @@ void spatial_order_free(spatial_order *order)
     *order = (spatial_order){0};
 }
 
-/// Numbers interior points as the tree's leaves have them, and writes the new numbers there. `numbers` receives each point's
-/// new one.
+/// Number interior points in leaf order, and renumber the items of the tree. `numbers` receives the new index of each point.
 static void renumber(const bat_cloud *cloud, spatial_order *order, uint32_t *numbers)
 {
     size_t next = cloud->boundary_count;
@@ -45,7 +46,7 @@ static void fill_cloud(const bat_cloud *from, const double *points, const spatia
     for (size_t i = 0; i < from->count; i++)
     {
         memcpy(to->points + 3 * i, points + 3 * (size_t)order->places[i], 3 * sizeof *to->points);
-        to->order[i] = weights_input_place(from, order->places[i]);
+        to->order[i] = cloud_input_index(from, order->places[i]);
     }
     for (size_t k = 0; k < 3 * from->triangle_count; k++)
         to->triangles[k] = numbers[from->triangles[k]];

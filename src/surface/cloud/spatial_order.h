@@ -5,17 +5,24 @@
 #include "surface/cloud/neighbours.h"
 
 /// @file
-/// A cloud whose interior points are numbered so that close ones have close numbers, as the leaves of a tree follow each
-/// other. The boundary stays where it is.
+/// Renumbering of a cloud in the leaf order of a k-d tree, so that close interior points have close indices. The boundary
+/// keeps its order.
 
+/// The index of a point of the cloud in the input.
+static inline size_t cloud_input_index(const bat_cloud *cloud, size_t point)
+{
+    return cloud->order != NULL ? cloud->order[point] : point;
+}
+
+/// A renumbered cloud.
 typedef struct spatial_order
 {
-    bat_cloud cloud;     ///< points, triangles and their places in the input; no corners
-    neighbour_tree tree; ///< of these points
-    uint32_t *places;    ///< count: each point's number in the cloud that was given
+    bat_cloud cloud;     ///< points scaled to unit size, triangles, and indices in the input; no corners
+    neighbour_tree tree; ///< tree of these points
+    uint32_t *places;    ///< count: index of each point in the given cloud
 } spatial_order;
 
-/// All zero on failure.
+/// Renumber a cloud. `order` is all zero on failure.
 bat_status spatial_order_make(const bat_cloud *cloud, spatial_order *order, bat_error *error);
 void spatial_order_free(spatial_order *order);
 

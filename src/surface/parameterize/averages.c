@@ -1,3 +1,6 @@
+/// @file
+/// Assembly and solution of (I - W) u = W_fixed u_fixed; see averages.h.
+
 #include "surface/parameterize/averages.h"
 
 #include "linalg/average_system.h"
@@ -9,14 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Numbers that stand for points that are given.
+/// The number of points that are not unknowns.
 static const uint32_t FIXED = UINT32_MAX;
 
-/// The unknowns and their system.
+/// The unknowns and the linear system.
 typedef struct average_problem
 {
-    uint32_t *numbers; ///< of the cloud's points among the unknowns; GIVEN
-    uint32_t *points;  ///< of the unknowns
+    uint32_t *numbers; ///< index of each point of the cloud among the unknowns, or FIXED
+    uint32_t *points;  ///< count: points of the unknowns
     size_t count;
     sparse_rows weights;
     double *constant; ///< count x 2
@@ -64,7 +67,7 @@ static bat_status allocate_system(const bat_cloud *cloud, const sparse_rows *row
     return sparse_rows_make(problem->count, problem->count, entries, &problem->weights, error);
 }
 
-/// Splits each row into weights of unknowns and what is given.
+/// Split each row into the weights of unknowns and a constant.
 static void fill_system(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, average_problem *problem)
 {
     sparse_rows *weights = &problem->weights;
@@ -91,7 +94,7 @@ static void fill_system(const bat_cloud *cloud, const sparse_rows *rows, const d
     weights->starts[problem->count] = at;
 }
 
-/// Averages lie within the box of what they are averages of, but for rounding.
+/// Store the solution, clamped to the bounding box of the fixed parameters, which bounds it up to rounding.
 static void write_solution(const bat_cloud *cloud, const average_problem *problem, double *parameters)
 {
     for (size_t c = 0; c < 2; c++)

@@ -4,18 +4,22 @@
 #include "batten/cloud.h"
 #include "linalg/sparse_rows.h"
 
-/// How a system is solved: by decomposition, or by iteration with some threads.
+/// @file
+/// Solution of u_i = sum_k w_ik u_k for the parameters of interior points, w_ik >= 0, sum_k w_ik = 1, with the other
+/// parameters fixed: Floater and Reimers, "Meshless parameterization and surface reconstruction" (2001).
+
+/// The solver: direct, or iterative.
 typedef struct average_solver
 {
     bool direct;
-    int threads; ///< of the iteration, as many as OpenMP gives when 0; the result is the same
+    int threads; ///< threads of the iteration, 0: the default of OpenMP; the result does not depend on it
 } average_solver;
 
-/// Solve u_i = sum_k rows_ik u_k for some interior points, the others being given.
-/// @param rows       what weights_build() gives, each point joined to the boundary
-/// @param moved      count: which points are solved for, never on the boundary; null for the whole interior
-/// @param way        how
-/// @param parameters count x 2; what is given is read, the rest receives numbers within the box of what is given
+/// Solve for some interior points.
+/// @param rows       weights from weights_build(), with every point connected to the boundary
+/// @param moved      count: the points to solve for, none on the boundary; null for the whole interior
+/// @param solver     the solver
+/// @param parameters count x 2; fixed ones are read, the others receive values in the bounding box of the fixed ones
 /// @return BAT_OK, BAT_NO_CONVERGENCE or BAT_NO_MEMORY
 bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_solver solver,
                           double *parameters, bat_error *error);

@@ -1,3 +1,11 @@
+/// @file
+/// Detection of faults of parameters; see faults.h.
+///
+/// For coordinates x in the local plane of a point and parameters u, the least-squares affine map has the matrix
+///     A = (sum u x^T) (sum x x^T)^-1,   with x and u relative to their means.
+/// The point is folded when det A has the wrong sign; sum x x^T is positive definite, so that det(sum u x^T) decides. The
+/// ratio of the singular values of A measures the stretch.
+
 #include "surface/parameterize/faults.h"
 
 #include "base/error.h"
@@ -25,7 +33,7 @@ bat_status fold_finder_make(const bat_cloud *cloud, fold_finder *finder, bat_err
     return status;
 }
 
-/// Twice the signed area that the boundary's parameters go around.
+/// Twice the signed area enclosed by the boundary parameters.
 static double boundary_area(const bat_cloud *cloud, const double *parameters)
 {
     size_t count = cloud->boundary_count;
@@ -38,12 +46,11 @@ static double boundary_area(const bat_cloud *cloud, const double *parameters)
     return area;
 }
 
-/// The affine map from planar places x to parameters u, by sums over a neighbourhood: its matrix is `mixed` times the
-/// inverse of `plain`.
+/// Sums for the affine map; its matrix is `ux` times the inverse of `xx`.
 typedef struct map_sums
 {
-    double xx[2][2]; ///< of x x^T about the mean
-    double ux[2][2]; ///< of u x^T
+    double xx[2][2]; ///< sum of x x^T, centred
+    double ux[2][2]; ///< sum of u x^T, centred
 } map_sums;
 
 static map_sums sum_map(const fold_finder *finder, const neighbour_list *near, size_t point, const double *parameters)
@@ -91,11 +98,11 @@ static double ratio_of(const double a[2][2])
     return smaller > 0 ? larger / smaller : INFINITY;
 }
 
-/// Of a map whose matrix is mixed times the inverse of plain.
+/// Ratio of the singular values of ux xx^-1.
 static double stretch_of(const map_sums *sums)
 {
     const double(*p)[2] = sums->xx, (*m)[2] = sums->ux;
-    // The inverse but for its determinant, which the ratio does not see.
+    // The adjugate replaces the inverse, because the ratio does not depend on the determinant.
     double map[2][2];
     for (size_t a = 0; a < 2; a++)
     {
@@ -115,7 +122,7 @@ static void find_by_planes(const fold_finder *finder, const neighbour_list *near
         stretches[point - finder->order.cloud.boundary_count] = stretch_of(&sums);
 }
 
-/// Which way the triangles run: above 0 as the boundary does, below 0 against it.
+/// Orientation of the triangles: 1 if they agree with the boundary, else -1.
 static int triangle_orientation(const bat_cloud *cloud)
 {
     size_t count = cloud->boundary_count;
@@ -176,7 +183,7 @@ bat_status fold_finder_find(const fold_finder *finder, const double *parameters,
     return BAT_OK;
 }
 
-/// Parameters that agree when rounded to multiples of its inverse coincide.
+/// Parameters coincide when they agree after rounding to multiples of the inverse of this.
 static const double COINCIDENCE = 1e12;
 
 bat_status parameter_faults_make(size_t count, parameter_faults *faults, bat_error *error)
@@ -202,7 +209,7 @@ bat_status parameters_check_cloud(const bat_cloud *cloud, bat_error *error)
 {
     bat_status status = bat_cloud_check(cloud, error);
     if (status == BAT_OK && cloud->boundary_count == 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
     return status;
 }
 
@@ -218,7 +225,7 @@ static size_t find_outside(const double *parameters, size_t count, bool *outside
     return found;
 }
 
-/// A point's parameters, rounded.
+/// The rounded parameters of a point.
 typedef struct rounded_parameters
 {
     double at[2];
@@ -234,7 +241,8 @@ static int compare_rounded(const void *a, const void *b)
     return (first->point > second->point) - (first->point < second->point);
 }
 
-/// Points that are not numbers, and the boundary, are not looked at; an interior point may coincide with the boundary.
+/// Find interior points whose parameters coincide with those of another point, which may be a boundary point. Parameters
+/// that are not finite are ignored.
 static bat_status find_coincident(const bat_cloud *cloud, const double *parameters, bool *coincident, size_t *found,
                                   bat_error *error)
 {
@@ -267,7 +275,7 @@ static int compare_numbers(const void *a, const void *b)
     return (first > second) - (first < second);
 }
 
-/// The median; sorts. 1 for none.
+/// The median, 1 for no values. Sorts the values; NaN counts as infinite.
 static double median(double *values, size_t count)
 {
     if (count == 0)

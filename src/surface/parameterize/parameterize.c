@@ -1,3 +1,9 @@
+/// @file
+/// Classical parameterizations of clouds (bat_cloud_parameterize): u_i = sum_k w_ik u_k for interior points, u fixed on the
+/// boundary. The methods differ in the weights w_ik (weights.h). `published` selects the neighbourhoods and the direct
+/// solver of the literature, which may fail; otherwise neighbourhoods adapt to the points, and the system is solved
+/// iteratively.
+
 #include "batten/cloud_parameterize.h"
 
 #include "surface/cloud/spatial_order.h"
@@ -12,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Eq. (7) of Giannelli et al. (2023): over the root of the number of points.
+/// Numerator of the radius 3 / sqrt(n), eq. (7) of Giannelli et al. (2023).
 static const double RADIUS_FACTOR = 3;
 
 const char *bat_cloud_parameterization_name(bat_cloud_parameterization method)
@@ -31,16 +37,15 @@ static bat_status check_options(const bat_cloud *cloud, const double *boundary,
                                 const bat_cloud_parameterize_options *options, bat_error *error)
 {
     if ((size_t)options->method >= BAT_CLOUD_PARAMETERIZE_COUNT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no parameterization of number %d",
-                         (int)options->method);
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unknown parameterization %d", (int)options->method);
     if (!(options->radius >= 0 && isfinite(options->radius)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the radius %g is not a positive number",
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the radius %g must be finite and not negative",
                          options->radius);
     bat_status status = bat_cloud_check(cloud, error);
     if (status != BAT_OK)
         return status;
     if (cloud->boundary_count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
     if (options->method == BAT_CLOUD_PARAMETERIZE_MEAN_VALUE && cloud->triangle_count == 0)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
     for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
@@ -50,7 +55,7 @@ static bat_status check_options(const bat_cloud *cloud, const double *boundary,
     return BAT_OK;
 }
 
-/// A ball for every point, which may fail, and a direct solution.
+/// Published variant: neighbours in a ball of fixed radius, which may fail, and a direct solver.
 static bat_status parameterize_published(const bat_cloud *cloud, const double *boundary,
                                          const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
@@ -69,9 +74,9 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
         status = weights_find_unjoined(cloud, &rows, &unjoined, error);
     if (status == BAT_OK && unjoined != BAT_NO_INDEX)
     {
-        size_t place = weights_input_place(cloud, unjoined);
-        status =
-            error_set(error, BAT_NO_CONVERGENCE, place, 0, "no chain of neighbours joins point %zu to the boundary", place);
+        size_t place = cloud_input_index(cloud, unjoined);
+        status = error_set(error, BAT_NO_CONVERGENCE, place, 0, "no chain of neighbours connects point %zu to the boundary",
+                           place);
     }
     if (status == BAT_OK)
     {

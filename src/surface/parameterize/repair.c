@@ -1,3 +1,11 @@
+/// @file
+/// Repair of faulty parameters (bat_cloud_parameters_repair).
+///
+/// Faulty points and a ring of neighbours around them are replaced by the solution of u_i = sum_k w_ik u_k with
+/// shape-preserving weights, or mean-value weights in a cloud with triangles. The width of the ring doubles in every round.
+/// If folds remain when the whole interior has been replaced, u = (1 - s) u_shape + s u_uniform is tried for s = 1/4, …, 1.
+/// The best parameters are the result.
+
 #include "surface/parameterize/averages.h"
 #include "surface/parameterize/faults.h"
 #include "surface/parameterize/weights.h"
@@ -11,19 +19,19 @@
 
 enum
 {
-    ROUNDS = 10,    ///< the ring around faults that becomes averages doubles each time
-    LARGE = 100000, ///< points of a cloud that gets one round alone: the others would take longer than a fit
-    BLENDS = 4      ///< steps from shape-preserving to uniform parameters, where the former fold
+    ROUNDS = 10,    ///< maximum number of rounds
+    LARGE = 100000, ///< clouds with more points get one round only, because more would take longer than a fit
+    BLENDS = 4      ///< number of steps s
 };
 
-/// Parameters on their way to having no faults, in the finder's order.
+/// State of a repair, in the order of the finder.
 typedef struct repair
 {
     const fold_finder *finder;
-    sparse_rows rows; ///< weights that preserve shapes
+    sparse_rows rows; ///< the weights w_ik
     parameter_faults faults;
     bat_cloud_parameters_report report;
-    bool *moved;     ///< what becomes averages
+    bool *moved;     ///< points to be replaced
     double *current; ///< count x 2 each
     double *best;
     double *uniform;
@@ -66,7 +74,7 @@ static size_t fault_count(const bat_cloud_parameters_report *report)
     return report->folded + report->outside + report->coincident;
 }
 
-/// Folds weigh more than what lies outside, and that more than what coincides.
+/// Lexicographic comparison: number of folds, then of points outside, then of coincident points.
 static bool is_better(const bat_cloud_parameters_report *report, const bat_cloud_parameters_report *than)
 {
     if (report->folded != than->folded)
@@ -74,7 +82,7 @@ static bool is_better(const bat_cloud_parameters_report *report, const bat_cloud
     return report->outside != than->outside ? report->outside < than->outside : report->coincident < than->coincident;
 }
 
-/// Looks at the current parameters and keeps them where they are the best so far.
+/// Find the faults of the current parameters, and store the parameters if they are the best so far.
 static bat_status evaluate(repair *work, bool first, bat_error *error)
 {
     size_t count = work->finder->order.cloud.count;
@@ -87,7 +95,7 @@ static bat_status evaluate(repair *work, bool first, bat_error *error)
     return status;
 }
 
-/// Adds the faults to what is moved, and rings of neighbours around all that.
+/// Add faulty points and `rings` rings of neighbours to the points to be replaced. Returns whether any were added.
 static bool grow_moved(repair *work, size_t rings)
 {
     const bat_cloud *cloud = &work->finder->order.cloud;
@@ -98,7 +106,7 @@ static bool grow_moved(repair *work, size_t rings)
         before += work->moved[i];
         work->moved[i] = work->moved[i] || work->faults.folded[i] || work->faults.outside[i] || work->faults.coincident[i];
     }
-    bool *ring = work->faults.folded; // No longer needed.
+    bool *ring = work->faults.folded; // reused as workspace
     for (size_t r = 0; r < rings; r++)
     {
         memcpy(ring, work->moved, cloud->count * sizeof *ring);
@@ -112,7 +120,7 @@ static bool grow_moved(repair *work, size_t rings)
     return after > before;
 }
 
-/// Everything becomes averages: of shape-preserving and uniform weights, in steps from one to the other.
+/// Blend the solutions with shape-preserving and with uniform weights for the whole interior.
 static bat_status blend(repair *work, bat_error *error)
 {
     const bat_cloud *cloud = &work->finder->order.cloud;
@@ -151,7 +159,7 @@ static bat_status unfold(repair *work, bat_error *error)
     }
     if (status == BAT_OK && work->best_report.folded > 0 && !large)
         status = blend(work, error);
-    // What does not settle leaves the best that was found.
+    // If the solver does not converge, the best parameters so far are the result.
     return status == BAT_NO_CONVERGENCE ? BAT_OK : status;
 }
 

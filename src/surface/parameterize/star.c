@@ -1,3 +1,10 @@
+/// @file
+/// Delaunay stars and shape-preserving weights; see star.h.
+///
+/// Inversion p -> p / |p|^2 maps circles through the origin to lines. The empty circumcircles of the triangles at the origin
+/// therefore become the supporting lines of the convex hull of the inverted points. The hull is computed by gift wrapping
+/// (Jarvis, 1973).
+
 #include "surface/parameterize/star.h"
 
 #include "base/error.h"
@@ -12,9 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Corners of the hull that lie this close to a straight line, in proportion, are left out.
+/// Corners of the hull within this sine of a straight line are omitted.
 static const double COLLINEAR = 1e-12;
-/// Points this much closer than the farthest one lie at the origin.
+/// Points are at the origin when their squared distance is below this fraction of the largest one.
 static const double COINCIDENT = 1e-24;
 
 static double cross(const double a[2], const double b[2])
@@ -22,7 +29,7 @@ static double cross(const double a[2], const double b[2])
     return a[0] * b[1] - a[1] * b[0];
 }
 
-/// Inverts at the unit circle; returns the place of the longest inverse, SIZE_MAX for none.
+/// Invert the points, scaled by the largest squared distance. Returns the index of the longest inverse, SIZE_MAX for none.
 static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[2])
 {
     double farthest = 0, best = 0;
@@ -33,7 +40,7 @@ static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[
     {
         double square = planar[k][0] * planar[k][0] + planar[k][1] * planar[k][1];
         bool apart = square > COINCIDENT * farthest;
-        // An inverse of 0 is never a corner.
+        // A zero inverse is never a corner.
         inverse[k][0] = apart ? planar[k][0] / square * farthest : 0;
         inverse[k][1] = apart ? planar[k][1] / square * farthest : 0;
         if (apart && farthest / square > best)
@@ -45,7 +52,7 @@ static size_t invert(const double (*planar)[2], size_t count, double (*inverse)[
     return first;
 }
 
-/// Which of two ways from a corner of the hull leaves the other to its left; of two in line the longer.
+/// Whether `other` is clockwise from `direction`; for collinear directions, whether it is longer.
 static bool is_further_clockwise(const double direction[2], const double other[2])
 {
     double turn = cross(direction, other), length = direction[0] * direction[0] + direction[1] * direction[1];
@@ -55,8 +62,7 @@ static bool is_further_clockwise(const double direction[2], const double other[2
     return other_length > length;
 }
 
-/// The corner after `from` of the hull of the origin and the points, SIZE_MAX for the origin, as which `from` may be given
-/// too.
+/// The corner after `from` of the convex hull of the origin and the points. SIZE_MAX stands for the origin.
 static size_t next_corner(const double (*points)[2], size_t count, size_t from)
 {
     static const double ORIGIN[2] = {0, 0};
@@ -75,7 +81,7 @@ static size_t next_corner(const double (*points)[2], size_t count, size_t from)
     return next;
 }
 
-/// Begins the ring after its gap.
+/// Rotate the ring so that it begins after its gap.
 static void rotate_ring(size_t *ring, size_t count, size_t gap)
 {
     size_t copy[STAR_MAX_RING];
@@ -98,7 +104,7 @@ size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], 
         if (at != SIZE_MAX)
             ring[found++] = at;
         else if (!*closed)
-            return 0; // The origin cannot come twice.
+            return 0; // the origin is a corner twice
         else
         {
             *closed = false;
@@ -110,7 +116,7 @@ size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], 
     return found;
 }
 
-/// Adds the origin's barycentric coordinates in the triangle of corner l and the side after corner r.
+/// Add the barycentric coordinates of the origin in the triangle of corners l, r and next.
 static void add_triangle(const double (*ring)[2], size_t l, size_t r, size_t next, double share, double *weights)
 {
     double at_l = cross(ring[r], ring[next]), at_r = cross(ring[next], ring[l]), at_next = cross(ring[l], ring[r]);
@@ -130,7 +136,7 @@ void star_shape_preserving(const double (*ring)[2], size_t count, double *weight
         for (size_t step = 1; step + 1 < count; step++)
         {
             size_t r = (l + step) % count, next = (r + 1) % count;
-            // The first corner across: the way back from l through the origin passes between r and the next.
+            // The ray from l through the origin passes between corners r and next.
             if (cross(ring[l], ring[next]) <= 0 || step + 2 == count)
             {
                 add_triangle(ring, l, r, next, 1 / (double)count, weights);
@@ -168,7 +174,7 @@ bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2])
     return true;
 }
 
-/// A neighbour of the middle: its place, and the direction there.
+/// A neighbour: its index, and its direction.
 typedef struct spoke
 {
     double angle;
@@ -193,7 +199,7 @@ static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, sp
     return true;
 }
 
-/// Gathers the corners of the triangles around the middle; returns how many there are, 0 for too many.
+/// Gather the corners of the triangles at `middle`. Returns their number, 0 if there are too many.
 static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, spoke spokes[STAR_MAX_RING])
 {
     size_t count = 0;
@@ -237,7 +243,7 @@ bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_
     qh_zero(qh, messages);
     char options[] = "qhull d Qt Qbb Qc";
     spoke spokes[STAR_MAX_RING];
-    // A failure of Qhull is one of the points: too few of them, or all in line.
+    // Qhull fails for too few or collinear points.
     if (qh_new_qhull(qh, 2, (int)count, points, False, options, NULL, messages) == 0)
     {
         size_t found = gather_spokes(qh, planar, middle, spokes);

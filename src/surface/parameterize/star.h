@@ -7,39 +7,40 @@
 #include <stddef.h>
 
 /// @file
-/// The star of a point of the plane, which is the origin, among others, and weights of its ring that make the origin an
-/// average of the ring.
+/// The star of a point in the plane: its neighbours in a Delaunay triangulation, and convex weights of these neighbours that
+/// reproduce the point. The point is the origin.
 
 enum
 {
-    STAR_MAX_RING = 64 ///< stars of more neighbours are not looked for
+    STAR_MAX_RING = 64 ///< maximum number of neighbours
 };
 
-/// The neighbours of the origin in the Delaunay triangulation of it and `count` points, counter-clockwise. They are the
-/// corners of the convex hull of the origin and the points p / |p|^2, which is polar to the origin's Voronoi cell; among
-/// points of one empty circle the fewest that triangulate. Points at the origin do not count.
-/// @param inverse room for `count` pairs
-/// @param closed  whether they go all around; else the origin is on the hull of the points, and the gap is after the last
-/// @return how many; 0 for more than STAR_MAX_RING
+/// The neighbours of the origin in the Delaunay triangulation of the origin and `count` points, counter-clockwise. They are
+/// the corners of the convex hull of the origin and the points p / |p|^2, which is polar to the Voronoi cell of the origin.
+/// Of cocircular points, as few as possible are corners. Points at the origin are ignored.
+/// @param inverse workspace of `count` pairs
+/// @param closed  whether the neighbours surround the origin; if not, the origin is on the convex hull, and the gap is after
+///        the last
+/// @return the number of neighbours; 0 if there are more than STAR_MAX_RING
 size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_MAX_RING], bool *closed);
 
-/// Floater's shape-preserving weights (1997, section 6): each corner of the ring makes a triangle with the side of the ring
-/// across the origin; the weights are the mean of the origin's barycentric coordinates in these triangles.
-/// @param ring corners about the origin, counter-clockwise, each less than half a turn before the next
-/// @param weights above 0, of sum 1
+/// Shape-preserving weights (Floater 1997, section 6). The ray from corner l through the origin meets the opposite side of
+/// the ring in a triangle with l; the weights are the mean over l of the barycentric coordinates of the origin in these
+/// triangles.
+/// @param ring    corners about the origin, counter-clockwise, each less than half a turn after the one before
+/// @param weights receives positive weights with sum 1
 void star_shape_preserving(const double (*ring)[2], size_t count, double *weights);
 
-/// Unfold a ring in space into the plane as a geodesic polar map does: the lengths of its spokes stay, and the angles
-/// between them are scaled to a full turn.
-/// @param spokes from the middle to the ring
-/// @return false where an angle comes to half a turn or more
+/// Map a ring in space to the plane by the geodesic polar map: lengths of spokes are preserved, and angles between them are
+/// scaled to sum to a full turn.
+/// @param spokes vectors from the centre to the ring
+/// @return false if a scaled angle reaches half a turn
 bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2]);
 
-/// The neighbours of the point `middle` in the Delaunay triangulation, by Qhull, of `count` points of the plane,
-/// counter-clockwise; on the hull they do not go all around.
-/// @param ring_count 0 where there is no triangulation, the point is at another point, or has fewer than 3 or more than
-/// STAR_MAX_RING
-///                   neighbours
+/// The neighbours of the point `middle` in the Delaunay triangulation of `count` points in the plane, computed by Qhull,
+/// counter-clockwise. They do not surround a point on the convex hull.
+/// @param ring_count receives 0 if there is no triangulation, if the point coincides with another one, or if it has fewer
+///        than 3 or more than STAR_MAX_RING neighbours
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_t middle, size_t ring[STAR_MAX_RING],
                                   size_t *ring_count, bat_error *error);

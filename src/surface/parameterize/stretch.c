@@ -1,3 +1,6 @@
+/// @file
+/// Stretch minimization by iterated re-weighting; see stretch.h.
+
 #include "surface/parameterize/stretch.h"
 
 #include "base/error.h"
@@ -7,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Of a determinant against its trace squared: flatter neighbourhoods in the parameter plane are taken for this round.
+/// Relative regularization of the normal matrix of the parameter differences, for nearly collinear neighbourhoods.
 static const double RIDGE = 1e-6;
-/// Rounds go on while each takes this share off.
+/// Minimum relative decrease of the total stretch in a round.
 static const double MIN_REDUCTION = 0.01;
-/// Of the whole's: points that stretch less count as if they stretched so much.
+/// Lower bound of the stretch at a point, relative to the total stretch.
 static const double MIN_STRETCH = 1e-6;
 
 enum
@@ -19,7 +22,7 @@ enum
     MAX_ROUNDS = 10
 };
 
-/// The least-squares derivative from differences to the row's neighbours, as the root of half its squared Frobenius norm.
+/// The stretch at a point: root of half the squared Frobenius norm of the least-squares derivative.
 static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t row, const double *parameters)
 {
     size_t point = cloud->boundary_count + row;
@@ -50,9 +53,9 @@ static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t
     return sqrt(squares / 2);
 }
 
-/// At interior points. Where parameters of a neighbourhood coincide, as far down in deep shapes, there is none to tell: it
-/// counts as the greatest of the others.
-/// @return that of the whole
+/// Stretch at all interior points. Where the parameters of a neighbourhood coincide, as in deep shapes, the largest stretch
+/// of the others is used.
+/// @return the total stretch
 static double measure_interior(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch)
 {
     size_t interior = cloud->count - cloud->boundary_count;
@@ -71,8 +74,8 @@ static double measure_interior(const bat_cloud *cloud, const sparse_rows *rows, 
     return interior > 0 ? sqrt(sum / (double)interior) : 0;
 }
 
-/// At every point; boundary points take the mean over the rows that they are in.
-/// @param energy receives that of the whole
+/// Stretch at all points. A boundary point receives the mean over the rows in which it occurs.
+/// @param energy receives the total stretch
 static bat_status measure(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch,
                           double *energy, bat_error *error)
 {
@@ -95,7 +98,7 @@ static bat_status measure(const bat_cloud *cloud, const sparse_rows *rows, const
     return BAT_OK;
 }
 
-/// Divide weights by the stretch at the neighbour.
+/// Divide the weights by the stretch at the neighbour, and rescale the rows.
 static void reweight(const double *stretch, double minimum, sparse_rows *rows)
 {
     for (size_t row = 0; row < rows->row_count; row++)
@@ -108,9 +111,9 @@ static void reweight(const double *stretch, double minimum, sparse_rows *rows)
     }
 }
 
-/// Even out once.
-/// @param stretch at all points before, and after
-/// @param energy  receives the stretch of the whole; infinite where the system is not solved
+/// One round.
+/// @param stretch stretch at all points, before and after the round
+/// @param energy  receives the total stretch; infinite if the solver does not converge
 static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double minimum,
                                      double *stretch, double *parameters, double *energy, bat_error *error)
 {

@@ -3,15 +3,19 @@
 
 #include "surface/parameterize/averages.h"
 
-/// Even out how much the map from parameters to points stretches: weights are divided by the stretch at the neighbour, and
-/// the system is solved anew, as long as the stretch of the whole falls (Yoshizawa, Belyaev and Seidel, "A fast and simple
-/// stretch-minimizing mesh parameterization", 2004; here for clouds).
+/// @file
+/// Stretch minimization: Yoshizawa, Belyaev and Seidel, "A fast and simple stretch-minimizing mesh parameterization" (2004),
+/// for clouds.
 ///
-/// The stretch at a point is the root mean square of the singular values of the map's derivative, which its row's neighbours
-/// tell by least squares; that of the whole is its root mean square over the interior.
-/// @param rows       averages that the parameters obey; changed by every round, the last one that was not worthwhile too
+/// With s_k the stretch at point k, weights are updated by  w_ik <- w_ik / s_k  (rows rescaled to sum 1), and the parameters
+/// are solved for again, while the total stretch decreases. The stretch at a point is the root mean square of the singular
+/// values of the derivative dx/du, fitted to the neighbours of its row by least squares. The total stretch is the root mean
+/// square over the interior.
+
+/// Minimize the stretch of parameters.
+/// @param rows       weights that the parameters satisfy; changed by every round, including a last one that is rejected
 /// @param parameters count x 2
-/// @return as averages_solve()
+/// @return see averages_solve()
 bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
                             bat_error *error);
 

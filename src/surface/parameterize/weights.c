@@ -1,3 +1,6 @@
+/// @file
+/// Parallel assembly of the weight matrix; see weights.h.
+
 #include "surface/parameterize/weights.h"
 
 #include "base/error.h"
@@ -10,13 +13,8 @@
 
 enum
 {
-    CHUNK_ROWS = 512 ///< made by one thread at a time
+    CHUNK_ROWS = 512 ///< rows computed by one thread at a time
 };
-
-size_t weights_input_place(const bat_cloud *cloud, size_t point)
-{
-    return cloud->order != NULL ? cloud->order[point] : point;
-}
 
 void weight_scratch_free(weight_scratch *scratch)
 {
@@ -73,7 +71,7 @@ static bat_status make_chunk(const weight_source *source, weight_maker *maker, s
     return status;
 }
 
-/// The chunks, one after the other; lengths[i + 1] holds the length of row i and becomes its end.
+/// Concatenate the chunks. lengths[i] is the length of row i.
 static bat_status join_chunks(const weight_chunk *chunks, size_t chunk_count, size_t *lengths, size_t rows_count,
                               size_t columns_count, sparse_rows *rows, bat_error *error)
 {
@@ -94,7 +92,7 @@ static bat_status join_chunks(const weight_chunk *chunks, size_t chunk_count, si
     return BAT_OK;
 }
 
-/// The chunks by some threads. Of several failures the first in order is told.
+/// Compute the chunks in parallel. Of several failures, the first in row order is reported.
 static bat_status make_chunks(const weight_source *source, weight_maker *maker, int threads, size_t rows_count,
                               weight_chunk *chunks, size_t chunk_count, size_t *lengths, bat_error *error)
 {

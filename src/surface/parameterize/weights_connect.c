@@ -1,4 +1,5 @@
-// Chains of weights from interior points to the boundary.
+/// @file
+/// Connection of all interior points to the boundary by chains of weights, which makes the linear system regular.
 
 #include "surface/parameterize/weights.h"
 
@@ -11,13 +12,14 @@
 
 enum
 {
-    LINKS = 3 ///< neighbours that an unjoined point gets
+    LINKS = 3 ///< links of an unconnected point
 };
 
-/// Points within this multiple of the least distance to what is joined are linked at once, squared.
+/// Points of a component are linked together if their squared distance to the connected points is at most this multiple of
+/// the smallest one.
 static const double LINK_REACH = 4;
 
-/// Marks what chains join to the boundary, from there against the weights' direction.
+/// Mark the connected points, by breadth-first search from the boundary along reversed weights.
 static bat_status mark_joined(const bat_cloud *cloud, const sparse_rows *rows, bool *joined, size_t *joined_count,
                               bat_error *error)
 {
@@ -61,13 +63,13 @@ bat_status weights_find_unjoined(const bat_cloud *cloud, const sparse_rows *rows
     return status;
 }
 
-/// Links of the unjoined points: LINKS neighbours each among the joined ones, by distance.
+/// The nearest connected points of every unconnected point.
 typedef struct link_table
 {
-    uint32_t *points; ///< count: the unjoined points
+    uint32_t *points; ///< count: the unconnected points
     neighbour *links; ///< count x LINKS
     size_t count;
-    size_t link_count; ///< of each point
+    size_t link_count; ///< links of each point
 } link_table;
 
 static void link_table_free(link_table *table)
@@ -118,7 +120,7 @@ static bat_status find_links(const bat_cloud *cloud, const bool *joined, size_t 
     return status;
 }
 
-/// The root of a tree of parts, whose paths shorten on the way.
+/// Find the root in a union-find forest, with path halving.
 static uint32_t find_part(uint32_t *parts, uint32_t i)
 {
     while (parts[i] != i)
@@ -126,7 +128,7 @@ static uint32_t find_part(uint32_t *parts, uint32_t i)
     return i;
 }
 
-/// Which table entries begin links: those close to the joined points in proportion to the closest of their part.
+/// Choose the points to link: those of each component that are closest to the connected points, up to LINK_REACH.
 static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, const bool *joined, const link_table *table,
                                bool *chosen, bat_error *error)
 {
@@ -159,7 +161,7 @@ static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, 
     return status;
 }
 
-/// The rows with the chosen links: a linked point's old weights and its links, by inverse distance, count half each.
+/// Insert the chosen links. The old weights of a linked point and its links, by inverse distance, contribute half each.
 static bat_status add_links(const bat_cloud *cloud, const link_table *table, const bool *chosen, sparse_rows *rows,
                             bat_error *error)
 {

@@ -1,4 +1,5 @@
-// Uniform and inverse-distance weights.
+/// @file
+/// Uniform weights w_ik = 1 / n and inverse-distance weights w_ik = |x_i - x_k|^-1 / sum_j |x_i - x_j|^-1.
 
 #include "surface/parameterize/weights.h"
 
@@ -8,10 +9,10 @@
 
 enum
 {
-    NEAREST = 16 ///< neighbours of a point where it has a radius of its own
+    NEAREST = 16 ///< number of nearest neighbours without a given radius
 };
 
-/// Appends the weights of the neighbours in the list, the point itself left out.
+/// Append the weights of the neighbours in the list, without the point itself.
 static bat_status append_neighbours(const weight_source *source, const neighbour_list *near, size_t point,
                                     weight_chunk *chunk, bat_error *error)
 {
@@ -42,7 +43,7 @@ bat_status weights_of_ball(const weight_source *source, weight_scratch *scratch,
         neighbours_within(source->tree, source->cloud->points + 3 * point, source->radius, &scratch->near, error);
     if (status != BAT_OK)
         return status;
-    size_t place = weights_input_place(source->cloud, point);
+    size_t place = cloud_input_index(source->cloud, point);
     if (scratch->near.count < 2)
         return error_set(error, BAT_NO_CONVERGENCE, place, 0, "point %zu has no neighbour within the radius", place);
     return append_neighbours(source, &scratch->near, point, chunk, error);

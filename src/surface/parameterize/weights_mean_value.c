@@ -1,4 +1,7 @@
-// Mean-value weights.
+/// @file
+/// Mean-value weights (Floater, "Mean value coordinates", 2003):
+///     w_ik = (tan(a / 2) + tan(b / 2)) / |x_i - x_k|,   normalized, with a and b the angles at x_i on both sides of edge
+///     ik.
 
 #include "linalg/vector3.h"
 #include "surface/parameterize/weights.h"
@@ -10,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// What a triangle adds to the weights of its corner `at`: tan(angle / 2) / length, to both ends of its sides there.
+/// The contribution of a triangle to the weights of corner `at`: tan(angle / 2) / length for both adjacent edges.
 static void triangle_weights(const double *points, uint32_t at, uint32_t second, uint32_t third, double added[2])
 {
     double a[3], b[3], product[3];
@@ -23,7 +26,7 @@ static void triangle_weights(const double *points, uint32_t at, uint32_t second,
     added[1] = half_tangent / length_b;
 }
 
-/// Adds to the entry of a column of a row that ends at *end, or appends it.
+/// Add to the entry of a column in a row that ends at *end; append the entry if there is none.
 static void add_entry(sparse_rows *rows, size_t start, size_t *end, uint32_t column, double value)
 {
     size_t e = start;
@@ -37,7 +40,7 @@ static void add_entry(sparse_rows *rows, size_t start, size_t *end, uint32_t col
     rows->values[e] += value;
 }
 
-/// Brings the rows, each with room for two entries a triangle, together, and scales each to sum 1.
+/// Compact the rows, and scale each to sum 1.
 static bat_status finish_rows(const bat_cloud *cloud, const size_t *ends, sparse_rows *rows, bat_error *error)
 {
     size_t at = 0;
@@ -49,13 +52,13 @@ static bat_status finish_rows(const bat_cloud *cloud, const size_t *ends, sparse
             sum += rows->values[e];
         if (!(sum > 0 && isfinite(sum)))
         {
-            size_t place = weights_input_place(cloud, cloud->boundary_count + row);
-            return error_set(error, BAT_NO_CONVERGENCE, place, 0, "point %zu has no triangles but flat ones", place);
+            size_t place = cloud_input_index(cloud, cloud->boundary_count + row);
+            return error_set(error, BAT_NO_CONVERGENCE, place, 0, "all triangles of point %zu are degenerate", place);
         }
         rows->starts[row] = at;
         for (size_t e = start; e < ends[row]; e++)
         {
-            // A weight of 0 comes from flat triangles alone.
+            // Only degenerate triangles have weight 0.
             if (rows->values[e] == 0)
                 continue;
             rows->columns[at] = rows->columns[e];
@@ -83,7 +86,7 @@ static void add_triangles(const bat_cloud *cloud, size_t *ends, sparse_rows *row
         }
 }
 
-/// Room for two entries a triangle in each row.
+/// Reserve two entries for each triangle of a point.
 static bat_status make_room(const bat_cloud *cloud, sparse_rows *rows, bat_error *error)
 {
     size_t count = cloud->count - cloud->boundary_count, entries = 0;

@@ -1,3 +1,7 @@
+/// @file
+/// Shape-preserving weights (Floater, "Parametrization and smooth approximation of surface triangulations", 1997) of the
+/// Delaunay star of each point in its local plane (star.h), in an adaptive and in the published variant.
+
 #include "surface/parameterize/weights.h"
 
 #include "base/error.h"
@@ -9,10 +13,10 @@
 
 enum
 {
-    GROWTHS = 1 ///< times that a neighbourhood doubles to close a star
+    GROWTHS = 1 ///< number of times that a neighbourhood is doubled to close a star
 };
 
-/// The star in the best plane of at least `wanted` neighbours; its corners are places in the list.
+/// Find the star in the best-fitting plane of at least `wanted` neighbours. The corners are indices into the list.
 static bat_status find_star(const weight_source *source, weight_scratch *scratch, size_t point, size_t wanted,
                             size_t corners[STAR_MAX_RING], size_t *count, bool *closed, bat_error *error)
 {
@@ -30,7 +34,7 @@ static bat_status find_star(const weight_source *source, weight_scratch *scratch
     return BAT_OK;
 }
 
-/// How many neighbours to begin with.
+/// The initial number of neighbours.
 static bat_status first_wanted(const weight_source *source, weight_scratch *scratch, size_t point, size_t *wanted,
                                bat_error *error)
 {
@@ -44,8 +48,8 @@ static bat_status first_wanted(const weight_source *source, weight_scratch *scra
     return status;
 }
 
-/// The corners of the star about the origin: in the plane where they go all around, else unfolded in space, which closes the
-/// gap. False where that is not possible.
+/// Positions of the corners about the origin: the planar ones if the star is closed, else unfolded from space, which closes
+/// the gap. False if that is not possible.
 static bool lay_out(const weight_source *source, const weight_scratch *scratch, size_t point, const size_t *corners,
                     size_t count, bool closed, double (*ring)[2])
 {
@@ -94,7 +98,7 @@ bat_status weights_of_star(const weight_source *source, weight_scratch *scratch,
 
 static bat_status fail_at(const weight_source *source, size_t point, bat_error *error, const char *why)
 {
-    size_t place = weights_input_place(source->cloud, point);
+    size_t place = cloud_input_index(source->cloud, point);
     return error_set(error, BAT_NO_CONVERGENCE, place, 0, "the neighbourhood of point %zu %s", place, why);
 }
 
@@ -106,7 +110,7 @@ static size_t place_of(const neighbour_list *near, size_t point)
     return k;
 }
 
-/// Appends the weights of a ring, unfolded from space into the plane.
+/// Append the weights of a ring that is unfolded from space to the plane.
 static bat_status append_ring(const weight_source *source, const neighbour_list *near, size_t point, const size_t *places,
                               size_t count, weight_chunk *chunk, bat_error *error)
 {

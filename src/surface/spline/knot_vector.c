@@ -34,7 +34,7 @@ bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *kn
 bat_status bat_knot_vector_check(const bat_knot_vector *knots, bat_error *error)
 {
     if (knots->degree < 0 || knots->degree > BAT_SPLINE_MAX_DEGREE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not one from 0 to %d",
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 0 and %d",
                          knots->degree, BAT_SPLINE_MAX_DEGREE);
     size_t p = (size_t)knots->degree, multiplicity = 1;
     if (knots->knots == NULL || knots->count < 2 * p + 2)
