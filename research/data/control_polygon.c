@@ -1,3 +1,6 @@
+/// @file
+/// Choice of control points by chord length; see control_polygon.h.
+
 #include "research/data/control_polygon.h"
 
 #include "research/data/tension_set.h"
@@ -32,9 +35,9 @@ void arc_samples(const double *points, size_t count, size_t dim, bool closed, do
     }
 }
 
-/// Neighbours are too close below this share of the even spacing.
+/// Minimum distance of neighbours, as a fraction of the even spacing.
 static const double MIN_EDGE = 1e-6;
-/// Neighbours on the sphere are nearly antipodal below this inner product: beyond 171 degrees.
+/// Minimum inner product of neighbours on the sphere: an angle of 171 degrees.
 static const double MIN_COSINE = -0.988;
 
 static bool edge_is_fit(bat_tension_space space, const double *p, const double *q, double minimum)
@@ -49,7 +52,7 @@ static bool edge_is_fit(bat_tension_space space, const double *p, const double *
     return squared > minimum * minimum && (space != BAT_TENSION_SPHERE || inner > MIN_COSINE);
 }
 
-/// The first of the points, in the order of their ascending lengths, whose length reaches `reached`; at most `count`.
+/// Binary search for the first point with at least the length `reached`; `count` if there is none.
 static size_t vertex_at(const double *lengths, size_t count, double reached)
 {
     size_t low = 0, high = count;

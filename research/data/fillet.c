@@ -1,3 +1,9 @@
+/// @file
+/// Rounded geodesic polygons in the plane, on the sphere and in the hyperbolic plane, in one projective model: the plane z =
+/// 1, the unit sphere, and the hyperboloid z^2 - x^2 - y^2 = 1. Geodesics are sections by planes through the origin,
+/// geodesic circles by other planes. An arc is a rational quadratic curve
+///     (1 - s)^2 begin + 2 s (1 - s) w vertex + s^2 end,   projected to the surface.
+
 #include "research/data/fillet.h"
 
 #include "research/data/wave.h"
@@ -11,7 +17,7 @@ typedef struct point
     double x, y, z;
 } point;
 
-/// The curvature's sign.
+/// The sign of the curvature.
 static double curvature(bat_tension_space space)
 {
     return space == BAT_TENSION_PLANE ? 0 : space == BAT_TENSION_SPHERE ? 1 : -1;
@@ -33,7 +39,7 @@ static point combine(double a, point p, double b, point q)
     return (point){a * p.x + b * q.x, a * p.y + b * q.y, a * p.z + b * q.z};
 }
 
-/// Half the chord in the metric of the surrounding space: the sine() of half the distance.
+/// Half the chord in the metric of the ambient space, which equals sine() of half the distance.
 static double half_chord(bat_tension_space space, point p, point q)
 {
     double x = q.x - p.x, y = q.y - p.y, z = q.z - p.z;
@@ -46,7 +52,7 @@ static double distance(bat_tension_space space, point p, point q)
     return 2 * (space == BAT_TENSION_PLANE ? half : space == BAT_TENSION_SPHERE ? asin(fmin(half, 1)) : asinh(half));
 }
 
-/// The point of the surface on the ray to `p`.
+/// The point of the surface on the ray through `p`.
 static point project(bat_tension_space space, point p)
 {
     double length = p.z;
@@ -57,23 +63,23 @@ static point project(bat_tension_space space, point p)
     return (point){p.x / length, p.y / length, p.z / length};
 }
 
-/// The point at `s` of `length` on the geodesic from `p` to `q`.
+/// The point at distance `s` from `p` on the geodesic of length `length` to `q`.
 static point along(bat_tension_space space, point p, point q, double length, double s)
 {
     double complete = sine(space, length);
     return project(space, combine(sine(space, length - s) / complete, p, sine(space, s) / complete, q));
 }
 
-/// A corner of the polygon with its arc: a circle from `begin` to `end`, which touches both edges there.
+/// A corner with its arc from `begin` to `end`, tangent to both edges.
 typedef struct corner
 {
     point vertex, begin, end;
     double weight;
 } corner;
 
-/// The point at share `s` of a corner's arc. As a curve of rays it is the rational quadratic with control points begin,
-/// vertex and end, which touches both edges for every weight. It lies in a plane, which makes it a circle, for the weight
-/// that is the sine() of half the distance from begin to end, divided by that of the distance from begin to vertex.
+/// The point of a corner's arc at parameter `s`. The rational quadratic with control points begin, vertex and end is tangent
+/// to both edges for every weight. It is planar, hence a circle, for the weight sine(d(begin, end) / 2) / sine(d(begin,
+/// vertex)).
 static point on_arc(bat_tension_space space, const corner *c, double s)
 {
     point middle = combine(2 * s * (1 - s) * c->weight, c->vertex, s * s, c->end);
@@ -93,7 +99,7 @@ static void store(bat_tension_space space, point p, double *coordinates)
 typedef struct side
 {
     corner corner;
-    double arc, straight; ///< lengths, the arc's nearly
+    double arc, straight; ///< lengths; that of the arc is approximate
 } side;
 
 static void make_sides(bat_tension_space space, const fillet_polygon *polygon, side *sides)

@@ -4,7 +4,7 @@
 #include "batten/research/curve_data.h"
 
 /// @file
-/// Geodesic polygons whose corners are replaced by arcs of geodesic circles.
+/// Random geodesic polygons with corners rounded by arcs of geodesic circles.
 
 enum
 {
@@ -17,14 +17,14 @@ typedef struct fillet_polygon
     int count; ///< vertices, 3 … FILLET_MAX_VERTICES
     double radius[FILLET_MAX_VERTICES];
     double angle[FILLET_MAX_VERTICES];
-    /// How far from its corner an arc begins, as a share of the shorter of both edges; above 0 and below 1/2.
+    /// Distance from the corner to the begin of its arc, as a fraction of the shorter adjacent edge; between 0 and 1/2.
     double share[FILLET_MAX_VERTICES];
 } fillet_polygon;
 
-/// A random polygon of 3 to 7 vertices, nearly even in angle, with radii from `low` to `high`.
+/// Draw a polygon with 3 to 7 vertices, at nearly equal angles, and radii from `low` to `high`.
 fillet_polygon fillet_draw(bat_random *random, double low, double high);
 
-/// Write `count` points of the rounded polygon, nearly even by length. Edges on the sphere must be shorter than pi.
+/// Sample the rounded polygon at `count` points, nearly equally spaced. Edges on the sphere must be shorter than pi.
 /// @param points receives count x 2, on the sphere count x 3
 void fillet_points(bat_tension_space space, const fillet_polygon *polygon, size_t count, double *points);
 

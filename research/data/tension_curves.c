@@ -1,12 +1,17 @@
+/// @file
+/// The curve families of Ugail and Howard (2026), section 6.1, reproduced from the random streams of the published program:
+/// ellipses, superellipses and Fourier curves in the plane; Lissajous curves, polar Fourier curves and perturbed great
+/// circles on the sphere; Fourier curves, circles and offset ellipses in the disk.
+
 #include "research/data/tension_curves.h"
 
 #include <math.h>
 
 static const double PI = 3.14159265358979323846;
-/// Polar Fourier curves keep this distance from the poles.
+/// Minimum colatitude of polar Fourier curves.
 static const double POLE_DISTANCE = 0.1;
 
-/// Seeds of the curves' own streams count from TENSION_SEED plus these.
+/// Offsets of the seeds of the curves' own streams from TENSION_SEED.
 enum
 {
     PLANE_LOW_STRIDE = 7,   ///< times the curve's number, Fourier curves with 3 terms
@@ -25,13 +30,13 @@ static double parameter(size_t i)
     return (double)i * (2 * PI / POINTS);
 }
 
-/// low … low + width, uniform.
+/// A uniform number between low and low + width.
 static double draw_between(mersenne *stream, double low, double width)
 {
     return low + width * mersenne_uniform(stream);
 }
 
-/// One of `count` consecutive whole numbers.
+/// A uniform integer from first to first + count - 1.
 static unsigned draw_whole(mersenne *stream, unsigned first, unsigned count)
 {
     return first + mersenne_below(stream, count);
@@ -42,7 +47,7 @@ static mersenne own_stream(size_t offset)
     return mersenne_seed((uint32_t)(TENSION_SEED + offset));
 }
 
-/// Move plane points to mean 0 and scale them to largest radius 1.
+/// Translate points of the plane to mean 0, and scale them to a maximum norm of 1.
 static void centre_and_scale(double *points)
 {
     double sum_x = 0, sum_y = 0, radius = 0;
@@ -93,7 +98,7 @@ static void superellipse(double exponent, double *points)
     centre_and_scale(points);
 }
 
-/// Coordinates a cos(k t) + b sin(k t), k = 1 … terms, with a, b normal of deviation k^(-3/2).
+/// Coordinates sum of a cos(k t) + b sin(k t), k = 1 … terms, with a, b normal of standard deviation k^(-3/2).
 static void fourier(mersenne stream, unsigned terms, double *points)
 {
     for (size_t i = 0; i < 2 * POINTS; i++)
@@ -115,7 +120,7 @@ static void fourier(mersenne stream, unsigned terms, double *points)
 
 static void plane_curve(size_t number, mersenne *stream, double *points)
 {
-    double a = draw_between(stream, 0.6, 1.4); // drawn for every curve, used by the ellipses
+    double a = draw_between(stream, 0.6, 1.4); // drawn for every curve, but used only by ellipses
     double b = draw_between(stream, 0.6, 1.4);
     switch (number % 4)
     {
@@ -146,7 +151,7 @@ static void lissajous(unsigned a, unsigned b, double *points)
     scale_to_sphere(points);
 }
 
-/// Add the terms c_k cos(k t + phase_k) to coordinate `axis`, with c_k normal of deviation k^(-decay).
+/// Add terms c_k cos(k t + phase_k) to coordinate `axis`, with c_k normal of standard deviation k^(-decay).
 static void add_waves(mersenne *stream, unsigned terms, double decay, size_t axis, double *points)
 {
     for (unsigned k = 1; k <= terms; k++)
@@ -158,7 +163,7 @@ static void add_waves(mersenne *stream, unsigned terms, double decay, size_t axi
     }
 }
 
-/// Colatitude and longitude are sums of waves; the longitude does not wind round the axis.
+/// Colatitude and longitude are trigonometric sums; the curve does not wind around the axis.
 static void polar_fourier(mersenne stream, unsigned terms, double *points)
 {
     enum
@@ -216,7 +221,7 @@ static void sphere_curve(size_t number, mersenne *stream, double *points)
     }
 }
 
-/// The paper clips to radius 0.97, which no choice of these numbers reaches.
+/// The paper clips to radius 0.97, which these parameters never reach.
 static void offset_ellipse(mersenne stream, double *points)
 {
     double a = draw_between(&stream, 0.35, 0.3), b = draw_between(&stream, 0.25, 0.25);
@@ -258,18 +263,17 @@ void tension_curve(bat_tension_space space, size_t number, mersenne *stream, dou
         disk_curve(number, stream, points);
 }
 
-// A curve with symmetric quarters has vertices at a quarter, a half and three quarters of its length, to rounding or little
-// more. There the published arrays contain now this vertex, now the next, as the last digit of the lengths had it on the
-// machine that made them. The table says which: a fact about the published arrays, found by comparing with them. It cannot
-// be derived.
+// Curves with symmetric quarters have vertices at 1/4, 1/2 and 3/4 of their length, up to rounding. In the published arrays,
+// the control point there is this vertex or the next one, depending on rounding on the machine that generated them. The
+// table records the choice. It was found by comparison with the published arrays and cannot be derived.
 
 enum
 {
     QUARTER = BAT_TENSION_CONTROL_POINTS / 4
 };
 
-/// A digit for each curve of a space, by its number, 100 to a line: the sum of 1, 2 and 4 where the control points at one,
-/// two and three quarters are the next vertex.
+/// One digit for each curve of a space, 100 in a line: the sum of 1, 2 and 4 if the control points at 1/4, 1/2 and 3/4 are
+/// the next vertex.
 static const char NEXT[BAT_TENSION_SPACE_COUNT][BAT_TENSION_CURVES + 1] = {
     [BAT_TENSION_PLANE] =
         "0000700010077000100770000000000730004003200470007000000770003007700770000000700700006000000760076007"

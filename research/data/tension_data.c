@@ -1,3 +1,7 @@
+/// @file
+/// The data set of Ugail and Howard (2026), section 6.1: 1,200 closed curves with control polygons, in single precision,
+/// shuffled and split into 960 training and 240 validation curves.
+
 #include "batten/research/curve_data.h"
 
 #include "base/error.h"
@@ -26,7 +30,7 @@ void bat_tension_data_free(bat_tension_data *data)
     }
 }
 
-/// The published arrays are single precision; unit length is then restored in double.
+/// Round to single precision as in the published arrays; on the sphere, restore unit length in double precision.
 static void round_point(bat_tension_space space, const double *point, double *rounded)
 {
     size_t dim = tension_dim(space);
@@ -41,14 +45,14 @@ static void round_point(bat_tension_space space, const double *point, double *ro
             rounded[i] /= sqrt(squared);
 }
 
-/// Where a curve of the shuffled order goes: its part of the split and its row there.
+/// The destination of a curve: its part of the split, and its row there.
 typedef struct curve_place
 {
     bat_tension_set *set;
     size_t row;
 } curve_place;
 
-/// Make one curve and put it with its control polygon into its place.
+/// Make a curve with its control polygon.
 static void make_curve(bat_tension_space space, size_t number, mersenne *stream, curve_place place)
 {
     double points[TRUTH * MAX_DIM], lengths[TRUTH + 1];
@@ -67,7 +71,7 @@ static void make_curve(bat_tension_space space, size_t number, mersenne *stream,
     place.set->number[place.row] = number;
 }
 
-/// The stream as it is when all curves are made: what the shuffle draws from.
+/// The state of the stream after all curves, from which the shuffle is drawn.
 static mersenne stream_after_curves(void)
 {
     double points[TRUTH * MAX_DIM];
@@ -78,7 +82,7 @@ static mersenne stream_after_curves(void)
     return stream;
 }
 
-/// Split the shuffled order: count each set's curves, then allocate, then tell every curve its place.
+/// Split the shuffled order: count the curves of each set, allocate the sets, and assign a row to every curve.
 static bool split(const size_t *order, bat_tension_data *data, curve_place *places)
 {
     for (size_t position = 0; position < TOTAL; position++)

@@ -1,3 +1,6 @@
+/// @file
+/// Draws from the families of all spaces; see tension_family.h.
+
 #include "research/data/tension_family.h"
 
 #include <math.h>
@@ -19,7 +22,7 @@ const char *tension_family_name(bat_tension_space space, bool unseen, size_t fam
     return families_of(space, unseen).families[family].name;
 }
 
-/// Turn by a uniformly random rotation, that of a quaternion of four normal numbers, and scale to unit length.
+/// Apply a uniformly random rotation, from a quaternion with four normal components, and normalize the points.
 static void rotate_sphere(bat_random *random, size_t count, double *points)
 {
     double a = bat_random_normal(random), b = bat_random_normal(random), c = bat_random_normal(random),

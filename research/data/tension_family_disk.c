@@ -1,11 +1,14 @@
+/// @file
+/// Families of closed curves in the Poincaré disk.
+
 #include "research/data/fillet.h"
 #include "research/data/tension_family.h"
 #include "research/data/wave.h"
 
-/// No curve leaves the hyperbolic disk of this radius about the origin: Euclidean 0.947.
+/// Curves stay within this hyperbolic radius of the origin: Euclidean 0.947.
 static const double MAX_RADIUS = 3.6;
 
-/// Turn about the origin by any angle.
+/// Rotate about the origin by a uniform angle.
 static void turn(bat_random *random, size_t count, double *points)
 {
     double angle = draw_angle(random), cosine = cos(angle), sine = sin(angle);
@@ -17,7 +20,7 @@ static void turn(bat_random *random, size_t count, double *points)
     }
 }
 
-/// Move by a hyperbolic translation, z -> (z + p) / (1 + conj(p) z), by no more than 1.2 or what room there is.
+/// Apply a hyperbolic translation, z -> (z + p) / (1 + conj(p) z), of length at most 1.2 and within MAX_RADIUS.
 static void translate(bat_random *random, size_t count, double *points)
 {
     double squared = 0;
@@ -35,7 +38,7 @@ static void translate(bat_random *random, size_t count, double *points)
     }
 }
 
-/// A random isometry; only a rotation for curves that follow the published distribution.
+/// Apply a random isometry; a rotation for curves of the published distribution.
 static void move(bat_random *random, bool published, size_t count, double *points)
 {
     turn(random, count, points);
@@ -53,7 +56,7 @@ static void fourier(bat_random *random, size_t count, double *points)
     move(random, published, count, points);
 }
 
-/// Translations move their hyperbolic centres away from the origin.
+/// Circles; translations move their hyperbolic centres away from the origin.
 static void circle(bat_random *random, size_t count, double *points)
 {
     bool published = draw_coin(random);
@@ -71,7 +74,7 @@ static void offset_ellipse(bat_random *random, size_t count, double *points)
     move(random, published, count, points);
 }
 
-/// The point at hyperbolic distance `length` of the origin in the direction of (x, y), which has Euclidean length `length`.
+/// The point at hyperbolic distance `length` = |(x, y)| from the origin in the direction (x, y).
 static void store_polar(double x, double y, double length, double *point)
 {
     double scale = length > 0 ? tanh(length / 2) / length : 0.5;
@@ -92,7 +95,7 @@ static void blob(bat_random *random, size_t count, double *points)
     move(random, draw_coin(random), count, points);
 }
 
-/// exp(it) + d exp(ikt), in polar coordinates of the hyperbolic plane.
+/// The trochoid exp(it) + d exp(ikt) in polar coordinates of the hyperbolic plane.
 static void polar_trochoid(bat_random *random, size_t count, double *points)
 {
     trochoid shape = trochoid_draw(random);

@@ -1,3 +1,6 @@
+/// @file
+/// Families of closed curves in the plane.
+
 #include "research/data/fillet.h"
 #include "research/data/tension_family.h"
 #include "research/data/wave.h"
@@ -24,7 +27,8 @@ static void fourier_high(bat_random *random, size_t count, double *points)
     fourier_curve(random, terms, published ? 1.5 : draw_between(random, 1.4, 2.2), 1, count, points);
 }
 
-/// |x / a|^e + |y / b|^e = 1, by its polar angle before stretching: the published parameter leaves gaps at the axes.
+/// The superellipse |x / a|^e + |y / b|^e = 1, parameterized by the polar angle before scaling: the published
+/// parameterization leaves gaps at the axes.
 static void superellipse(bat_random *random, size_t count, double *points)
 {
     bool published = draw_coin(random);
@@ -55,8 +59,8 @@ static void blob(bat_random *random, size_t count, double *points)
     centre_and_scale(count, 1, points);
 }
 
-/// The points whose distances from (-1, 0) and (1, 0) have the product `product`^2, above 1: one oval, waisted up to the
-/// square root of 2. Then stretched along the y-axis.
+/// The Cassini oval with product p^2 > 1 of the distances from (-1, 0) and (1, 0): one component, with a waist for p <
+/// sqrt(2). Then scaled along the y axis.
 static void cassini_oval(bat_random *random, size_t count, double *points)
 {
     double product = draw_between(random, 1.03, 1.6), stretch = draw_between(random, 0.7, 1.4);
@@ -72,8 +76,8 @@ static void cassini_oval(bat_random *random, size_t count, double *points)
     centre_and_scale(count, 1, points);
 }
 
-/// 1 / (z - c), z = exp(it) + d exp(ikt): an epitrochoid (k > 0) or hypotrochoid, looped or not, seen in a circle about a
-/// point outside it. Without the inversion it would be a Fourier curve.
+/// The inverse 1 / (z - c) of a trochoid z = exp(it) + d exp(ikt), with or without loops, with c outside it. Without the
+/// inversion it would be a Fourier curve.
 static void inverted_trochoid(bat_random *random, size_t count, double *points)
 {
     trochoid shape = trochoid_draw(random);

@@ -1,11 +1,14 @@
+/// @file
+/// Families of closed curves on the sphere, before the random rotation.
+
 #include "research/data/fillet.h"
 #include "research/data/tension_family.h"
 #include "research/data/wave.h"
 
 static const double PI = WAVE_PI;
 
-/// The published form is (cos a t, cos(b t + pi / 4), sin a t sin b t), scaled to the sphere. Others have other phases and
-/// unequal coordinates; those that come near the origin are drawn again.
+/// Lissajous curves. Published: (cos a t, cos(b t + pi / 4), sin a t sin b t), projected to the sphere. The others have
+/// other phases and scaled coordinates; curves close to the origin are drawn again.
 static void lissajous(bat_random *random, size_t count, double *points)
 {
     const double nearest = 0.15;
@@ -32,7 +35,8 @@ static void lissajous(bat_random *random, size_t count, double *points)
     } while (!(minimum > nearest));
 }
 
-/// Colatitude and longitude are sums of harmonics. The published form stops at a colatitude of 0.1, others turn in time.
+/// Colatitude and longitude are trigonometric sums. The published distribution clips the colatitude at 0.1; the others have
+/// bounded amplitudes.
 static void polar_fourier(bat_random *random, size_t count, double *points)
 {
     const double pole_distance = 0.1;
@@ -68,7 +72,8 @@ static void perturbed_great_circle(bat_random *random, size_t count, double *poi
     }
 }
 
-/// Where an elliptic cylinder meets the sphere; its half axes are the sines of angular ones. Half of them are circles.
+/// The intersection of an elliptic cylinder with the sphere; the semi-axes are sines of angles. Half of the curves are
+/// circles.
 static void spherical_ellipse(bat_random *random, size_t count, double *points)
 {
     double first = draw_between(random, 0.15, 1.5);
@@ -84,8 +89,8 @@ static void spherical_ellipse(bat_random *random, size_t count, double *points)
     }
 }
 
-/// The point below a satellite on a circular orbit; `u` is its angle from the ascending node and `turn` the angle by which
-/// the planet turns in one revolution (eq. 24 of the paper, with any numbers).
+/// The subsatellite point on a circular orbit: `u` is the angle from the ascending node, `turn` the rotation of the planet
+/// in one revolution (eq. 24 of the paper with any parameters).
 static void ground_point(double inclination, double turn, double u, double *point)
 {
     double latitude = asin(sin(inclination) * sin(u));
@@ -95,7 +100,7 @@ static void ground_point(double inclination, double turn, double u, double *poin
     point[2] = sin(latitude);
 }
 
-/// One revolution, closed by the great-circle arc from its end to its start; about even by length.
+/// One revolution, closed by the great-circle arc from its end to its start, nearly equally spaced.
 static void ground_track(bat_random *random, size_t count, double *points)
 {
     const double day = 1436;
@@ -116,16 +121,16 @@ static void ground_track(bat_random *random, size_t count, double *points)
     }
 }
 
-/// The path of a point fixed to a cone that rolls about another one with a common tip: R_z(t) R_x(tilt) R_z(k t) q, with q
-/// at `colatitude` from the axis.
+/// The path of a point of a cone that rolls on another cone with the same apex: R_z(t) R_x(tilt) R_z(k t) q, with q at
+/// `colatitude` from the axis.
 typedef struct cone_roll
 {
     int frequency;
     double tilt, colatitude;
 } cone_roll;
 
-/// Half of them go about a pole with epicycles, like a trochoid of the plane; the others are kin to the seam of a tennis
-/// ball, which is frequency -2 and colatitude pi / 2.
+/// Half of the curves circle a pole with epicycles, like a plane trochoid. The others resemble the seam of a tennis ball,
+/// which has frequency -2 and colatitude pi / 2.
 static cone_roll roll_draw(bat_random *random)
 {
     double tilt = draw_between(random, 0.4, 1.3);

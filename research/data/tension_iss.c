@@ -1,3 +1,7 @@
+/// @file
+/// The ground track of the International Space Station over one orbit: Ugail and Howard (2026), section 8, eq. (24) and
+/// (25), with its control polygon.
+
 #include "batten/research/curve_data.h"
 
 #include "base/error.h"
@@ -13,7 +17,7 @@ static const double PI = 3.14159265358979323846;
 static const double INCLINATION_DEGREES = 51.64;
 static const double PERIOD_MINUTES = 92.68;
 static const double NODE_LONGITUDE_DEGREES = -155;
-/// The sidereal day.
+/// Length of the sidereal day.
 static const double DAY_MINUTES = 23 * 60 + 56.067;
 
 enum
@@ -25,7 +29,7 @@ enum
     DIM = 3
 };
 
-/// The point below the station at share `turn` of its orbit (eq. 24 and 25).
+/// The subsatellite point at fraction `turn` of the orbit (eq. 24 and 25).
 static void ground_point(double turn, double *point)
 {
     double inclination = INCLINATION_DEGREES * PI / 180, anomaly = 2 * PI * turn;

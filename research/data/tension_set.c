@@ -1,3 +1,6 @@
+/// @file
+/// Test sets of curves drawn from continuous families (bat_tension_set_make).
+
 #include "research/data/tension_set.h"
 
 #include "base/error.h"
@@ -16,9 +19,9 @@ enum
     MAX_DIM = 3
 };
 
-/// An edge of a control polygon is too short below this share of their mean.
+/// Minimum edge length of a control polygon, as a fraction of the mean edge length.
 static const double SHORTEST_EDGE = 1.0 / 50;
-/// A curve jumps where a step between its points exceeds this share of its length: 20 times the mean.
+/// Maximum step between points of a curve, as a fraction of its length: 20 times the mean.
 static const double MAX_STEP = 20.0 / TRUTH;
 
 void bat_tension_set_free(bat_tension_set *set)
@@ -44,8 +47,8 @@ bool tension_set_allocate(bat_tension_set *set)
 
 bat_random tension_stream(tension_purpose purpose, bat_tension_space space, uint64_t seed, uint64_t number)
 {
-    // Words of the state are one-to-one functions of single arguments, and a step of the generator is one of the state: no
-    // two streams begin alike. The steps mix the words.
+    // Each word of the state is an injective function of one argument, and a step of the generator is injective. Hence no
+    // two streams start in the same state. The first steps mix the words.
     const int mixing = 20;
     uint64_t kind = (uint64_t)purpose * BAT_TENSION_SPACE_COUNT + (uint64_t)space;
     bat_random random = bat_random_seed(seed);
@@ -84,7 +87,7 @@ static bool has_short_edge(const double *control, size_t dim)
     return shortest < SHORTEST_EDGE * sum / CONTROL;
 }
 
-/// Draw a curve and its control polygon until they are fit.
+/// Draw curves with control polygons until one is valid.
 static void draw_fit(bat_tension_space space, bool unseen, size_t family, bat_random *random, double *truth, double *control)
 {
     double lengths[TRUTH + 1];
@@ -108,7 +111,7 @@ bat_status bat_tension_set_make(bat_tension_space space, bat_tension_set_kind ki
     if ((kind != BAT_TENSION_RESAMPLED && kind != BAT_TENSION_UNSEEN) || (unsigned)space >= BAT_TENSION_SPACE_COUNT ||
         count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "a set has at least one curve of a space that is drawn fresh or unseen");
+                         "a set needs a valid space, at least one curve, and the kind resampled or unseen");
     bool unseen = kind == BAT_TENSION_UNSEEN;
     bat_tension_set made = {.count = count, .dim = tension_dim(space)};
     if (!tension_set_allocate(&made))

@@ -4,19 +4,19 @@
 #include "batten/research/curve_data.h"
 
 /// @file
-/// What all sets of curves share: their arrays, and random streams that never meet.
+/// Sets of curves: memory, and disjoint random streams.
 
-/// Coordinates of a point.
+/// The number of coordinates of a point.
 static inline size_t tension_dim(bat_tension_space space)
 {
     return space == BAT_TENSION_SPHERE ? 3 : 2;
 }
 
-/// Allocate the arrays for set->count curves of set->dim coordinates. False when out of memory: bat_tension_set_free() frees
-/// what there is.
+/// Allocate the arrays for set->count curves with set->dim coordinates. Returns false when out of memory;
+/// bat_tension_set_free() releases a partial allocation.
 bool tension_set_allocate(bat_tension_set *set);
 
-/// What curves are drawn for.
+/// The purpose of drawn curves.
 typedef enum tension_purpose
 {
     TENSION_TRAINING,
@@ -24,7 +24,7 @@ typedef enum tension_purpose
     TENSION_UNSEEN_TEST
 } tension_purpose;
 
-/// The stream of one curve. Streams of different purposes, spaces, seeds or numbers begin in different states.
+/// The random stream of one curve. Streams differ for different purposes, spaces, seeds or numbers.
 bat_random tension_stream(tension_purpose purpose, bat_tension_space space, uint64_t seed, uint64_t number);
 
 #endif

@@ -1,3 +1,6 @@
+/// @file
+/// Trigonometric sums and random closed curves; see wave.h.
+
 #include "research/data/wave.h"
 
 #include <stdlib.h>
@@ -75,7 +78,7 @@ harmonics draw_lobes(bat_random *random)
 {
     double strength = draw_between(random, 0.2, 1);
     harmonics h = harmonics_draw(random, draw_whole(random, 3, 5), 1.5);
-    h.cosine[0] = h.sine[0] = 0; // little more than a shift
+    h.cosine[0] = h.sine[0] = 0; // approximately a translation
     for (int k = 1; k < h.count; k++)
     {
         h.cosine[k] *= strength;
