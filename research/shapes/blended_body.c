@@ -1,3 +1,6 @@
+/// @file
+/// Gradient noise and blends of signed distances; see blended_body.h.
+
 #include "research/shapes/blended_body.h"
 
 #include "linalg/vector3.h"
@@ -8,13 +11,13 @@
 
 static uint64_t mix(uint64_t z)
 {
-    // the finalizer of splitmix64 (Steele, Lea, Flood 2014)
+    // finalizer of splitmix64 (Steele, Lea and Flood, 2014)
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return z ^ (z >> 31);
 }
 
-/// The scalar product of an offset with the gradient of a point of whole numbers.
+/// The inner product of an offset with the gradient at an integer point.
 static double gradient_product(uint64_t seed, int64_t i, int64_t j, int64_t k, double x, double y, double z)
 {
     static const double GRADIENTS[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
@@ -76,7 +79,7 @@ double noise_sum_reach(const noise_sum *noise)
     double sum = 0, amplitude = fabs(noise->amplitude);
     for (int octave = 0; octave < noise->octaves; octave++)
     {
-        // Gradient noise stays within 1.04; folded, it is 1 at most and -1.2 at least.
+        // Gradient noise is bounded by 1.04; ridged noise is between -1.2 and 1.
         sum += 1.2 * amplitude;
         amplitude *= noise->gain;
     }
@@ -174,7 +177,7 @@ void blended_body_turn(blended_body_part *part, double x, double y, double z)
     turn_about(part->axes, 0, 1, z);
 }
 
-/// The distance from a round cone whose radius changes along the axis, measured across it: exact where both radii agree.
+/// The signed distance of a round cone, measured across its axis: exact for equal radii.
 static double round_cone_distance(const blended_body *body, const blended_body_part *part, const double *point)
 {
     double along[3], away[3];
@@ -190,7 +193,7 @@ static double round_cone_distance(const blended_body *body, const blended_body_p
     double distance = sqrt(vector3_dot(away, away));
     if (body->ridges == 0 || distance > 3 * radius)
         return distance - radius;
-    // The angle around the bone, from an axis that all bones share.
+    // The angle around the axis, from a common reference direction.
     double length = sqrt(vector3_dot(along, along)) + 1e-12;
     double reference[3] = {0.31, 0.17, 0.02}, side[3];
     double slant = vector3_dot(reference, along) / (length * length);
@@ -204,7 +207,7 @@ static double round_cone_distance(const blended_body *body, const blended_body_p
     return distance - radius + depth * (1 - sqrt(pow(cos(0.5 * body->ridge_count * angle), 2) + 0.04));
 }
 
-/// Quílez' estimate for ellipsoids: |p/r| (|p/r| - 1) / |p/r^2|.
+/// The estimate of Quilez for ellipsoids: |p/r| (|p/r| - 1) / |p/r^2|.
 static double ellipsoid_distance(const blended_body_part *part, const double *point)
 {
     double away[3], once = 0, twice = 0;
@@ -218,7 +221,7 @@ static double ellipsoid_distance(const blended_body_part *part, const double *po
     }
     double minimum = fmin(fmin(part->radius[0], part->radius[1]), part->radius[2]);
     once = sqrt(once);
-    // Deep inside the estimate falls off too steeply.
+    // Near the centre the estimate is too steep.
     return once < 1e-3 ? -minimum : fmax(once * (once - 1) / sqrt(twice), -minimum);
 }
 
@@ -232,7 +235,7 @@ static double ring_distance(const blended_body_part *part, const double *point)
     return sqrt(across * across + height * height) - part->radius[1];
 }
 
-/// A box with rounded edges.
+/// The signed distance of a box with rounded edges.
 static double box_distance(const blended_body_part *part, const double *point)
 {
     double away[3], out[3], rounding = part->b[0], maximum = -HUGE_VAL;
@@ -263,7 +266,8 @@ static double part_distance(const blended_body *body, const blended_body_part *p
     return 0;
 }
 
-/// The lesser of two values, with two continuous derivatives where they differ by less than `width`.
+/// The cubic smooth minimum: min(a, b) - h^3 width / 6, h = max(width - |a - b|, 0) / width. It is twice continuously
+/// differentiable.
 static double smooth_min(double a, double b, double width)
 {
     double overlap = fmax(width - fabs(a - b), 0) / width;

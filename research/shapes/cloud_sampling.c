@@ -1,3 +1,13 @@
+/// @file
+/// Sampling of surfaces.
+///
+/// Even sampling: the surface is divided into strips of equal width across its longer direction. Each strip receives points
+/// in proportion to its area, in a jittered pattern. Arc lengths and areas are tabulated on a grid and inverted by linear
+/// interpolation.
+///
+/// Simulated scan along z: scan lines, denser along lines than across, a second sweep over a part, fewer points on steep
+/// parts, a gap, noise, random order.
+
 #include "research/shapes/cloud_sampling.h"
 
 #include "base/error.h"
@@ -21,7 +31,7 @@ bat_status sampled_cloud_make(const size_t steps[4], size_t interior, sampled_cl
     for (int s = 0; s < 4; s++)
     {
         if (steps[s] > maximum || interior > maximum)
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a cloud of so many points cannot be counted");
+            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a cloud of this many points is too large");
         cloud.corners[s] = cloud.boundary_count;
         cloud.boundary_count += steps[s];
     }
@@ -53,23 +63,23 @@ void cloud_add_noise(bat_cloud *cloud, double deviation, bat_random *random)
         cloud->points[i] += deviation * bat_random_normal(random);
 }
 
-/// The grid on which lengths and areas are measured.
+/// Cells of the grid on which lengths and areas are measured, in each direction.
 #define CELLS 192
-/// Points leave their places in the pattern by up to half of this share of the distance between neighbours.
+/// Points are displaced from the pattern by up to half of this fraction of the spacing.
 #define JITTER 0.6
 
-/// Sums of lengths along both ways of a grid over the square, and of areas, from which parameters are found again.
+/// Cumulative lengths and areas on a grid over the square, to be inverted.
 typedef struct measured_surface
 {
-    int along;                       ///< the parameter that the surface is longer in
-    double length[CELLS + 1];        ///< up to a line of the grid, of the way along, in the mean
-    double area[CELLS + 1];          ///< likewise
-    double across[CELLS][CELLS + 1]; ///< within each strip of cells: the area up to a line across
-    double width[CELLS];             ///< the length of each strip of cells across
-    double sides[4][CELLS + 1];      ///< the length of each side up to a line
+    int along;                       ///< the parameter direction in which the surface is longer
+    double length[CELLS + 1];        ///< mean length along, up to a line of the grid
+    double area[CELLS + 1];          ///< area up to a line of the grid
+    double across[CELLS][CELLS + 1]; ///< for each strip of cells: area up to a line across
+    double width[CELLS];             ///< length of each strip of cells across
+    double sides[4][CELLS + 1];      ///< length of each side up to a line
 } measured_surface;
 
-/// The area of a four-sided cell, from its diagonals.
+/// The area of a quadrilateral cell, from its diagonals.
 static double cell_area(const double *a, const double *b, const double *c, const double *d)
 {
     double first[3], second[3], normal[3];
@@ -79,7 +89,7 @@ static double cell_area(const double *a, const double *b, const double *c, const
     return 0.5 * sqrt(vector3_dot(normal, normal));
 }
 
-/// A point of the grid, whose first index goes along.
+/// A point of the grid; the first index is along.
 static double *grid_point(double *grid, size_t i, size_t j)
 {
     return grid + 3 * (i * (CELLS + 1) + j);
@@ -97,7 +107,7 @@ static void fill_grid(const surface_shape *shape, int along, double *grid)
         }
 }
 
-/// The mean length of the lines along.
+/// The mean length of the grid lines along.
 static double mean_length(double *grid)
 {
     double sum = 0;
@@ -164,7 +174,7 @@ static bat_status measure_surface(const surface_shape *shape, measured_surface *
     return BAT_OK;
 }
 
-/// The place, 0 to 1, where sums at evenly spaced places reach a share of their last.
+/// Inverse of a cumulative table: the position in [0, 1] at which the sums reach a fraction of the total.
 static double place_of_share(const double *sums, double share)
 {
     double target = share * sums[CELLS];
@@ -177,15 +187,15 @@ static double place_of_share(const double *sums, double share)
     return fmin(((double)low + (target - sums[low]) / fmax(sums[high] - sums[low], 1e-300)) / CELLS, 1);
 }
 
-/// The sum at a place.
+/// The cumulative sum at a position.
 static double sum_at_place(const double *sums, double place)
 {
     size_t cell = (size_t)fmin(place * CELLS, CELLS - 1);
     return sums[cell] + (place * CELLS - (double)cell) * (sums[cell + 1] - sums[cell]);
 }
 
-/// The distance between neighbours of `points` that lie in a square pattern: area / distance^2 of them fill the surface,
-/// half a step of which the boundary takes along its length, where it has length / distance of its own.
+/// The spacing h of n points: area / h^2 points fill the surface, and the boundary of length L replaces half a spacing along
+/// its length by L / h own points. Solves n h^2 - (L / 2) h - area = 0.
 static double pattern_distance(const measured_surface *measured, size_t points)
 {
     double area = measured->area[CELLS], half_perimeter = 0;
@@ -195,7 +205,7 @@ static double pattern_distance(const measured_surface *measured, size_t points)
     return (half_perimeter + root) / (2 * (double)points);
 }
 
-/// A share moved from [0, 1] into what leaves half a step free at both ends.
+/// Map [0, 1] to an interval that leaves half a step free at both ends.
 static double leave_ends(double share, double step)
 {
     double margin = fmin(0.5 * step, 0.25);
@@ -207,7 +217,7 @@ static double jittered(double place, size_t count, bat_random *random)
     return fmin(fmax((place + JITTER * (bat_random_uniform(random) - 0.5)) / (double)count, 0), 1);
 }
 
-/// Find the parameters of the points inside.
+/// Set the parameters of the interior points.
 static void spread_inside(const measured_surface *measured, double distance, bat_random *random, sampled_cloud *sampled)
 {
     size_t interior = sampled->cloud.count - sampled->cloud.boundary_count, done = 0;
@@ -225,7 +235,7 @@ static void spread_inside(const measured_surface *measured, double distance, bat
         {
             double place = place_of_share(measured->length, leave_ends(jittered((double)strip + 0.5, strips, random), step));
             size_t cell = (size_t)fmin(place * CELLS, CELLS - 1);
-            // Points of a strip face the gaps of the one before.
+            // Consecutive strips are staggered.
             double stagger = strip % 2 == 0 ? 0.25 : 0.75;
             double across = leave_ends(jittered((double)i + stagger, count, random), distance / measured->width[cell]);
             parameter[measured->along] = place;
@@ -275,21 +285,21 @@ bat_status cloud_sample_evenly(const surface_shape *shape, size_t points, bat_ra
     return status;
 }
 
-/// Standard deviation of the noise, of a shape about 1 long.
+/// Standard deviation of the noise, for a shape about 1 long.
 #define SCAN_NOISE 0.0012
-/// Lines are so many times as far apart as points along them.
+/// Ratio of the distance between lines to the spacing of points along them.
 #define LINE_DISTANCE 1.8
-/// The grid on which the share of points that are seen is estimated.
+/// Cells of the grid on which the visible area is estimated, in each direction.
 #define TRIAL_CELLS 64
 
-/// Lines over a rectangle of the parameters.
+/// Scan lines over a rectangle of parameters.
 typedef struct scan_sweep
 {
-    int along; ///< the parameter that lines run in
+    int along; ///< direction of the lines
     double low[2], high[2];
 } scan_sweep;
 
-/// The first sweep takes everything, the second goes over a part once more, across.
+/// The first sweep covers the whole square, the second one a part of it in the other direction.
 static const scan_sweep SWEEPS[] = {{0, {0, 0}, {1, 1}}, {1, {0.58, 0.3}, {0.9, 0.8}}};
 
 enum
@@ -297,10 +307,10 @@ enum
     SWEEP_COUNT = sizeof SWEEPS / sizeof SWEEPS[0]
 };
 
-/// Beside the nose, in parameters: the middle of the gap and its half-axes.
+/// Centre and semi-axes of the gap, in parameters.
 static const double GAP_CENTRE[2] = {0.615, 0.405}, GAP_SIZE[2] = {0.034, 0.024};
 
-/// The chance that a point is seen: none in the gap, less where the surface is steep.
+/// The probability that a point is scanned: 0 in the gap, smaller where the surface is steep.
 static double visibility_at(const surface_shape *shape, const double parameter[2])
 {
     double x = (parameter[0] - GAP_CENTRE[0]) / GAP_SIZE[0], y = (parameter[1] - GAP_CENTRE[1]) / GAP_SIZE[1];
@@ -324,7 +334,7 @@ static bool within(const scan_sweep *sweep, const double parameter[2])
            parameter[1] <= sweep->high[1];
 }
 
-/// The area of the parameters that sweeps see, counted once for each sweep, points that are not seen less their chance.
+/// The expected scanned area of the parameter square, summed over the sweeps.
 static double visible_area(const surface_shape *shape)
 {
     double sum = 0;
@@ -339,7 +349,7 @@ static double visible_area(const surface_shape *shape)
     return sum / (TRIAL_CELLS * TRIAL_CELLS);
 }
 
-/// The parameters of point `index` of `count` on line `line` of `lines`: every line begins a little elsewhere and wavers.
+/// The parameters of point `index` of `count` on line `line` of `lines`, with random start and waviness of the lines.
 static void scan_point(const scan_sweep *sweep, size_t line, size_t lines, size_t index, size_t count, bat_random *random,
                        double parameter[2])
 {
@@ -352,8 +362,9 @@ static void scan_point(const scan_sweep *sweep, size_t line, size_t lines, size_
         parameter[c] = fmin(fmax(sweep->low[c] + shares[c] * (sweep->high[c] - sweep->low[c]), 0), 1);
 }
 
-/// Sweep with a distance between neighbours along lines, in parameters; hand back the number of points seen.
-/// @param parameters receives `room` x 2 at most
+/// Perform all sweeps with a spacing along lines, in parameters.
+/// @param parameters receives at most `room` x 2
+/// @return the number of scanned points
 static size_t sweep_surface(const surface_shape *shape, double distance, bat_random *random, size_t room, double *parameters)
 {
     size_t count_visible = 0;

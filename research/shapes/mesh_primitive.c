@@ -1,3 +1,6 @@
+/// @file
+/// Signed-distance primitives in cylindrical coordinates about their axes; see mesh_shape.h.
+
 #include "linalg/vector3.h"
 #include "research/shapes/mesh_shape.h"
 
@@ -45,10 +48,10 @@ void primitive_bounds(mesh_primitive *primitive, double x, double y, double z)
     }
 }
 
-/// A point seen from the axis.
+/// A point in coordinates relative to an axis.
 typedef struct around_axis
 {
-    double height, radius, across, up; ///< across and up: towards the side and at right angles to it
+    double height, radius, across, up; ///< components along `side`, and perpendicular to it
 } around_axis;
 
 static around_axis axis_coordinates(const cut *c, const double *point)
@@ -62,7 +65,7 @@ static around_axis axis_coordinates(const cut *c, const double *point)
     return local;
 }
 
-/// The angle to the nearest of `count` evenly spaced directions.
+/// The angle to the nearest of `count` equally spaced directions.
 static double sector_angle(const cut *c, const around_axis *local)
 {
     double angle = atan2(local->up, local->across) - c->slope * local->height;

@@ -1,3 +1,6 @@
+/// @file
+/// The table of mesh shapes, and bat_mesh_shape(): draw the parameters, mesh the solid, normalize.
+
 #include "research/shapes/mesh_shape.h"
 
 #include "base/error.h"
@@ -11,7 +14,7 @@
 #define MIN_VERTICES ((size_t)200)
 #define MAX_VERTICES ((size_t)1000000)
 
-/// A kind with what makes it: a drawing or a weaving.
+/// A kind of shape with its generator: of a solid, or of a mesh.
 typedef struct shape_maker
 {
     bat_mesh_shape_kind kind;
@@ -64,14 +67,13 @@ static const shape_maker *find_maker(const char *name)
     return NULL;
 }
 
-/// The stream of a kind and a seed: kinds that share a seed share no numbers.
+/// The random stream of a kind and a seed. Different kinds have different streams for the same seed.
 static bat_random stream_of(const char *name, uint64_t seed)
 {
     return bat_random_seed(hash_bytes(HASH_BEGIN, name, strlen(name)) + seed * 0x9e3779b97f4a7c15u);
 }
 
-/// Move the middle of the box to the origin, scale its longest side to 1, and turn the mesh, made with z upwards, so that y
-/// is.
+/// Translate the centre of the bounding box to the origin, scale its longest side to 1, and rotate the z axis to the y axis.
 static void normalize(bat_mesh *mesh)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++)
@@ -108,10 +110,11 @@ bat_status bat_mesh_shape(const char *name, size_t vertices, uint64_t seed, bat_
 {
     const shape_maker *maker = find_maker(name);
     if (maker == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no kind of shape is named %s", name);
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unknown shape '%s'", name);
     if (vertices < MIN_VERTICES || vertices > MAX_VERTICES)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "shapes have %zu to %zu vertices, not %zu",
-                         MIN_VERTICES, MAX_VERTICES, vertices);
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the number of vertices must be between %zu and %zu, not %zu", MIN_VERTICES, MAX_VERTICES,
+                         vertices);
     bat_random random = stream_of(name, seed);
     bat_mesh made = {0};
     bat_status status = maker->draw != NULL ? primitive_mesh(maker->draw, vertices, &random, &made, error)

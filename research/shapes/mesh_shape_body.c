@@ -1,3 +1,6 @@
+/// @file
+/// Organic shapes as blended bodies: creatures, figures, heads, cacti, corals, pretzels, stones.
+
 #include "research/shapes/mesh_shape.h"
 
 #include <math.h>
@@ -8,7 +11,7 @@ static void copy(double to[3], const double *from)
     memcpy(to, from, 3 * sizeof *to);
 }
 
-/// Low noise that bends and dents, and a finer one that wrinkles.
+/// Add noise of low frequency (dents), and ridged noise of higher frequency (wrinkles).
 static void add_noise_layers(bat_random *random, blended_body *body, double dents, double wrinkles)
 {
     body->noise = (noise_sum){.seed = bat_random_bits(random),
@@ -24,7 +27,7 @@ static void add_noise_layers(bat_random *random, blended_body *body, double dent
                                      .ridge = draw_between(random, 0.05, 0.15)};
 }
 
-/// A limb of three bones with a foot. `side` is 1 or -1.
+/// Add a leg of three round cones. `side` is 1 or -1.
 static void add_leg(blended_body *body, const double hip[3], double length, double radius, double knee, double spread,
                     double side)
 {
@@ -186,7 +189,7 @@ static void add_face(bat_random *random, blended_body *body)
     }
 }
 
-/// A head that looks along x; `neck` and shoulders may be added.
+/// Begin a body with a head that faces along x.
 static void shape_head(bat_random *random, blended_body *body)
 {
     blended_body_begin(body);
@@ -264,7 +267,7 @@ void primitive_cactus(bat_random *random, mesh_primitive *primitive)
     primitive_body(primitive);
 }
 
-/// A branch and what grows from it.
+/// Add a branch with `further` generations of side branches.
 static void branch(bat_random *random, blended_body *body, const double from[3], const double heading[3], double length,
                    double radius, int further)
 {

@@ -1,3 +1,7 @@
+/// @file
+/// A coarse control mesh of an elephant, by repeated extrusion of the faces of a box: the left half is modelled and mirrored
+/// at the plane y = 0. x points ahead, y to the left, z upwards.
+
 #include "research/shapes/mesh_shape.h"
 
 #include "base/error.h"
@@ -6,10 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/// @file
-/// A coarse elephant, modelled as people model by hand: the left half of a box, whose faces are drawn out again and again,
-/// then mirrored. x points ahead, y to the left, z upwards; what has y = 0 is the seam.
 
 enum
 {
@@ -30,16 +30,16 @@ enum
     ABOVE
 };
 
-/// The four faces that drawing number `draw` makes around the face, beside its edges. Of faces that look ahead these are
-/// below, left, above, at the seam; of those that look back, below, at the seam, above, left.
+/// The index of the side face at an edge of extrusion number `draw`. Edges of a face that looks ahead: below, left, above,
+/// at the mirror plane; of one that looks back: below, at the mirror plane, above, left.
 #define BESIDE(draw, edge) (FIRST_FACES + DRAWN_FACES * (draw) + (edge))
 
-/// Draw a face out: move it, scale it about its middle and tilt it about y, the front upwards.
+/// An extrusion: translate a face, scale it about its centre, and rotate it about y, the front upwards.
 typedef struct drawing_out
 {
     int face;
     double move[3], scale[3], tilt;
-    bool from_seam; ///< the part grows away from the seam, so that it comes twice
+    bool from_seam; ///< the part is away from the mirror plane, so that it occurs twice
 } drawing_out;
 
 static const drawing_out DRAWINGS[DRAW_COUNT] = {
@@ -70,7 +70,7 @@ static const drawing_out DRAWINGS[DRAW_COUNT] = {
 typedef struct half_cage
 {
     double points[POINT_COUNT][3];
-    int faces[FACE_COUNT][4]; ///< the first corner is -1 where there is none
+    int faces[FACE_COUNT][4]; ///< the first corner is -1 for unused faces
     int point_count;
 } half_cage;
 
@@ -131,7 +131,7 @@ static void draw_out(half_cage *half, int number, double vigour)
     memcpy(face, made, sizeof made);
 }
 
-/// The two triangles of a face, cut along its shorter diagonal, on the side of the half and, seen in a mirror, on the other.
+/// The two triangles of a face, split along its shorter diagonal, and their mirror images.
 static void add_faces(const half_cage *half, const int face[4], const uint32_t left[], const uint32_t right[],
                       uint32_t *faces)
 {

@@ -1,15 +1,18 @@
+/// @file
+/// Machine parts as solids bounded by planes, cylinders, cones and other smooth surfaces, with sharp edges.
+
 #include "research/shapes/mesh_shape.h"
 
 #include <math.h>
 
-/// A round hole through everything.
+/// Drill a circular hole through the solid.
 static void drill(mesh_primitive *primitive, const double at[3], int axis, double radius)
 {
     primitive_cut(primitive, CUT_ROUND, at, axis, radius);
     solid_subtract(&primitive->shape);
 }
 
-/// A hole that ends at a depth, with a flat ground, seen from above.
+/// Drill a blind hole from above, with a flat bottom at height `ground`.
 static void sink(mesh_primitive *primitive, const double at[3], double radius, double ground)
 {
     primitive_cut(primitive, CUT_ROUND, at, PRIMITIVE_Z, radius);
@@ -31,7 +34,7 @@ void primitive_bracket(bat_random *random, mesh_primitive *primitive)
     solid_or(&primitive->shape);
     if (draw_coin(random))
     {
-        // A rib in the corner, under a slanting plane.
+        // A rib in the corner, below an inclined plane.
         primitive_cut(primitive, CUT_SLAB, (double[3]){0, 0.02, 0}, PRIMITIVE_Y, draw_between(random, 0.06, 0.1));
         cut *slant = primitive_cut(primitive, CUT_PLANE, (double[3]){stand, 0, 0.8 * high}, PRIMITIVE_Z, 0);
         double angle = atan2(0.8 * high, 1.4 * long_half);
@@ -58,7 +61,7 @@ void primitive_bracket(bat_random *random, mesh_primitive *primitive)
         drill(primitive, (double[3]){-0.2 * long_half, 0.62 * wide * side, 0}, PRIMITIVE_Z, 0.16 * wide);
     if (draw_coin(random))
     {
-        // Round the plate's outer end.
+        // Round the outer end of the plate.
         primitive_cut(primitive, CUT_ROUND, (double[3]){long_half - 1.25 * wide, 0, 0}, PRIMITIVE_Z, 1.24 * wide);
         primitive_cut(primitive, CUT_PLANE, (double[3]){long_half - 0.9 * wide, 0, 0}, PRIMITIVE_X, 0);
         solid_or(&primitive->shape);
@@ -183,7 +186,7 @@ void primitive_gem(bat_random *random, mesh_primitive *primitive)
     double turn = draw_angle(random);
     for (int i = 0; i < planes; i++)
     {
-        // Directions along a spiral from pole to pole, shaken.
+        // Directions along a spiral from pole to pole, with random displacements.
         double height = fmin(fmax(1 - (2 * i + 1.0) / planes + draw_between(random, -0.1, 0.1), -1), 1);
         double across = sqrt(1 - height * height), angle = turn + 2.39996 * i + draw_between(random, -0.25, 0.25);
         cut *plane = primitive_cut(primitive, CUT_PLANE, (double[3]){0, 0, 0}, PRIMITIVE_Z, draw_between(random, 0.6, 0.85));
@@ -231,7 +234,7 @@ void primitive_cam(bat_random *random, mesh_primitive *primitive)
     primitive_bounds(primitive, 0.9, 0.9, high + 0.42);
 }
 
-/// The value of a fading edge at a point; see primitive_groove().
+/// The smooth maximum of the blended cuts, whose width varies along x; see primitive_groove().
 static double groove_value(const void *context, const double point[3])
 {
     const mesh_primitive *primitive = context;
@@ -247,7 +250,7 @@ static double groove_value(const void *context, const double point[3])
     return value;
 }
 
-/// A block whose edges are nearly sharp at one end and round at the other.
+/// A block with edges that are nearly sharp at one end and round at the other.
 void primitive_groove(bat_random *random, mesh_primitive *primitive)
 {
     static const double MIDDLE[3] = {0, 0, 0};

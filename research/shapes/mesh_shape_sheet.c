@@ -1,3 +1,6 @@
+/// @file
+/// Shapes as triangulated grids: tubes along torus knots, reliefs, shells.
+
 #include "research/shapes/mesh_shape.h"
 
 #include "base/error.h"
@@ -7,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/// A grid of `rows` by `columns` points; rows and columns may close.
+/// A grid of `rows` x `columns` points, optionally periodic in each direction.
 typedef struct sheet
 {
     uint32_t rows, columns;
@@ -46,7 +49,7 @@ static double square_distance(const bat_mesh *mesh, uint32_t a, uint32_t b)
     return sum;
 }
 
-/// Fill in the faces: every cell is cut along its shorter diagonal.
+/// Fill in the faces: every cell is split along its shorter diagonal.
 static void sheet_end(const sheet *grid, bat_mesh *mesh)
 {
     uint32_t *face = mesh->faces;
@@ -67,15 +70,14 @@ static double length_of(const double *v)
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/// A torus knot that turns p times about the axis while it turns q times about the ring.
+/// The torus knot that winds p times around the axis and q times around the tube of radius `ring`.
 typedef struct torus_knot
 {
     int p, q;
     double ring; ///< radius, of a torus whose middle has radius 1
 } torus_knot;
 
-/// A point of the knot's line at t of 0 … 1, and a frame that does not turn against the torus: along, out of the torus,
-/// across.
+/// A point of the knot at t in [0, 1], with a frame: outward normal of the torus, and direction across the knot.
 static void knot_frame(const torus_knot *knot, double t, double at[3], double out[3], double across[3])
 {
     double a = 2 * WAVE_PI * knot->p * t, b = 2 * WAVE_PI * knot->q * t, far = 1 + knot->ring * cos(b), along[3];
@@ -116,7 +118,8 @@ bat_status generate_knot(size_t vertices, bat_random *random, bat_mesh *mesh, ba
         {
             double t = (double)row / grid.rows, at[3], out[3], across[3];
             knot_frame(&knot, t, at, out, across);
-            // Rows are shifted by half a column in turn where that closes; it gives triangles with even sides.
+            // Every second row is shifted by half a column if the number of rows is even, which gives nearly equilateral
+            // triangles.
             double turn = 2 * WAVE_PI * (column + (grid.rows % 2 == 0 ? 0.5 * (row % 2) : 0)) / grid.columns;
             double place = 2 * WAVE_PI * t, section = turn + twists * place;
             double radius = thick * (1 + harmonics_at(&along, cos(place), sin(place))) *
@@ -130,7 +133,7 @@ bat_status generate_knot(size_t vertices, bat_random *random, bat_mesh *mesh, ba
     return status;
 }
 
-/// Hills, a terrace and a fold over a rectangle.
+/// A height field with hills, a terrace and a fold.
 typedef struct landscape
 {
     noise_sum hills, ridges;
@@ -142,7 +145,7 @@ static double landscape_height(const landscape *land, double x, double y)
     double point[3] = {x, y, 0.37};
     double height = noise_sum_at(&land->hills, point) + noise_sum_at(&land->ridges, point);
     height += land->terrace * tanh(land->steepness * (height - 0.02));
-    // A fold along a line of vertices, which fades out.
+    // A fold along a line of vertices that decays towards its ends.
     return height - land->fold * fabs(y - land->fold_at) * exp(-x * x / (land->fold_reach * land->fold_reach)) *
                         exp(-4 * (y - land->fold_at) * (y - land->fold_at));
 }
@@ -168,7 +171,7 @@ bat_status generate_relief(size_t vertices, bat_random *random, bat_mesh *mesh, 
         for (uint32_t column = 0; column < grid.columns; column++)
         {
             double *point = mesh->positions + 3 * ((size_t)row * grid.columns + column);
-            // Every second row is shifted by half a step, but for its ends.
+            // Every second row is shifted by half a step, except at its ends.
             bool end = column == 0 || column == grid.columns - 1;
             point[0] = -1 + step * (column + (end ? 0.25 : 0.5 * (row % 2)));
             point[1] = low + down * row;
@@ -179,7 +182,7 @@ bat_status generate_relief(size_t vertices, bat_random *random, bat_mesh *mesh, 
     return status;
 }
 
-/// A scallop: a fan of ribs, sharp at the rim and fading towards the hinge.
+/// A scallop shell: a fan of ribs, sharp at the rim and vanishing towards the hinge.
 bat_status generate_shell(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error)
 {
     int ribs = draw_whole(random, 6, 14);
@@ -187,7 +190,7 @@ bat_status generate_shell(size_t vertices, bat_random *random, bat_mesh *mesh, b
            opening = draw_between(random, 1.6, 2.6);
     double sharpness = draw_between(random, 0.5, 1), growth = draw_between(random, 1, 2), inner = 0.25;
     noise_sum rough = {bat_random_bits(random), 3, draw_between(random, 0, 0.02), 0.5, 2, 0};
-    // A cell is as wide as high in the middle of the fan.
+    // Cells are square in the middle of the fan.
     uint32_t per_rib = (uint32_t)fmax(4, 2 * rint(sqrt((double)vertices * opening * 0.65 / 0.75) / (2 * ribs)));
     sheet grid = {.columns = (uint32_t)ribs * per_rib + 1};
     grid.rows = (uint32_t)fmax(3, (double)vertices / grid.columns);

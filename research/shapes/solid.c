@@ -1,3 +1,7 @@
+/// @file
+/// Evaluation of Boolean expressions of implicit surfaces, and Newton steps to intersections of surfaces:
+///     dx = -G^T (G G^T)^-1 f,   G the gradients of the surfaces, f their values.
+
 #include "research/shapes/solid.h"
 #include "linalg/vector3.h"
 
@@ -103,7 +107,7 @@ bool solid_is_inside(const solid *s, uint64_t surfaces)
     return stack[0];
 }
 
-/// Value and gradient by differences along the four diagonals of a cube, which take four values for both.
+/// Value and gradient by differences along four diagonals of a cube, with four evaluations.
 static double slope(const solid_surface *surface, const double point[3], double difference, double gradient[3])
 {
     static const double DIAGONALS[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
@@ -122,8 +126,8 @@ static double slope(const solid_surface *surface, const double point[3], double 
     return mean;
 }
 
-/// Solve the symmetric system a x = b of up to 3 unknowns by Cholesky's method; x takes b's place. The diagonal is raised a
-/// little, which keeps nearly parallel surfaces solvable.
+/// Solve a symmetric system a x = b with up to 3 unknowns by Cholesky's method; x overwrites b. The diagonal is increased
+/// slightly to regularize nearly parallel surfaces.
 static void solve_small(double a[SOLID_MAX_MEETING][SOLID_MAX_MEETING], size_t count, double *b)
 {
     for (size_t i = 0; i < count; i++)

@@ -4,27 +4,28 @@
 #include "batten/mesh.h"
 
 /// @file
-/// Solids bounded by smooth surfaces that meet in sharp edges, and triangle meshes of their boundaries.
+/// Solids bounded by implicit surfaces that meet in sharp edges, and triangle meshes of their boundaries.
 ///
-/// Every surface is the zero set of a function, negative inside. A solid joins their insides by and, or and not, written in
-/// postfix order: solid_surface_add() pushes an inside, the operations work on what was pushed last. As long as no surface
-/// is used twice, the boundary is a manifold.
+/// Every surface is the zero set of a function, negative inside. A solid is a Boolean expression of their insides in postfix
+/// notation: solid_push() pushes an inside, the operations combine the last operands. If every surface occurs once, the
+/// boundary is a manifold.
 
 enum
 {
     SOLID_MAX_SURFACES = 40,
     SOLID_MAX_STEPS = 3 * SOLID_MAX_SURFACES,
-    SOLID_MAX_MEETING = 3 ///< surfaces at one point
+    SOLID_MAX_MEETING = 3 ///< maximum number of surfaces at a point
 };
 
-/// A function of space, much like a distance near its zeros: its gradient there is about 1, and seldom longer than 2.
+/// A function of space that approximates a distance near its zeros: its gradient has a length of about 1, seldom above 2.
 typedef double solid_function(const void *context, const double point[3]);
 
+/// A surface.
 typedef struct solid_surface
 {
     solid_function *value;
     const void *context;
-    bool open; ///< this part of the boundary is left out of the mesh, which ends there
+    bool open; ///< this surface is omitted, so that the mesh has a boundary there
 } solid_surface;
 
 typedef enum solid_operation
@@ -35,60 +36,65 @@ typedef enum solid_operation
     SOLID_NOT
 } solid_operation;
 
+/// A step of the postfix expression.
 typedef struct solid_step
 {
     solid_operation operation;
-    size_t surface; ///< of SOLID_SURFACE
+    size_t surface; ///< operand of SOLID_SURFACE
 } solid_step;
 
-/// All zero with a box: nothing. The functions that build it assert that there is room.
+/// A solid. All zero with a bounding box: empty. The functions below assert that the capacity suffices.
 typedef struct solid
 {
     solid_surface surfaces[SOLID_MAX_SURFACES];
     size_t surface_count;
     solid_step steps[SOLID_MAX_STEPS];
     size_t step_count;
-    double low[3], high[3]; ///< a box around it
+    double low[3], high[3]; ///< bounding box
 } solid;
 
+/// Push the inside of a surface.
 void solid_push(solid *s, solid_function *value, const void *context);
-/// Push a surface where the mesh ends.
+/// Push a surface that is omitted from the mesh.
 void solid_push_open(solid *s, solid_function *value, const void *context);
+/// Replace the last two operands by their intersection.
 void solid_and(solid *s);
+/// Replace the last two operands by their union.
 void solid_or(solid *s);
+/// Replace the last operand by its complement.
 void solid_not(solid *s);
-/// Take away from what was pushed before last what was pushed last.
+/// Replace the last two operands a, b by a minus b.
 void solid_subtract(solid *s);
 
-/// The function of the whole, from the greater of two values (and), the lesser (or) and the opposite (not).
+/// The value of the solid: maximum for and, minimum for or, negation for not.
 double solid_value(const solid *s, const double point[3]);
-/// Whether a point is inside of the whole that is inside of the surfaces whose bits are set.
+/// Whether a point is inside the solid, if it is inside exactly the surfaces whose bits are set.
 bool solid_is_inside(const solid *s, uint64_t surfaces);
 
-/// A step from a point towards where up to SOLID_MAX_MEETING surfaces are all zero: Newton's, the shortest one.
-/// @param surfaces    indices of the surfaces
-/// @param longest     no longer step is made
-/// @param difference  the spacing of finite differences
+/// One Newton step of minimal length towards the intersection of up to SOLID_MAX_MEETING surfaces.
+/// @param surfaces   indices of the surfaces
+/// @param longest    maximum length of the step
+/// @param difference spacing of finite differences
 void solid_step_towards(const solid *s, const size_t *surfaces, size_t count, double longest, double difference,
                         double point[3]);
 
-/// A closed mesh of the boundary from a lattice of tetrahedra, with triangles of any shape: the largest piece. Every face
-/// has the surface that it belongs to.
+/// A closed mesh of the boundary by marching through a body-centred cubic lattice of tetrahedra: the largest component, with
+/// triangles of any shape, and the surface of every face.
 ///
-/// The lattice is body-centred cubic; its tetrahedra are cut along every surface, which is taken as linear in each. The
-/// boundary is what lies between tetrahedra inside and outside.
+/// Tetrahedra are cut along every surface, which is linearized in each of them. The boundary separates tetrahedra inside and
+/// outside.
 ///
-/// @param cell     the lattice's spacing
-/// @param steepest how fast values change at most: a ball of radius r around a point of value above steepest r holds no
-/// boundary
+/// @param cell     spacing of the lattice
+/// @param steepest Lipschitz constant of the values: a ball of radius r around a point with a value above steepest r
+///        contains no boundary
 /// @param surfaces receives the surface of every face; release it with free()
-/// @return BAT_OK; BAT_INVALID_ARGUMENT where the lattice meets no boundary; BAT_TOO_LARGE; BAT_NO_MEMORY. A mesh with a
-/// boundary
-///         is a sign of values that change faster
+/// @return BAT_OK; BAT_INVALID_ARGUMENT if the lattice does not meet the boundary; BAT_TOO_LARGE; BAT_NO_MEMORY. A mesh with
+///        a
+///         boundary indicates that `steepest` is too small
 bat_status solid_cut(const solid *s, double cell, double steepest, bat_mesh *mesh, uint16_t **surfaces, bat_error *error);
 
-/// A mesh of the boundary of about so many vertices, its triangles of even size and good shape, its edges along the edges of
-/// the solid.
+/// A mesh of the boundary with about `vertices` vertices, well-shaped triangles of uniform size, and mesh edges along the
+/// sharp edges of the solid.
 bat_status solid_mesh(const solid *s, size_t vertices, bat_mesh *mesh, bat_error *error);
 
 #endif

@@ -1,3 +1,7 @@
+/// @file
+/// Boundary of a solid from a lattice of tetrahedra that is cut along every surface in turn; see solid_cut() in solid.h. An
+/// octree search restricts the lattice to cells near the boundary.
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/key_map.h"
@@ -7,24 +11,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Cells of the lattice are numbered by three coordinates of so many bits.
+/// Bits of each cell coordinate.
 #define CELL_BITS 12
 #define MAX_CELLS_ACROSS ((uint32_t)1 << CELL_BITS)
 
-/// A cut lies at least at this share of an edge away from its ends, so that no piece is very thin.
+/// Minimum distance of a cut from the ends of an edge, as a fraction of the edge; avoids slivers.
 #define MIN_SHARE 0.12
 
-/// Tetrahedra, and the values of all surfaces at their points.
+/// Tetrahedra, with the values of all surfaces at their points.
 typedef struct tetrahedra
 {
     const solid *shape;
     double origin[3], cell, steepest;
     double *points; ///< point_count x 3
-    double *values; ///< point_count x surface_count; 0 exactly on a surface that was cut along
+    double *values; ///< point_count x surface_count; exactly 0 at points of a cut
     size_t point_count, point_capacity, value_capacity;
-    uint32_t (*corners)[4]; ///< of positive volume
+    uint32_t (*corners)[4]; ///< corners, in positive orientation
     size_t count, capacity;
-    key_map at; ///< of lattice points, then of cut edges
+    key_map at; ///< index of lattice points, then of cuts
 } tetrahedra;
 
 static void tetrahedra_free(tetrahedra *t)
@@ -35,8 +39,8 @@ static void tetrahedra_free(tetrahedra *t)
     key_map_free(&t->at);
 }
 
-/// The array, or a larger one in its place, with room for one more element. Null when out of memory; the array is then as it
-/// was.
+/// Ensure capacity for one more element. Returns the array, possibly moved; null when out of memory, with the array
+/// unchanged.
 static void *reserve(void *array, size_t count, size_t *capacity, size_t size)
 {
     if (count < *capacity)
@@ -89,8 +93,8 @@ static bool add_cell(cell_list *list, const uint32_t cell[3])
     return true;
 }
 
-/// Gather the cells of a cube of `size` cells across that may be near the boundary. Those left out have no tetrahedron that
-/// the boundary meets: such a tetrahedron reaches no farther than one cell from the middles of both its cells.
+/// Gather the cells in a cube of `size` cells that may be near the boundary. Tetrahedra that meet the boundary extend at
+/// most one cell from the centres of their two cells, so that none of them is lost.
 static bool gather_cells(const tetrahedra *t, const uint32_t corner[3], uint32_t size, cell_list *near)
 {
     double middle[3];
@@ -117,7 +121,7 @@ static uint64_t cell_key(const uint32_t cell[3])
     return ((uint64_t)cell[0] << 2 * CELL_BITS | (uint64_t)cell[1] << CELL_BITS | cell[2]) << 1;
 }
 
-/// The point of the lattice at the lower corner of a cell or in its middle.
+/// The lattice point at the lower corner or at the centre of a cell.
 static bool lattice_point(tetrahedra *t, const uint32_t cell[3], bool middle, uint32_t *index)
 {
     uint32_t *known = key_map_at(&t->at, cell_key(cell) | middle);
@@ -143,8 +147,7 @@ static bool lattice_point(tetrahedra *t, const uint32_t cell[3], bool middle, ui
     return true;
 }
 
-/// The four tetrahedra around the face between a cell and the next one along an axis: each has the middles of both cells and
-/// an edge of the face.
+/// Add the four tetrahedra around the face between two neighbouring cells: each has both centres and an edge of the face.
 static bool add_face(tetrahedra *t, const uint32_t cell[3], const uint32_t next[3], int axis)
 {
     int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -165,7 +168,7 @@ static bool add_face(tetrahedra *t, const uint32_t cell[3], const uint32_t next[
     return true;
 }
 
-/// Enter the numbers of the cells.
+/// Index the cells by their keys.
 static bool index_cells(const cell_list *list, key_map *kept)
 {
     for (size_t i = 0; i < list->count; i++)
@@ -178,7 +181,7 @@ static bool index_cells(const cell_list *list, key_map *kept)
     return true;
 }
 
-/// Add the tetrahedra between all neighbouring cells.
+/// Add the tetrahedra of all pairs of neighbouring cells.
 static bool add_faces(tetrahedra *t, const cell_list *list, const key_map *kept)
 {
     for (size_t i = 0; i < list->count; i++)
@@ -204,7 +207,7 @@ static bool fill_lattice(tetrahedra *t, uint32_t across)
     return done;
 }
 
-/// The point where a surface crosses an edge.
+/// The point at which a surface crosses an edge.
 static bool cut_edge(tetrahedra *t, size_t surface, uint32_t a, uint32_t b, uint32_t *index)
 {
     if (a > b)
@@ -241,8 +244,8 @@ static bool cut_edge(tetrahedra *t, size_t surface, uint32_t a, uint32_t b, uint
     return true;
 }
 
-/// Bisect a tetrahedron at the first of its edges that the surface crosses, in the order of their keys, and its parts
-/// likewise. Tetrahedra on both sides of a triangle thus divide it in the same way.
+/// Bisect a tetrahedron at the first crossed edge, in the order of edge keys, and its parts recursively. Two tetrahedra
+/// therefore divide a common triangle in the same way.
 static bool cut_tetrahedron(tetrahedra *t, size_t surface, const uint32_t corners[4], size_t place)
 {
     size_t surfaces = t->shape->surface_count;
@@ -296,7 +299,7 @@ static bool cut_all(tetrahedra *t)
     return true;
 }
 
-/// The surfaces that a tetrahedron is inside of, as bits.
+/// Bit mask of the surfaces whose inside contains a tetrahedron.
 static uint64_t sides_of(const tetrahedra *t, const uint32_t corners[4])
 {
     size_t surfaces = t->shape->surface_count;
@@ -314,7 +317,7 @@ static uint64_t sides_of(const tetrahedra *t, const uint32_t corners[4])
     return sides;
 }
 
-/// The surface that separates a tetrahedron inside of the solid from the outside at a triangle of its, or surface_count.
+/// The surface that separates an inner tetrahedron from the outside at one of its triangles, or surface_count.
 static size_t bounding_surface(const tetrahedra *t, uint64_t sides, const uint32_t triangle[3])
 {
     size_t surfaces = t->shape->surface_count;
@@ -329,7 +332,7 @@ static size_t bounding_surface(const tetrahedra *t, uint64_t sides, const uint32
     return surfaces;
 }
 
-/// Triangles with the tetrahedra's points as corners, and the surface of each.
+/// Triangles of the boundary, and the surface of each.
 typedef struct shell
 {
     uint32_t (*faces)[3];
@@ -354,7 +357,7 @@ static bool add_triangle(shell *boundary, const uint32_t triangle[3], size_t sur
 
 static bool find_boundary(const tetrahedra *t, shell *boundary)
 {
-    // the triangle opposite to a corner of a tetrahedron of positive volume, seen from outside
+    // the triangle opposite to each corner, counter-clockwise from outside
     static const int OPPOSITE[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     for (size_t i = 0; i < t->count; i++)
     {
@@ -383,7 +386,7 @@ static uint32_t root_of(uint32_t *parent, uint32_t v)
     return v;
 }
 
-/// Keep the faces of the piece that has most of them.
+/// Keep the component with the most faces.
 static bool extract_largest(shell *boundary, size_t point_count)
 {
     uint32_t *parent = memory_array(point_count, sizeof *parent), *size = calloc(point_count, sizeof *size);
@@ -417,7 +420,7 @@ static bool extract_largest(shell *boundary, size_t point_count)
     return done;
 }
 
-/// Number the points that faces use in the order of use. The faces become the mesh's.
+/// Number the used points in the order of use. The mesh takes the faces.
 static bool make_mesh(const tetrahedra *t, shell *boundary, bat_mesh *mesh)
 {
     uint32_t *number = memory_array(t->point_count, sizeof *number);
@@ -447,14 +450,14 @@ static bool make_mesh(const tetrahedra *t, shell *boundary, bat_mesh *mesh)
     return true;
 }
 
-/// The lattice's place; `across` receives its cells across, a power of two.
+/// Set the origin of the lattice; `across` receives its width in cells, a power of two.
 static bool place_lattice(const solid *s, double cell, double origin[3], uint32_t *across)
 {
     double widest = 0;
     for (int c = 0; c < 3; c++)
     {
         widest = fmax(widest, s->high[c] - s->low[c] + 4 * cell);
-        // Off the round numbers where flat surfaces lie.
+        // Avoid the round coordinates of planar surfaces.
         origin[c] = s->low[c] - (1.37 + 0.11 * c) * cell;
     }
     *across = 1;
@@ -469,14 +472,13 @@ bat_status solid_cut(const solid *s, double cell, double steepest, bat_mesh *mes
     shell boundary = {0};
     uint32_t across;
     if (!place_lattice(s, cell, t.origin, &across))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a shape of so many vertices needs too fine a lattice");
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the requested number of vertices needs too fine a lattice");
     bat_mesh made = {0};
     bat_status status = BAT_OK;
     if (!fill_lattice(&t, across) || !cut_all(&t) || !find_boundary(&t, &boundary))
         status = error_memory(error, t.count * sizeof *t.corners);
     if (status == BAT_OK && boundary.count == 0)
-        status =
-            error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the shape is finer than the lattice that would cut it");
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the shape has details finer than the lattice");
     if (status == BAT_OK && (!extract_largest(&boundary, t.point_count) || !make_mesh(&t, &boundary, &made)))
         status = error_memory(error, t.point_count * sizeof(double));
     if (status == BAT_OK)

@@ -1,3 +1,8 @@
+/// @file
+/// Isotropic remeshing of the boundary of a solid, with sharp features: Botsch and Kobbelt, "A remeshing approach to
+/// multiresolution modeling" (2004). Split long edges, collapse short ones, flip, relax tangentially, project to the
+/// surfaces.
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
@@ -8,28 +13,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// @file
-/// Isotropic remeshing: Botsch and Kobbelt, "A Remeshing Approach to Multiresolution Modeling" (2004), with features.
-
-/// Edges are split above and collapsed below these multiples of the wanted length.
+/// Edges are split above and collapsed below these multiples of the target length.
 #define LONGEST_EDGE (4.0 / 3.0)
 #define SHORTEST_EDGE (4.0 / 5.0)
-/// Corners nearer than this multiple become one.
+/// Corners closer than this multiple are merged.
 #define NEAREST_CORNERS 0.25
 
-/// The first lattice, which measures the area, has so many cells along the box's longest side.
+/// Cells of the first lattice, which measures the area, along the longest side of the bounding box.
 #define FIRST_CELLS 28.0
-/// The lattice's spacing, as a multiple of the wanted edge length.
+/// Spacing of the lattice, as a multiple of the target edge length.
 #define CELL_PER_EDGE 1.15
 
-/// How fast values change at most, at first and after gaps.
+/// Assumed Lipschitz constant of the values: initial, and maximum after failures.
 #define STEEPEST 2.0
 #define MAX_STEEPEST 16.0
 
 #define ROUNDS 7
-/// Collapses stay a little ahead of splits: so many more vertices are aimed at.
+/// Factor on the measured number of vertices, because collapses slightly outnumber splits.
 #define LAST_GAIN 0.985
-/// Passes that only better the triangles, and steps onto the surface at the end.
+/// Final passes of flips and relaxation, and final Newton steps to the surfaces.
 #define LAST_PASSES 3
 #define LAST_STEPS 4
 
@@ -37,7 +39,7 @@ typedef struct remesher
 {
     const solid *shape;
     edit_mesh edit;
-    double edge; ///< the wanted length
+    double edge; ///< target edge length
 } remesher;
 
 static double edge_length(const edit_mesh *edit, uint32_t h)
@@ -45,8 +47,8 @@ static double edge_length(const edit_mesh *edit, uint32_t h)
     return vector3_distance(edit->positions[edit_from(edit, h)], edit->positions[edit_to(edit, h)]);
 }
 
-/// From an edge to ever longer ones of the same faces, up to one that is the longest in both its faces (Rivara, 1984): only
-/// these are split, so that flat triangles do not beget flatter ones without end.
+/// Follow edges to the longest edge of both its faces (longest-edge bisection; Rivara, 1984). Only these are split, which
+/// prevents ever flatter triangles.
 static uint32_t longest_near(const edit_mesh *edit, uint32_t h)
 {
     double longest = edge_length(edit, h) * (1 + 1e-9);
@@ -76,8 +78,8 @@ static bat_status split_long(remesher *r, bat_error *error)
     return BAT_OK;
 }
 
-/// Whether the begin of an edge may go: nothing that is more of a feature may move onto less of one. Corners go along a
-/// feature to one another where they are too near for the mesh to tell them apart.
+/// Whether the begin of an edge may be collapsed into its end. Vertices on features may only move along features. Corners
+/// may merge along a feature if they are very close.
 static bool may_collapse(const remesher *r, uint32_t h)
 {
     const edit_mesh *edit = &r->edit;
@@ -100,7 +102,7 @@ static bool collapse_one(remesher *r, uint32_t h)
     bool surface_ends = first_moves && second_moves;
     if (surface_ends && !edit_is_feature(edit, h))
     {
-        // One of them may lie on a feature, though this edge does not.
+        // One vertex may be on a feature that does not contain this edge.
         bool first_free = edit_corner_of(edit, edit_from(edit, h)).feature_count == 0;
         bool second_free = edit_corner_of(edit, edit_from(edit, t)).feature_count == 0;
         share = first_free && second_free ? 0.5 : first_free ? 1 : 0;
@@ -126,8 +128,8 @@ static double corner_cosine(const double *at, const double *b, const double *c)
     return (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / (vector3_distance(at, b) * vector3_distance(at, c) + 1e-300);
 }
 
-/// Turn the edges whose opposite angles add up to more than pi (Delaunay), or, before the last round, whose turning brings
-/// valences nearer to 6.
+/// Flip edges: before the last round, if valences get closer to 6; later, if the opposite angles sum to more than pi
+/// (Delaunay).
 static void flip_edges(remesher *r, bool by_valence)
 {
     edit_mesh *edit = &r->edit;
@@ -158,7 +160,7 @@ static void flip_edges(remesher *r, bool by_valence)
     }
 }
 
-/// The mean of a vertex's neighbours, of those along the feature where it lies on one, and its normal.
+/// The mean of the neighbours of a vertex (on a feature: along it), and the normal.
 static void neighbourhood(const edit_mesh *edit, uint32_t vertex, bool along_feature, double mean[3], double normal[3])
 {
     double weight = 0;
@@ -184,7 +186,7 @@ static void neighbourhood(const edit_mesh *edit, uint32_t vertex, bool along_fea
         mean[c] /= weight;
 }
 
-/// Move a vertex towards the mean of its neighbours along the surface, and onto the surfaces that it belongs to.
+/// Move a vertex tangentially towards the mean of its neighbours, and project it to its surfaces.
 static void relax(remesher *r, uint32_t vertex)
 {
     edit_mesh *edit = &r->edit;
@@ -216,7 +218,7 @@ static void relax_all(remesher *r)
         relax(r, v);
 }
 
-/// Move all vertices onto their surfaces.
+/// Project all vertices to their surfaces.
 static void project_vertices(remesher *r)
 {
     edit_mesh *edit = &r->edit;
@@ -233,7 +235,7 @@ static void project_vertices(remesher *r)
     }
 }
 
-/// The vertices that the mesh has without what is left open: half of its faces.
+/// The estimated number of vertices without omitted surfaces: half the number of faces.
 static double count_vertices(const remesher *r)
 {
     size_t faces = 0;
@@ -269,7 +271,7 @@ static bat_status remesh(remesher *r, size_t vertices, bat_error *error)
     return BAT_OK;
 }
 
-/// The area of what is not left open.
+/// The area without omitted surfaces.
 static double area_of(const solid *s, const bat_mesh *mesh, const uint16_t *surfaces)
 {
     double area = 0;
@@ -288,13 +290,13 @@ static double area_of(const solid *s, const bat_mesh *mesh, const uint16_t *surf
     return area;
 }
 
-/// The length of edges that so many vertices give: there are twice as many triangles, taken as equilateral.
+/// The edge length for a given number of vertices, with twice as many equilateral triangles.
 static double edge_for(double area, size_t vertices)
 {
     return sqrt(area / (0.5 * sqrt(3) * (double)vertices));
 }
 
-/// The wanted length of edges, from the area of a coarse mesh.
+/// The target edge length, from the area of a coarse mesh.
 static bat_status choose_edge(const solid *s, size_t vertices, double *edge, bat_error *error)
 {
     double longest = fmax(fmax(s->high[0] - s->low[0], s->high[1] - s->low[1]), s->high[2] - s->low[2]);
@@ -309,7 +311,7 @@ static bat_status choose_edge(const solid *s, size_t vertices, double *edge, bat
     return BAT_OK;
 }
 
-/// The faces and vertices but for those of open surfaces.
+/// Extract the mesh without the faces of omitted surfaces.
 static bat_status extract_mesh(const solid *s, const edit_mesh *edit, bat_mesh *mesh, bat_error *error)
 {
     uint32_t *number = memory_array(edit->vertex_count, sizeof *number);
@@ -343,7 +345,7 @@ static bat_status extract_mesh(const solid *s, const edit_mesh *edit, bat_mesh *
     return BAT_OK;
 }
 
-/// Cut the boundary out of the lattice. Where that left a gap, values change faster than was taken for granted.
+/// Extract the boundary from the lattice. If it is not a manifold, increase the assumed Lipschitz constant.
 static bat_status begin(remesher *r, bat_error *error)
 {
     bat_status status = BAT_NOT_MANIFOLD;

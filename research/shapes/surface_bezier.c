@@ -1,3 +1,6 @@
+/// @file
+/// Random Bezier surfaces and clouds sampled from them (bat_cloud_bezier).
+
 #include "research/shapes/surface_bezier.h"
 
 #include "base/error.h"
@@ -11,7 +14,7 @@ bat_cloud_bezier_options bat_cloud_bezier_defaults(void)
     return (bat_cloud_bezier_options){.degree = 2, .interior = 1000, .turned = true};
 }
 
-/// The rotation about a uniformly distributed axis by a uniformly distributed angle (Rodrigues' formula).
+/// Draw a rotation with a uniform axis and a uniform angle (Rodrigues' formula).
 static void draw_rotation(bat_random *random, double rotation[3][3])
 {
     double height = draw_between(random, -1, 1), longitude = draw_angle(random), angle = draw_angle(random);
@@ -81,17 +84,17 @@ static bat_status check_options(const bat_cloud_bezier_options *options, bat_err
 {
     const char *wrong = NULL;
     if (options->degree < 1 || options->degree > BEZIER_MAX_DEGREE)
-        wrong = "the degree of a Bézier cloud is 1 to 15";
+        wrong = "the degree of a Bézier cloud must be between 1 and 15";
     else if (options->side == 1)
-        wrong = "a side of a Bézier cloud has at least its two corners";
+        wrong = "a side of a Bézier cloud needs at least its two corners";
     else if (!(options->noise >= 0 && isfinite(options->noise)))
-        wrong = "the noise of a Bézier cloud is finite and not below zero";
+        wrong = "the noise of a Bézier cloud must be finite and not negative";
     if (wrong != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
     return BAT_OK;
 }
 
-/// Equally spaced parameters of the boundary, then uniformly distributed ones.
+/// Equally spaced boundary parameters, then uniformly distributed interior ones.
 static void draw_parameters(sampled_cloud *sampled, size_t side, bat_random *random)
 {
     double *parameter = sampled->parameters, *inside = parameter + 2 * sampled->cloud.boundary_count;

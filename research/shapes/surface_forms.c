@@ -1,3 +1,6 @@
+/// @file
+/// The formulas of the hull, the blade and the relief; see surface_shape.h.
+
 #include "research/shapes/surface_shape.h"
 
 #include "research/data/wave.h"
@@ -20,33 +23,33 @@ void hull_draw(bat_random *random, hull_form *hull)
                         .transom_breadth = draw_between(random, 0.84, 0.92)};
 }
 
-/// max(x, 0), rounded over a length: a branch of a hyperbola.
+/// A smooth max(x, 0), a branch of a hyperbola: (x + sqrt(x^2 + length^2)) / 2.
 static double soft_ramp(double x, double length)
 {
     return 0.5 * (x + sqrt(x * x + length * length));
 }
 
-/// The same from 0 at x = 0, with its corner at `from`.
+/// The same with its corner at `from`, shifted to be 0 at x = 0.
 static double ramp_from(double x, double from, double length)
 {
     return soft_ramp(x - from, length) - soft_ramp(-from, length);
 }
 
-/// 1 at 0, falling like a bell over a length.
+/// The Gaussian exp(-x^2 / length^2).
 static double bell(double x, double length)
 {
     return exp(-x * x / (length * length));
 }
 
-/// A station: two lines from the keel to the corner of the bilge and on to the deck edge, as half-breadths and heights, and
-/// how much of it rounds the corner.
+/// A station: two lines, keel to bilge corner and bilge corner to deck edge, as half-breadths and heights, and the fraction
+/// that rounds the corner.
 typedef struct hull_station
 {
     double keel[2], corner[2], deck[2];
     double rounding;
 } hull_station;
 
-/// At the bow the corner moves up the stem to where the flare begins; at the stern the bottom rises to the transom.
+/// At the bow, the corner rises to the begin of the flare; at the stern, the bottom rises to the transom.
 static hull_station station_at(const hull_form *hull, double u)
 {
     double bow = bell(u, 0.17), stern = u * u * u * u * u * u;
@@ -63,7 +66,7 @@ static hull_station station_at(const hull_form *hull, double u)
     };
 }
 
-/// The half-breadth and height at a share of a station: a hyperbola with the two lines as asymptotes, passed at nearly even
+/// Half-breadth and height at parameter v of a station: a hyperbola with the two lines as asymptotes, at nearly constant
 /// speed.
 static void station_point(const hull_station *station, double v, double point[2])
 {
@@ -82,11 +85,11 @@ void hull_at(const hull_form *hull, const double parameter[2], double point[3])
     double u = parameter[0], v = parameter[1], across[2];
     hull_station station = station_at(hull, u);
     station_point(&station, v, across);
-    // The bulb's waterlines begin on a circle: tanh^2 + sech^2 = 1.
+    // The waterlines of the bulb begin on a circle: tanh^2 + sech^2 = 1.
     double bulb = bell(v - hull->bulb_height, 0.13), round = u / 0.03;
     double nose = hull->bulb_length * bulb / cosh(round);
     double swell = hull->bulb_radius * bulb * tanh(v / 0.08) * tanh(round) * bell(u, 0.2);
-    // Above the line of the knuckle the flare turns back towards the vertical.
+    // Above the knuckle line the flare turns back towards the vertical.
     double turned = ramp_from(v, 0.8, 0.008) * hull->knuckle * tanh(u / 0.04) * bell(u, 0.24);
     double overhang = hull->rake * v * v * v * bell(u, 0.2) - 0.02 * v * pow(u, 8);
     point[0] = 0.5 - u + nose + overhang;
@@ -95,9 +98,9 @@ void hull_at(const hull_form *hull, const double parameter[2], double point[3])
 }
 
 #define BLADE_DEGREE (WAVE_PI / 180)
-/// The nose of a section takes about this share of the way round.
+/// The leading edge takes about this fraction of a section.
 #define NOSE_SHARE 0.12
-/// The blade turns about this share of its chord.
+/// The blade twists about this fraction of its chord.
 #define AXIS_SHARE 0.4
 
 void blade_draw(bat_random *random, blade_form *blade)
@@ -115,16 +118,16 @@ void blade_draw(bat_random *random, blade_form *blade)
                           .sweep = draw_between(random, -0.02, 0.05)};
 }
 
-/// The root of the place along the chord, 1 at u = 0, 0 at the nose, -1 at u = 1: such that the nose is passed at nearly the
-/// speed of the flanks.
+/// The square root of the position along the chord, with sign: 1 at u = 0, 0 at the leading edge, -1 at u = 1; the speed is
+/// nearly constant.
 static double root_of_chord(double u)
 {
     double way = 1 - 2 * u, complete = sqrt(sqrt(1 + NOSE_SHARE * NOSE_SHARE) + NOSE_SHARE);
     return way * complete / sqrt(sqrt(way * way + NOSE_SHARE * NOSE_SHARE) + NOSE_SHARE);
 }
 
-/// A section of chord 1 with the nose at 0. Half the thickness is that of a Joukowski aerofoil to first order, sqrt(x) (1 -
-/// x), whose nose is a parabola, and the opening; it is laid above and below a parabola of camber.
+/// A section of chord 1 with the leading edge at 0. Half the thickness is that of a Joukowski aerofoil to first order,
+/// sqrt(x) (1 - x), which has a parabolic leading edge, plus the opening. It is added to a parabolic camber line.
 static void section_at(double u, double thickness, double camber, double opening, double at[2])
 {
     const double thickest = 0.3849001794597505; // 2 / sqrt(27), at a third of the chord
@@ -147,7 +150,7 @@ void blade_at(const blade_form *blade, const double parameter[2], double point[3
     point[2] = v;
 }
 
-/// The features of a face; those with x > 0 are there on both sides. Their sizes are drawn anew for every mask.
+/// The features of a face; those with x > 0 occur on both sides. Their sizes are random.
 static const relief_bump FEATURES[] = {
     {0, 0.32, 0.60, 0.07, 0.035},                                        // brow
     {0.33, 0.16, 0.17, 0.11, -0.065},                                    // sockets
@@ -185,20 +188,20 @@ void relief_draw(bat_random *random, relief_form *relief)
     }
 }
 
-/// From 0 to 1 about x = 0, over a length.
+/// A smooth step from 0 to 1 at x = 0.
 static double soft_step(double x, double length)
 {
     return 0.5 + 0.5 * tanh(x / length);
 }
 
-/// The nose widens and rises from the brow to its tip.
+/// The height of the nose, which widens and rises from the brow to its tip.
 static double nose_height(double x, double y)
 {
     double down = (0.34 - y) / 0.46, below_brow = soft_step(0.34 - y, 0.08), wide = 0.055 + 0.05 * down * below_brow;
     return (0.3 + 0.7 * down) * soft_step(y + 0.15, 0.035) * below_brow * exp(-x * x / (wide * wide));
 }
 
-/// A band round the forehead with two rims and a row of folds between them.
+/// The height of the band around the forehead: two rims, with folds between them.
 static double band_height(const relief_form *relief, double x, double y)
 {
     double place = (y - 0.68 + 0.08 * x * x) / 0.11, inside = exp(-pow(place, 8));
@@ -217,7 +220,7 @@ void relief_at(const relief_form *relief, const double parameter[2], double poin
         double across = (x - bump->x) / bump->wide, up = (y - bump->y) / bump->high;
         height += bump->height * exp(-across * across - up * up);
     }
-    // The outline narrows towards the chin and is rounded above and below.
+    // The outline is narrower at the chin, and rounded above and below.
     double bulge = 1 - x * x;
     point[0] = x * (0.37 - 0.12 * (1 - parameter[1]) * (1 - parameter[1]));
     point[1] = 0.44 * y + bulge * (0.04 * parameter[1] - 0.07 * (1 - parameter[1]));

@@ -1,3 +1,6 @@
+/// @file
+/// The table of cloud shapes, and bat_cloud_shape().
+
 #include "research/shapes/surface_shape.h"
 
 #include "base/error.h"
@@ -43,7 +46,7 @@ static void make_relief(bat_random *random, surface_shape *shape)
     relief_draw(random, &shape->form.relief);
 }
 
-/// How points are taken from a surface.
+/// A method to sample a surface.
 typedef bat_status surface_sampling(const surface_shape *shape, size_t points, bat_random *random, sampled_cloud *sampled,
                                     bat_error *error);
 
@@ -76,7 +79,7 @@ bool surface_shape_make(const char *name, uint64_t seed, surface_shape *shape, b
     const cloud_kind *kind = find_kind(name);
     if (kind == NULL)
         return false;
-    // Kinds that share a seed share no numbers.
+    // Different kinds have different streams for the same seed.
     *random = bat_random_seed(hash_bytes(HASH_BEGIN, name, strlen(name)) + seed * 0x9e3779b97f4a7c15u);
     kind->make(random, shape);
     return true;
@@ -89,11 +92,11 @@ bat_status bat_cloud_shape(const char *name, size_t points, uint64_t seed, bat_c
     bat_random random;
     sampled_cloud sampled;
     if (!surface_shape_make(name, seed, &shape, &random))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no shape of a cloud is named %s",
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unknown cloud shape '%s'",
                          name != NULL ? name : "nothing");
     if (points < MIN_POINTS || points > MAX_POINTS)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "clouds have %zu to %zu points, not %zu", MIN_POINTS,
-                         MAX_POINTS, points);
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the number of points must be between %zu and %zu, not %zu", MIN_POINTS, MAX_POINTS, points);
     bat_status status = find_kind(name)->sample(&shape, points, &random, &sampled, error);
     if (status == BAT_OK)
         sampled_cloud_move(&sampled, cloud, parameters);
