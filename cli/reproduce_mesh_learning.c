@@ -145,10 +145,10 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
     {
         double kept = style->reports[i].errors[BAT_MESH_TRAIN_LEVELS];
         if (!job->json)
-            (void)printf("%-8s %9zu %14.6f %26.2f %%\n", NAMES[i], shapes[i]->vertex_count, kept, 100 * style->bent[i]);
+            (void)printf("%-8s %9zu %14.6f %26.2f %%\n", NAMES[i], shapes[i]->vertex_count, kept, 100 * style->sharp_edges[i]);
         (void)json_array_append_new(rows, json_pack("{s:s, s:I, s:o, s:o}", "teacher", NAMES[i], "vertices",
                                                     (json_int_t)shapes[i]->vertex_count, "kept_error", report_number(kept),
-                                                    "bent_edges", report_number(style->bent[i])));
+                                                    "bent_edges", report_number(style->sharp_edges[i])));
     }
     if (job->json)
         return report_json(json_pack("{s:s, s:o}", "picture", picture, "rows", rows));

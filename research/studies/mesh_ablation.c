@@ -1,3 +1,7 @@
+/// @file
+/// Ablation of the learned mesh scheme (bat_mesh_ablate): Liu et al., "Neural Subdivision" (2020), section 6 and appendices
+/// G and H. Every variant is trained on the same shapes and measured on a test shape.
+
 #include "research/studies/mesh_study.h"
 
 #include "base/error.h"
@@ -13,31 +17,31 @@
 enum
 {
     LEVELS = BAT_MESH_TRAIN_LEVELS,
-    TRIALS = 5,         ///< random decimations of the test shape
-    LOOP_PATIENCE = 8,  ///< so many times the epochs for learning Loop's scheme, which is measured against itself alone
-    FRESH_SHARE = 10,   ///< and this part of its meshes is made anew in each epoch
-    CANDIDATES = 100,   ///< appendix E
-    SHAPE_SIZE = 3000,  ///< vertices of shapes of our own making
-    TRIAL_SEED = 100000 ///< of the first of them
+    TRIALS = 5,          ///< random decimations of the test shape
+    LOOP_PATIENCE = 8,   ///< factor on the epochs for learning Loop's scheme, which is only compared with itself
+    RESAMPLED_PART = 10, ///< one in this many of its coarse meshes is resampled in each epoch
+    CANDIDATES = 100,    ///< candidate edges of a random decimation (appendix E)
+    SHAPE_SIZE = 3000,   ///< vertices of the built-in shapes
+    TRIAL_SEED = 100000  ///< seed of the first decimation
 };
 
 static const char *const NAMES[BAT_MESH_VARIANT_COUNT] = {"full",       "fixed-frames", "no-differences",
                                                           "last-level", "chamfer",      "learn-loop"};
 
-/// What the networks are measured on.
+/// The test shape with its decimations.
 typedef struct probe
 {
     const bat_mesh *shape;
     double diagonal;
-    bat_mesh coarse; ///< decimated as for table 2
+    bat_mesh coarse; ///< decimated by quadric errors, as for table 2
     bat_mesh turned_shape, turned_coarse;
     bat_mesh trials[TRIALS];         ///< random decimations
-    double *targets[TRIALS][LEVELS]; ///< where the map takes their vertices, at levels 1 and 2
+    double *targets[TRIALS][LEVELS]; ///< images of their vertices under the map to the shape, at levels 1 and 2
 } probe;
 
 // Making the probe
 
-/// Turn a mesh by a radian about the direction (1, 1, 1): Rodrigues' formula.
+/// Rotate a mesh by one radian about the direction (1, 1, 1), by Rodrigues' formula.
 static void turn(bat_mesh *mesh)
 {
     const double cosine = cos(1), sine = sin(1), unit = 1 / sqrt(3);
@@ -59,7 +63,7 @@ static bat_status turned_copy(const bat_mesh *mesh, bat_mesh *turned, bat_error 
     return status;
 }
 
-/// The number of vertices of a mesh after so many levels.
+/// The number of vertices of a mesh after a number of levels.
 static bat_status count_refined(const bat_mesh *mesh, size_t levels, size_t *count, bat_error *error)
 {
     bat_mesh_point *points;
@@ -69,7 +73,7 @@ static bat_status count_refined(const bat_mesh *mesh, size_t levels, size_t *cou
     return status;
 }
 
-/// A random decimation like those that networks learn from, and the targets of its vertices.
+/// A random decimation as in training, with the targets of its vertices.
 static bat_status trial_make(probe *p, size_t index, bat_error *error)
 {
     const bat_mesh_train_options recipe = bat_mesh_train_defaults();
@@ -187,7 +191,7 @@ static bat_status measure_network(const probe *p, const bat_mesh_model *model, b
         status = mesh_study_score(p->shape, &p->coarse, &method, options, silent, NULL, &row->straight, error);
     if (status == BAT_OK)
         status = mesh_study_score(&p->turned_shape, &p->turned_coarse, &method, options, silent, NULL, &row->turned, error);
-    row->turned.diagonal = row->straight.diagonal; // a box does not turn along
+    row->turned.diagonal = row->straight.diagonal; // the bounding box of the unrotated shape
     return status;
 }
 
@@ -208,7 +212,7 @@ static bat_status run_variant(const bat_mesh *shapes, size_t count, const probe 
     if (recipe.learn_loop)
     {
         recipe.epochs *= LOOP_PATIENCE;
-        recipe.fresh = options->pairs / FRESH_SHARE;
+        recipe.fresh = options->pairs / RESAMPLED_PART;
     }
     row->variant = NAMES[variant];
     bat_status status = mesh_study_train(shapes, count, options, NAMES[variant], recipe, &row->report, &model, error);

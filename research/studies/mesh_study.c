@@ -1,3 +1,7 @@
+/// @file
+/// Study of mesh subdivision after decimation: Liu et al., "Neural Subdivision" (2020), table 2. Reading of meshes,
+/// trainings, scores and pictures.
+
 #include "research/studies/mesh_study.h"
 
 #include "base/error.h"
@@ -183,7 +187,7 @@ bat_status bat_mesh_study_shape(const bat_mesh *shape, const bat_mesh_method *me
 
 // Pictures
 
-/// How far each vertex of a mesh is from the shape, in percent of `diagonal`.
+/// The distance of each vertex from the shape, in per cent of `diagonal`.
 static bat_status measure_vertices(const bat_mesh *shape, const bat_mesh *mesh, double diagonal, int threads,
                                    double **values, bat_error *error)
 {
@@ -224,7 +228,7 @@ bat_status bat_mesh_study_draw(const char *path, const char *title, const bat_me
     {
         MAX = 14
     };
-    // Five times the greatest mean distance: single far vertices would leave one colour for all others.
+    // The colour scale ends at five times the largest mean distance, because single outliers would otherwise compress it.
     const double SCALE = 5;
     bat_mesh_picture_panel panels[MAX + 2] = {{.mesh = coarse, .title = "coarse", .wires = true, .flat = true}};
     char titles[MAX][TITLE_SIZE];

@@ -1,3 +1,7 @@
+/// @file
+/// Style transfer by training (bat_mesh_style_make): Liu et al., "Neural Subdivision" (2020), figures 26 and 27. One network
+/// learns from a smooth shape, one from a sharp one; both subdivide the same cage.
+
 #include "research/studies/mesh_study.h"
 
 #include "base/progress.h"
@@ -8,15 +12,15 @@
 
 enum
 {
-    SHAPE_SIZE = 4000, ///< vertices of shapes of our own making
+    SHAPE_SIZE = 4000, ///< vertices of the built-in shapes
     CAGE_SIZE = 400,
-    MIN_VERTICES = 25, ///< of the coarse meshes that networks learn from
+    MIN_VERTICES = 25, ///< minimum number of vertices of the coarse training meshes
     MAX_VERTICES = 100
 };
 
-static const double BENT = 60 * 3.14159265358979323846 / 180;
+static const double SHARP_ANGLE = 60 * 3.14159265358979323846 / 180;
 
-/// The vector area of a face, times two.
+/// Twice the vector area of a face.
 static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
 {
     const uint32_t *corners = mesh->faces + 3 * face;
@@ -29,7 +33,7 @@ static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
     }
 }
 
-static bool is_bent(const bat_mesh *mesh, size_t face, size_t other)
+static bool is_sharp(const bat_mesh *mesh, size_t face, size_t other)
 {
     double n[3], m[3], product = 0, lengths[2] = {0};
     face_normal(mesh, face, n);
@@ -40,42 +44,42 @@ static bool is_bent(const bat_mesh *mesh, size_t face, size_t other)
         lengths[0] += n[i] * n[i];
         lengths[1] += m[i] * m[i];
     }
-    return product < cos(BENT) * sqrt(lengths[0] * lengths[1]);
+    return product < cos(SHARP_ANGLE) * sqrt(lengths[0] * lengths[1]);
 }
 
-/// The share of inner edges whose faces meet at more than BENT.
-static bat_status measure_bent(const bat_mesh *mesh, double *share, bat_error *error)
+/// The fraction of interior edges with a dihedral angle above SHARP_ANGLE.
+static bat_status measure_sharp_edges(const bat_mesh *mesh, double *share, bat_error *error)
 {
     bat_mesh_connectivity links;
     bat_status status = bat_mesh_connect(mesh, &links, error);
     if (status != BAT_OK)
         return status;
-    size_t edges = 0, bent = 0;
+    size_t edges = 0, sharp = 0;
     for (size_t h = 0; h < 3 * mesh->face_count; h++)
         if (links.twin[h] != BAT_MESH_NONE && h < links.twin[h])
         {
             edges++;
-            bent += is_bent(mesh, h / 3, links.twin[h] / 3);
+            sharp += is_sharp(mesh, h / 3, links.twin[h] / 3);
         }
     bat_mesh_connectivity_free(&links);
-    *share = edges > 0 ? (double)bent / (double)edges : 0;
+    *share = edges > 0 ? (double)sharp / (double)edges : 0;
     return BAT_OK;
 }
 
-/// A copy of a shape, or one of our own making where there is none.
-static bat_status take_shape(const bat_mesh *given, const char *own, size_t vertices, bat_mesh *shape, bat_error *error)
+/// A copy of a shape, or a built-in one for null.
+static bat_status copy_shape(const bat_mesh *given, const char *own, size_t vertices, bat_mesh *shape, bat_error *error)
 {
     return given != NULL ? bat_mesh_copy(given, shape, error) : bat_mesh_shape(own, vertices, 1, shape, error);
 }
 
-/// Learn from a shape and subdivide the cage.
+/// Train on a shape and subdivide the cage.
 static bat_status subdivide(const bat_mesh *shape, const char *name, const bat_mesh *cage,
                             const bat_mesh_study_options *options, bat_progress progress, bat_mesh_train_report *report,
                             bat_mesh *fine, bat_error *error)
 {
     bat_mesh_train_options recipe = mesh_study_recipe(options);
     bat_mesh_model *model = NULL;
-    // As bent as a cage is.
+    // Coarse meshes with angles similar to those of a cage.
     recipe.least_vertices = MIN_VERTICES;
     recipe.most_vertices = MAX_VERTICES;
     recipe.relative = true;
@@ -100,11 +104,11 @@ bat_status bat_mesh_style_make(const bat_mesh *smooth, const bat_mesh *sharp, co
     *style = (bat_mesh_style){0};
     bat_status status = mesh_study_check_training(options, error);
     if (status == BAT_OK)
-        status = take_shape(smooth, "stone", SHAPE_SIZE, &style->smooth, error);
+        status = copy_shape(smooth, "stone", SHAPE_SIZE, &style->smooth, error);
     if (status == BAT_OK)
-        status = take_shape(sharp, "bracket", SHAPE_SIZE, &style->sharp, error);
+        status = copy_shape(sharp, "bracket", SHAPE_SIZE, &style->sharp, error);
     if (status == BAT_OK)
-        status = take_shape(cage, "cage", CAGE_SIZE, &style->cage, error);
+        status = copy_shape(cage, "cage", CAGE_SIZE, &style->cage, error);
     const bat_mesh *const shapes[2] = {&style->smooth, &style->sharp};
     bat_mesh *const fine[2] = {&style->by_smooth, &style->by_sharp};
     static const char *const NAMES[2] = {"smooth", "sharp"};
@@ -114,7 +118,7 @@ bat_status bat_mesh_style_make(const bat_mesh *smooth, const bat_mesh *sharp, co
         status = subdivide(shapes[i], NAMES[i], &style->cage, options, progress_of_part(&part), &style->reports[i], fine[i],
                            error);
         if (status == BAT_OK)
-            status = measure_bent(fine[i], &style->bent[i], error);
+            status = measure_sharp_edges(fine[i], &style->sharp_edges[i], error);
     }
     if (status != BAT_OK)
         bat_mesh_style_free(style);

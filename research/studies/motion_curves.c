@@ -1,3 +1,6 @@
+/// @file
+/// Smooth test curves in manifolds and measurements on them; see motion_curves.h.
+
 #include "research/studies/motion_curves.h"
 
 #include "base/error.h"
@@ -8,7 +11,7 @@
 #include <string.h>
 
 static const double PERIOD = 6.28318530717958647693;
-/// The step of differences in t.
+/// Step of the finite differences in t.
 static const double STEP = 1e-3;
 
 static double inner(const bat_space *space, const double *p, const double *u, const double *v)
@@ -29,7 +32,7 @@ static void normalize(const bat_space *space, const double *p, double *vector)
         vector[i] /= length;
 }
 
-/// A unit vector at the centre towards a random point, orthogonal to the axes before it.
+/// A unit vector at the centre towards a random point, orthogonalized against the previous axes.
 static bat_status make_axis(study_curve *curve, size_t axis, bat_random *random)
 {
     enum
@@ -145,7 +148,7 @@ bat_status study_curve_sample(const study_curve *curve, const double *parameters
     return status;
 }
 
-/// Newton's steps to where the way to the point is orthogonal to the curve.
+/// Newton's method for the parameter at which the geodesic to the point is orthogonal to the curve.
 bat_status study_curve_distance(const study_curve *curve, const double *point, double start, double *distance)
 {
     enum
@@ -185,7 +188,7 @@ bat_status study_curve_error(const study_curve *curve, const bat_hermite_curve *
     return BAT_OK;
 }
 
-/// The samples as the scheme wants them.
+/// The samples in the form that the scheme requires.
 static bat_status sample_setup(const study_curve *curve, const study_setup *setup, bat_hermite_curve *samples,
                                bat_error *error)
 {
@@ -207,7 +210,7 @@ static bat_status sample_setup(const study_curve *curve, const study_setup *setu
     return BAT_OK;
 }
 
-/// Directions of the same points that know nothing of the curve, nor of its times.
+/// Replace the directions by estimates from the points alone, without the curve's times.
 static bat_status forget_tangents(bat_hermite_curve *samples, bat_error *error)
 {
     double *times = samples->times;

@@ -1,3 +1,6 @@
+/// @file
+/// Figures 1 to 4 of Ben-Zion Vardi, Dyn and Sharon on Hermite schemes on manifolds, made anew (bat_hermite_figure_make).
+
 #include "batten/research/motion_study.h"
 
 #include "base/error.h"
@@ -21,21 +24,21 @@ enum
     MAX_SAMPLES = 64
 };
 
-/// How a panel's curve is made.
+/// The scheme of a panel.
 typedef enum figure_scheme
 {
     OURS,
-    TRANSPORT,            ///< given derivatives by the index
-    TRANSPORT_DIRECTIONS, ///< given unit vectors instead
-    AVERAGE               ///< ours between two points, by weight instead of refinement
+    TRANSPORT,            ///< with derivatives with respect to the index
+    TRANSPORT_DIRECTIONS, ///< with unit vectors instead
+    AVERAGE               ///< averages of two points for all weights
 } figure_scheme;
 
-/// The data of a panel: a smooth curve and where it is sampled.
+/// The data of a panel: a smooth curve and its samples.
 typedef struct figure_data
 {
     const char *words;
     study_curve curve;
-    double begin, end; ///< closed curves: a period apart
+    double begin, end; ///< parameter range; a period for closed curves
     bool closed;
     size_t samples;
     size_t levels;
@@ -43,7 +46,7 @@ typedef struct figure_data
 
 // The curves
 
-/// Figure 1: from one tensor to another, `data`, along a geodesic; with a radius, in an arc beside it.
+/// Figure 1: a curve between the two tensors in `data`: a geodesic or, with a radius, an arc beside it.
 static bat_status tensor_form(const study_curve *curve, double t, double *point)
 {
     static const double AWAY[6] = {0, 0.8, 0, 0, 0.6, 0};
@@ -92,7 +95,7 @@ static double parameter_of(const figure_data *data, size_t i, size_t count)
 
 // The panels
 
-/// Room for one more curve of a panel.
+/// Append a curve to a panel.
 static double *add_curve(bat_hermite_panel *panel, const bat_space *space, size_t count, bool closed,
                          bat_curve_layer_role role)
 {
@@ -127,7 +130,7 @@ static bat_status add_copy(const bat_hermite_curve *curve, bat_curve_layer_role 
     return BAT_OK;
 }
 
-/// The samples with the tangents that a scheme is given.
+/// The samples with the tangents for a scheme.
 static bat_status sample(const figure_data *data, figure_scheme scheme, bat_hermite_curve *samples, bat_error *error)
 {
     double parameters[MAX_SAMPLES];
@@ -181,7 +184,7 @@ static bat_status refine(const bat_hermite_curve *samples, figure_scheme scheme,
     return bat_hermite_refine(samples, &how, fine, error);
 }
 
-/// The curves themselves: truth, what was given, what was made.
+/// Add the smooth curve, the samples and the refined curve.
 static bat_status draw_curves(const figure_data *data, const bat_hermite_curve *samples, const bat_hermite_curve *fine,
                               bat_hermite_panel *panel, bat_error *error)
 {
@@ -192,7 +195,7 @@ static bat_status draw_curves(const figure_data *data, const bat_hermite_curve *
     return status == BAT_OK ? add_copy(fine, BAT_CURVE_LAYER_CURVE, panel, error) : status;
 }
 
-/// Figure 4: the corners of a triangle about (0, 1, 0), in turn.
+/// Figure 4: a corner of a triangle about (0, 1, 0).
 static void corner_of(size_t corner, double *direction)
 {
     double angle = PERIOD * ((double)corner / 3 + 0.25);
@@ -208,9 +211,9 @@ static void act(const double *quaternion, const double *direction, double *turne
             matrix[3 * row] * direction[0] + matrix[3 * row + 1] * direction[1] + matrix[3 * row + 2] * direction[2];
 }
 
-/// The ways of the triangle's corners on the sphere.
-static bat_status add_corner_ways(const figure_data *data, const bat_space *sphere, bat_hermite_panel *panel,
-                                  bat_error *error)
+/// Add the paths of the triangle's corners on the sphere.
+static bat_status add_corner_paths(const figure_data *data, const bat_space *sphere, bat_hermite_panel *panel,
+                                   bat_error *error)
 {
     for (size_t corner = 0; corner < 3; corner++)
     {
@@ -230,7 +233,7 @@ static bat_status add_corner_ways(const figure_data *data, const bat_space *sphe
     return BAT_OK;
 }
 
-/// A triangle for every rotation whose index is a multiple of `stride`.
+/// Add a triangle for every rotation whose index is a multiple of `stride`.
 static bat_status add_triangles(const bat_hermite_curve *rotations, size_t stride, const bat_space *sphere,
                                 bat_curve_layer_role role, bat_hermite_panel *panel, bat_error *error)
 {
@@ -252,13 +255,13 @@ static bat_status add_triangles(const bat_hermite_curve *rotations, size_t strid
 static bat_status draw_triangles(const figure_data *data, const bat_space *sphere, const bat_hermite_curve *samples,
                                  const bat_hermite_curve *fine, bat_hermite_panel *panel, bat_error *error)
 {
-    bat_status status = add_corner_ways(data, sphere, panel, error);
+    bat_status status = add_corner_paths(data, sphere, panel, error);
     if (status == BAT_OK)
         status = add_triangles(fine, (size_t)1 << (LEVELS - TRIANGLE_LEVEL), sphere, BAT_CURVE_LAYER_CURVE, panel, error);
     return status == BAT_OK ? add_triangles(samples, 1, sphere, BAT_CURVE_LAYER_CONTROL, panel, error) : status;
 }
 
-/// Add a panel: sample, refine, measure, and keep what is drawn.
+/// Add a panel: sample, refine, measure, and store the curves to draw.
 static bat_status add_panel(bat_hermite_figure *figure, const figure_data *data, figure_scheme scheme, size_t order,
                             bat_error *error)
 {

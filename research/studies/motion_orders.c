@@ -1,3 +1,7 @@
+/// @file
+/// Measured orders of convergence and constants of Hermite schemes on manifolds (bat_hermite_measure_orders): errors e(h) on
+/// smooth curves, orders log2(e(2 h) / e(h)), proximity to Bezier averages, contraction and displacement.
+
 #include "batten/research/motion_study.h"
 
 #include "base/error.h"
@@ -14,16 +18,16 @@ static const double PERIOD = 6.28318530717958647693;
 enum
 {
     SPACES = 9,
-    COARSEST = 16, ///< samples of the coarsest data …
-    HALVINGS = 4,  ///< … and how often the spacing is taken, halved from one to the next
+    COARSEST = 16, ///< number of samples of the coarsest data
+    HALVINGS = 4,  ///< number of spacings, each half the one before
     LEVELS = 3,
-    ORDERS = 5, ///< whose contraction and displacement are measured
+    ORDERS = 5, ///< orders whose contraction and displacement are measured
     TRIALS = 20,
-    DIM = 8, ///< room for a point or tangent of any of the spaces
+    DIM = 8, ///< maximum dimension of points and tangents
     MIN_CAPACITY = 256
 };
 
-/// Where curves are, and what their spaces refer to.
+/// The spaces of the study, with the spaces that they refer to.
 typedef struct study_spaces
 {
     bat_space spaces[SPACES];
@@ -58,7 +62,7 @@ typedef struct study_scheme
     bool estimated;
     bat_hermite_kind kind;
     size_t order;
-    bool smooth; ///< the C2 mask
+    bool smooth; ///< use the C2 mask
     bat_curve_base base;
 } study_scheme;
 
@@ -96,7 +100,8 @@ typedef struct study_table
     size_t capacity;
 } study_table;
 
-/// Add a number; its order is taken from the row before where that has the same name, quantity and twice the spacing.
+/// Append a measurement. Its order is computed from the row before, if that has the same names and quantity and twice the
+/// spacing.
 static bat_status add_row(study_table *table, bat_hermite_measure row, bat_error *error)
 {
     bat_hermite_table *made = &table->made;
@@ -119,7 +124,7 @@ static bat_status add_row(study_table *table, bat_hermite_measure row, bat_error
 
 // Errors and orders
 
-/// The distance of a curve refined from points alone. Point i 2^LEVELS belongs to sample i, or is near it.
+/// The distance of a curve refined from points alone. Point i 2^LEVELS is close to sample i.
 static bat_status points_alone_error(const study_curve *curve, const char *name, size_t count, double *largest,
                                      bat_error *error)
 {
@@ -198,7 +203,7 @@ static void random_direction(const bat_space *space, bat_random *random, const d
         direction[k] /= sqrt(square);
 }
 
-/// Turn a direction by up to the angle whose tangent is `amount`.
+/// Rotate a direction by up to atan(amount).
 static void bend(const bat_space *space, bat_random *random, const double *p, double amount, double *direction)
 {
     double other[DIM];
@@ -210,7 +215,7 @@ static void bend(const bat_space *space, bat_random *random, const double *p, do
         direction[k] /= length;
 }
 
-/// A random geodesic of that length, with its own directions, bent by `amount`.
+/// A random geodesic of a given length, with its directions rotated by up to atan(amount).
 static bat_status random_pair(const bat_space *space, bat_random *random, double length, double amount, study_pair *pair)
 {
     double way[DIM], *p = pair->points, *q = p + space->point_dim;
@@ -230,7 +235,7 @@ static bat_status random_pair(const bat_space *space, bat_random *random, double
     return status;
 }
 
-/// The largest distance of a refined pair's points from the geodesic at their shares of the way.
+/// The largest distance of the points of a refined pair from the geodesic at their parameters.
 static bat_status geodesic_error(const bat_space *space, study_pair *pair, double *largest, bat_error *error)
 {
     bat_hermite_curve coarse = {.space = space, .points = pair->points, .tangents = pair->directions, .count = 2}, fine;
@@ -263,7 +268,7 @@ static bat_status add_geodesics(study_table *table, const bat_space *space, cons
     return status == BAT_OK ? add_row(table, row, error) : status;
 }
 
-/// Lemma 3.7 and theorem 4.3 where the space's coordinates embed it isometrically; R^3 would give 0.
+/// Proximity of lemma 3.7 and theorem 4.3 in isometrically embedded spaces; in R^3 it is 0.
 static bat_status add_proximity(study_table *table, const bat_space *space, const char *name, bool angles, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -292,7 +297,7 @@ static bat_status add_proximity(study_table *table, const bat_space *space, cons
 
 // Contraction and displacement
 
-/// The largest ratios over LEVELS levels from COARSEST samples.
+/// The largest ratios over LEVELS levels, from COARSEST samples.
 static bat_status level_ratios(const study_curve *curve, size_t order, double *contraction, double *displacement,
                                bat_error *error)
 {

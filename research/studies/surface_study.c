@@ -1,3 +1,7 @@
+/// @file
+/// Studies of parameterizations: Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 6. Errors are mean
+/// squared residuals of the least-squares Bezier patch for the parameters of a method, or results of adaptive fits.
+
 #include "batten/research/surface_study.h"
 #include "base/error.h"
 #include "base/hash.h"
@@ -20,7 +24,7 @@ bat_surface_study_options bat_surface_study_defaults(void)
     return (bat_surface_study_options){.clouds = 100, .seed = 1};
 }
 
-/// Seconds of this thread's work, whatever else the machine does.
+/// CPU time of this thread in seconds.
 static double thread_seconds(void)
 {
     struct timespec now;
@@ -38,7 +42,7 @@ static bat_status check_methods(const bat_surface_method *methods, size_t count,
 
 // One cloud
 
-/// A cloud in the unit box, and room for its fits.
+/// A cloud in the unit box, with the workspace of its fits.
 typedef struct study_cloud
 {
     bat_cloud boxed; ///< only its points are owned
@@ -71,7 +75,7 @@ static bat_status study_cloud_make(const bat_cloud *cloud, int degree, study_clo
     return BAT_OK;
 }
 
-/// What the patch with these parameters leaves.
+/// The mean squared residual of the patch for some parameters.
 static bat_status fit_patch(study_cloud *study, const double *parameters, bat_error *error)
 {
     return bezier_fit_make(study->boxed.points, parameters, study->boxed.count, &study->fit, error);
@@ -96,14 +100,14 @@ static bat_status parameterize(const bat_cloud *cloud, const double *boundary, c
     return bat_cloud_parameterize(cloud, boundary, &options, parameters, error);
 }
 
-/// How one method did on one cloud.
+/// The result of a method on a cloud.
 typedef struct outcome
 {
     bool succeeded;
     double mse, floor, seconds;
 } outcome;
 
-/// A failure to parameterize is an outcome, a lack of memory is not.
+/// Whether a failure is a result of the method, and not a lack of memory.
 static bat_status run_method(study_cloud *study, const double *boundary, const bat_surface_method *method, outcome *came,
                              bat_error *error)
 {
@@ -137,7 +141,8 @@ static bat_status run_methods(const bat_cloud *cloud, const double *truth, const
 
 // Many
 
-/// The stream of a cloud: of its number and the seed, so that noise is all that differs between cases that differ in noise.
+/// The random stream of a cloud, from its number and the seed, so that cases that differ only in noise use the same
+/// surfaces.
 static bat_random stream_of(uint64_t seed, size_t number)
 {
     static const char purpose[] = "surface study";
@@ -164,7 +169,7 @@ static bat_status study_number(const bat_surface_case *what, size_t number, uint
     return status;
 }
 
-static void take_means(const outcome *outcomes, size_t clouds, size_t count, bat_surface_score *scores)
+static void compute_means(const outcome *outcomes, size_t clouds, size_t count, bat_surface_score *scores)
 {
     for (size_t m = 0; m < count; m++)
     {
@@ -204,11 +209,11 @@ static bat_status run_clouds(const bat_surface_case *what, const bat_surface_met
     return shared_work_end(&work, error);
 }
 
-/// The methods with the built-in model where they name none.
+/// The methods, with the built-in model where none is named.
 typedef struct ready_methods
 {
     bat_surface_method *methods;
-    bat_surface_model *builtin; ///< null where none is wanted
+    bat_surface_model *builtin; ///< null if not needed
 } ready_methods;
 
 static void ready_free(ready_methods *ready)
@@ -252,7 +257,7 @@ bat_status bat_surface_study_clouds(const bat_surface_case *what, const bat_surf
     if (status == BAT_OK)
         status = run_clouds(what, ready.methods, count, options, outcomes, error);
     if (status == BAT_OK)
-        take_means(outcomes, options->clouds, count, scores);
+        compute_means(outcomes, options->clouds, count, scores);
     free(outcomes);
     ready_free(&ready);
     return status;

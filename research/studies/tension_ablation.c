@@ -1,3 +1,6 @@
+/// @file
+/// Tables 3 and 4 of Ugail and Howard (2026), section 7.8: the published recipe, trained with one change at a time.
+
 #include "research/studies/tension_ablation.h"
 
 #include "base/error.h"
@@ -24,7 +27,7 @@ bat_tension_ablation_options bat_tension_ablation_defaults(void)
     return (bat_tension_ablation_options){.seed = 1, .epochs = 100};
 }
 
-/// The published recipe with one thing changed.
+/// The published recipe with one change.
 static bat_tension_train_options recipe_of(bat_tension_variant variant, const bat_tension_ablation_options *options)
 {
     bat_tension_train_options recipe = bat_tension_train_defaults();
@@ -55,7 +58,7 @@ static bat_status count_weights(bat_tension_embedding embedding, size_t *weights
     return status;
 }
 
-/// What bending is divided by: that of the four-point scheme as printed, on the published validation curves.
+/// Reference of the bending energies: that of the four-point scheme as printed, on the published validation curves.
 static bat_status measure_four_point(double bending[SPACES], int threads, bat_error *error)
 {
     bat_tension_row rows[SPACES];

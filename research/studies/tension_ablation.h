@@ -3,7 +3,10 @@
 
 #include "batten/research/curve_study.h"
 
-/// Train some variants on curves of the caller's; no published figures.
+/// @file
+/// Ablation of the learned tension scheme on any data.
+
+/// Train variants on the given curves, without the published numbers.
 /// @param data as for tension_train_on()
 /// @param rows receives `count` rows
 bat_status tension_ablate_on(const bat_tension_data *data, const bat_tension_variant *variants, size_t count,

@@ -1,3 +1,7 @@
+/// @file
+/// Analysis of the trained network of Ugail and Howard (2026): effective tensions (section 9, eq. 26) and a Lipschitz bound
+/// (remark 4), the product over layers of spectral norms |W|_2, by power iteration.
+
 #include "base/ascending.h"
 #include "batten/research/curve_study.h"
 
@@ -25,7 +29,7 @@ enum
 /// Below this |A - B| the paper calls the effective tension undefined.
 static const double MIN_DIFFERENCE = 1e-6;
 
-/// Section 9, in its text.
+/// Published in the text of section 9.
 static const double PUBLISHED_MEANS[SPACES] = {-0.39, 0.32, -0.82};
 static const double PUBLISHED_DEVIATIONS[SPACES] = {1.99, NAN, NAN};
 
@@ -36,22 +40,22 @@ bat_tension_mechanism_options bat_tension_mechanism_defaults(void)
 
 // Every insertion on the curves of one space
 
-/// The network, and what was seen in one space so far.
-typedef struct walk
+/// The network, and the statistics of one space.
+typedef struct analysis
 {
     const learn_parameters *parameters;
     bat_tension_embedding embedding;
     size_t levels;
     learn_tape tape;
-    double *points[2]; ///< of a polygon and of the next
-    double *angles;    ///< of the insertions on a polygon
+    double *points[2]; ///< points of a polygon and of the refined one
+    double *angles;    ///< angles of the insertions on a polygon
     double *printed, *outward;
-    size_t seen;     ///< insertions
-    size_t defined;  ///< of them have effective tensions
-    double gradient; ///< the longest so far
-} walk;
+    size_t insertions; ///< insertions
+    size_t defined;    ///< insertions with an effective tension
+    double gradient;   ///< length of the longest gradient
+} analysis;
 
-/// A copy of features by which a derivative is wanted.
+/// A copy of the features on the tape, to differentiate with respect to them.
 static learn_array *watched(learn_tape *tape, const learn_array *features)
 {
     learn_array *copy = learn_array_make(tape, features->rows, features->columns, true);
@@ -60,12 +64,12 @@ static learn_array *watched(learn_tape *tape, const learn_array *features)
     return copy;
 }
 
-/// Eq. (26) for edge j and an angle on either side.
-static void note_tension(walk *w, const double *exterior, size_t count, size_t j, double alpha)
+/// The effective tension of eq. (26) for edge j, with either sign of the angle.
+static void note_tension(analysis *w, const double *exterior, size_t count, size_t j, double alpha)
 {
     double outer = (exterior[(j + count - 1) % count] + exterior[(j + 2) % count]) / 8;
     double inner = (exterior[j] + exterior[(j + 1) % count]) / 8;
-    w->seen++;
+    w->insertions++;
     if (fabs(outer - inner) < MIN_DIFFERENCE)
         return;
     w->printed[w->defined] = (alpha - inner) / (outer - inner);
@@ -73,7 +77,7 @@ static void note_tension(walk *w, const double *exterior, size_t count, size_t j
     w->defined++;
 }
 
-static void note_gradient(walk *w, learn_array *features)
+static void note_gradient(analysis *w, learn_array *features)
 {
     const real *gradient = learn_gradient(features);
     for (size_t j = 0; j < features->rows; j++)
@@ -88,15 +92,16 @@ static void note_gradient(walk *w, learn_array *features)
     }
 }
 
-/// Insert a vertex on every edge of a polygon into `fine`, and note what the network does.
-static bat_status look_at_step(walk *w, const geometry_polygon *polygon, double *fine, bat_error *error)
+/// Refine a polygon into `fine`, and accumulate the statistics of the insertions.
+static bat_status analyze_level(analysis *w, const geometry_polygon *polygon, double *fine, bat_error *error)
 {
     learn_tape *tape = &w->tape;
     learn_tape_begin(tape, w->parameters, NULL);
     tape_polygon *given = tape_polygon_given(tape, polygon);
     learn_array *features = watched(tape, tape_polygon_features(tape, given));
     learn_array *angles = tension_predict(tape, features, polygon->surface, w->embedding);
-    // An edge's angle depends on its own features alone: the gradient of the sum has those of all.
+    // The angle of an edge depends only on its own features. The gradient of the sum therefore contains the gradients of all
+    // angles.
     learn_tape_backward(tape, learn_sum(tape, angles), 1);
     bat_status status = learn_tape_status(tape, error);
     if (status != BAT_OK)
@@ -111,24 +116,24 @@ static bat_status look_at_step(walk *w, const geometry_polygon *polygon, double 
     return BAT_OK;
 }
 
-static bat_status look_at_curve(walk *w, const geometry_polygon *control, bat_error *error)
+static bat_status analyze_curve(analysis *w, const geometry_polygon *control, bat_error *error)
 {
     geometry_polygon polygon = *control;
     bat_status status = BAT_OK;
     for (size_t level = 0; level < w->levels && status == BAT_OK; level++)
     {
         double *fine = w->points[level % 2];
-        status = look_at_step(w, &polygon, fine, error);
+        status = analyze_level(w, &polygon, fine, error);
         polygon.points = fine;
         polygon.count *= 2;
     }
     return status;
 }
 
-static bat_status walk_make(const learn_parameters *parameters, bat_tension_embedding embedding,
-                            const bat_tension_mechanism_options *options, walk *w, bat_error *error)
+static bat_status analysis_make(const learn_parameters *parameters, bat_tension_embedding embedding,
+                                const bat_tension_mechanism_options *options, analysis *w, bat_error *error)
 {
-    *w = (walk){.parameters = parameters, .embedding = embedding, .levels = options->levels, .tape = learn_tape_make()};
+    *w = (analysis){.parameters = parameters, .embedding = embedding, .levels = options->levels, .tape = learn_tape_make()};
     size_t finest = (size_t)BAT_TENSION_CONTROL_POINTS << options->levels, insertions = options->curves * finest;
     w->points[0] = memory_array(2 * 3 * finest, sizeof(double));
     w->angles = memory_array(finest, sizeof(double));
@@ -140,7 +145,7 @@ static bat_status walk_make(const learn_parameters *parameters, bat_tension_embe
     return BAT_OK;
 }
 
-static void walk_free(walk *w)
+static void analysis_free(analysis *w)
 {
     learn_tape_free(&w->tape);
     free(w->points[0]);
@@ -150,7 +155,7 @@ static void walk_free(walk *w)
 
 // What becomes of it
 
-/// Of sorted numbers, linear between neighbours.
+/// A quantile of sorted numbers, by linear interpolation.
 static double quantile(const double *sorted, size_t count, double share)
 {
     double place = share * (double)(count - 1);
@@ -165,11 +170,12 @@ static size_t bin_of(double tension)
     return place >= BINS ? BINS - 1 : (size_t)place;
 }
 
-/// Sorts the tensions and cuts them off.
-static bat_status describe(double *tensions, size_t defined, size_t seen, bat_tension_effective *effective, bat_error *error)
+/// Sort the tensions, and clip them for the summary and the histogram.
+static bat_status describe(double *tensions, size_t defined, size_t insertions, bat_tension_effective *effective,
+                           bat_error *error)
 {
     static const double shares[] = {0.05, 0.25, 0.5, 0.75, 0.95};
-    *effective = (bat_tension_effective){.insertions = seen, .undefined = seen - defined};
+    *effective = (bat_tension_effective){.insertions = insertions, .undefined = insertions - defined};
     if (defined == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no insertion has an effective tension");
     qsort(tensions, defined, sizeof *tensions, ascending);
@@ -185,8 +191,8 @@ static bat_status describe(double *tensions, size_t defined, size_t seen, bat_te
     return bat_curve_summarize(tensions, defined, &effective->summary, error);
 }
 
-/// The angle for features of 0.
-static bat_status measure_centre(walk *w, geometry_surface surface, double *centre, bat_error *error)
+/// The angle for zero features.
+static bat_status measure_centre(analysis *w, geometry_surface surface, double *centre, bat_error *error)
 {
     static const real zeros[TENSION_FEATURES];
     learn_tape_begin(&w->tape, w->parameters, NULL);
@@ -198,30 +204,30 @@ static bat_status measure_centre(walk *w, geometry_surface surface, double *cent
     return status;
 }
 
-static bool go_on(bat_progress progress, size_t done, size_t total)
+static bool report_progress(bat_progress progress, size_t done, size_t total)
 {
     return progress.report == NULL || progress.report(progress.context, (double)done / (double)total);
 }
 
-static bat_status look_at_space(walk *w, const bat_tension_set *set, bat_tension_space space,
+static bat_status analyze_space(analysis *w, const bat_tension_set *set, bat_tension_space space,
                                 const bat_tension_mechanism_options *options, bat_tension_mechanism_space *found,
                                 bat_error *error)
 {
     size_t count = options->curves < set->count ? options->curves : set->count;
     bat_status status = BAT_OK;
-    w->seen = w->defined = 0;
+    w->insertions = w->defined = 0;
     w->gradient = 0;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         tension_sample sample = tension_sample_of(set, space, i);
-        if (!go_on(options->progress, (size_t)space * count + i, SPACES * count))
+        if (!report_progress(options->progress, (size_t)space * count + i, SPACES * count))
             return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
-        status = look_at_curve(w, &sample.control, error);
+        status = analyze_curve(w, &sample.control, error);
     }
     if (status == BAT_OK)
-        status = describe(w->printed, w->defined, w->seen, &found->printed, error);
+        status = describe(w->printed, w->defined, w->insertions, &found->printed, error);
     if (status == BAT_OK)
-        status = describe(w->outward, w->defined, w->seen, &found->outward, error);
+        status = describe(w->outward, w->defined, w->insertions, &found->outward, error);
     if (status == BAT_OK)
         status = measure_centre(w, tension_surface(space), &found->centre, error);
     found->largest_gradient = w->gradient;
@@ -230,7 +236,7 @@ static bat_status look_at_space(walk *w, const bat_tension_set *set, bat_tension
     return status;
 }
 
-/// Remark 4, one layer.
+/// The spectral norm of one layer (remark 4).
 static bat_status measure_layer(const learn_parameters *parameters, size_t place, double *norm, bat_error *error)
 {
     const learn_parameter *weight = &parameters->list[place];
@@ -251,7 +257,7 @@ static bat_status measure_layers(const learn_parameters *parameters, bat_tension
 {
     size_t layer = 0;
     report->product = 1;
-    // The embedding is the only matrix that is no layer.
+    // The embedding is the only matrix that is not a layer.
     for (size_t i = embedding == BAT_TENSION_EMBEDDING_LEARNED ? 1 : 0; i < parameters->count; i++)
     {
         if (parameters->list[i].rank != 2)
@@ -264,10 +270,11 @@ static bat_status measure_layers(const learn_parameters *parameters, bat_tension
     return BAT_OK;
 }
 
-static bat_status look(const learn_parameters *parameters, bat_tension_embedding embedding,
-                       const bat_tension_mechanism_options *options, bat_tension_mechanism_report *report, bat_error *error)
+static bat_status analyze(const learn_parameters *parameters, bat_tension_embedding embedding,
+                          const bat_tension_mechanism_options *options, bat_tension_mechanism_report *report,
+                          bat_error *error)
 {
-    walk w;
+    analysis w;
     bat_tension_data data = {0};
     blas_single_begin();
     bat_status status = measure_layers(parameters, embedding, report, error);
@@ -275,10 +282,10 @@ static bat_status look(const learn_parameters *parameters, bat_tension_embedding
         status = bat_tension_data_make(&data, error);
     if (status == BAT_OK)
     {
-        status = walk_make(parameters, embedding, options, &w, error);
+        status = analysis_make(parameters, embedding, options, &w, error);
         for (size_t s = 0; s < SPACES && status == BAT_OK; s++)
-            status = look_at_space(&w, &data.validation[s], (bat_tension_space)s, options, &report->spaces[s], error);
-        walk_free(&w);
+            status = analyze_space(&w, &data.validation[s], (bat_tension_space)s, options, &report->spaces[s], error);
+        analysis_free(&w);
     }
     blas_single_end();
     bat_tension_data_free(&data);
@@ -299,7 +306,7 @@ bat_status bat_tension_mechanism(const char *path, const bat_tension_mechanism_o
     bat_tension_embedding embedding = (bat_tension_embedding)kind;
     if (status != BAT_OK)
         return status;
-    status = look(&parameters, embedding, options, report, error);
+    status = analyze(&parameters, embedding, options, report, error);
     learn_parameters_free(&parameters);
     return status;
 }

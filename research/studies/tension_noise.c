@@ -1,3 +1,6 @@
+/// @file
+/// Table 2 of Ugail and Howard (2026), section 7.7: largest exterior angles after refinement of disturbed control polygons.
+
 #include "batten/research/curve_study.h"
 
 #include "base/error.h"
@@ -47,22 +50,22 @@ static void set_published(const bat_tension_noise_options *options, bat_tension_
 
 // The polygons
 
-/// The plane's validation polygons, and the same disturbed.
+/// The plane validation polygons, with disturbed copies.
 typedef struct noise_state
 {
     bat_space plane;
     bat_tension_data data;
     size_t count;
-    bat_curve *control, *truth, *noisy, *fine; ///< `count` each; the points of the first three are not theirs
-    double *offsets;                           ///< for noise of strength 1, shaped as the polygons
-    double *points;                            ///< of the disturbed polygons
+    bat_curve *control, *truth, *noisy, *fine; ///< `count` each; the first three do not own their points
+    double *offsets;                           ///< displacements for noise of strength 1, in the layout of the polygons
+    double *points;                            ///< points of the disturbed polygons
     bat_curve_fairness_values *fairness;
     double *g1;
     const bat_tension_noise_options *options;
     bat_error *error;
 } noise_state;
 
-/// The greatest distance of a polygon's point from the mean of all.
+/// The radius of a polygon: the largest distance of a point from the mean.
 static double radius_of(const double *points)
 {
     enum

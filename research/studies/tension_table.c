@@ -1,3 +1,7 @@
+/// @file
+/// Tables 1 and 5 of Ugail and Howard (2026): distance, bending energy and exterior angles of refined curves, for built-in
+/// and any other schemes.
+
 #include "batten/research/curve_study.h"
 
 #include "base/error.h"
@@ -14,11 +18,11 @@ static const double GRID_LOW = -0.5, GRID_HIGH = 0.05;
 enum
 {
     GRID_COUNT = 23,
-    /// Methods measured for the built-in rows of one set, the two searches included.
+    /// Number of measurements for the built-in rows of one set, including the two searches.
     BUILT_IN_STEPS = 2 * GRID_COUNT + BAT_TENSION_METHODS,
 };
 
-/// The control polygons and truths of one space, and how often they are refined.
+/// The control polygons and true curves of one space, and the number of levels.
 typedef struct case_set
 {
     const char *name;
@@ -26,7 +30,7 @@ typedef struct case_set
     size_t count, levels;
 } case_set;
 
-/// What is measured on every refined curve, in the order of `numbers`.
+/// The measures of a refined curve, in the order of `numbers`.
 enum
 {
     MEAN_NN,
@@ -36,7 +40,7 @@ enum
     MEASURES
 };
 
-/// One method on one curve of a set: the measures go to numbers[i], numbers[i + set->count], …
+/// Measure one method on one curve of a set. The measures are stored in numbers[i], numbers[i + set->count], …
 static bat_status measure_one(const case_set *set, size_t i, const bat_curve_scheme *scheme, double *numbers,
                               bat_error *error)
 {
@@ -65,7 +69,7 @@ static bat_status measure_one(const case_set *set, size_t i, const bat_curve_sch
     return BAT_OK;
 }
 
-/// One method on all curves of a set: `numbers` receives MEASURES runs of set->count.
+/// Measure one method on all curves of a set. `numbers` receives MEASURES x set->count numbers.
 static bat_status measure_set(const case_set *set, const bat_curve_scheme *scheme, int threads, double *numbers,
                               bat_error *error)
 {
@@ -87,13 +91,13 @@ static bat_status measure_set(const case_set *set, const bat_curve_scheme *schem
     return BAT_OK;
 }
 
-/// Where the computation of a table stands.
+/// State of the computation of a table.
 typedef struct table_state
 {
-    double *numbers; ///< of one method on one set
+    double *numbers; ///< measures of one method on one set
     int threads;
     bat_progress progress;
-    size_t done, total; ///< methods measured
+    size_t done, total; ///< number of measurements
     bat_error *error;
 } table_state;
 
@@ -107,7 +111,7 @@ static bat_status step(table_state *state, const case_set *set, const bat_curve_
     return status;
 }
 
-/// Whether its angles are those of eq. (9).
+/// Whether the scheme's angles are those of eq. (9).
 static bool has_tension(const bat_curve_scheme *scheme)
 {
     return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
@@ -138,7 +142,7 @@ static bat_curve_scheme angle(double tension, bat_curve_angle_sign sign, bool ad
     return scheme;
 }
 
-/// The tension of a grid with the least mean of mean_nn.
+/// The tension of a grid with the smallest mean of mean_nn.
 static bat_status search_tension(table_state *state, const case_set *set, const bat_tension_search_options *options,
                                  double *best)
 {
@@ -170,7 +174,7 @@ static bat_status search_published(table_state *state, const case_set *set, bat_
     return search_tension(state, set, &options, best);
 }
 
-/// The rows to make of each set: those of the caller's methods, or the built-in ones where there are none.
+/// The rows of a set: the caller's methods, or the built-in ones if there are none.
 typedef struct row_maker
 {
     size_t rows;
@@ -179,7 +183,7 @@ typedef struct row_maker
 
 static const row_maker BUILT_IN = {.rows = BAT_TENSION_METHODS};
 
-/// Methods measured for a maker's rows of one set.
+/// Number of measurements for the rows of one set.
 static size_t steps_of(const row_maker *make)
 {
     return make->methods != NULL ? make->rows : BUILT_IN_STEPS;
@@ -217,21 +221,21 @@ static bat_status fill_built_in_rows(table_state *state, const case_set *set, ba
     return fill_method_rows(state, set, methods, BAT_TENSION_METHODS, rows);
 }
 
-/// The paper's figures for one method, by its place among the built-in ones.
+/// The published numbers of a method, by its index among the built-in ones.
 typedef struct published
 {
     size_t method;
     double mean_nn, bending, g1;
 } published;
 
-static void set_published(bat_tension_row *rows, const published *figures, size_t count)
+static void set_published(bat_tension_row *rows, const published *published_numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++)
     {
-        bat_tension_row *row = &rows[figures[i].method];
-        row->published_mean_nn = figures[i].mean_nn;
-        row->published_bending = figures[i].bending;
-        row->published_g1 = figures[i].g1;
+        bat_tension_row *row = &rows[published_numbers[i].method];
+        row->published_mean_nn = published_numbers[i].mean_nn;
+        row->published_bending = published_numbers[i].bending;
+        row->published_g1 = published_numbers[i].g1;
     }
 }
 
@@ -267,7 +271,7 @@ static const published LEARNED1[BAT_TENSION_SPACE_COUNT] = {
     {0, 0.01636, 20.9, 0.237}, {0, 0.04905, 13.8, 0.231}, {0, 0.00435, 17403.9, 0.160}};
 static const published LEARNED5 = {0, 0.00699, 76.0, 0.721};
 
-/// Table 5; what it calls Hausdorff is the mean nearest-neighbour distance.
+/// Table 5. Its column "Hausdorff" contains mean nearest-neighbour distances.
 static const published TABLE5[] = {{0, 0.00414, 129.6, 2.235}, {1, 0.00529, 253.6, 2.906}};
 
 static bat_status state_make(table_state *state, size_t max_curves, size_t steps)
@@ -283,12 +287,12 @@ static bat_status fill_rows(table_state *state, const case_set *set, const row_m
                                  : fill_built_in_rows(state, set, rows);
 }
 
-/// What the paper says of a maker's rows on one set.
-static void set_published_rows(bat_tension_row *rows, const row_maker *make, const published *figures, size_t count,
-                               const published *learned)
+/// Fill in the published numbers of the rows of one set.
+static void set_published_rows(bat_tension_row *rows, const row_maker *make, const published *published_numbers,
+                               size_t count, const published *learned)
 {
     if (make->methods == NULL)
-        set_published(rows, figures, count);
+        set_published(rows, published_numbers, count);
     for (size_t m = 0; m < make->rows && make->methods != NULL; m++)
         if (strcmp(make->methods[m].name, BAT_TENSION_LEARNED_PUBLISHED) == 0)
             set_published(&rows[m], learned, 1);

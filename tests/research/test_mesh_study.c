@@ -221,7 +221,7 @@ static void style_subdivides_one_cage_twice(void **state)
     assert_int_equal(style.by_sharp.face_count, 16 * block.face_count);
     assert_true(style.sharp.vertex_count > 1000);
     for (int i = 0; i < 2; i++)
-        assert_true(style.bent[i] >= 0 && style.bent[i] <= 1);
+        assert_true(style.sharp_edges[i] >= 0 && style.sharp_edges[i] <= 1);
     check_status(bat_mesh_style_draw(file("style.png"), &style, 1, NULL), BAT_OK);
     check_and_drop(file("style.png"));
     bat_mesh_style_free(&style);

@@ -6,15 +6,15 @@
 BAT_C_BEGIN
 
 /// @file
-/// The curves that Ugail and Howard (2026) train and judge their learned subdivision rule on, regenerated from their random
-/// streams: 1,200 closed curves with control polygons (section 6.1), and the ground track of section 8. And sets of curves
-/// to judge rules on that share none with any training.
+/// The curves on which Ugail and Howard (2026) train and evaluate their learned subdivision rule, regenerated from their
+/// random streams: 1,200 closed curves with control polygons (section 6.1), and the ground track of section 8. Further sets
+/// of curves for evaluation, which share no curve with any training.
 
-/// Curves of the data set in each space.
+/// Number of curves of the data set in each space.
 #define BAT_TENSION_CURVES 400
-/// Points of a curve ("truth").
+/// Number of points of a curve ("truth").
 #define BAT_TENSION_TRUTH_POINTS 1000
-/// Points of a control polygon.
+/// Number of points of a control polygon.
 #define BAT_TENSION_CONTROL_POINTS 12
 
 /// The spaces of the data set.
@@ -26,73 +26,74 @@ typedef enum bat_tension_space
     BAT_TENSION_SPACE_COUNT
 } bat_tension_space;
 
-/// Curves of one space with their control polygons: one part of the published split in shuffled order, or a set that
-/// bat_tension_set_make() drew.
+/// Curves of one space with their control polygons: one part of the published split in shuffled order, or a set drawn by
+/// bat_tension_set_make().
 ///
-/// `number` i tells a curve's family. Published (section 6.1):
+/// The family of a curve follows from its `number` i. Published (section 6.1):
 ///
 ///     plane   i mod 4: ellipse; Fourier curve with 3 terms; Fourier curve with 4 terms; superellipse
 ///     sphere  i mod 3: Lissajous; polar Fourier with 2 or 3 terms; perturbed great circle
 ///     disk    i mod 3: Fourier curve with 2 to 4 terms; circle about the origin; offset ellipse
 ///
-/// All are closed. Their coordinates are those of the published arrays, which are single precision; points of the sphere are
-/// brought back to unit length in double precision. Control polygons are 12 of the curve's points, evenly spaced by chord
-/// length. Some Lissajous curves run twice round and so pass through every point twice.
+/// All are closed. Coordinates are those of the published arrays, in single precision; points on the sphere are normalized
+/// in double precision. Control polygons are 12 of the curve's points, evenly spaced by chord length. Some Lissajous curves
+/// pass through every point twice.
 typedef struct bat_tension_set
 {
     size_t count;
     size_t dim;    ///< coordinates of a point: 2, 3 on the sphere
-    size_t *index; ///< count positions in the shuffled part, ascending; the three spaces share one numbering. Drawn: 0, 1, …
+    size_t *index; ///< count positions in the shuffled part, ascending; the three spaces share one numbering. Drawn sets: 0,
+                   ///< 1, …
     size_t *number;  ///< count numbers of the curve among those of its space; published: below BAT_TENSION_CURVES
     double *truth;   ///< count x BAT_TENSION_TRUTH_POINTS x dim
     double *control; ///< count x BAT_TENSION_CONTROL_POINTS x dim
 } bat_tension_set;
 
-/// The data set, split as published: 960 curves to train on and 240 to validate with. 24 of the spherical validation
-/// curves are copies of training curves.
+/// The data set, split as published: 960 training curves and 240 validation curves. 24 of the spherical validation curves
+/// are copies of training curves.
 typedef struct bat_tension_data
 {
     bat_tension_set train[BAT_TENSION_SPACE_COUNT];
     bat_tension_set validation[BAT_TENSION_SPACE_COUNT];
 } bat_tension_data;
 
-/// Generate the data set. Takes about 23 MB and some tenths of a second.
+/// Generate the data set. It takes about 23 MB, and some tenths of a second.
 /// @param data receives the sets; release them with bat_tension_data_free()
 /// @return BAT_OK or BAT_NO_MEMORY; `data` is untouched on failure
 BAT_API bat_status bat_tension_data_make(bat_tension_data *data, bat_error *error);
-/// Free what bat_tension_data_make() allocated and make the data set empty.
+/// Release the data set and make it empty.
 BAT_API void bat_tension_data_free(bat_tension_data *data);
 
-/// Which curves to judge a method on.
+/// Sets of curves for the evaluation of a method.
 typedef enum bat_tension_set_kind
 {
     BAT_TENSION_PUBLISHED, ///< the published validation curves
-    BAT_TENSION_RESAMPLED,     ///< from the families that training draws from, by other random streams
-    BAT_TENSION_UNSEEN     ///< from families that have no member in common with those
+    BAT_TENSION_RESAMPLED, ///< from the training families, by other random streams
+    BAT_TENSION_UNSEEN     ///< from families without a member in common with the training families
 } bat_tension_set_kind;
 
-/// Curves of a test set in each space, as the tables take them.
+/// Number of curves of a test set in each space, for the tables.
 #define BAT_TENSION_TEST_CURVES 300
 /// The seed of the tables' test sets.
 #define BAT_TENSION_TEST_SEED 2026
 
-/// Draw a set of closed curves with control polygons. Families take turns; all their parameters are random and, but for
-/// frequencies and numbers of terms, continuous (docs/tension.md describes them). `number` i means
-///
-///     fresh   plane   i mod 5: ellipse; Fourier curve with 2 or 3 terms; with 4 or 5; superellipse; star-shaped blob
+/// Draw a set of closed curves with control polygons. Families alternate; all their parameters are random and, but for
+/// frequencies and numbers of terms, continuous (docs/tension.md describes them). The family of `number` i is
+///     resampled
+/// ///             plane   i mod 5: ellipse; Fourier curve with 2 or 3 terms; with 4 or 5; superellipse; star-shaped blob
 ///             sphere  i mod 4: Lissajous; polar Fourier; perturbed great circle; circle or spherical ellipse
 ///             disk    i mod 4: Fourier curve; circle; offset ellipse; star-shaped blob
 ///     unseen  plane   i mod 3: Cassini oval; inverted trochoid; polygon with circular fillets
 ///             sphere  i mod 3: ground track of one orbit; spherical trochoid; geodesic polygon with circular fillets
 ///             disk    i mod 2: trochoid; geodesic polygon with circular fillets
 ///
-/// Coordinates are in full double precision. A control polygon is BAT_TENSION_CONTROL_POINTS of the curve's points, evenly
-/// spaced by chord length from a random start. Drawn again are curves with a step between neighbouring points that is longer
-/// than 20 times the mean, control polygons with an edge shorter than 1/50 of their mean, and those with neighbours on the
-/// sphere that are more than 171 degrees apart.
+/// Coordinates have double precision. A control polygon is BAT_TENSION_CONTROL_POINTS of the curve's points, evenly spaced
+/// by chord length from a random start. Curves are drawn again if they have a step between neighbouring points that is
+/// longer than 20 times the mean, a control polygon with an edge shorter than 1/50 of its mean edge, or neighbouring control
+/// points on the sphere more than 171 degrees apart.
 ///
-/// The same arguments give the same curves, up to the last digits of the C library's functions; a smaller count gives the
-/// first of them. No training of the library draws from the same random streams, whatever its seed.
+/// The same arguments give the same curves, up to rounding in the C library; a smaller count gives the first of them. No
+/// training of the library draws from the same random streams, whatever its seed.
 ///
 /// @param kind  BAT_TENSION_RESAMPLED or BAT_TENSION_UNSEEN; bat_tension_data_make() gives the published curves
 /// @param count curves, at least 1; 300 take 5 to 7 MB
@@ -101,18 +102,18 @@ typedef enum bat_tension_set_kind
 /// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY; `set` is untouched on failure
 BAT_API bat_status bat_tension_set_make(bat_tension_space space, bat_tension_set_kind kind, size_t count, uint64_t seed,
                                         bat_tension_set *set, bat_error *error);
-/// Free what bat_tension_set_make() allocated and make the set empty.
+/// Release the set and make it empty.
 BAT_API void bat_tension_set_free(bat_tension_set *set);
 
-/// One truth of a set as a closed curve. The points still belong to the set: do not free the curve.
+/// A true curve of a set. The set keeps the points: do not free the curve.
 /// @param space the set's space, whose point_dim is set->dim
 BAT_API bat_curve bat_tension_truth(const bat_tension_set *set, size_t i, const bat_space *space);
-/// One control polygon of a set as a closed curve. The points still belong to the set: do not free the curve.
+/// A control polygon of a set. The set keeps the points: do not free the curve.
 BAT_API bat_curve bat_tension_control(const bat_tension_set *set, size_t i, const bat_space *space);
 
-/// Points of the ground track, 480 of them of one orbit and 40 of the closing arc.
+/// Number of points of the ground track: 480 of one orbit and 40 of the closing arc.
 #define BAT_ISS_TRACK_POINTS 520
-/// Points of its control polygon.
+/// Number of points of its control polygon.
 #define BAT_ISS_CONTROL_POINTS 16
 
 /// The ground track of the International Space Station over one orbit, closed by a great-circle arc (section 8, eq. 24 and

@@ -6,13 +6,13 @@
 BAT_C_BEGIN
 
 /// @file
-/// Eight control polygons of everyday things, to show plane curve schemes with: the shapes named in Alam, *Study of
-/// Subdivision Curve Schemes* (2025), sections 3.3, 4.3 and 5.3. The study prints no coordinates; these are our own
+/// Eight control polygons of everyday objects, to demonstrate plane curve schemes: the shapes named in Alam, *Study of
+/// Subdivision Curve Schemes* (2025), sections 3.3, 4.3 and 5.3. The study prints no coordinates; these are original
 /// drawings.
 
-/// The most schemes that the study applies to one shape.
+/// Maximum number of schemes that the study applies to a shape.
 #define BAT_SHAPE_MAX_SCHEMES 3
-/// The most outlines of one shape.
+/// Maximum number of outlines of a shape.
 #define BAT_SHAPE_MAX_OUTLINES 5
 
 /// One polygon of a shape, in the plane.
@@ -30,12 +30,12 @@ typedef struct bat_shape_figure
     const char *scheme; ///< as bat_curve_scheme_by_name() takes it
 } bat_shape_figure;
 
-/// A drawing of one or more polygons, two or three units across. Every polygon is simple, and so are the curves that the
-/// figures' schemes make of it.
+/// A drawing of one or more polygons, two or three units across. The polygons are simple, and so are their limit curves
+/// under the schemes of the figures.
 typedef struct bat_curve_shape
 {
     const char *name;    ///< "jar", "mango", "pi", "car", "rabbit", "hand", "U" or "mug"
-    const char *summary; ///< what is drawn, in a few words
+    const char *summary; ///< short description
     const bat_shape_outline *outlines;
     size_t outline_count;
     bat_shape_figure figures[BAT_SHAPE_MAX_SCHEMES];
@@ -44,7 +44,7 @@ typedef struct bat_curve_shape
 
 /// The number of shapes.
 BAT_API size_t bat_curve_shape_count(void);
-/// A shape, `index` from 0 on; null past the last. It is there as long as the program.
+/// A shape, `index` from 0 on; null past the last. It has static storage duration.
 BAT_API const bat_curve_shape *bat_curve_shape_at(size_t index);
 
 /// A copy of one outline as a curve.

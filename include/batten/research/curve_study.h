@@ -9,16 +9,16 @@
 BAT_C_BEGIN
 
 /// @file
-/// Tables 1 and 5 of Ugail and Howard (2026), computed anew for every scheme that needs no learning, with both signs of the
-/// insertion angle, and for any schemes of one's own, learned ones too. Table 1 also on curves that no training has seen.
+/// Tables 1 and 5 of Ugail and Howard (2026), recomputed for every scheme without learned parameters, with both signs of the
+/// insertion angle, and for any other schemes, also learned ones. Table 1 also on curves that no training has used.
 
-/// How to search for a tension. Begin with bat_tension_search_defaults().
+/// Options of the search for a tension. Begin with bat_tension_search_defaults().
 typedef struct bat_tension_search_options
 {
-    bat_curve_scheme scheme; ///< angle-based; all of it stays but the tension; default: outward, not adaptive
-    double low, high;        ///< the tensions tried lie in between, ends included; default -0.5 and 0.05, as published
-    size_t count;            ///< how many, evenly spaced, at least 2; default 23, steps of 0.025
-    size_t levels;           ///< how often the curves are refined; default 5
+    bat_curve_scheme scheme; ///< angle-based scheme whose tension is replaced; default: outward, not adaptive
+    double low, high;        ///< range of tensions, ends included; default -0.5 and 0.05, as published
+    size_t count;            ///< number of equally spaced tensions, at least 2; default 23, steps of 0.025
+    size_t levels;           ///< number of refinement levels; default 5
     int threads;             ///< 0: as many as OpenMP gives; default 0
     bat_progress progress;
 } bat_tension_search_options;
@@ -26,58 +26,57 @@ typedef struct bat_tension_search_options
 /// The options' default values.
 BAT_API bat_tension_search_options bat_tension_search_defaults(void);
 
-/// Search the tension whose refined curves are nearest to their truths: the least mean, over the curves, of the mean
-/// nearest-neighbour distance (the "oracle" of section 7.1). A best tension at an end of the range may mean that a better
-/// one lies outside.
+/// Search the tension that minimizes the mean, over the curves, of the mean nearest-neighbour distance between refined and
+/// true curve (the "oracle" of section 7.1). A minimum at an end of the range may indicate a better tension outside.
 ///
 /// @param coarse,truth `count` curves each, at least 1
 /// @param options      null for the defaults
-/// @param tension      receives the best
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_CANCELLED, BAT_NO_MEMORY or what refining or comparing returned
+/// @param tension      receives the best tension
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_CANCELLED, BAT_NO_MEMORY or the status of refining or comparing
 BAT_API bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *truth, size_t count,
                                       const bat_tension_search_options *options, double *tension, bat_error *error);
 
-/// One row: a method in a space, over a set of curves.
+/// A row of a table: a method in a space, over a set of curves.
 typedef struct bat_tension_row
 {
     const char *space;  ///< "plane", "sphere" or "disk"
     const char *method; ///< "four-point-printed", … see docs/tension.md
     double tension;     ///< mu of an angle-based method of eq. (9), NaN for others
-    double fairness;    ///< how far a learned method was asked to prefer fair curves to near ones; NaN for others
+    double fairness;    ///< fairness setting of a learned method; NaN for others
     bat_curve_summary mean_nn;
     bat_curve_summary hausdorff;
     bat_curve_summary bending;
     bat_curve_summary g1;
-    double published_mean_nn; ///< the paper's figures for this method on these curves; NaN where it has none
+    double published_mean_nn; ///< the published values for this method and these curves; NaN if there are none
     double published_bending;
     double published_g1;
 } bat_tension_row;
 
-/// A method of one's own for the tables.
+/// A method for the tables.
 typedef struct bat_tension_method
 {
-    const char *name; ///< what its rows call it; stays the caller's
-    double fairness;  ///< what its rows say of it; NaN for none
+    const char *name; ///< name in its rows; not copied
+    double fairness;  ///< fairness in its rows; NaN for none
     bat_curve_scheme scheme;
 } bat_tension_method;
 
-/// The built-in methods in each space.
+/// Number of built-in methods in each space.
 #define BAT_TENSION_METHODS 10
-/// The method whose published figures are those of the paper's learned predictor.
+/// The method whose published values are those of the paper's learned predictor.
 #define BAT_TENSION_LEARNED_PUBLISHED "learned-published"
 /// Rows of table 1: every built-in method in the three spaces.
 #define BAT_TENSION_TABLE1_ROWS (3 * BAT_TENSION_METHODS)
 
-/// The levels that all figures are taken at.
+/// The refinement level of all measurements.
 #define BAT_TENSION_LEVELS 5
 
-/// Refine every curve by every built-in method and measure the result against its truth (section 7.1).
+/// Refine every curve by every built-in method and measure the result against the true curve (section 7.1).
 ///
-/// The oracles search the tension from -0.5 to 0.05 in steps of 0.025 for the least mean of mean_nn, as the paper does; the
-/// adaptive heuristics take theirs as mu*.
+/// The oracles search tensions from -0.5 to 0.05 in steps of 0.025 for the minimum of the mean of mean_nn, as in the paper;
+/// the adaptive heuristics use the result as mu*.
 ///
-/// @param curves BAT_TENSION_PUBLISHED: the 240 validation curves; else the BAT_TENSION_TEST_CURVES curves a space that
-///               bat_tension_set_make() draws for BAT_TENSION_TEST_SEED
+/// @param curves BAT_TENSION_PUBLISHED: the 240 validation curves; else BAT_TENSION_TEST_CURVES curves in each space from
+///               bat_tension_set_make() with the seed BAT_TENSION_TEST_SEED
 /// @param rows   receives BAT_TENSION_TABLE1_ROWS rows: plane, sphere, disk
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (no such curves), BAT_CANCELLED or BAT_NO_MEMORY
 BAT_API bat_status bat_tension_table1(bat_tension_set_kind curves, bat_tension_row *rows, int threads, bat_progress progress,
@@ -88,9 +87,9 @@ BAT_API bat_status bat_tension_table1(bat_tension_set_kind curves, bat_tension_r
 /// @param rows receives BAT_TENSION_METHODS rows
 BAT_API bat_status bat_tension_table5(bat_tension_row *rows, int threads, bat_progress progress, bat_error *error);
 
-/// Methods of one's own on the curves of table 1, which are made once for all of them.
+/// Other methods on the curves of table 1, which are generated once for all of them.
 ///
-/// @param methods `count` of them, at least 1; the published figures are filled in for BAT_TENSION_LEARNED_PUBLISHED
+/// @param methods `count` methods, at least 1; published values are filled in for BAT_TENSION_LEARNED_PUBLISHED
 /// @param rows    receives 3 x count rows: all methods in the plane, on the sphere, in the disk
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_CANCELLED, BAT_NO_MEMORY or what refining returned
 BAT_API bat_status bat_tension_table1_methods(bat_tension_set_kind curves, const bat_tension_method *methods, size_t count,
@@ -100,22 +99,22 @@ BAT_API bat_status bat_tension_table1_methods(bat_tension_set_kind curves, const
 BAT_API bat_status bat_tension_table5_methods(const bat_tension_method *methods, size_t count, bat_tension_row *rows,
                                               int threads, bat_progress progress, bat_error *error);
 
-// Table 2 of Ugail and Howard (2026), section 7.7: how the largest exterior angle of a refined curve grows when its control
-// points are disturbed.
+// Table 2 of Ugail and Howard (2026), section 7.7: the largest exterior angle of refined curves with disturbed control
+// points.
 
-/// Strengths of noise in the table.
+/// Number of noise levels in the table.
 #define BAT_TENSION_NOISES 6
-/// Methods that need no learning: four-point, six-point and the adaptive heuristic with either sign.
+/// Number of methods without learned parameters: four-point, six-point and the adaptive heuristic with either sign.
 #define BAT_TENSION_NOISE_METHODS 6
 
-/// How to disturb. Begin with bat_tension_noise_defaults().
+/// Options of the disturbance. Begin with bat_tension_noise_defaults().
 typedef struct bat_tension_noise_options
 {
-    /// Standard deviations of both coordinates of a control point, as shares of its polygon's radius: the greatest distance
-    /// of a control point from the mean of all. At least 0; default 0, 0.03, 0.06, 0.1, 0.15, 0.2, as published.
+    /// Standard deviations of both coordinates of a control point, relative to the radius of its polygon, the largest
+    /// distance of a control point from their mean. At least 0; default 0, 0.03, 0.06, 0.1, 0.15, 0.2, as published.
     double noise[BAT_TENSION_NOISES];
-    size_t levels; ///< default 5: the caption says 4, but the published figures without noise are those of table 1
-    uint64_t seed; ///< of the noise, which is the same for all methods and, but for its size, all strengths; default 1
+    size_t levels; ///< default 5: the caption states 4, but the published values without noise are those of table 1
+    uint64_t seed; ///< seed of the noise, which is the same for all methods and, up to its scale, for all levels; default 1
     int threads;   ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
 } bat_tension_noise_options;
@@ -123,37 +122,35 @@ typedef struct bat_tension_noise_options
 /// The options' default values.
 BAT_API bat_tension_noise_options bat_tension_noise_defaults(void);
 
-/// One method; the arrays go by the strength of the noise.
+/// A row: a method. Arrays are indexed by the noise level.
 typedef struct bat_tension_noise_row
 {
-    const char *method;                             ///< as in tension_table.h
+    const char *method;                             ///< name, as in bat_tension_row
     double tension;                                 ///< mu of a method of eq. (9), NaN for others
     bat_curve_summary g1[BAT_TENSION_NOISES];       ///< over the curves: largest exterior angle
-    double published_g1[BAT_TENSION_NOISES];        ///< the paper's mean; NaN where it has none for this method and noise
-    double published_deviation[BAT_TENSION_NOISES]; ///< the same for its standard deviation
+    double published_g1[BAT_TENSION_NOISES];        ///< the published mean; NaN if there is none
+    double published_deviation[BAT_TENSION_NOISES]; ///< the published standard deviation
 } bat_tension_noise_row;
 
-/// Disturb the plane's validation polygons, refine them by every method that needs no learning, and measure the largest
-/// angles. The heuristic's mu* is that of table 1, found on the undisturbed polygons at BAT_TENSION_LEVELS levels.
+/// Disturb the validation polygons in the plane, refine them by every method without learned parameters, and measure the
+/// largest angles. The heuristic uses mu* of table 1, found on undisturbed polygons at BAT_TENSION_LEVELS levels.
 ///
 /// @param options null for the defaults
 /// @param rows    receives BAT_TENSION_NOISE_METHODS rows
-/// @return BAT_OK; BAT_INVALID_ARGUMENT (noise that is negative or not finite); BAT_CANCELLED, BAT_NO_MEMORY or what
-/// refining
-///         returned
+/// @return BAT_OK; BAT_INVALID_ARGUMENT (noise that is negative or not finite); BAT_CANCELLED, BAT_NO_MEMORY or the status
+///        of refining
 BAT_API bat_status bat_tension_table2(const bat_tension_noise_options *options, bat_tension_noise_row *rows,
                                       bat_error *error);
 
-/// The same polygons by a scheme of one's own.
-/// @param method what the row calls it, which stays the caller's; the published figures are filled in for
-///               BAT_TENSION_LEARNED_PUBLISHED
+/// The same polygons by another scheme.
+/// @param method name in the row, not copied; published values are filled in for BAT_TENSION_LEARNED_PUBLISHED
 BAT_API bat_status bat_tension_table2_method(const char *method, const bat_curve_scheme *scheme,
                                              const bat_tension_noise_options *options, bat_tension_noise_row *row,
                                              bat_error *error);
 
-// Tables 3 and 4 of Ugail and Howard (2026), section 7.8: the published recipe trained anew with one thing changed.
+// Tables 3 and 4 of Ugail and Howard (2026), section 7.8: the published recipe, trained with one change at a time.
 
-/// What a training differs in from the published recipe.
+/// The change to the published recipe.
 typedef enum bat_tension_variant
 {
     BAT_TENSION_FULL,           ///< nothing: "full"
@@ -170,43 +167,43 @@ typedef enum bat_tension_variant
 /// Rows of table 4: full, no-consistency, no-bending, no-smoothness.
 #define BAT_TENSION_TABLE4_ROWS 4
 
-/// How to train the variants. Begin with bat_tension_ablation_defaults().
+/// Options of the trainings. Begin with bat_tension_ablation_defaults().
 typedef struct bat_tension_ablation_options
 {
-    uint64_t seed;   ///< of every training; default 1
-    uint64_t epochs; ///< of every training, at least 1; the learning rate falls to 0 over as many; default 100, as published
-    /// A training's files (bat_tension_train_options) go to the folder's subfolder seed-SEED/VARIANT, and what is there
-    /// already is gone on with: a finished training is not repeated. Both tables may share a folder. Null for no files;
-    /// default null.
+    uint64_t seed; ///< of every training; default 1
+    uint64_t
+        epochs; ///< of every training, at least 1, with cosine decay of the learning rate to 0; default 100, as published
+    /// The files of a training (bat_tension_train_options) are written to the subfolder seed-SEED/VARIANT. Trainings found
+    /// there are resumed; finished ones are not repeated. Both tables may share a folder. Null: no files; default null.
     const char *folder;
     int threads;           ///< as in bat_tension_train_options; default 0
-    bat_progress progress; ///< asked before every batch; when it says stop, the training's checkpoint is written first
+    bat_progress progress; ///< called before every batch; cancelling writes a checkpoint first
 } bat_tension_ablation_options;
 
 /// The options' default values.
 BAT_API bat_tension_ablation_options bat_tension_ablation_defaults(void);
 
-/// What the best weights do to the validation curves of one space: means over the curves.
+/// Scores of the best weights on the validation curves of one space: means over the curves.
 typedef struct bat_tension_ablation_score
 {
     double mean_nn, g1;
-    double bending; ///< over the mean bending of the four-point scheme as printed
+    double bending; ///< relative to the mean bending of the four-point scheme as printed
 } bat_tension_ablation_score;
 
 typedef struct bat_tension_ablation_row
 {
-    const char *variant; ///< its name
-    size_t weights;      ///< of the network
+    const char *variant; ///< name of the variant
+    size_t weights;      ///< number of weights of the network
     bat_tension_train_report report;
     bat_tension_ablation_score scores[BAT_TENSION_SPACE_COUNT];
-    bat_tension_ablation_score published[BAT_TENSION_SPACE_COUNT]; ///< the paper's; NaN where it has none
+    bat_tension_ablation_score published[BAT_TENSION_SPACE_COUNT]; ///< published values; NaN if there are none
 } bat_tension_ablation_row;
 
-/// Train the networks of table 3. With the defaults a training takes minutes.
+/// Train the networks of table 3. A training with the defaults takes minutes.
 ///
 /// @param options null for the defaults
 /// @param rows    receives BAT_TENSION_TABLE3_ROWS rows
-/// @return as bat_tension_train(); BAT_INVALID_ARGUMENT also for a folder that holds trainings of another number of epochs
+/// @return as bat_tension_train(); BAT_INVALID_ARGUMENT also if the folder contains trainings with another number of epochs
 BAT_API bat_status bat_tension_table3(const bat_tension_ablation_options *options, bat_tension_ablation_row *rows,
                                       bat_error *error);
 
@@ -214,68 +211,70 @@ BAT_API bat_status bat_tension_table3(const bat_tension_ablation_options *option
 BAT_API bat_status bat_tension_table4(const bat_tension_ablation_options *options, bat_tension_ablation_row *rows,
                                       bat_error *error);
 
-// What a trained network does: section 9 and remark 4 of Ugail and Howard (2026).
+// Analysis of a trained network: section 9 and remark 4 of Ugail and Howard (2026).
 
-/// Where effective tensions are cut off, as published.
+/// Range to which effective tensions are clipped, as published.
 #define BAT_TENSION_EFFECTIVE_MIN (-3.0)
 #define BAT_TENSION_EFFECTIVE_MAX 1.5
-/// Bins of a histogram between them, each 0.1 wide.
+/// Number of bins of a histogram of this range, each 0.1 wide.
 #define BAT_TENSION_EFFECTIVE_BINS 45
-/// Linear layers of the network.
+/// Number of linear layers of the network.
 #define BAT_TENSION_LAYERS 11
 
-/// Effective tensions in one space. That of an insertion is the mu with which eq. (9) would give the network's angle:
+/// Effective tensions in one space. The effective tension of an insertion is the mu for which eq. (9) gives the network's
+/// angle:
 ///
 ///     (alpha - B) / (A - B),   A = (delta_j-1 + delta_j+2) / 8,   B = (delta_j + delta_j+1) / 8     (eq. 26)
 ///
-/// Where all four angles are alike A = B and every mu gives the same; near that it takes any value.
+/// If all four angles are equal, A = B, and every mu gives the same angle; close to this case the value is arbitrary.
 typedef struct bat_tension_effective
 {
-    size_t insertions;         ///< looked at
-    size_t undefined;          ///< of them with |A - B| < 1e-6, which count nowhere else
-    size_t below, above;       ///< of them cut off to BAT_TENSION_EFFECTIVE_MIN and _GREATEST
-    bat_curve_summary summary; ///< as published, after cutting off
-    double quantiles[5];       ///< 5, 25, 50, 75 and 95 %, without cutting off
-    /// Bin i holds those from LEAST + i / 10 to LEAST + (i + 1) / 10; the first and last also those that were cut off.
+    size_t insertions;         ///< number of insertions
+    size_t undefined;          ///< insertions with |A - B| < 1e-6, excluded from the other members
+    size_t below, above;       ///< insertions clipped to BAT_TENSION_EFFECTIVE_MIN and _MAX
+    bat_curve_summary summary; ///< after clipping, as published
+    double quantiles[5];       ///< 5, 25, 50, 75 and 95 per cent, without clipping
+    /// Bin i counts tensions from MIN + i / 10 to MIN + (i + 1) / 10; the first and the last also count clipped ones.
     size_t histogram[BAT_TENSION_EFFECTIVE_BINS];
 } bat_tension_effective;
 
-/// One space.
+/// The analysis of one space.
 typedef struct bat_tension_mechanism_space
 {
     bat_tension_effective printed; ///< for eq. (9) with its printed sign, as published
-    bat_tension_effective outward; ///< with the other sign, which is right: alpha is replaced by -alpha
-    double published_mean;         ///< the paper's, of `printed`
-    double published_deviation;    ///< NaN where it has none
-    double
-        largest_gradient; ///< greatest length, over these insertions, of the gradient of alpha by the 6 features of eq. (17)
-    double centre;        ///< alpha for features of 0; theorem 2 wants 0
+    bat_tension_effective outward; ///< for eq. (9) with the opposite, correct sign: alpha is replaced by -alpha
+    double published_mean;         ///< published mean of `printed`
+    double published_deviation;    ///< published standard deviation; NaN if there is none
+    double largest_gradient;       ///< maximum norm of the gradient of alpha with respect to the 6 features of eq. (17)
+    double centre;                 ///< alpha for zero features; theorem 2 requires 0
 } bat_tension_mechanism_space;
 
+/// The analysis of a network.
 typedef struct bat_tension_mechanism_report
 {
     bat_tension_mechanism_space spaces[BAT_TENSION_SPACE_COUNT];
-    double layers[BAT_TENSION_LAYERS]; ///< spectral norms of the linear layers' matrices, in the order of the network
-    /// Their product, remark 4's bound. (It passes over what layer norms multiply by, the skips around blocks, GELU's slope
-    /// of up to 1.13 and that of the sigmoid at the end of up to 0.38.)
+    double layers[BAT_TENSION_LAYERS]; ///< spectral norms of the matrices of the linear layers, in the order of the network
+    /// Their product, the bound of remark 4. (It neglects the gains of layer norms, the skip connections, the slope of GELU
+    /// of up to 1.13, and the slope of the final sigmoid of up to 0.38.)
     double product;
 } bat_tension_mechanism_report;
 
-/// How to look. Begin with bat_tension_mechanism_defaults().
+/// Options of the analysis. Begin with bat_tension_mechanism_defaults().
 typedef struct bat_tension_mechanism_options
 {
-    size_t curves; ///< of each space's validation curves, the first; at least 1; default 60, as published
-    size_t levels; ///< whose insertions count, 1 to 10; default 3, with which the published means come out nearest
+    size_t curves; ///< number of validation curves in each space, at least 1; default 60, as published
+    size_t
+        levels; ///< refinement levels whose insertions count, 1 to 10; default 3, which reproduces the published means best
     bat_progress progress;
 } bat_tension_mechanism_options;
 
 /// The options' default values.
 BAT_API bat_tension_mechanism_options bat_tension_mechanism_defaults(void);
 
-/// Refine validation curves by a network and look at every insertion; and estimate the network's Lipschitz constant, by
-/// power iteration on each layer. While it runs, OpenBLAS works on one thread in the whole process.
+/// Refine validation curves by a network and analyze every insertion; estimate the network's Lipschitz constant by power
+/// iteration on each layer. Meanwhile OpenBLAS uses one thread in the whole process.
 ///
-/// @param path    a file of the published recipe, as for bat_curve_model_read(); null for the network that the library holds
+/// @param path    file of the published recipe, as for bat_curve_model_read(); null for the built-in network
 /// @param options null for the defaults
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_BAD_FILE, BAT_FILE_ACCESS, BAT_NO_CONVERGENCE, BAT_CANCELLED or BAT_NO_MEMORY
 BAT_API bat_status bat_tension_mechanism(const char *path, const bat_tension_mechanism_options *options,

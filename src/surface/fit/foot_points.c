@@ -373,11 +373,11 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
 {
     size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
     double operations = (double)points->count * fit_nets_operations(nets, 2);
-    bool complete = true;
-#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : complete) reduction(+ : count)
+    bool ok = true;
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : ok) reduction(+ : count)
     {
         double *scratch = memory_array(scratch_size, sizeof *scratch);
-        complete = scratch != NULL;
+        ok = scratch != NULL;
 #pragma omp for schedule(dynamic, 256)
         for (size_t row = 0; row < points->count; row++)
             if (scratch != NULL)
@@ -385,5 +385,5 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
         free(scratch);
     }
     *moved = count;
-    return complete ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
+    return ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
 }
