@@ -14,16 +14,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/// When a result comes with pictures.
+/// When a result writes pictures.
 typedef enum pictures
 {
     NEVER,
     WITH_FOLDER, ///< when a folder is given
     ALWAYS,
-    TRAINING ///< never, but a folder holds the trainings
+    TRAINING ///< never, but a folder contains trainings
 } pictures;
 
-/// What a result does with meshes that are given to it.
+/// How a result uses given meshes.
 typedef enum meshes
 {
     NO_MESHES,
@@ -31,14 +31,14 @@ typedef enum meshes
     LEARNS      ///< trains on them
 } meshes;
 
-/// What a result does with clouds.
+/// How a result uses clouds.
 typedef enum cloud_use
 {
     NO_CLOUDS,
-    ABLATES, ///< trains two networks, or takes those that are given
-    DRAWS,   ///< makes random ones
-    SCANS,   ///< reads them from a folder
-    MAKES    ///< makes shapes
+    ABLATES, ///< trains two networks, or uses given ones
+    DRAWS,   ///< draws random clouds
+    SCANS,   ///< reads clouds from a folder
+    MAKES    ///< samples built-in shapes
 } cloud_use;
 
 enum
@@ -52,15 +52,15 @@ static const struct
     const char *name;
     int (*run)(const reproduce_job *job);
     pictures drawn;
-    bool learned; ///< whether a network can be given
-    bool seeded;  ///< whether chance has a part in it
-    bool sets;    ///< whether there are other curves than the published ones
+    bool learned; ///< accepts a network
+    bool seeded;  ///< accepts a seed
+    bool sets;    ///< accepts other sets of curves
     const char *summary;
     meshes meshes;
     size_t max_meshes;
     const char *folder; ///< the default one of ALWAYS and TRAINING
     cloud_use clouds;
-    const char *data; ///< the files that SCANS needs
+    const char *data; ///< files required by SCANS
 } RESULTS[] = {
     {.name = "curve-figures",
      .run = reproduce_curve_figures,
@@ -189,7 +189,7 @@ static const option_spec OPTIONS[] = {
      "where pictures go; default: out for curve-figures and hermite-figures, no picture for tension-table1, -iss and "
      "-mechanism. tension-table3 "
      "and "
-     "-table4: where the trainings are kept, and gone on with; default out/tension-ablations. mesh-ablations, mesh-style: "
+     "-table4: folder of the trainings, which are resumed; default out/tension-ablations. mesh-ablations, mesh-style: "
      "the "
      "same, and the picture of the latter; default out/ and their name"},
     {"model", 0, "FILE",
@@ -198,19 +198,20 @@ static const option_spec OPTIONS[] = {
      "batten"},
     {"uninformed", 0, "FILE",
      "surface-ablation: a network that does not know the boundary, beside --model; else it is trained"},
-    {"set", 0, "NAME", "tension-table1: published (default), fresh or unseen curves"},
+    {"set", 0, "NAME", "tension-table1: published (default), resampled or unseen curves"},
     {"seed", 0, "N",
      "tension-table2: of the noise; surface-clouds: of the clouds; tension-table3, -table4, mesh-ablations, mesh-style, "
      "surface-ablation: of the trainings; default 1"},
     {"data", 0, "FOLDER",
      "mesh-table2: all shapes of a folder but those that the networks learned from; surface-nefertiti, -face: where the "
      "clouds are"},
-    {"vertices", 0, "N", "mesh-table2: how many vertices the shapes are decimated to; default 400"},
-    {"epochs", 0, "E", "mesh-ablations, mesh-style: of each training; default 60; surface-ablation: default 10"},
-    {"pairs", 0, "N", "mesh-ablations, mesh-style: coarse meshes made of each shape; default 50"},
+    {"vertices", 0, "N", "mesh-table2: number of vertices of the decimated shapes; default 400"},
+    {"epochs", 0, "E", "epochs of each training; mesh-ablations, mesh-style: default 60; surface-ablation: default 10"},
+    {"pairs", 0, "N", "mesh-ablations, mesh-style: coarse meshes of each shape; default 50"},
     {"clouds", 0, "N", "surface-clouds, surface-ablation: random clouds of each case; default 100"},
-    {"corrections", 0, "N", "surface-nefertiti, -face, -shapes: of parameters after each fit; default 1, as published"},
-    {"points", 0, "LIST", "surface-clouds: points inside of a cloud; default 50,100,200,500,1000,2000,5000"},
+    {"corrections", 0, "N",
+     "surface-nefertiti, -face, -shapes: parameter corrections after each fit; default 1, as published"},
+    {"points", 0, "LIST", "surface-clouds: interior points of a cloud; default 50,100,200,500,1000,2000,5000"},
     {"noise", 0, "LIST", "surface-clouds: standard deviations; default 0,0.005,0.01,0.05"},
     {"degrees", 0, "LIST", "surface-clouds: of surface and fit; default 2,3,4,5: a quarter of an hour in all"},
     {"json", 0, NULL, "print one JSON object"},
@@ -238,7 +239,7 @@ static bool any_given(const arguments *given, const char *const *options)
     return any;
 }
 
-/// Whether meshes and what to do with them were given to a result that takes them; EXIT_DONE when all fits.
+/// Check the arguments about meshes against a result; EXIT_DONE if they are valid.
 static int check_meshes(const arguments *given, size_t index)
 {
     static const char *const FOR_SUBDIVISION[] = {"data", "vertices", NULL}, *const FOR_LEARNING[] = {"epochs", "pairs",
@@ -264,7 +265,7 @@ static int check_meshes(const arguments *given, size_t index)
     return EXIT_DONE;
 }
 
-/// Whether what was given about clouds fits a result; EXIT_DONE when it does.
+/// Check the arguments about clouds against a result; EXIT_DONE if they are valid.
 static int check_clouds(const arguments *given, size_t index)
 {
     static const char *const FOR_CASES[] = {"points", "noise", "degrees", NULL}, *const FOR_MESHES[] = {"vertices", "pairs",
@@ -294,7 +295,7 @@ static int check_clouds(const arguments *given, size_t index)
     return EXIT_DONE;
 }
 
-/// What a result does with the options that were given; EXIT_DONE when all of them fit.
+/// Check all arguments against a result; EXIT_DONE if they are valid.
 static int check_options(const arguments *given, size_t index)
 {
     const char *name = RESULTS[index].name;
@@ -335,7 +336,7 @@ static int put_in_place(reproduce_job *job, int code)
 static int run(const arguments *given, size_t index)
 {
     // In the order of bat_tension_set_kind.
-    static const char *const SETS[] = {"published", "fresh", "unseen", NULL};
+    static const char *const SETS[] = {"published", "resampled", "unseen", NULL};
     long seed, vertices, epochs, pairs, clouds, corrections;
     number_list points = {.count = 0}, noises = points, degrees = points;
     int set, code = check_options(given, index);

@@ -20,20 +20,20 @@ typedef struct reproduce_job
     bat_outputs *files; ///< the pictures, which appear together
     const char *model;  ///< the file of a network; null for none
     uint64_t seed;
-    bat_tension_set_kind curves; ///< which curves table 1 is taken on
+    bat_tension_set_kind curves; ///< set of curves for table 1
     bool json;                   ///< print one JSON object
     const char *const *shapes;   ///< files of meshes, `shape_count` of them
     size_t shape_count;
     const char *data;                    ///< a folder of meshes or clouds; null for none
-    size_t vertices;                     ///< that meshes are decimated to; 0 for the default, as the next two
-    size_t epochs, pairs;                ///< of trainings on meshes, the former also on clouds
-    const char *uninformed;              ///< the file of a network that does not know the boundary; null for none
-    size_t clouds;                       ///< of each case; 0 for the default
-    int corrections;                     ///< of parameters, after each of the adaptive fits
+    size_t vertices;                     ///< vertices of decimated meshes; 0 for the default, also for the next two
+    size_t epochs, pairs;                ///< of trainings on meshes; `epochs` also on clouds
+    const char *uninformed;              ///< file of a network without the boundary-informed layer; null for none
+    size_t clouds;                       ///< number of clouds of each case; 0 for the default
+    int corrections;                     ///< parameter corrections after each fit
     number_list points, noises, degrees; ///< the cases; empty for the default
 } reproduce_job;
 
-/// One result each: print it, write its pictures to the folder where it has any, and return the program's exit code.
+/// Each function prints one result, writes its pictures to the folder if it has any, and returns the exit code.
 int reproduce_curve_figures(const reproduce_job *job);
 int reproduce_tension_table1(const reproduce_job *job);
 int reproduce_tension_table2(const reproduce_job *job);
@@ -52,7 +52,7 @@ int reproduce_surface_nefertiti(const reproduce_job *job);
 int reproduce_surface_face(const reproduce_job *job);
 int reproduce_surface_shapes(const reproduce_job *job);
 
-// What the results share.
+// Common functions of the results.
 
 enum
 {
@@ -74,9 +74,9 @@ int reproduce_draw_frontier(const reproduce_job *job, const bat_tension_row *row
 
 /// Read the model that --model names, or take the published one. Returns the program's exit code.
 int reproduce_model(const reproduce_job *job, bat_curve_model **model);
-/// A figure and, where there is a published one, its ratio to that in brackets.
+/// Format a number, followed by its ratio to the published one in brackets if there is one.
 void reproduce_print_figure(double ours, double published, int width);
-/// Add a number to an object if there is one: not for NaN.
+/// Add a number to an object unless it is NaN.
 void reproduce_set_number(json_t *object, const char *key, double value);
 /// "folder/file" in a buffer. Returns the program's exit code.
 int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE]);

@@ -33,10 +33,10 @@ typedef struct figure
     bat_curve curves[PANELS][MAX_OUTLINES];
     char name[NAME_SIZE]; ///< of its files, without folder and ending
     size_t vertices, points;
-    double seconds;          ///< to refine by the last level
-    double chord;            ///< greatest distance of the last level from the edges of the middle one
-    double middle_off_limit; ///< greatest distance of a vertex of the middle level from its limit
-    double last_off_limit;   ///< the same of the last level
+    double seconds;          ///< time to refine to the last level
+    double chord;            ///< largest distance of the last level from the edges of the middle one
+    double middle_off_limit; ///< largest distance of a vertex of the middle level from its limit
+    double last_off_limit;   ///< the same for the last level
 } figure;
 
 static double now(void)
@@ -66,7 +66,7 @@ static bat_status refine_outlines(figure *f, const bat_space *plane, size_t pane
     return status;
 }
 
-/// The distances of outline `o`, into those of the figure where they are greater.
+/// Update the largest distances of the figure by those of outline `o`.
 static bat_status measure_outline(figure *f, size_t o, const bat_mask_stencil *stencil, bat_error *error)
 {
     const bat_curve *middle = &f->curves[MIDDLE][o], *last = &f->curves[LAST][o];

@@ -17,7 +17,7 @@ enum
     CHARTS = 2 * SPACES
 };
 
-/// The figures of one space: the learned scheme's from near to fair, and the others'.
+/// The metrics of one space: of the learned scheme for all fairness settings, and of the others.
 typedef struct frontier
 {
     double learned_x[MAX_POINTS], learned_y[MAX_POINTS], other_x[MAX_POINTS], other_y[MAX_POINTS];
@@ -32,7 +32,7 @@ static double roughness(const bat_tension_row *row, bool bending)
     return bending ? row->bending.median : row->g1.mean;
 }
 
-/// The rows that insert on the printed side lie far off, and are left out.
+/// Rows with the printed sign of the insertion angle are omitted, because their distances are much larger.
 static bool is_shown(const bat_tension_row *row)
 {
     return strstr(row->method, "printed") == NULL;

@@ -153,7 +153,7 @@ static int print_json(const bat_hermite_table *table)
     return report_json(json_pack("{s:o}", "rows", rows));
 }
 
-/// The number of rows that belong together from row `first` on.
+/// The number of rows in the group that begins at row `first`.
 static size_t group_size(const bat_hermite_table *table, size_t first)
 {
     size_t end = first + 1;
@@ -162,7 +162,7 @@ static size_t group_size(const bat_hermite_table *table, size_t first)
     return end - first;
 }
 
-/// A group in one line: values under halving, and the last order.
+/// Print a group in one line: values for halved spacings, and the last order.
 static void print_group(const bat_hermite_measure *rows, size_t count)
 {
     (void)printf("%-15s %-37s", rows->space, rows->scheme);

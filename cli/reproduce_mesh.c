@@ -21,7 +21,7 @@ enum
     MAX_SHAPES = 1024
 };
 
-/// The method that others are divided by.
+/// The reference method of the ratios.
 static const size_t BUTTERFLY = 1;
 
 // Table 2 as printed
@@ -43,7 +43,7 @@ enum
 
 // The shapes
 
-/// Files to take shapes from; all owned.
+/// Files of shapes; all owned.
 typedef struct file_list
 {
     char *paths[MAX_SHAPES];
@@ -56,7 +56,7 @@ static void file_list_free(file_list *files)
         free(files->paths[i]);
 }
 
-/// A file's name without folders and ending.
+/// The name of a file without folders and extension.
 static void shape_name(const char *path, char name[NAME_SIZE])
 {
     const char *slash = strrchr(path, '/');
@@ -66,8 +66,7 @@ static void shape_name(const char *path, char name[NAME_SIZE])
         *dot = '\0';
 }
 
-/// Whether a file of a folder is a shape to test on: not one that the built-in networks learned from, nor one that is coarse
-/// already.
+/// Whether a file in a folder is a test shape: not a training shape of the built-in networks, and not coarse.
 static bool is_test_shape(const char *file)
 {
     static const char *const LEARNED_FROM[] = {"bob", "spot"};
@@ -84,7 +83,7 @@ static int compare_paths(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/// Add "folder/file", or the file alone where the folder is null. Returns the program's exit code.
+/// Add "folder/file", or the file alone if the folder is null. Returns the exit code.
 static int add_file(file_list *files, const char *folder, const char *file)
 {
     char path[PATH_SIZE];
@@ -145,7 +144,7 @@ int reproduce_read_shape(const char *path, bat_mesh *mesh)
 
 // The table
 
-/// What a table is made with and goes to.
+/// State of a table.
 typedef struct table
 {
     const reproduce_job *job;
@@ -205,7 +204,7 @@ static int add_rows(const table *t, const char *name, const bat_mesh *shape, con
     return EXIT_DONE;
 }
 
-/// The picture of a shape: coarse, butterfly and what is learned, original.
+/// Draw a shape: coarse, butterfly and learned subdivision, original.
 static int draw(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse, const bat_mesh *fine,
                 const bat_mesh_score *scores)
 {
@@ -257,10 +256,10 @@ static int read_and_measure(table *t, const char *path)
     bat_mesh shape = {0};
     shape_name(path, name);
     int code = reproduce_read_shape(path, &shape);
-    if (code == EXIT_DONE && shape.vertex_count < LEAST_VERTICES)
+    if (code == EXIT_DONE && shape.vertex_count < MIN_VERTICES)
     {
         (void)fprintf(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
-                      LEAST_VERTICES);
+                      MIN_VERTICES);
         if (t->job->json && json_array_append_new(t->left_out, json_string(name)) != 0)
             code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     }
@@ -270,7 +269,7 @@ static int read_and_measure(table *t, const char *path)
     return code;
 }
 
-/// Means of the ratios to butterfly, ours and those of the published table.
+/// Print the mean ratios to butterfly, computed and published.
 static void print_ratios(const table *t)
 {
     double published[2][3] = {{0}};
@@ -315,7 +314,7 @@ static int print_table(table *t, const file_list *files)
     return code;
 }
 
-/// Compare a learned subdivision too: that of a file, or the built-in one where the path is null.
+/// Add a learned subdivision: from a file, or the built-in one for a null path.
 static int add_learned(table *t, const char *name, const char *path, bat_mesh_model **model)
 {
     bat_error error;

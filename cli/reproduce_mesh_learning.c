@@ -21,7 +21,7 @@ static bat_mesh_study_options options_of(const reproduce_job *job)
     return options;
 }
 
-/// The shapes that were given; free them with free_shapes(). Returns the program's exit code.
+/// Read the given shapes; release them with free_shapes(). Returns the exit code.
 static int read_shapes(const reproduce_job *job, bat_mesh **shapes)
 {
     *shapes = calloc(job->shape_count + 1, sizeof **shapes);
@@ -48,7 +48,7 @@ static json_t *numbers_json(const double *numbers, size_t count)
     return array;
 }
 
-// What the network's parts do
+// Ablation of the network
 
 static json_t *score_json(const bat_mesh_score *score)
 {
@@ -81,13 +81,13 @@ static int print_ablations(const reproduce_job *job, const bat_mesh_study_option
                            const bat_mesh_ablation_row *rows)
 {
     (void)printf(
-        "Networks without one part each: %llu epochs on %zu meshes of each shape, seed %llu, kept in %s.\n"
-        "Kept: root mean square errors at levels 0, 1, 2 on decimations of the training shapes, of the longest side 1 "
+        "Networks without one part each: %llu epochs on %zu meshes of each shape, seed %llu, stored in %s.\n"
+        "Validation: root mean square errors at levels 0, 1, 2 on decimations of the training shapes, of the longest side 1 "
         "(chamfer: of that\ndistance). Test: mean distance of a vertex from its target at levels 1, 2, on decimations of "
         "the test shape; then mean surface and\nHausdorff distance of that shape, decimated to %zu vertices, and of the "
         "same turned by a radian: all in %% of the diagonal.\n\n%-15s %9s %9s %9s  %8s %8s  %8s %8s  %8s %8s\n",
         (unsigned long long)options->epochs, options->pairs, (unsigned long long)job->seed, job->folder, options->vertices,
-        "variant", "kept 0", "kept 1", "kept 2", "test 1", "test 2", "mean", "H", "turned", "H");
+        "variant", "valid. 0", "valid. 1", "valid. 2", "test 1", "test 2", "mean", "H", "turned", "H");
     for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
     {
         const bat_mesh_ablation_row *row = &rows[i];
@@ -117,7 +117,7 @@ int reproduce_mesh_ablations(const reproduce_job *job)
     {
         size_t count = job->shape_count;
         options.progress = report_progress("training");
-        // A single shape is tested on, too.
+        // A single shape is also the test shape.
         bat_status status = bat_mesh_ablate(count > 0 ? shapes : NULL, count > 1 ? count - 1 : count,
                                             count > 0 ? &shapes[count - 1] : NULL, &options, rows, &error);
         report_progress_end();
@@ -140,15 +140,17 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
     if (!job->json)
         (void)printf("A cage of %zu vertices, subdivided by networks that learned from a smooth and from a sharp shape; "
                      "picture: %s\n\n%-8s %9s %14s %28s\n",
-                     style->cage.vertex_count, picture, "teacher", "vertices", "kept error 2", "edges bent over 60 degrees");
+                     style->cage.vertex_count, picture, "teacher", "vertices", "validation 2", "edges above 60 degrees");
     for (size_t i = 0; i < 2; i++)
     {
-        double kept = style->reports[i].errors[BAT_MESH_TRAIN_LEVELS];
+        double validation = style->reports[i].errors[BAT_MESH_TRAIN_LEVELS];
         if (!job->json)
-            (void)printf("%-8s %9zu %14.6f %26.2f %%\n", NAMES[i], shapes[i]->vertex_count, kept, 100 * style->sharp_edges[i]);
+            (void)printf("%-8s %9zu %14.6f %26.2f %%\n", NAMES[i], shapes[i]->vertex_count, validation,
+                         100 * style->sharp_edges[i]);
         (void)json_array_append_new(rows, json_pack("{s:s, s:I, s:o, s:o}", "teacher", NAMES[i], "vertices",
-                                                    (json_int_t)shapes[i]->vertex_count, "kept_error", report_number(kept),
-                                                    "bent_edges", report_number(style->sharp_edges[i])));
+                                                    (json_int_t)shapes[i]->vertex_count, "validation_error",
+                                                    report_number(validation), "bent_edges",
+                                                    report_number(style->sharp_edges[i])));
     }
     if (job->json)
         return report_json(json_pack("{s:s, s:o}", "picture", picture, "rows", rows));

@@ -13,7 +13,7 @@ enum
     DEFAULT_EPOCHS = 10
 };
 
-/// The two networks, and the errors that the paper has of them.
+/// The two networks, with their published errors.
 static const struct
 {
     const char *name, *folder;
@@ -48,7 +48,7 @@ static int train_network(const reproduce_job *job, size_t which, char path[REPRO
     return status == BAT_OK ? EXIT_DONE : report_failure(folder, &error);
 }
 
-/// Read what is given, or train.
+/// Read the given networks, or train them.
 static int get_network(const reproduce_job *job, size_t which, bat_surface_model **model)
 {
     bat_error error;

@@ -32,7 +32,7 @@ static json_t *score_json(const bat_surface_case *what, const char *method, cons
                      (json_int_t)score->succeeded);
 }
 
-/// The methods of the figures, then ours.
+/// The methods of the figures, followed by additional ones.
 static const bat_surface_method METHODS[] = {
     {"uniform", BAT_SURFACE_PARAMETERS_UNIFORM, true, NULL, false},
     {"inverse-distance", BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE, true, NULL, false},
@@ -46,17 +46,17 @@ static const bat_surface_method METHODS[] = {
 enum
 {
     METHOD_COUNT = sizeof METHODS / sizeof METHODS[0],
-    SHAPE_PRESERVING = 2, ///< in METHODS
+    SHAPE_PRESERVING = 2, ///< index in METHODS
     LEARNED = 3
 };
 
-/// The table under way.
+/// State of the table.
 typedef struct table
 {
     const reproduce_job *job;
     bat_surface_study_options options;
     bat_surface_method methods[METHOD_COUNT];
-    json_t *rows; ///< null where text is printed
+    json_t *rows; ///< null for text output
 } table;
 
 static void print_head(const table *t, double degree, double noise)
@@ -67,7 +67,8 @@ static void print_head(const table *t, double degree, double noise)
                  "succeeded");
 }
 
-/// A ratio says something where both excesses are positive: parameters that follow the noise leave less than the true ones.
+/// The ratio is meaningful only if both excesses are positive: parameters that fit the noise leave smaller errors than the
+/// true ones.
 static void print_score(const bat_surface_score *score, const bat_surface_score *reference)
 {
     char ratio[16] = "";

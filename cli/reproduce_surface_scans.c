@@ -14,7 +14,7 @@ enum
     FITTED = 4 ///< methods whose adaptive fits are compared
 };
 
-/// Those of the figures.
+/// The methods of the figures.
 static const bat_surface_method METHODS[] = {
     {"uniform", BAT_SURFACE_PARAMETERS_UNIFORM, true, NULL, false},
     {"inverse-distance", BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE, true, NULL, false},
@@ -26,12 +26,12 @@ static const bat_surface_method METHODS[] = {
 enum
 {
     METHOD_COUNT = sizeof METHODS / sizeof METHODS[0],
-    SHAPE_PRESERVING = 2, ///< in METHODS
+    SHAPE_PRESERVING = 2, ///< index in METHODS
     STRETCH_MINIMIZING = 4,
     LEARNED = 5
 };
 
-/// A study of scans: what it prints to, and with which network.
+/// A study of scans: its output and its network.
 typedef struct scan_study
 {
     const reproduce_job *job;
@@ -120,10 +120,10 @@ static int study_scan(const scan_study *study, const char *file)
 
 // Adaptive fits
 
-/// A fit of the paper, with what it says of it: mean squared errors in the file's units, 0 where it has none.
+/// A fit of the paper with the published mean squared errors in the file's units; 0 if there are none.
 typedef struct published_fit
 {
-    const char *name; ///< of the picture too
+    const char *name; ///< also the name of the picture
     int degree[2];
     size_t functions;
     double shape_preserving, learned;

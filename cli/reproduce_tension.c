@@ -9,13 +9,13 @@
 #include <math.h>
 #include <stdio.h>
 
-/// The settings at which the library's own learned scheme is shown.
+/// The fairness settings of the library's learned scheme in the table.
 static const double FAIRNESS[] = {0, 0.25, 0.5, 0.75, 1};
 
 enum
 {
     FAIRNESS_COUNT = sizeof FAIRNESS / sizeof *FAIRNESS,
-    OWN = 1 + FAIRNESS_COUNT ///< methods beside the built-in ones
+    OWN = 1 + FAIRNESS_COUNT ///< number of methods besides the built-in ones
 };
 
 static void print_row(const bat_tension_row *row)
@@ -71,10 +71,10 @@ static int print_rows(const bat_tension_row *rows, size_t count, const char *tit
     return EXIT_DONE;
 }
 
-/// The networks to compare: the published one of the library, and its own, unless the user gives another of the kind.
+/// The networks to compare: the published one and the library's own; the user may replace one of the same kind.
 typedef struct networks
 {
-    bat_curve_model *published, *own; ///< `own` null: the shipped weights
+    bat_curve_model *published, *own; ///< `own` null: the built-in weights
 } networks;
 
 static void networks_free(networks *n)
@@ -113,7 +113,7 @@ static void own_methods(const networks *n, bat_tension_method methods[OWN])
     }
 }
 
-/// The rows of table 1: in each space the built-in methods, then the others.
+/// The rows of table 1: for each space the built-in methods, then the others.
 static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_method methods[OWN], bat_tension_row *rows,
                               bat_error *error)
 {
@@ -135,7 +135,8 @@ static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_met
 
 static const char *const TABLE1_TITLES[] = {
     [BAT_TENSION_PUBLISHED] = "Table 1 of Ugail and Howard (2026): the published validation curves, five levels.",
-    [BAT_TENSION_RESAMPLED] = "Table 1 of Ugail and Howard (2026) on fresh curves of the trained families, five levels.",
+    [BAT_TENSION_RESAMPLED] =
+        "Table 1 of Ugail and Howard (2026) on resampled curves of the training families, five levels.",
     [BAT_TENSION_UNSEEN] = "Table 1 of Ugail and Howard (2026) on curves of unseen families, five levels.",
 };
 

@@ -44,7 +44,7 @@ static int print_json(const reproduce_job *job, const bat_tension_ablation_row *
 
 static int print_text(const reproduce_job *job, const ablation *table, const bat_tension_ablation_row *rows)
 {
-    (void)printf("%s of Ugail and Howard (2026): 100 epochs each, seed %llu, kept in %s. Validation curves, five learned\n"
+    (void)printf("%s of Ugail and Howard (2026): 100 epochs each, seed %llu, stored in %s. Validation curves, five learned\n"
                  "levels, best weights. In brackets: ours divided by the published figure.\n\n%-7s %-15s %8s %5s %18s %17s "
                  "%17s\n",
                  table->title, (unsigned long long)job->seed, job->folder, "space", "variant", "weights", "epoch",

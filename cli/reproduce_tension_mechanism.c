@@ -21,7 +21,7 @@ static const double PUBLISHED_PRODUCT = 2.8;
 
 // The histograms
 
-/// Shares of the insertions, bin by bin.
+/// Fraction of the insertions in each bin.
 static void fill_bars(const bat_tension_effective *effective, double *x, double *y)
 {
     const double width = (BAT_TENSION_EFFECTIVE_MAX - BAT_TENSION_EFFECTIVE_MIN) / BINS;
@@ -142,7 +142,7 @@ static int print_text(const bat_tension_mechanism_report *report, const bat_tens
 {
     (void)printf(
         "Section 9 of Ugail and Howard (2026): the effective tension (eq. 26) of every insertion on %zu validation curves a "
-        "space,\n%zu levels. Mean and deviation after cutting off to -3 ... 1.5, as published; quantiles without.\n\n",
+        "space,\n%zu levels. Mean and deviation after clipping to -3 ... 1.5, as published; quantiles without.\n\n",
         options->curves, options->levels);
     (void)printf("%-7s %-8s %10s %9s %8s %8s  %6s %6s  %7s %7s %7s %7s %7s\n", "space", "sign", "insertions", "undefined",
                  "below -3", "over 1.5", "mean", "dev.", "5 %", "25 %", "50 %", "75 %", "95 %");

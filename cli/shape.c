@@ -62,12 +62,12 @@ static bool is_mesh_kind(const char *name)
     return false;
 }
 
-/// What is wrong with the command line; null for nothing.
+/// The fault of the command line; null for none.
 static const char *find_fault(const shape_job *job)
 {
     bool piped = is_standard_output(job->output);
     if (!job->is_cloud && !is_mesh_kind(job->kind))
-        return "there is no shape of that kind; `batten list shapes` names them";
+        return "unknown kind of shape; `batten list shapes` names the kinds";
     if (job->output == NULL && job->picture == NULL && job->quiet)
         return "there is no output: give -o OUT or --picture FILE";
     if (job->json && job->quiet)
@@ -75,7 +75,7 @@ static const char *find_fault(const shape_job *job)
     return job->json && piped ? "--json and -o - both need standard output" : NULL;
 }
 
-/// False after a message.
+/// Returns false after an error message.
 static bool read_job(const arguments *given, shape_job *job)
 {
     long vertices, seed;

@@ -167,7 +167,7 @@ refused 1 'good.in.csv: ' curve good.in.csv --scheme learned --model good.in.csv
 refused 1 'none.in: cannot open' curve good.in.csv --scheme learned --model none.in -o out.csv
 refused 1 'none.in: cannot open' reproduce tension-iss --model none.in
 refused 2 'no row' reproduce curve-figures --model good.in.csv
-refused 2 'no other curves' reproduce tension-iss --set fresh
+refused 2 'no other curves' reproduce tension-iss --set resampled
 refused 2 'no other curves' reproduce curve-figures --set published
 refused 2 'one of published' reproduce tension-table1 --set stale
 refused 2 'exclude' curve good.in.csv --closed --open
@@ -213,7 +213,7 @@ refused 2 'no pictures' reproduce tension-table2 -o folder
 refused 2 'no pictures' reproduce hermite-order -o folder
 refused 2 'no row' reproduce hermite-order --model good.in.csv
 refused 2 'no chance' reproduce hermite-figures --seed 2
-refused 2 'no other curves' reproduce hermite-figures --set fresh
+refused 2 'no other curves' reproduce hermite-figures --set resampled
 refused 1 'folder' reproduce hermite-figures -o good.in.csv/folder
 refused 2 'no row' reproduce tension-table3 --model good.in.csv
 refused 2 'no chance' reproduce tension-iss --seed 2
@@ -295,7 +295,7 @@ refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned 
 
 refused 2 'missing' shape
 refused 2 '--to is for meshes' shape hull -o out.csv --to obj
-refused 2 'no shape of that kind' shape unicorn -o out.csv --to obj
+refused 2 'unknown kind of shape' shape unicorn -o out.csv --to obj
 refused 2 '--vertices takes a whole number from 200' shape stone -o out.csv --to obj --vertices 100
 refused 2 'whole number' shape stone -o out.csv --to obj --seed -1
 refused 2 'there is no output' shape stone --quiet

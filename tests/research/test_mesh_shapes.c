@@ -211,7 +211,7 @@ static void test_refusals(void **state)
     bat_mesh mesh = {.vertex_count = 77};
     bat_error error;
     assert_int_equal(bat_mesh_shape("unicorn", 1000, 1, &mesh, &error), BAT_INVALID_ARGUMENT);
-    assert_string_equal(error.text, "no kind of shape is named unicorn");
+    assert_string_equal(error.text, "unknown shape 'unicorn'");
     assert_int_equal(bat_mesh_shape("stone", 199, 1, &mesh, NULL), BAT_INVALID_ARGUMENT);
     assert_int_equal(bat_mesh_shape("stone", 1000001, 1, &mesh, NULL), BAT_INVALID_ARGUMENT);
     assert_int_equal(mesh.vertex_count, 77);
