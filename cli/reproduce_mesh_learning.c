@@ -149,7 +149,7 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
                          100 * style->sharp_edges[i]);
         (void)json_array_append_new(rows, json_pack("{s:s, s:I, s:o, s:o}", "teacher", NAMES[i], "vertices",
                                                     (json_int_t)shapes[i]->vertex_count, "validation_error",
-                                                    report_number(validation), "bent_edges",
+                                                    report_number(validation), "sharp_edges",
                                                     report_number(style->sharp_edges[i])));
     }
     if (job->json)

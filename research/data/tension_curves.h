@@ -14,8 +14,8 @@
 /// by all curves and must have generated all curves before this one.
 void tension_curve(bat_tension_space space, size_t number, mersenne *stream, double *points);
 
-/// Whether control point `control` of curve `number` is, in the published arrays, the vertex after the one of arc_samples(),
-/// which is at its fraction of the length up to ARC_SAMPLES_TOLERANCE.
+/// Whether the published arrays contain, as control point `control` of curve `number`, the vertex after the one of
+/// arc_samples(). The latter is at its fraction of the length up to ARC_SAMPLES_TOLERANCE.
 bool tension_tie_takes_next(bat_tension_space space, size_t number, size_t control);
 
 #endif

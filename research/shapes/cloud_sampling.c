@@ -194,8 +194,8 @@ static double sum_at_place(const double *sums, double place)
     return sums[cell] + (place * CELLS - (double)cell) * (sums[cell + 1] - sums[cell]);
 }
 
-/// The spacing h of n points: area / h^2 points fill the surface, and the boundary of length L replaces half a spacing along
-/// its length by L / h own points. Solves n h^2 - (L / 2) h - area = 0.
+/// The spacing h of n points. area / h^2 points fill the surface. The boundary of length L replaces the points of half a
+/// spacing along it by L / h points. Solves n h^2 - (L / 2) h - area = 0.
 static double pattern_distance(const measured_surface *measured, size_t points)
 {
     double area = measured->area[CELLS], half_perimeter = 0;

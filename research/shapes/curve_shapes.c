@@ -1,3 +1,6 @@
+/// @file
+/// Control polygons of everyday objects (bat_curve_shape_at), as tables of coordinates.
+
 #include "batten/research/curve_shapes.h"
 
 #include "base/error.h"

@@ -33,8 +33,8 @@ typedef struct cut
     double teeth[3]; ///< teeth: half the angle of a tooth at the radius `size`, and the change of its half width per radius;
                      ///< circles: the radius of the circle, the change of its half width per radius; of circles: the radius
                      ///< of the circle
-    int count;          ///< number of teeth or cylinders
-    harmonics waves;    ///< relative deviation of the radius from `size`
+    int count;       ///< number of teeth or cylinders
+    harmonics waves; ///< relative deviation of the radius from `size`
     double wave_length; ///< period of a profile along the axis
 } cut;
 

@@ -78,8 +78,8 @@ bool solid_is_inside(const solid *s, uint64_t surfaces);
 void solid_step_towards(const solid *s, const size_t *surfaces, size_t count, double longest, double difference,
                         double point[3]);
 
-/// A closed mesh of the boundary by marching through a body-centred cubic lattice of tetrahedra: the largest component, with
-/// triangles of any shape, and the surface of every face.
+/// A closed mesh of the boundary from a body-centred cubic lattice of tetrahedra. The result is the largest component, with
+/// triangles of any shape, and with the surface of every face.
 ///
 /// Tetrahedra are cut along every surface, which is linearized in each of them. The boundary separates tetrahedra inside and
 /// outside.

@@ -97,8 +97,8 @@ static bool has_faults(const bat_cloud_parameters_report *report)
     return report->folded + report->outside + report->coincident > 0;
 }
 
-/// Reject parameters with more than a quarter of the interior points folded: their repair would replace the method's
-/// parameters by averages, so that the comparison would not be one of methods.
+/// Reject parameters with more than a quarter of the interior points folded. Their repair would replace most of the method's
+/// parameters by averages.
 static bat_status check_folds(const bat_cloud *cloud, const bat_cloud_parameters_report *folds, bat_error *error)
 {
     size_t interior = cloud->count - cloud->boundary_count;

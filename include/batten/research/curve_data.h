@@ -7,8 +7,8 @@ BAT_C_BEGIN
 
 /// @file
 /// The curves on which Ugail and Howard (2026) train and evaluate their learned subdivision rule, regenerated from their
-/// random streams: 1,200 closed curves with control polygons (section 6.1), and the ground track of section 8. Further sets
-/// of curves for evaluation, which share no curve with any training.
+/// random streams. There are 1,200 closed curves with control polygons (section 6.1), and the ground track of section 8.
+/// Further sets of curves for evaluation, which share no curve with any training.
 
 /// Number of curves of the data set in each space.
 #define BAT_TENSION_CURVES 400
@@ -88,8 +88,8 @@ typedef enum bat_tension_set_kind
 ///             disk    i mod 2: trochoid; geodesic polygon with circular fillets
 ///
 /// Coordinates have double precision. A control polygon is BAT_TENSION_CONTROL_POINTS of the curve's points, evenly spaced
-/// by chord length from a random start. Curves are drawn again if they have a step between neighbouring points that is
-/// longer than 20 times the mean, a control polygon with an edge shorter than 1/50 of its mean edge, or neighbouring control
+/// by chord length from a random start. Curves are drawn again if a step between neighbouring points is longer than 20 times
+/// the mean. So are those with an edge of the control polygon below 1/50 of the mean edge, or with neighbouring control
 /// points on the sphere more than 171 degrees apart.
 ///
 /// The same arguments give the same curves, up to rounding in the C library; a smaller count gives the first of them. No
@@ -117,9 +117,9 @@ BAT_API bat_curve bat_tension_control(const bat_tension_set *set, size_t i, cons
 #define BAT_ISS_CONTROL_POINTS 16
 
 /// The ground track of the International Space Station over one orbit, closed by a great-circle arc (section 8, eq. 24 and
-/// 25), and its control polygon, whose points are evenly spaced by chord length along the track without the segment from
-/// its last point to its first. As published, the arc begins with a copy of the orbit's last point, so that points 479
-/// and 480 coincide.
+/// 25), and its control polygon. Control points are evenly spaced by chord length along the track, without the segment from
+/// its last point to its first. As published, the arc begins with a copy of the orbit's last point, so that points 479 and
+/// 480 coincide.
 ///
 /// @param sphere  S^2, as bat_sphere(2) gives it; must outlive the curves
 /// @param truth   receives BAT_ISS_TRACK_POINTS points; release it with bat_curve_free()

@@ -10,7 +10,8 @@ BAT_C_BEGIN
 
 /// @file
 /// Tables 1 and 5 of Ugail and Howard (2026), recomputed for every scheme without learned parameters, with both signs of the
-/// insertion angle, and for any other schemes, also learned ones. Table 1 also on curves that no training has used.
+/// insertion angle. Other schemes, also learned ones, can be added. Table 1 is also available on curves that no training has
+/// used.
 
 /// Options of the search for a tension. Begin with bat_tension_search_defaults().
 typedef struct bat_tension_search_options

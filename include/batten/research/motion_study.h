@@ -88,7 +88,7 @@ typedef struct bat_hermite_figure
 /// Make figure `index`, 0 to BAT_HERMITE_FIGURE_COUNT - 1.
 ///
 /// The paper does not specify the data. Figures 3 and 4 use the curves of the published program's outputs: the spiral (cos
-/// t, sin t, 0.4 t) normalized to unit length, t from -10 to 10, and the rotations with rows (0, -s, c), (s, -c^2, -s c),
+/// t, sin t, 0.4 t) normalized to unit length, t from -10 to 10; and the rotations with rows (0, -s, c), (s, -c^2, -s c),
 /// (c, s c, s^2), c = cos t and s = sin t, at 5 points. The data of figures 1 and 2 and the triangle of figure 4 are new.
 /// "transport" is Merrien's interpolatory scheme by parallel transport, with derivatives with respect to the index.
 /// "transport of directions" uses unit vectors instead, as in the published comparison; this is a deficiency of the data

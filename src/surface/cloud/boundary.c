@@ -17,8 +17,8 @@ enum
 {
     MIN_BOUNDARY = 4
 };
-/// A polygon is a boundary, rather than a gap between points, if its extent exceeds this multiple of its mean edge length,
-/// or if it has at least LARGE_SHARE of all points.
+/// A polygon is a boundary, rather than a gap, if its extent exceeds MIN_EXTENT mean edge lengths. It is also one if it has
+/// at least LARGE_SHARE of all points.
 static const double MIN_EXTENT = 2.5;
 static const double LARGE_SHARE = 1.0 / 3;
 /// A second polygon of at least this share of the longest one's length is another boundary; a shorter one is a gap.

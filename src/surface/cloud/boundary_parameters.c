@@ -75,14 +75,6 @@ static void cloud_loop_at(const cloud_loop *loop, double length, double place[3]
         place[k] = from[k] + share * (to[k] - from[k]);
 }
 
-// Four corners are the places of a loop with the greatest sum of
-//
-//     sharpness at the corners - EVENNESS * sum over sides (side / length - 1/4)^2.
-//
-// Sharpness is how far the loop turns towards the patch, in the patch's tangent plane, from a chord behind the corner to a
-// chord ahead of it; the chords span a share of the loop, so that the teeth of a jagged loop do not count. What a circle
-// turns over the same span does not count either: a smooth loop is split evenly.
-
 enum
 {
     CORNERS = 4,

@@ -22,7 +22,7 @@
 
 enum
 {
-    POINTS_PER_FUNCTION = 4, ///< where neither a tolerance nor a budget says when to stop
+    POINTS_PER_FUNCTION = 4, ///< points for each function, when neither a tolerance nor a budget is set
     SMALL_SYSTEM = 500,      ///< functions up to which weights cost next to nothing to try
     TRIALS_FIRST = 12,       ///< weights evaluated in the first round and for small systems,
     TRIALS = 4,              ///< for larger systems,

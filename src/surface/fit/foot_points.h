@@ -72,7 +72,7 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
 /// Restart the search for points whose projection converged to a wrong foot.
 ///
 /// Newton's method finds the foot in the basin of attraction of its start. While the surface is stiff, in the first rounds
-/// of a fit, this may be a wrong one. The points with the largest distances, if much larger than the mean, restart at the
+/// of a fit, this may be a wrong one. The points with the largest distances, far above the mean, restart. The start is the
 /// parameter of the nearest point in space whose own distance is at most the mean. A result is kept only if the distance
 /// decreases.
 bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_correction correction, int threads,

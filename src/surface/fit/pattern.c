@@ -3,8 +3,8 @@
 ///
 ///     K = sum over cells c of E_c^T K_c E_c,   E_c selects the functions that are active on cell c.
 ///
-/// Cells are processed in batches. All threads compute the contributions of a batch; each thread then adds those of its own
-/// functions, cell by cell, so that every entry is summed in the same order for any number of threads.
+/// Cells are processed in batches. All threads compute the contributions of a batch. Each thread then adds those of its own
+/// functions, cell by cell. Every entry is therefore summed in the same order for any number of threads.
 
 #include "surface/fit/pattern.h"
 

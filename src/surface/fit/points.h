@@ -4,8 +4,8 @@
 #include "batten/surface_fit.h"
 
 /// @file
-/// The points of a fit, ordered for fast passes: along a Morton curve of their initial parameters, so that the points of a
-/// cell are close in memory, and by the cells of the current space.
+/// The points of a fit, ordered for fast passes. Rows follow a Morton curve of the initial parameters, so that the points of
+/// a cell are close in memory. A second order lists the rows by the cells of the current space.
 
 /// The degrees of freedom of a parameter in parameter correction.
 typedef enum fit_freedom

@@ -1,13 +1,19 @@
 /// @file
 /// Choice of the smoothing weight lambda; see smoothing.h. With K = G + 2 lambda M, define
+///
 ///     c = K^-1 b,   J = c^T M c,   R = x^T W x - b^T c - 2 lambda J,   dR/dlambda = 8 lambda (M c)^T K^-1 (M c),
-///     T = trace of the influence matrix  ~ mean over z of z^T W^1/2 A y,   y = K^-1 A^T W^1/2 z,   dT/dlambda ~ -2 y^T M y.
-/// R is the sum of squared residuals of N points; T is estimated with random signs z (Hutchinson, 1990). The criteria are
-///     restricted likelihood   2 lambda J / s^2 = T - 3 for each coordinate,   s^2 = (R + 2 lambda J) / (N - 3)   (Wahba,
-///     1985) cross-validation        minimize R / (1 - T / N)^2   (generalized; Craven and Wahba, 1979) discrepancy R = N
-///     dimension noise^2   (Morozov, 1966)
-/// where 3 is the dimension of the null space of M: 1, u, v. The slope of each criterion changes sign at the best weight;
-/// log10 lambda is bracketed and found by regula falsi.
+///     T = trace of the influence matrix  ~  mean over z of z^T W^1/2 A y,   y = K^-1 A^T W^1/2 z,
+///     dT/dlambda ~ -2 y^T M y.
+///
+/// R is the sum of squared residuals of N points. T is estimated with random signs z (Hutchinson, 1990). The criteria are
+///
+///     restricted likelihood   2 lambda J / s^2 = T - 3  for each coordinate,  s^2 = (R + 2 lambda J) / (N - 3),
+///     cross-validation        minimize R / (1 - T / N)^2,
+///     discrepancy             R = N dimension noise^2,
+///
+/// of Wahba (1985), Craven and Wahba (1979, generalized cross-validation) and Morozov (1966). 3 is the dimension of the null
+/// space of M, which contains 1, u and v. The slope of each criterion changes sign at the best weight, so that log10 lambda
+/// is bracketed and found by regula falsi.
 
 #include "surface/fit/smoothing.h"
 

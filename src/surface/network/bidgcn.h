@@ -12,8 +12,8 @@
 ///     hidden:  f_l+1 = ReLU(mean over rows j near row i of W_l (f_i, f_j - f_i) + b_l), l = 0 … 3, the last without ReLU
 ///     output:  sigmoid(three layers applied to (f_0, …, f_4))
 /// Near means within SURFACE_RADIUS: in space for the input layer, among the features f_l for the hidden layers. In h, g and
-/// the output network, every layer but the last is followed by a batch normalization with the mean and variance of the cloud
-/// itself, and by a ReLU.
+/// the output network, a batch normalization and a ReLU follow every layer but the last. The normalization uses the mean and
+/// variance of the cloud itself.
 ///
 /// A linear layer commutes with the mean. Hence a hidden layer is one product for each point, W (f_i, mean_j f_j - f_i) + b.
 /// The second layers of h and g apply to means. Their first layers are (W_a - W_b) x_i + W_b x_j + W_u u_j, which are

@@ -9,9 +9,8 @@
 /// bat_surface_model_parameterize(). A new network is one surface_network_kind, in a file of its own, and one entry of the
 /// table in model.c.
 ///
-/// Throughout, a cloud is scaled to the unit box (mesh/measure/unit_box.h: one scale for all coordinates, boundary
-/// included), its boundary points come first, and it has passed bat_cloud_check(). *Interior* points are all others, in
-/// order.
+/// Throughout, a cloud is scaled to the unit box (mesh/measure/unit_box.h), with one scale for all coordinates. Its boundary
+/// points come first, and it has passed bat_cloud_check(). *Interior* points are all others, in order.
 
 /// A kind of network.
 typedef struct surface_network_kind

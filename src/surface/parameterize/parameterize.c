@@ -1,7 +1,7 @@
 /// @file
 /// Classical parameterizations of clouds (bat_cloud_parameterize): u_i = sum_k w_ik u_k for interior points, u fixed on the
-/// boundary. The methods differ in the weights w_ik (weights.h). `published` selects the neighbourhoods and the direct
-/// solver of the literature, which may fail; otherwise neighbourhoods adapt to the points, and the system is solved
+/// boundary. The methods differ in the weights w_ik (weights.h). The option `published` selects the neighbourhoods and the
+/// direct solver of the literature, which may fail. By default, neighbourhoods adapt to the points, and the system is solved
 /// iteratively.
 
 #include "batten/cloud_parameterize.h"

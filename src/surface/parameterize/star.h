@@ -24,15 +24,15 @@ enum
 /// @return the number of neighbours; 0 if there are more than STAR_MAX_RING
 size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], size_t ring[STAR_MAX_RING], bool *closed);
 
-/// Shape-preserving weights (Floater 1997, section 6). The ray from corner l through the origin meets the opposite side of
-/// the ring in a triangle with l; the weights are the mean over l of the barycentric coordinates of the origin in these
+/// Shape-preserving weights (Floater 1997, section 6). Each corner l forms a triangle with the side of the ring that the ray
+/// from l through the origin meets. The weights are the mean over l of the barycentric coordinates of the origin in these
 /// triangles.
 /// @param ring    corners about the origin, counter-clockwise, each less than half a turn after the one before
 /// @param weights receives positive weights with sum 1
 void star_shape_preserving(const double (*ring)[2], size_t count, double *weights);
 
-/// Map a ring in space to the plane by the geodesic polar map: lengths of spokes are preserved, and angles between them are
-/// scaled to sum to a full turn.
+/// Map a ring in space to the plane by the geodesic polar map. It preserves the lengths of spokes, and scales the angles
+/// between them to sum to a full turn.
 /// @param spokes vectors from the centre to the ring
 /// @return false if a scaled angle reaches half a turn
 bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2]);

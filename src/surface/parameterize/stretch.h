@@ -7,10 +7,10 @@
 /// Stretch minimization: Yoshizawa, Belyaev and Seidel, "A fast and simple stretch-minimizing mesh parameterization" (2004),
 /// for clouds.
 ///
-/// With s_k the stretch at point k, weights are updated by  w_ik <- w_ik / s_k  (rows rescaled to sum 1), and the parameters
-/// are solved for again, while the total stretch decreases. The stretch at a point is the root mean square of the singular
-/// values of the derivative dx/du, fitted to the neighbours of its row by least squares. The total stretch is the root mean
-/// square over the interior.
+/// With s_k the stretch at point k, weights are updated by  w_ik <- w_ik / s_k  (rows rescaled to sum 1). The parameters are
+/// then solved for again. This is repeated while the total stretch decreases. The stretch at a point is the root mean square
+/// of the singular values of the derivative dx/du, fitted to the neighbours of its row by least squares. The total stretch
+/// is the root mean square over the interior.
 
 /// Minimize the stretch of parameters.
 /// @param rows       weights that the parameters satisfy; changed by every round, including a last one that is rejected

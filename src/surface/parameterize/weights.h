@@ -80,8 +80,8 @@ bat_status weights_of_triangles(const bat_cloud *cloud, sparse_rows *rows, bat_e
 /// The first interior point that is not connected to the boundary by a chain of weights; BAT_NO_INDEX for none.
 bat_status weights_find_unjoined(const bat_cloud *cloud, const sparse_rows *rows, size_t *point, bat_error *error);
 
-/// Connect all points to the boundary: points without a chain of weights to it are linked to their nearest connected
-/// neighbours, the closest first, until all are connected.
+/// Connect all points to the boundary. Points without a chain of weights to it are linked to their nearest connected
+/// neighbours, the closest first.
 bat_status weights_join(const bat_cloud *cloud, sparse_rows *rows, bat_error *error);
 
 /// The longest side of the bounding box of the points.

@@ -1,8 +1,8 @@
 /// @file
 /// Prolongation of coefficients to a refined space.
 ///
-/// Truncated basis: the coefficient of a function of level l equals the coefficient of its B-spline in the representation of
-/// the surface in level l, on any active cell of level l in its support ("preservation of coefficients"; Giannelli, Jüttler
+/// Truncated basis: coefficients are preserved. On any active cell of level l, represent the surface in B-splines of level
+/// l. The coefficient of a function of level l is that of its B-spline ("preservation of coefficients"; Giannelli, Jüttler
 /// and Speleers, "Strongly stable bases for adaptively refined multilevel spline spaces", 2014). It is read off there.
 ///
 /// Plain basis: a function that is no longer selected is replaced by its children, B = sum_j r_j B_j, level by level.

@@ -7,7 +7,7 @@
 /// B-splines of degree p over a clamped uniform knot vector, evaluated on a cell.
 ///
 /// On cell c, functions c to c + p do not vanish. They depend only on the distances of the cell from both ends of the grid,
-/// up to p - 1 cells. A small grid with the same distances has the same functions there, so that one table of two-scale
+/// up to p - 1 cells. A small grid with the same distances has the same functions there. Hence one table of two-scale
 /// relations for grids of 1 to 2 p - 1 cells serves all grids.
 
 /// The two-scale relations of a degree. Release it with uniform_basis_free().
