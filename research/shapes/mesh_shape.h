@@ -71,19 +71,19 @@ double cut_value(const void *context, const double point[3]);
 /// Draws random parameters and fills an empty primitive.
 typedef void primitive_generator(bat_random *random, mesh_primitive *primitive);
 
-// Organic shapes, mesh_shape_body.c
+// Organic shapes, mesh_organic.c
 primitive_generator primitive_creature, primitive_figure, primitive_bust, primitive_mask, primitive_cactus, primitive_coral,
     primitive_pretzel, primitive_stone;
-// Machine parts, mesh_shape_part.c
+// Machine parts, mesh_parts.c
 primitive_generator primitive_bracket, primitive_gear, primitive_lathe, primitive_casting, primitive_gem, primitive_cam,
     primitive_groove;
 
 /// Generates a mesh directly, without a solid.
 typedef bat_status mesh_generator(size_t vertices, bat_random *random, bat_mesh *mesh, bat_error *error);
 
-// Triangulated grids, mesh_shape_sheet.c
+// Triangulated grids, mesh_grids.c
 mesh_generator generate_knot, generate_relief, generate_shell;
-/// A coarse control mesh; ignores `vertices`. mesh_shape_cage.c
+/// A coarse control mesh; ignores `vertices`. mesh_cage.c
 mesh_generator generate_cage;
 
 #endif
