@@ -1,7 +1,7 @@
 /// @file
 /// Mean-value weights (Floater, "Mean value coordinates", 2003):
-///     w_ik = (tan(a / 2) + tan(b / 2)) / |x_i - x_k|,   normalized, with a and b the angles at x_i on both sides of edge
-///     ik.
+///     w_ik = (tan(a / 2) + tan(b / 2)) / |x_i - x_k|,   normalized to sum_k w_ik = 1,
+/// where a and b are the angles at x_i on both sides of edge ik.
 
 #include "linalg/vector3.h"
 #include "surface/parameterize/weights.h"

@@ -14,7 +14,7 @@
 /// from it. On an active cell of level l, the *local functions* are the (p + 1)(q + 1) B-splines of level l that do not
 /// vanish there. Local function b (p + 1) + a has the indices column + a and row + b. The *extraction* of the cell expresses
 /// the active functions of the basis in local functions,
-///     B_k = sum_a E_ka N_a   (multi-level Bezier extraction; Scott, Thomas and Evans, 2014).
+///     B_k = sum_a E_ka N_a   (compare multi-level Bezier extraction; D'Angella et al., 2018).
 /// Active functions of level l are local functions themselves, so that only the rows of coarser functions are stored.
 
 /// An active cell.
