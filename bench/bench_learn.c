@@ -4,7 +4,7 @@
 
 #include "curve/network/tension_network.h"
 #include "learn/blas.h"
-#include "research/train/train.h"
+#include "learn/train.h"
 
 #include <stdio.h>
 
@@ -77,10 +77,10 @@ static void compare(bench *b, size_t rows, bool backward)
 // Training steps of the published recipe without its geometry: a batch of 8 samples, each with 24 and 48 rows that count for
 // the curve and 4 passes of 96 rows that compare the network with itself.
 
-static bat_status sample(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *figures,
+static bat_status sample(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *metrics,
                          bat_error *error)
 {
-    (void)figures;
+    (void)metrics;
     (void)error;
     enum
     {
@@ -108,7 +108,7 @@ static void time_steps(learn_parameters *parameters, int threads)
         EPOCH_STEPS = 120
     };
     uint32_t spaces[MOST_ROWS] = {0};
-    learn_job job = {.context = spaces, .parameters = parameters, .steps = STEPS, .pieces = 8, .piece = sample};
+    learn_job job = {.context = spaces, .parameters = parameters, .steps = STEPS, .pieces = 8, .piece_loss = sample};
     learn_options options = learn_options_defaults();
     options.threads = threads;
     double start = seconds_now();

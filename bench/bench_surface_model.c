@@ -26,7 +26,7 @@ static double cpu_now(void)
 
 static surface_sample sample_of(size_t points)
 {
-    surface_sample_range range = {.least_points = points, .most_points = points, .least_degree = 2, .most_degree = 2};
+    surface_sample_range range = {.min_points = points, .max_points = points, .min_degree = 2, .max_degree = 2};
     bat_random random = bat_random_seed(1);
     surface_sample sample;
     if (surface_sample_draw(&range, &random, &sample, NULL) != BAT_OK)
@@ -37,9 +37,9 @@ static surface_sample sample_of(size_t points)
 static learn_parameters weights(int argc, char **argv)
 {
     learn_parameters parameters = {0};
-    if (surface_training_published.kind->make(&parameters, NULL) != BAT_OK)
+    if (surface_tape_published.kind->make(&parameters, NULL) != BAT_OK)
         exit(EXIT_FAILURE);
-    surface_training_published.start(&parameters, 1);
+    surface_tape_published.start(&parameters, 1);
     safetensors content;
     if (argc > 1 && (safetensors_read(argv[1], &content, NULL) != BAT_OK ||
                      learn_parameters_extract(&parameters, &content, "", parameters.values, NULL) != BAT_OK))

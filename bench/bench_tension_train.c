@@ -40,11 +40,11 @@ static bool note_time(void *context, double fraction)
 static double time_epoch(int threads)
 {
     clock_watch watch = {0};
-    bat_tension_train_options options = bat_tension_train_defaults();
-    options.epochs = 2;
-    options.threads = threads;
-    options.progress = (bat_progress){note_time, &watch};
-    if (bat_tension_train(&options, NULL, NULL) != BAT_OK)
+    bat_curve_train_options options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+    options.run.epochs = 2;
+    options.run.threads = threads;
+    options.run.progress = (bat_progress){note_time, &watch};
+    if (bat_curve_train(&options, NULL, NULL) != BAT_OK)
         return NAN;
     const double steps = 2.0 * TRAINING_CURVES / 8;
     return (watch.end - watch.begin) / (steps - 1) * steps / 2;
@@ -67,7 +67,7 @@ static tension_sample sample_at(const shares *s, size_t k)
 /// Seconds for an epoch's samples on one thread, everything included but the optimizer.
 static double time_samples(shares *s)
 {
-    bat_tension_train_options options = bat_tension_train_defaults();
+    bat_curve_train_options options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
     double start = seconds_now();
     for (size_t k = 0; k < SAMPLES; k++)
     {

@@ -63,7 +63,7 @@ static int print_ablations_json(const reproduce_job *job, const bat_mesh_study_o
     for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
         (void)json_array_append_new(array,
                                     json_pack("{s:s, s:I, s:o, s:o, s:o, s:o}", "variant", rows[i].variant, "best_epoch",
-                                              (json_int_t)rows[i].report.best_epoch, "kept_errors",
+                                              (json_int_t)rows[i].report.run.best_epoch, "kept_errors",
                                               numbers_json(rows[i].report.errors, BAT_MESH_TRAIN_LEVELS + 1), "test_errors",
                                               numbers_json(rows[i].errors, BAT_MESH_TRAIN_LEVELS), "straight",
                                               score_json(&rows[i].straight), "turned", score_json(&rows[i].turned)));

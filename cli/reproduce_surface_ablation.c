@@ -29,20 +29,20 @@ static int train_network(const reproduce_job *job, size_t which, char path[REPRO
 {
     bat_error error;
     char folder[REPRODUCE_PATH_SIZE];
-    bat_surface_train_options options = bat_surface_train_defaults();
+    bat_surface_train_options options = bat_surface_train_defaults(BAT_RECIPE_PUBLISHED);
     int code = reproduce_path(job->folder, NETWORKS[which].folder, folder);
     if (code == EXIT_DONE)
         code = reproduce_path(folder, "model.safetensors", path);
     if (code != EXIT_DONE)
         return code;
-    options.seed = job->seed;
+    options.run.seed = job->seed;
     options.uninformed = which == 1;
-    options.epochs = job->epochs > 0 ? job->epochs : DEFAULT_EPOCHS;
+    options.run.epochs = job->epochs > 0 ? job->epochs : DEFAULT_EPOCHS;
     options.adam = true;
     options.rate = 1e-3;
-    options.folder = folder;
-    options.resume = true;
-    options.progress = report_progress(NETWORKS[which].name);
+    options.run.folder = folder;
+    options.run.resume = true;
+    options.run.progress = report_progress(NETWORKS[which].name);
     bat_status status = bat_surface_train(&options, NULL, &error);
     report_progress_end();
     return status == BAT_OK ? EXIT_DONE : report_failure(folder, &error);

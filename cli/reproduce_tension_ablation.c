@@ -23,9 +23,9 @@ static json_t *cell_json(const bat_tension_ablation_row *row, size_t space)
 {
     const bat_tension_ablation_score *ours = &row->scores[space], *published = &row->published[space];
     json_t *object = json_pack("{s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "space", SPACES[space], "variant",
-                               row->variant, "weights", (json_int_t)row->weights, "epochs", (json_int_t)row->report.epochs,
-                               "best_epoch", (json_int_t)row->report.best_epoch, "mean_nn", report_number(ours->mean_nn),
-                               "g1", report_number(ours->g1), "bending", report_number(row->report.scores[space].bending),
+                               row->variant, "weights", (json_int_t)row->weights, "epochs", (json_int_t)row->report.run.epochs,
+                               "best_epoch", (json_int_t)row->report.run.best_epoch, "mean_nn", report_number(ours->mean_nn),
+                               "g1", report_number(ours->g1), "bending", report_number(row->report.scores[0][space].bending),
                                "bending_share", report_number(ours->bending));
     reproduce_set_number(object, "published_mean_nn", published->mean_nn);
     reproduce_set_number(object, "published_g1", published->g1);
@@ -54,7 +54,7 @@ static int print_text(const reproduce_job *job, const ablation *table, const bat
         {
             const bat_tension_ablation_score *ours = &rows[i].scores[space], *published = &rows[i].published[space];
             (void)printf("%-7s %-15s %8zu %5llu", SPACES[space], rows[i].variant, rows[i].weights,
-                         (unsigned long long)rows[i].report.best_epoch);
+                         (unsigned long long)rows[i].report.run.best_epoch);
             reproduce_print_figure(ours->mean_nn, published->mean_nn, 10);
             reproduce_print_figure(ours->g1, published->g1, 9);
             reproduce_print_figure(ours->bending, published->bending, 9);

@@ -161,7 +161,7 @@ BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
 /// scale and spacing. A network adds to the angle of the six-point rule what 8 exterior angles and 9 edge lengths around the
 /// edge suggest. It keeps the given points; it commutes with isometries, mirror images, reversal and, on the plane, scaling;
 /// no angle reaches BAT_CURVE_ANGLE_LIMIT whatever the weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md
-/// describes it; `batten train tension --recipe batten` makes its weights.
+/// describes it; `batten train curve --recipe batten` makes its weights.
 ///
 /// @param fairness 0 follows the data most closely, 1 gives the smoothest curve; clipped to that range, NaN is 1/2
 BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
@@ -169,7 +169,7 @@ BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
 /// A trained network. It does not change, and any number of calls may use it at once.
 typedef struct bat_curve_model bat_curve_model;
 
-/// Read a model from a safetensors file: what bat_learned_train() or bat_tension_train() writes, or any file with the arrays
+/// Read a model from a safetensors file: what bat_curve_train() writes, or any file with the arrays
 /// of the published program
 /// ("geom_embed.weight", "input_proj.0.weight", …) in single or double precision. Of a training's checkpoint the best
 /// weights so far are taken, or those of its last step where no best are known yet. The networks of table 3 without a

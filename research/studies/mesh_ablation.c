@@ -76,9 +76,9 @@ static bat_status count_refined(const bat_mesh *mesh, size_t levels, size_t *cou
 /// A random decimation as in training, with the targets of its vertices.
 static bat_status trial_make(probe *p, size_t index, bat_error *error)
 {
-    const bat_mesh_train_options recipe = bat_mesh_train_defaults();
+    const bat_mesh_train_options recipe = bat_mesh_train_defaults(BAT_RECIPE_PUBLISHED);
     bat_mesh_decimate_options how = bat_mesh_decimate_defaults();
-    how.vertices = recipe.least_vertices + index * (recipe.most_vertices - recipe.least_vertices) / (TRIALS - 1);
+    how.vertices = recipe.min_vertices + index * (recipe.max_vertices - recipe.min_vertices) / (TRIALS - 1);
     how.candidates = CANDIDATES;
     how.seed = TRIAL_SEED + index;
     bat_mesh_map *map = NULL;
@@ -203,7 +203,7 @@ static bat_status run_variant(const bat_mesh *shapes, size_t count, const probe 
 {
     bat_mesh_train_options recipe = mesh_study_recipe(options);
     bat_mesh_model *model = NULL;
-    recipe.progress = progress;
+    recipe.run.progress = progress;
     recipe.fixed_frames = variant == BAT_MESH_FIXED_FRAMES;
     recipe.no_differences = variant == BAT_MESH_NO_DIFFERENCES;
     recipe.last_level = variant == BAT_MESH_LAST_LEVEL;
@@ -211,8 +211,8 @@ static bat_status run_variant(const bat_mesh *shapes, size_t count, const probe 
     recipe.learn_loop = variant == BAT_MESH_LEARN_LOOP;
     if (recipe.learn_loop)
     {
-        recipe.epochs *= LOOP_PATIENCE;
-        recipe.fresh = options->pairs / RESAMPLED_PART;
+        recipe.run.epochs *= LOOP_PATIENCE;
+        recipe.resampled = options->pairs / RESAMPLED_PART;
     }
     row->variant = NAMES[variant];
     bat_status status = mesh_study_train(shapes, count, options, NAMES[variant], recipe, &row->report, &model, error);

@@ -88,13 +88,13 @@ bat_status mesh_study_check_training(const bat_mesh_study_options *options, bat_
 
 bat_mesh_train_options mesh_study_recipe(const bat_mesh_study_options *options)
 {
-    bat_mesh_train_options recipe = bat_mesh_train_defaults();
-    recipe.seed = options->seed;
-    recipe.epochs = options->epochs;
+    bat_mesh_train_options recipe = bat_mesh_train_defaults(BAT_RECIPE_PUBLISHED);
+    recipe.run.seed = options->seed;
+    recipe.run.epochs = options->epochs;
     recipe.pairs = options->pairs;
-    recipe.threads = options->threads;
-    recipe.falling = true;
-    recipe.resume = true;
+    recipe.run.threads = options->threads;
+    recipe.cosine_decay = true;
+    recipe.run.resume = true;
     return recipe;
 }
 
@@ -107,7 +107,7 @@ bat_status mesh_study_train(const bat_mesh *shapes, size_t count, const bat_mesh
     if (length < 0 || (size_t)length >= sizeof folder ||
         (size_t)snprintf(path, sizeof path, "%s/%s/model.safetensors", options->folder, name) >= sizeof path)
         return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "the name of the folder is too long");
-    recipe.folder = folder;
+    recipe.run.folder = folder;
     bat_status status = bat_mesh_train(shapes, count, &recipe, report, error);
     return status == BAT_OK ? bat_mesh_model_read(path, model, error) : status;
 }

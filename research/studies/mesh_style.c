@@ -80,10 +80,10 @@ static bat_status subdivide(const bat_mesh *shape, const char *name, const bat_m
     bat_mesh_train_options recipe = mesh_study_recipe(options);
     bat_mesh_model *model = NULL;
     // Coarse meshes with angles similar to those of a cage.
-    recipe.least_vertices = MIN_VERTICES;
-    recipe.most_vertices = MAX_VERTICES;
+    recipe.min_vertices = MIN_VERTICES;
+    recipe.max_vertices = MAX_VERTICES;
     recipe.relative = true;
-    recipe.progress = progress;
+    recipe.run.progress = progress;
     bat_status status = mesh_study_train(shape, 1, options, name, recipe, report, &model, error);
     if (status == BAT_OK)
     {

@@ -6,8 +6,8 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "batten/research/curve_study.h"
+#include "research/train/curve_train.h"
 #include "research/train/tension_sample.h"
-#include "research/train/tension_train.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,13 +28,13 @@ bat_tension_ablation_options bat_tension_ablation_defaults(void)
 }
 
 /// The published recipe with one change.
-static bat_tension_train_options recipe_of(bat_tension_variant variant, const bat_tension_ablation_options *options)
+static bat_curve_train_options recipe_of(bat_tension_variant variant, const bat_tension_ablation_options *options)
 {
-    bat_tension_train_options recipe = bat_tension_train_defaults();
-    recipe.seed = options->seed;
-    recipe.epochs = options->epochs;
-    recipe.threads = options->threads;
-    recipe.resume = true;
+    bat_curve_train_options recipe = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+    recipe.run.seed = options->seed;
+    recipe.run.epochs = options->epochs;
+    recipe.run.threads = options->threads;
+    recipe.run.resume = true;
     if (variant == BAT_TENSION_ONE_HOT)
         recipe.embedding = BAT_TENSION_EMBEDDING_ONE_HOT;
     if (variant == BAT_TENSION_NO_EMBEDDING)
@@ -77,20 +77,20 @@ static bat_status run_variant(const bat_tension_data *data, bat_tension_variant 
                               bat_tension_ablation_row *row, bat_error *error)
 {
     char folder[PATH_SIZE];
-    bat_tension_train_options recipe = recipe_of(variant, options);
-    recipe.progress = progress;
+    bat_curve_train_options recipe = recipe_of(variant, options);
+    recipe.run.progress = progress;
     if (options->folder != NULL)
     {
         int length = snprintf(folder, PATH_SIZE, "%s/seed-%llu/%s", options->folder, (unsigned long long)options->seed,
                               NAMES[variant]);
         if (length < 0 || length >= PATH_SIZE)
             return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "the name of the folder is too long");
-        recipe.folder = folder;
+        recipe.run.folder = folder;
     }
     row->variant = NAMES[variant];
     bat_status status = count_weights(recipe.embedding, &row->weights, error);
     if (status == BAT_OK)
-        status = tension_train_on(data, &recipe, &row->report, error);
+        status = curve_train_sized(&recipe, &(curve_train_size){.data = data}, &row->report, error);
     return status;
 }
 
@@ -98,7 +98,7 @@ static void fill_scores(bat_tension_ablation_row *row, const double four_point[S
 {
     for (size_t space = 0; space < SPACES; space++)
     {
-        const bat_tension_score *score = &row->report.scores[space];
+        const bat_curve_train_score *score = &row->report.scores[0][space];
         row->scores[space] = (bat_tension_ablation_score){score->mean_nn, score->g1, score->bending / four_point[space]};
         row->published[space] = (bat_tension_ablation_score){NAN, NAN, NAN};
     }

@@ -1,6 +1,11 @@
 #include "research/train/geometry_loss.h"
 
+#include "base/lanes.h"
+
 #include <math.h>
+#include <string.h>
+
+// Fairness
 
 /// The first vertex with an angle.
 static size_t first_corner(const geometry_polygon *polygon)
@@ -111,4 +116,173 @@ void geometry_angle_power_mean_back(const geometry_polygon *polygon, geometry_pr
     double factor = loss_gradient / (double)geometry_corners(polygon);
     for (size_t j = 0; j < polygon->count; j++)
         gradient.angles[j] += copysign(factor * pow(fabs(profile.angles[j]) / mean, power - 1), profile.angles[j]);
+}
+
+// Distances
+
+enum
+{
+    /// Queries whose nearest items are searched at a time.
+    QUERIES = 128,
+};
+
+/// Queries by axis, with the squared distances and numbers of the nearest items so far.
+typedef struct nearest_block
+{
+    double x[QUERIES], y[QUERIES], z[QUERIES];
+    double distance[QUERIES];
+    size_t nearest[QUERIES];
+} nearest_block;
+
+/// Replace the nearest so far by an item that is nearer.
+static inline void take_nearer(double distance, size_t item, double *min, size_t *nearest)
+{
+    bool nearer = distance < *min;
+    *min = nearer ? distance : *min;
+    *nearest = nearer ? item : *nearest;
+}
+
+static inline double square_2(double x, double y, const double *item)
+{
+    double dx = x - item[0], dy = y - item[1];
+    return dx * dx + dy * dy;
+}
+
+static inline double square_3(double x, double y, double z, const double *item)
+{
+    double dx = x - item[0], dy = y - item[1], dz = z - item[2];
+    return dx * dx + dy * dy + dz * dz;
+}
+
+/// Go through four items at a time, so that what the queries know is loaded and stored a fourth as often.
+LANES_CLONES
+static void search_2(nearest_block *restrict block, size_t queries, const double *restrict items, size_t item_count)
+{
+    size_t item = 0;
+    for (; item + 4 <= item_count; item += 4)
+    {
+        const double *row = items + 2 * item;
+        for (size_t i = 0; i < queries; i++)
+        {
+            double x = block->x[i], y = block->y[i], least = block->distance[i];
+            size_t nearest = block->nearest[i];
+            take_nearer(square_2(x, y, row), item, &least, &nearest);
+            take_nearer(square_2(x, y, row + 2), item + 1, &least, &nearest);
+            take_nearer(square_2(x, y, row + 4), item + 2, &least, &nearest);
+            take_nearer(square_2(x, y, row + 6), item + 3, &least, &nearest);
+            block->distance[i] = least;
+            block->nearest[i] = nearest;
+        }
+    }
+    for (; item < item_count; item++)
+        for (size_t i = 0; i < queries; i++)
+            take_nearer(square_2(block->x[i], block->y[i], items + 2 * item), item, &block->distance[i], &block->nearest[i]);
+}
+
+LANES_CLONES
+static void search_3(nearest_block *restrict block, size_t queries, const double *restrict items, size_t item_count)
+{
+    size_t item = 0;
+    for (; item + 4 <= item_count; item += 4)
+    {
+        const double *row = items + 3 * item;
+        for (size_t i = 0; i < queries; i++)
+        {
+            double x = block->x[i], y = block->y[i], z = block->z[i], least = block->distance[i];
+            size_t nearest = block->nearest[i];
+            take_nearer(square_3(x, y, z, row), item, &least, &nearest);
+            take_nearer(square_3(x, y, z, row + 3), item + 1, &least, &nearest);
+            take_nearer(square_3(x, y, z, row + 6), item + 2, &least, &nearest);
+            take_nearer(square_3(x, y, z, row + 9), item + 3, &least, &nearest);
+            block->distance[i] = least;
+            block->nearest[i] = nearest;
+        }
+    }
+    for (; item < item_count; item++)
+        for (size_t i = 0; i < queries; i++)
+            take_nearer(square_3(block->x[i], block->y[i], block->z[i], items + 3 * item), item, &block->distance[i],
+                        &block->nearest[i]);
+}
+
+void geometry_nearest(const double *queries, size_t query_count, const double *items, size_t item_count, size_t dim,
+                      size_t *nearest)
+{
+    nearest_block block;
+    for (size_t done = 0; done < query_count; done += QUERIES)
+    {
+        size_t count = query_count - done < QUERIES ? query_count - done : QUERIES;
+        for (size_t i = 0; i < count; i++)
+        {
+            const double *query = queries + (done + i) * dim;
+            block.x[i] = query[0];
+            block.y[i] = query[1];
+            block.z[i] = dim == 3 ? query[2] : 0;
+            block.distance[i] = INFINITY;
+            block.nearest[i] = 0;
+        }
+        if (dim == 2)
+            search_2(&block, count, items, item_count);
+        else
+            search_3(&block, count, items, item_count);
+        memcpy(nearest + done, block.nearest, count * sizeof *nearest);
+    }
+}
+
+static double distance_between(const double *p, const double *q, size_t dim)
+{
+    return sqrt(dim == 2 ? square_2(p[0], p[1], q) : square_3(p[0], p[1], p[2], q));
+}
+
+/// Mean distance of the points to their matches.
+static double mean_distance(const double *points, size_t count, const double *others, size_t dim, const size_t *matches)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += distance_between(points + i * dim, others + matches[i] * dim, dim);
+    return sum / (double)count;
+}
+
+double geometry_chamfer(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                        geometry_matches matches)
+{
+    geometry_nearest(points, count, truth, truth_count, dim, matches.of_points);
+    geometry_nearest(truth, truth_count, points, count, dim, matches.of_truth);
+    return 0.5 * (mean_distance(points, count, truth, dim, matches.of_points) +
+                  mean_distance(truth, truth_count, points, dim, matches.of_truth));
+}
+
+/// Add `factor` times the derivative of |p - q| with respect to p.
+static void add_distance_gradient(const double *p, const double *q, size_t dim, double factor, double *gradient)
+{
+    double distance = distance_between(p, q, dim), scale = distance > 0 ? factor / distance : 0;
+    for (size_t i = 0; i < dim; i++)
+        gradient[i] += scale * (p[i] - q[i]);
+}
+
+void geometry_chamfer_back(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                           geometry_matches matches, double loss_gradient, double *point_gradients)
+{
+    double factor = 0.5 * loss_gradient / (double)count, truth_factor = 0.5 * loss_gradient / (double)truth_count;
+    for (size_t i = 0; i < count; i++)
+        add_distance_gradient(points + i * dim, truth + matches.of_points[i] * dim, dim, factor, point_gradients + i * dim);
+    for (size_t i = 0; i < truth_count; i++)
+    {
+        size_t point = matches.of_truth[i];
+        add_distance_gradient(points + point * dim, truth + i * dim, dim, truth_factor, point_gradients + point * dim);
+    }
+}
+
+double geometry_mean_nearest(const double *points, size_t count, const double *truth, size_t truth_count, size_t dim,
+                             size_t *of_points)
+{
+    geometry_nearest(points, count, truth, truth_count, dim, of_points);
+    return mean_distance(points, count, truth, dim, of_points);
+}
+
+void geometry_mean_nearest_back(const double *points, size_t count, const double *truth, size_t dim, const size_t *of_points,
+                                double loss_gradient, double *point_gradients)
+{
+    double factor = loss_gradient / (double)count;
+    for (size_t i = 0; i < count; i++)
+        add_distance_gradient(points + i * dim, truth + of_points[i] * dim, dim, factor, point_gradients + i * dim);
 }

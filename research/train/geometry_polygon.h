@@ -4,7 +4,7 @@
 #include "batten/base.h"
 
 /// @file
-/// Polygons on the three oriented surfaces of constant curvature, as the differentiable geometry sees them.
+/// Polygons on the three oriented surfaces of constant curvature, and isometries of these.
 ///
 /// The functions of geometry_*.h compute in double, allocate nothing and cannot fail. Next to a function stands its
 /// derivative, NAME_back(): it takes the gradient of a loss with respect to the function's results and *adds* that with
@@ -63,5 +63,20 @@ void geometry_measure_back(const geometry_polygon *polygon, geometry_profile gra
 /// Mean of the edge lengths.
 double geometry_mean_length(const geometry_polygon *polygon, geometry_profile profile);
 void geometry_mean_length_back(const geometry_polygon *polygon, double mean_gradient, geometry_profile gradient);
+
+/// An isometry that keeps the orientation: a rotation about the origin, then, but on the sphere, a translation.
+typedef struct geometry_isometry
+{
+    geometry_surface surface;
+    double rotation[9]; ///< row-major, geometry_dim() x geometry_dim()
+    double shift[2];    ///< where the origin goes; in the disk by the Möbius translation z -> shift + z
+} geometry_isometry;
+
+/// A random isometry: a uniform rotation and a translation in a uniform direction by a distance uniform in [0, reach), which
+/// must be finite; on the sphere `reach` does not count.
+geometry_isometry geometry_isometry_random(geometry_surface surface, double reach, bat_random *random);
+
+/// Move points; `moved` may be `points`.
+void geometry_isometry_apply(const geometry_isometry *isometry, const double *points, size_t count, double *moved);
 
 #endif

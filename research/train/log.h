@@ -1,45 +1,48 @@
 #ifndef RESEARCH_TRAIN_LOG_H
 #define RESEARCH_TRAIN_LOG_H
 
-#include "batten/base.h"
+#include "learn/train.h"
 
 #include <stdio.h>
 
 /// @file
-/// A table of numbers that grows by a row an epoch, as a CSV file and as a picture.
+/// The log of a training: a row per epoch, as a CSV file and as a picture. The columns are the epoch, the steps done at its
+/// end, the learning rate, the mean loss, the mean norm of the gradient, the metrics, the validation metrics and the
+/// seconds. A missing number is NaN in memory and an empty cell in the file.
 
-/// The first two columns are the epoch and the step at its end. A number that is missing is NaN here and empty there.
-typedef struct learn_log
+/// The names of the columns that a training adds; no commas.
+typedef struct train_log_columns
 {
-    FILE *stream; ///< null when there is no file
-    const char *const *names;
+    const char *const *metrics;
+    size_t metric_count;
+    const char *const *validation;
+    size_t validation_count;
+} train_log_columns;
+
+typedef struct train_log
+{
+    const char *path, *picture; ///< null for none; not copied
+    train_log_columns own;
+    const char **names; ///< of all columns
     size_t columns;
-    double *rows;
+    FILE *stream; ///< null without a file, and before the observer's begin()
+    double *rows, *row;
     size_t row_count, capacity; ///< capacity in numbers
-} learn_log;
+} train_log;
 
-enum
-{
-    LEARN_LOG_EPOCH,
-    LEARN_LOG_STEP
-};
+/// @param path,picture null for none; must outlive the log, as the names must
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status train_log_make(const char *path, const char *picture, train_log_columns columns, train_log *log,
+                          bat_error *error);
+void train_log_free(train_log *log);
 
-/// Begin a table. What the file held is kept up to the last row whose step is not beyond `step`, and cut off there; with a
-/// step of 0 it is begun anew.
-/// @param path null for a table in memory alone
-/// @param names kept, not copied
-/// @return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY, or BAT_BAD_FILE when an existing file has other columns or no numbers
-bat_status learn_log_open(const char *path, const char *const *names, size_t columns, uint64_t step, learn_log *log,
-                          bat_error *error);
-void learn_log_close(learn_log *log);
-/// Add a row and see to it that it reaches the file.
-/// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY
-bat_status learn_log_add(learn_log *log, const double *row, bat_error *error);
-/// Draw columns over the epochs: a chart for each group of columns, the groups given by the first column of each and
-/// `ends[groups - 1]` behind the last. A group all of whose numbers are positive has a logarithmic axis. Groups without
-/// numbers are left out; without any nothing is drawn.
-/// @return BAT_OK, or as bat_chart_write()
-bat_status learn_log_draw(const learn_log *log, const char *path, const size_t *begins, const size_t *ends, size_t groups,
-                          bat_error *error);
+/// The functions by which learn_train() fills the log. When a training resumes, the file keeps its rows up to the steps
+/// done; what follows is cut off. The picture is drawn when a training resumes, and with every checkpoint. It has a chart
+/// for each of loss, gradient norm, learning rate, metrics and validation metrics. A chart without a number that is not
+/// positive has a logarithmic axis; without any row nothing is drawn.
+///
+/// The functions return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY, BAT_BAD_FILE for a file with other columns or without
+/// numbers, and what bat_chart_write() returns. Errors name the file.
+learn_observer train_log_observer(train_log *log);
 
 #endif

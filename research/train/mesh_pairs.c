@@ -23,7 +23,7 @@ static size_t vertices_at(const mesh_levels *levels, size_t level)
 
 // Targets
 
-/// Where the map takes the vertices. Vertices keep their indices from level to level, so all levels share one array.
+/// The map's images of the vertices. Vertices keep their indices from level to level, so all levels share one array.
 static bat_status map_targets(const bat_mesh *shape, const bat_mesh_map *map, mesh_pair *pair, bat_error *error)
 {
     size_t numbers = 3 * pair->levels.vertex_count;
@@ -81,15 +81,15 @@ static bat_status make_levels(const bat_mesh *coarse, size_t count, mesh_levels 
 bat_status mesh_pair_make(const bat_mesh *shape, const mesh_pair_plan *plan, uint64_t seed, mesh_pair *pair,
                           bat_error *error)
 {
-    assert(plan->levels >= 1 && plan->levels <= MESH_PAIR_MOST_LEVELS);
+    assert(plan->levels >= 1 && plan->levels <= MESH_PAIR_MAX_LEVELS);
     bat_random random = bat_random_seed(seed);
-    double spread = (double)(plan->most_vertices - plan->least_vertices + 1);
+    double spread = (double)(plan->max_vertices - plan->min_vertices + 1);
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
-    options.vertices = plan->least_vertices + (size_t)(spread * bat_random_uniform(&random));
+    options.vertices = plan->min_vertices + (size_t)(spread * bat_random_uniform(&random));
     options.candidates = CANDIDATES;
     options.seed = bat_random_bits(&random);
-    options.least_normal = plan->least_normal;
-    options.least_quality = plan->least_quality;
+    options.least_normal = plan->min_normal;
+    options.least_quality = plan->min_quality;
     mesh_pair made = {0};
     bat_mesh_map *map = NULL;
     bat_status status = bat_mesh_decimate(shape, &options, &made.coarse, plan->loop ? NULL : &map, error);
@@ -116,13 +116,13 @@ void mesh_pair_free(mesh_pair *pair)
 // Many
 
 bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t count, const mesh_pair_plan *plan,
-                            uint64_t seed, size_t fresh, mesh_pairs *pairs, bat_error *error)
+                            uint64_t seed, size_t resampled, mesh_pairs *pairs, bat_error *error)
 {
     mesh_pairs made = {.shapes = shapes,
                        .shape_count = shape_count,
                        .plan = *plan,
                        .seed = seed,
-                       .fresh = fresh < count ? fresh : count,
+                       .resampled = resampled < count ? resampled : count,
                        .pair = calloc(count, sizeof *made.pair),
                        .made_for = calloc(count, sizeof *made.made_for),
                        .count = count};
@@ -136,15 +136,15 @@ bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t c
     return BAT_OK;
 }
 
-/// The epoch that a pair stems from at a later one. In epoch e > 0 the pairs (e - 1) fresh … e fresh - 1 are made anew,
-/// counted around.
+/// The epoch in which the pair of a later epoch was made. Epoch e > 0 replaces the pairs (e - 1) resampled … e resampled -
+/// 1, modulo the count.
 static uint64_t epoch_of(const mesh_pairs *pairs, size_t p, uint64_t epoch)
 {
-    uint64_t renewed = epoch * pairs->fresh, count = pairs->count;
+    uint64_t renewed = epoch * pairs->resampled, count = pairs->count;
     if (renewed <= p)
         return 0;
     uint64_t last = (renewed - 1 - p) / count * count + p;
-    return last / pairs->fresh + 1;
+    return last / pairs->resampled + 1;
 }
 
 static uint64_t seed_of(const mesh_pairs *pairs, size_t p, uint64_t epoch)

@@ -5,12 +5,12 @@
 #include "mesh/network/mesh_flap.h"
 
 /// @file
-/// What rules for meshes are trained on: coarse meshes made from fine shapes by random decimation, with the places where the
-/// vertices of every level should come to lie.
+/// The training data of rules for meshes: coarse meshes made from fine shapes by random decimation, with target positions
+/// for the vertices of every level.
 
 enum
 {
-    MESH_PAIR_MOST_LEVELS = 4
+    MESH_PAIR_MAX_LEVELS = 4
 };
 
 /// A coarse mesh and its refinements, in the shape's own coordinates. Release it with mesh_pair_free().
@@ -20,49 +20,48 @@ typedef struct mesh_pair
     mesh_levels levels;
     /// levels.count + 1 entries: vertices x 3 positions at each level, vertex for vertex. Level 0 is not the coarse mesh
     /// where the map moves its vertices.
-    const double *target[MESH_PAIR_MOST_LEVELS + 1];
+    const double *target[MESH_PAIR_MAX_LEVELS + 1];
     /// Unit normals of the shape at the targets of the last level, of which those of the earlier levels are the first; null
     /// where the targets do not lie on the shape.
     const double *normals;
-    double *memory; ///< that these lie in
+    double *memory; ///< holds targets and normals
 } mesh_pair;
 
-/// How to make pairs.
+/// Options of a pair.
 typedef struct mesh_pair_plan
 {
-    size_t levels;                        ///< 1 to MESH_PAIR_MOST_LEVELS
-    size_t least_vertices, most_vertices; ///< of the coarse mesh: evenly drawn between
-    double least_normal, least_quality;   ///< as in bat_mesh_decimate_options
-    bool loop;                            ///< the targets are Loop's refinement of the coarse mesh instead of the shape
+    size_t levels;                     ///< 1 to MESH_PAIR_MAX_LEVELS
+    size_t min_vertices, max_vertices; ///< of the coarse mesh, drawn uniformly
+    double min_normal, min_quality;    ///< as in bat_mesh_decimate_options
+    bool loop;                         ///< the targets are Loop's refinement of the coarse mesh instead of the shape
 } mesh_pair_plan;
 
-/// Make one, by the semi-random decimation of Liu et al. (2020), appendix E: of 100 random edges the one of least error.
+/// Make a pair by the semi-random decimation of Liu et al. (2020), appendix E: of 100 random edges the one of least error.
 /// @param shape what bat_mesh_check() and bat_mesh_connect() accept
-/// @param seed  of all chance
+/// @param seed  of all randomness
 /// @return BAT_OK, what bat_mesh_decimate() and bat_mesh_refine() return; `pair` is untouched on failure
 bat_status mesh_pair_make(const bat_mesh *shape, const mesh_pair_plan *plan, uint64_t seed, mesh_pair *pair,
                           bat_error *error);
 void mesh_pair_free(mesh_pair *pair);
 
-/// Many pairs, of which some are made anew from epoch to epoch.
+/// Many pairs, of which each epoch may replace some.
 typedef struct mesh_pairs
 {
     const bat_mesh *shapes; ///< the caller's
     size_t shape_count;
     mesh_pair_plan plan;
     uint64_t seed;
-    size_t fresh;       ///< pairs that are made anew in each epoch, one after the other around
+    size_t resampled;   ///< pairs that each epoch replaces, in cyclic order
     mesh_pair *pair;    ///< count; pair p is of shape p % shape_count
-    uint64_t *made_for; ///< count: the epoch that a pair was made in, plus 1; 0: not yet
+    uint64_t *made_for; ///< count: the epoch in which a pair was made, plus 1; 0: not yet
     size_t count;
 } mesh_pairs;
 
 /// Room for `count` pairs, which mesh_pairs_renew() makes. Release it with mesh_pairs_free().
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t count, const mesh_pair_plan *plan,
-                            uint64_t seed, size_t fresh, mesh_pairs *pairs, bat_error *error);
-/// Make those pairs of an epoch that are not there yet. Which they are depends on the seed and the epoch alone, whatever
-/// epochs came before.
+                            uint64_t seed, size_t resampled, mesh_pairs *pairs, bat_error *error);
+/// Make the missing pairs of an epoch. They depend on the seed and the epoch alone, not on the epochs before.
 /// @return as mesh_pair_make(), or BAT_CANCELLED
 bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, int threads, bat_progress progress, bat_error *error);
 void mesh_pairs_free(mesh_pairs *pairs);

@@ -87,7 +87,7 @@ learn_array *mesh_sample_chamfer(learn_tape *tape, learn_array *state, const dou
 
 // Distance off the surface
 
-/// What an error along the surface counts, in squares, beside one off it.
+/// The weight of squared errors along the surface, relative to those off it.
 static const double ALONG = 0.1;
 
 typedef struct off_surface
@@ -159,7 +159,7 @@ static double mean_edge(const bat_mesh *mesh, const unit_box *box)
     return sum / (double)(3 * mesh->face_count) / box->size;
 }
 
-/// A share of the coarse edges, below which errors of the surface count by their squares.
+/// Relative to the mean coarse edge: below it the surface loss is quadratic.
 static const double SLACK = 0.01;
 
 static learn_array *boxed(learn_tape *tape, const unit_box *box, const double *positions, size_t count)
@@ -170,8 +170,8 @@ static learn_array *boxed(learn_tape *tape, const unit_box *box, const double *p
     return array;
 }
 
-static learn_array *judge(learn_tape *tape, mesh_sample_loss_form form, learn_array *state, const unit_box *box,
-                          const mesh_pair *pair, const double *target)
+static learn_array *level_loss(learn_tape *tape, mesh_sample_loss_form form, learn_array *state, const unit_box *box,
+                               const mesh_pair *pair, const double *target)
 {
     if (!form.chamfer && !form.surface)
         return learn_mean_squared_error(tape, learn_slice_columns(tape, state, 0, 3), boxed(tape, box, target, state->rows));
@@ -182,7 +182,7 @@ static learn_array *judge(learn_tape *tape, mesh_sample_loss_form form, learn_ar
         boxed_target[i] = unit_box_in(box, i, target[i]);
     if (form.chamfer)
         return mesh_sample_chamfer(tape, state, boxed_target, state->rows);
-    // In coarse edges, so that all shapes weigh alike.
+    // In units of coarse edges, so that all shapes have the same weight.
     double edge = mean_edge(&pair->coarse, box);
     return learn_scale(tape, mesh_sample_off_surface(tape, state, boxed_target, pair->normals, SLACK * edge),
                        (real)(1 / edge));
@@ -192,13 +192,13 @@ learn_array *mesh_sample_loss(learn_tape *tape, mesh_network_form network, mesh_
                               double *error_at)
 {
     form.surface = form.surface && pair->normals != NULL;
-    learn_array *states[MESH_PAIR_MOST_LEVELS + 1], *loss = NULL;
+    learn_array *states[MESH_PAIR_MAX_LEVELS + 1], *loss = NULL;
     unit_box box = unit_box_of(pair->coarse.positions, pair->coarse.vertex_count);
     learn_array *positions = boxed(tape, &box, pair->coarse.positions, pair->coarse.vertex_count);
     mesh_network_refine(tape, network, &pair->levels, positions, states);
     for (size_t level = 0; level <= pair->levels.count; level++)
     {
-        learn_array *own = judge(tape, form, states[level], &box, pair, pair->target[level]);
+        learn_array *own = level_loss(tape, form, states[level], &box, pair, pair->target[level]);
         if (tape->status != BAT_OK)
             return &tape->nothing;
         error_at[level] = (double)*own->value;

@@ -7,7 +7,7 @@
 /// @file
 /// The loss of one training pair of Liu et al., "Neural Subdivision" (2020), section 4.4, as a graph on a tape.
 
-/// How results are judged.
+/// The form of the loss.
 typedef struct mesh_sample_loss_form
 {
     bool last_level; ///< at the last level alone, instead of the sum over all (appendix H)
@@ -21,19 +21,19 @@ typedef struct mesh_sample_loss_form
 learn_array *mesh_sample_loss(learn_tape *tape, mesh_network_form network, mesh_sample_loss_form form, const mesh_pair *pair,
                               double *error_at);
 
-/// The mean over points of the squared distance to the nearest target, plus that of the targets to the nearest point, over
-/// 6, so that points that lie near their own targets, and nowhere else, have the loss of a mean over coordinates.
+/// The mean over points of the squared distance to the nearest target, plus that of the targets to the nearest point,
+/// over 6. Where every point's nearest target is its own, this is the mean square over coordinates.
 /// @param state points in its first 3 columns, at least one
 /// @param targets count x 3, at least one
 learn_array *mesh_sample_chamfer(learn_tape *tape, learn_array *state, const double *targets, size_t count);
 
 /// The mean over points of sqrt((n.r)^2 + (r^2 - (n.r)^2) / 10 + e^2) - e for r = point - target and the surface's unit
-/// normal n there: what lies off the surface counts in full, what has slipped along it a tenth of its square, and far ones
-/// do not drown the others, as they would in a mean of squares. It is near the mean distance of surfaces, by which results
-/// are measured.
+/// normal n there. Squared errors along the surface have a tenth of the weight of those off it. The loss grows linearly, so
+/// that outliers do not dominate as in a mean of squares. It is close to the mean distance of surfaces, by which results are
+/// measured.
 /// @param state   points in its first 3 columns
 /// @param targets, normals rows x 3
-/// @param slack   e, below which errors count by their squares; above 0
+/// @param slack   e, below which the loss is quadratic; above 0
 learn_array *mesh_sample_off_surface(learn_tape *tape, learn_array *state, const double *targets, const double *normals,
                                      double slack);
 

@@ -3,10 +3,11 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/shared_work.h"
+#include "base/threads.h"
+#include "batten/research/mesh_shapes.h"
 #include "research/train/mesh_sample.h"
-#include "research/train/train.h"
-#include "research/train/train_files.h"
-#include "research/train/train_model.h"
+#include "research/train/run.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,79 +16,110 @@
 enum
 {
     LEVELS = BAT_MESH_TRAIN_LEVELS,
-    KEPT = 5, ///< pairs of each shape that are kept aside
-    CHECK_EVERY = 5,
-    SAVE_EVERY = 5,
-    NAME_SIZE = 512
+    VALIDATION_PAIRS = 5, ///< of each shape
+    OWN_SHAPES = BAT_MESH_TRAINING_SHAPES,
+    SHAPE_VERTICES = 8000
 };
-static const size_t MOST_PAIRS = 10000000;
 
 /// What is recorded of every step: the loss of each level.
-static const char *const FIGURES[LEVELS + 1] = {"level_0", "level_1", "level_2"};
-/// The loss on what is kept aside, and its root at each level.
-static const char *const CHECKS[] = {"kept_loss", "kept_error_0", "kept_error_1", "kept_error_2"};
-enum
-{
-    CHECK_COUNT = sizeof CHECKS / sizeof *CHECKS
-};
+static const char *const METRICS[LEVELS + 1] = {"level_0", "level_1", "level_2"};
+/// The loss of the validation pairs, and its root at each level.
+static const char *const VALIDATION[] = {"validation_loss", "validation_error_0", "validation_error_1",
+                                         "validation_error_2"};
 
 typedef struct training
 {
+    train_context base;
     const bat_mesh_train_options *options;
-    learn_parameters parameters;
-    mesh_pairs pairs, kept;
+    const bat_mesh *given; ///< the caller's shapes
+    size_t given_count;
+    bat_mesh *shapes; ///< the given ones, not copied, then our own
+    size_t shape_count;
+    mesh_pairs pairs, validation;
     size_t *order; ///< of the pairs in this epoch
 } training;
 
-bat_mesh_train_options bat_mesh_train_defaults(void)
+// Shapes
+
+/// More organic shapes than machined ones, as decimated meshes mostly are.
+static const struct
 {
+    const char *name;
+    uint64_t seed;
+} SHAPES[OWN_SHAPES] = {
+    {"creature", 1}, {"creature", 2}, {"creature", 3}, {"creature", 4}, {"creature", 5}, {"figure", 1},
+    {"figure", 2},   {"bust", 1},     {"bust", 2},     {"bust", 3},     {"mask", 1},     {"mask", 2},
+    {"cactus", 1},   {"cactus", 2},   {"coral", 1},    {"pretzel", 1},  {"stone", 1},    {"stone", 2},
+    {"bracket", 1},  {"bracket", 2},  {"gear", 1},     {"lathe", 1},    {"casting", 1},  {"gem", 1},
+    {"cam", 1},      {"block", 1},    {"knot", 1},     {"relief", 1},   {"shell", 1},    {"casting", 2},
+};
+
+bat_status bat_mesh_training_shapes(bat_mesh *shapes, int threads, bat_progress progress, bat_error *error)
+{
+    shared_work work = shared_work_make(OWN_SHAPES, progress);
+    for (size_t i = 0; i < OWN_SHAPES; i++)
+        shapes[i] = (bat_mesh){0};
+#pragma omp parallel for schedule(dynamic) num_threads(threads_for(threads, OWN_SHAPES))
+    for (size_t i = 0; i < OWN_SHAPES; i++)
+    {
+        if (!shared_work_wants(&work, i))
+            continue;
+        bat_error own;
+        bat_status status = bat_mesh_shape(SHAPES[i].name, SHAPE_VERTICES, SHAPES[i].seed, &shapes[i], &own);
+        shared_work_finish(&work, i, status, &own);
+    }
+    bat_status status = shared_work_end(&work, error);
+    for (size_t i = 0; i < OWN_SHAPES && status != BAT_OK; i++)
+        bat_mesh_free(&shapes[i]);
+    return status;
+}
+
+// Options
+
+bat_mesh_train_options bat_mesh_train_defaults(bat_recipe recipe)
+{
+    bool batten = recipe == BAT_RECIPE_BATTEN;
     return (bat_mesh_train_options){
-        .seed = 1,
-        .epochs = 700,
-        .pairs = 200,
-        .batch = 1,
-        .least_vertices = 150,
-        .most_vertices = 300,
-        .least_normal = 0.2,
-        .least_quality = 0.2,
+        .run = {.seed = 1, .epochs = batten ? 400 : 700},
+        .recipe = recipe,
+        .pairs = batten ? 16 : 200,
+        .resampled = batten ? 24 : 0,
+        .batch = batten ? 2 : 1,
+        .min_vertices = 150,
+        .max_vertices = batten ? 500 : 300,
+        .min_normal = 0.2,
+        .min_quality = 0.2,
         .rate = 2e-3,
+        .cosine_decay = batten,
+        .relative = batten,
+        .surface = batten,
     };
 }
 
-bat_mesh_train_options bat_mesh_train_batten(void)
+static size_t count_shapes(const training *t)
 {
-    bat_mesh_train_options options = bat_mesh_train_defaults();
-    options.epochs = 400;
-    options.pairs = 16;
-    options.fresh = 24;
-    options.batch = 2;
-    options.most_vertices = 500;
-    options.falling = true;
-    options.relative = true;
-    options.surface = true;
-    return options;
+    return t->given_count + (t->options->recipe == BAT_RECIPE_BATTEN ? OWN_SHAPES : 0);
 }
 
-static bat_status check_options(size_t shape_count, const bat_mesh_train_options *options, bat_error *error)
+static bat_status check(const void *context, bat_error *error)
 {
-    if (shape_count == 0)
+    const training *t = context;
+    const bat_mesh_train_options *o = t->options;
+    size_t shapes = count_shapes(t);
+    if (shapes == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "training needs at least 1 shape");
-    if (options->epochs == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "training needs at least 1 epoch");
-    if (options->pairs == 0 || options->pairs > MOST_PAIRS / shape_count)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "%zu pairs of each of %zu shapes: there must be 1 to %zu in all", options->pairs, shape_count,
-                         MOST_PAIRS);
-    if (options->batch == 0 || options->batch > options->pairs * shape_count)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a batch of %zu meshes of %zu", options->batch,
-                         options->pairs * shape_count);
-    if (options->least_vertices < 4 || options->most_vertices < options->least_vertices)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "coarse meshes of %zu to %zu vertices: there must be 4 or more", options->least_vertices,
-                         options->most_vertices);
-    if (!(options->rate > 0) || !isfinite(options->rate))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the learning rate %g is not above 0", options->rate);
-    return BAT_OK;
+    double max_pairs = (double)(BAT_MESH_TRAIN_MAX_PAIRS / shapes);
+    const train_range ranges[] = {
+        {"pairs", (double)o->pairs, 1, max_pairs, false, false},
+        {"resampled", (double)o->resampled, 0, BAT_MESH_TRAIN_MAX_PAIRS, false, false},
+        {"batch", (double)o->batch, 1, (double)(o->pairs * shapes), false, false},
+        {"min_vertices", (double)o->min_vertices, 4, BAT_MESH_TRAIN_MAX_VERTICES, false, false},
+        {"max_vertices", (double)o->max_vertices, (double)o->min_vertices, BAT_MESH_TRAIN_MAX_VERTICES, false, false},
+        {"min_normal", o->min_normal, -1, 1, false, false},
+        {"min_quality", o->min_quality, 0, 1, false, false},
+        {"rate", o->rate, 0, INFINITY, true, false},
+    };
+    return train_check_ranges(ranges, sizeof ranges / sizeof *ranges, error);
 }
 
 static mesh_network_form network_form(const bat_mesh_train_options *options)
@@ -102,19 +134,31 @@ static mesh_sample_loss_form loss_form(const bat_mesh_train_options *options)
         .last_level = options->last_level, .chamfer = options->chamfer, .surface = options->surface};
 }
 
-// What learn_train() asks for
-
-static void shuffle(training *t, bat_random *random)
+static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
 {
-    for (size_t i = 0; i < t->pairs.count; i++)
+    const training *t = context;
+    const bat_mesh_train_options *o = t->options;
+    uint64_t hash = HASH_BEGIN;
+    for (size_t s = 0; s < t->shape_count; s++)
     {
-        size_t j = (size_t)(bat_random_uniform(random) * (double)(i + 1));
-        t->order[i] = t->order[j];
-        t->order[j] = i;
+        const bat_mesh *shape = &t->shapes[s];
+        hash = hash_bytes(hash, shape->positions, shape->vertex_count * 3 * sizeof *shape->positions);
+        hash = hash_bytes(hash, shape->faces, shape->face_count * 3 * sizeof *shape->faces);
     }
+    (void)snprintf(
+        text, TRAIN_TEXT_SIZE,
+        "mesh published, %llu epochs, %zu pairs of each of %zu shapes (%016llx), %zu fresh, batch %zu, %zu to %zu "
+        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s%s",
+        (unsigned long long)o->run.epochs, o->pairs, t->shape_count, (unsigned long long)hash, o->resampled, o->batch,
+        o->min_vertices, o->max_vertices, o->min_normal, o->min_quality, o->rate, o->cosine_decay ? " falling" : "",
+        o->fixed_frames ? MESH_NETWORK_FIXED : "", o->no_differences ? ", no differential coordinates" : "",
+        o->relative ? MESH_NETWORK_RELATIVE : "", o->last_level ? ", last level" : "", o->chamfer ? ", Chamfer" : "",
+        o->surface ? ", off the surface" : "", o->learn_loop ? ", Loop" : "");
 }
 
-/// Forwards the wish to stop, and no share: that is of the training as a whole.
+// Training
+
+/// Forwards the wish to stop. The share done is that of the whole training, which has not begun.
 static bool report_begin(void *context, double fraction)
 {
     (void)fraction;
@@ -122,20 +166,92 @@ static bool report_begin(void *context, double fraction)
     return progress->report(progress->context, 0);
 }
 
-/// Pairs, fresh ones too. Before the first step of a run there is nothing that a stop could lose; later the next step asks.
-static bat_status begin_epoch(void *context, uint64_t epoch, bat_random *random, bat_error *error)
+static bat_progress progress_before_training(bat_progress *given)
+{
+    return given->report != NULL ? (bat_progress){report_begin, given} : (bat_progress){0};
+}
+
+static bat_status make_shapes(training *t, bat_error *error)
+{
+    bat_progress given = t->options->run.progress;
+    size_t count = count_shapes(t);
+    t->shapes = calloc(count, sizeof *t->shapes);
+    if (t->shapes == NULL)
+        return error_memory(error, count * sizeof *t->shapes);
+    for (size_t s = 0; s < t->given_count; s++)
+        t->shapes[s] = t->given[s];
+    bat_status status = BAT_OK;
+    if (count > t->given_count)
+        status = bat_mesh_training_shapes(t->shapes + t->given_count, t->options->run.threads,
+                                          progress_before_training(&given), error);
+    t->shape_count = status == BAT_OK ? count : t->given_count;
+    return status;
+}
+
+static bat_status make(void *context, bat_error *error)
 {
     training *t = context;
-    bat_progress given = t->options->progress, progress = {0};
-    if (t->pairs.made_for[0] == 0 && given.report != NULL)
-        progress = (bat_progress){report_begin, &given};
-    shuffle(t, random);
-    bat_status status = mesh_pairs_renew(&t->kept, 0, t->options->threads, progress, error);
-    return status == BAT_OK ? mesh_pairs_renew(&t->pairs, epoch, t->options->threads, progress, error) : status;
+    const bat_mesh_train_options *o = t->options;
+    bat_status status = make_shapes(t, error);
+    if (status == BAT_OK)
+        status = mesh_network_make(network_form(o), &t->base.parameters, error);
+    if (status != BAT_OK)
+        return status;
+    mesh_network_start(&t->base.parameters, o->run.seed);
+    const mesh_pair_plan plan = {.levels = LEVELS,
+                                 .min_vertices = o->min_vertices,
+                                 .max_vertices = o->max_vertices,
+                                 .min_normal = o->min_normal,
+                                 .min_quality = o->min_quality,
+                                 .loop = o->learn_loop};
+    size_t count = o->pairs * t->shape_count;
+    // Seeds of neighbouring numbers are unrelated. No training has the seed of its validation pairs.
+    status = mesh_pairs_begin(t->shapes, t->shape_count, count, &plan, o->run.seed, o->resampled, &t->pairs, error);
+    if (status == BAT_OK)
+        status = mesh_pairs_begin(t->shapes, t->shape_count, VALIDATION_PAIRS * t->shape_count, &plan, ~o->run.seed, 0,
+                                  &t->validation, error);
+    t->order = memory_array(count, sizeof *t->order);
+    if (status == BAT_OK && t->order == NULL)
+        status = error_memory(error, count * sizeof *t->order);
+    return status;
+}
+
+static void training_free(training *t)
+{
+    for (size_t s = t->given_count; s < t->shape_count; s++)
+        bat_mesh_free(&t->shapes[s]);
+    free(t->shapes);
+    learn_parameters_free(&t->base.parameters);
+    mesh_pairs_free(&t->pairs);
+    mesh_pairs_free(&t->validation);
+    free(t->order);
+}
+
+static void configure(const void *context, learn_job *job, learn_options *options)
+{
+    const training *t = context;
+    job->steps = (t->pairs.count + t->options->batch - 1) / t->options->batch;
+    job->pieces = t->options->batch;
+    options->schedule.kind = t->options->cosine_decay ? LEARN_COSINE : LEARN_CONSTANT;
+    options->schedule.rate = t->options->rate;
+}
+
+/// Make the pairs, resampled ones too. Before the first step of a run nothing is lost by a stop; later the next step
+/// reports.
+static bat_status prepare_epoch(void *context, uint64_t epoch, bat_random *random, bat_error *error)
+{
+    training *t = context;
+    bat_progress given = t->options->run.progress, progress = {0};
+    int threads = t->options->run.threads;
+    if (t->pairs.made_for[0] == 0)
+        progress = progress_before_training(&given);
+    train_shuffle(t->order, t->pairs.count, random);
+    bat_status status = mesh_pairs_renew(&t->validation, 0, threads, progress, error);
+    return status == BAT_OK ? mesh_pairs_renew(&t->pairs, epoch, threads, progress, error) : status;
 }
 
 /// One mesh of a batch, with its share of the batch's mean.
-static bat_status train_mesh(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *figures,
+static bat_status piece_loss(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *metrics,
                              bat_error *error)
 {
     (void)error;
@@ -149,23 +265,23 @@ static bat_status train_mesh(void *context, learn_piece *piece, learn_tape *tape
     *loss = mesh_sample_loss(tape, network_form(t->options), loss_form(t->options), pair, errors);
     *loss = learn_scale(tape, *loss, (real)share);
     for (size_t level = 0; level <= LEVELS; level++)
-        figures[level] = share * errors[level];
+        metrics[level] = share * errors[level];
     return BAT_OK;
 }
 
-/// The mean loss on what is kept aside, and that of each level.
+/// The mean loss of the validation pairs, and its root at each level.
 static bat_status measure(training *t, double *loss, double *errors, bat_error *error)
 {
     learn_tape tape = learn_tape_make();
-    bat_status status = mesh_pairs_renew(&t->kept, 0, t->options->threads, (bat_progress){0}, error);
+    bat_status status = mesh_pairs_renew(&t->validation, 0, t->options->run.threads, (bat_progress){0}, error);
     *loss = 0;
     memset(errors, 0, (LEVELS + 1) * sizeof *errors);
-    for (size_t p = 0; p < t->kept.count && status == BAT_OK; p++)
+    for (size_t p = 0; p < t->validation.count && status == BAT_OK; p++)
     {
-        double own[LEVELS + 1] = {0}, share = 1 / (double)t->kept.count;
-        learn_tape_begin(&tape, &t->parameters, NULL);
+        double own[LEVELS + 1] = {0}, share = 1 / (double)t->validation.count;
+        learn_tape_begin(&tape, &t->base.parameters, NULL);
         const learn_array *made =
-            mesh_sample_loss(&tape, network_form(t->options), loss_form(t->options), &t->kept.pair[p], own);
+            mesh_sample_loss(&tape, network_form(t->options), loss_form(t->options), &t->validation.pair[p], own);
         status = learn_tape_status(&tape, error);
         if (status != BAT_OK)
             break;
@@ -174,150 +290,50 @@ static bat_status measure(training *t, double *loss, double *errors, bat_error *
             errors[level] += share * own[level];
     }
     learn_tape_free(&tape);
-    return status;
-}
-
-static bat_status check(void *context, uint64_t epoch, double *figures, bat_error *error)
-{
-    (void)epoch;
-    bat_status status = measure(context, &figures[0], &figures[1], error);
     for (size_t level = 0; level <= LEVELS; level++)
-        figures[1 + level] = sqrt(figures[1 + level]);
+        errors[level] = sqrt(errors[level]);
     return status;
 }
 
-// All of it
-
-/// Everything but the seed that makes one training another, as the name by which a checkpoint is known.
-static void write_name(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
-                       char name[NAME_SIZE])
+static bat_status validate(void *context, double *metrics, bat_error *error)
 {
-    uint64_t hash = HASH_BEGIN;
-    for (size_t s = 0; s < shape_count; s++)
-    {
-        hash = hash_bytes(hash, shapes[s].positions, shapes[s].vertex_count * 3 * sizeof *shapes[s].positions);
-        hash = hash_bytes(hash, shapes[s].faces, shapes[s].face_count * 3 * sizeof *shapes[s].faces);
-    }
-    (void)snprintf(
-        name, NAME_SIZE,
-        "mesh published, %llu epochs, %zu pairs of each of %zu shapes (%016llx), %zu fresh, batch %zu, %zu to %zu "
-        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s%s",
-        (unsigned long long)options->epochs, options->pairs, shape_count, (unsigned long long)hash, options->fresh,
-        options->batch, options->least_vertices, options->most_vertices, options->least_normal, options->least_quality,
-        options->rate, options->falling ? " falling" : "", options->fixed_frames ? MESH_NETWORK_FIXED : "",
-        options->no_differences ? ", no differential coordinates" : "", options->relative ? MESH_NETWORK_RELATIVE : "",
-        options->last_level ? ", last level" : "", options->chamfer ? ", Chamfer" : "",
-        options->surface ? ", off the surface" : "", options->learn_loop ? ", Loop" : "");
+    return measure(context, &metrics[0], &metrics[1], error);
 }
 
-static bat_status training_make(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
-                                training *t, bat_error *error)
-{
-    *t = (training){.options = options};
-    mesh_pair_plan plan = {.levels = LEVELS,
-                           .least_vertices = options->least_vertices,
-                           .most_vertices = options->most_vertices,
-                           .least_normal = options->least_normal,
-                           .least_quality = options->least_quality,
-                           .loop = options->learn_loop};
-    size_t count = options->pairs * shape_count;
-    bat_status status = mesh_network_make(network_form(options), &t->parameters, error);
-    if (status != BAT_OK)
-        return status;
-    mesh_network_start(&t->parameters, options->seed);
-    // Seeds of neighbouring numbers are unrelated; what is kept aside has one that no training has.
-    status = mesh_pairs_begin(shapes, shape_count, count, &plan, options->seed, options->fresh, &t->pairs, error);
-    if (status == BAT_OK)
-        status = mesh_pairs_begin(shapes, shape_count, KEPT * shape_count, &plan, ~options->seed, 0, &t->kept, error);
-    t->order = memory_array(count, sizeof *t->order);
-    if (status == BAT_OK && t->order == NULL)
-        status = error_memory(error, count * sizeof *t->order);
-    return status;
-}
-
-static void training_free(training *t)
-{
-    learn_parameters_free(&t->parameters);
-    mesh_pairs_free(&t->pairs);
-    mesh_pairs_free(&t->kept);
-    free(t->order);
-}
-
-/// Appendix F.
-static learn_options learning_of(const bat_mesh_train_options *given, const char *name, const train_files *files)
-{
-    learn_options options = learn_options_defaults();
-    options.epochs = given->epochs;
-    options.optimizer =
-        (learn_optimizer_options){.rule = LEARN_ADAM, .momentum = 0.9, .second = 0.999, .epsilon = 1e-8, .decay = 0};
-    options.schedule = (learn_schedule){
-        .kind = given->falling ? LEARN_COSINE : LEARN_CONSTANT, .rate = given->rate, .epochs = given->epochs};
-    options.seed = given->seed;
-    options.threads = given->threads;
-    options.check_every = CHECK_EVERY;
-    options.checkpoint_every = SAVE_EVERY;
-    options.name = name;
-    options.resume = given->resume;
-    options.progress = given->progress;
-    train_files_use(files, &options);
-    return options;
-}
-
-static bat_status run(training *t, const learn_options *options, learn_report *made, bat_error *error)
-{
-    learn_job job = {
-        .context = t,
-        .parameters = &t->parameters,
-        .steps = (t->pairs.count + t->options->batch - 1) / t->options->batch,
-        .pieces = t->options->batch,
-        .figures = FIGURES,
-        .figure_count = LEVELS + 1,
-        .checks = CHECKS,
-        .check_count = CHECK_COUNT,
-        .epoch = begin_epoch,
-        .piece = train_mesh,
-        .check = check,
-    };
-    return learn_train(&job, options, made, error);
-}
-
-static bat_status fill_report(training *t, const learn_report *made, bat_mesh_train_report *report, bat_error *error)
-{
-    bat_mesh_train_report filled = {.epochs = made->epochs, .best_epoch = made->best_epoch + 1, .loss = made->loss};
-    double loss;
-    bat_status status = measure(t, &loss, filled.errors, error);
-    for (size_t level = 0; level <= LEVELS; level++)
-        filled.errors[level] = sqrt(filled.errors[level]);
-    if (status == BAT_OK)
-        *report = filled;
-    return status;
-}
+// The recipes have the same network; their defaults and their shapes differ. Optimizer and epochs are those of appendix F.
+static const train_recipe RECIPE = {
+    .columns = {METRICS, LEVELS + 1, VALIDATION, sizeof VALIDATION / sizeof *VALIDATION},
+    .best_note = "validation_loss",
+    .optimizer = {.rule = LEARN_ADAM, .momentum = 0.9, .second = 0.999, .epsilon = 1e-8},
+    .plateau = {.reduce_factor = 0.5},
+    .clip = HUGE_VAL,
+    .validate_every = 5,
+    .checkpoint_every = 5,
+    .check = check,
+    .make = make,
+    .configure = configure,
+    .describe = describe,
+    .prepare_epoch = prepare_epoch,
+    .piece_loss = piece_loss,
+    .validate = validate,
+};
+static const train_recipe *const RECIPES[TRAIN_RECIPES] = {&RECIPE, &RECIPE};
 
 bat_status bat_mesh_train(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
                           bat_mesh_train_report *report, bat_error *error)
 {
-    bat_mesh_train_options defaults = bat_mesh_train_defaults();
-    if (options == NULL)
-        options = &defaults;
-    training t = {0};
-    train_files files;
-    learn_report made;
-    char name[NAME_SIZE];
-    bat_status status = check_options(shape_count, options, error);
-    if (status == BAT_OK)
-        status = train_files_make(options->folder, &files, error);
-    if (status == BAT_OK)
-        status = training_make(shapes, shape_count, options, &t, error);
-    if (status == BAT_OK)
-    {
-        write_name(shapes, shape_count, options, name);
-        learn_options learning = learning_of(options, name, &files);
-        status = run(&t, &learning, &made, error);
-    }
-    if (status == BAT_OK && options->folder != NULL)
-        status = train_model_write(files.model, &t.parameters, name, options->seed, &made, "kept_loss", error);
+    const bat_mesh_train_options defaults = bat_mesh_train_defaults(BAT_RECIPE_PUBLISHED);
+    options = options != NULL ? options : &defaults;
+    training t = {.base.options = &options->run, .options = options, .given = shapes, .given_count = shape_count};
+    bat_mesh_train_report made;
+    double loss;
+    bat_status status = train_run(RECIPES, options->recipe, &t, &made.run, error);
     if (status == BAT_OK && report != NULL)
-        status = fill_report(&t, &made, report, error);
+    {
+        status = measure(&t, &loss, made.errors, error);
+        if (status == BAT_OK)
+            *report = made;
+    }
     training_free(&t);
     return status;
 }

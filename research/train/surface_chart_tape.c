@@ -1,12 +1,12 @@
-#include "research/train/surface_sample.h"
+#include "research/train/surface_network_tape.h"
 #include "surface/network/chart_network.h"
 
 #include <math.h>
 
 /// @file
-/// The network of surface/network/surface_chart_network.h on a tape, for training.
+/// The network of surface/network/chart_network.h on a tape, for training.
 
-/// He's normal weights, a last layer that says next to nothing, biases 0.
+/// He's normal weights, biases 0; the last layer's weights are so small that training begins near zero moves.
 static void start(learn_parameters *parameters, uint64_t seed)
 {
     bat_random random = bat_random_seed(seed);
@@ -40,7 +40,7 @@ static void move_back(void *context)
         to[i] += (real)by_moves[i];
 }
 
-static learn_array *say(learn_tape *tape, learn_array *features)
+static learn_array *evaluate(learn_tape *tape, learn_array *features)
 {
     learn_array *x = features;
     for (size_t layer = 0; layer < CHART_LAYERS; layer++)
@@ -68,7 +68,7 @@ static learn_array *predict(learn_tape *tape, const bat_cloud *cloud, const doub
     learn_array *features = learn_array_make(tape, 1, PATCH_FEATURES, false);
     for (size_t i = 0; i < learn_size(features); i++)
         features->value[i] = (real)m->chart.features[i];
-    m->moves = say(tape, features);
+    m->moves = evaluate(tape, features);
     m->interior = learn_array_make(tape, count, 2, learn_wants(m->moves));
     if (tape->status != BAT_OK)
         return &tape->nothing;
@@ -83,7 +83,7 @@ static learn_array *predict(learn_tape *tape, const bat_cloud *cloud, const doub
     return m->interior;
 }
 
-/// Squares differ by orders of magnitude between clean and noisy clouds: the logarithm lets all count.
+/// Squares differ by orders of magnitude between clean and noisy clouds. The logarithm gives them comparable weight.
 static const real LOSS_FLOOR = (real)1e-7;
 
 static learn_array *loss(learn_tape *tape, const surface_sample *sample, learn_array *interior)
@@ -91,7 +91,7 @@ static learn_array *loss(learn_tape *tape, const surface_sample *sample, learn_a
     return learn_log(tape, learn_add_number(tape, surface_sample_residual(tape, sample, interior), LOSS_FLOOR));
 }
 
-const surface_network_training surface_training_batten = {
+const surface_network_tape surface_tape_batten = {
     .kind = &surface_network_batten,
     .start = start,
     .predict = predict,

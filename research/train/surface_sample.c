@@ -12,28 +12,28 @@
 
 // Drawing
 
-/// A whole number from `least` to `most`, the chance of each as 1 / n.
-static size_t draw_count(size_t least, size_t most, bat_random *random)
+/// A whole number from `min` to `max`, with probability proportional to 1 / n.
+static size_t draw_count(size_t min, size_t max, bat_random *random)
 {
-    double low = log((double)least), high = log((double)most + 1);
+    double low = log((double)min), high = log((double)max + 1);
     size_t count = (size_t)exp(low + (high - low) * bat_random_uniform(random));
-    return count < least ? least : count > most ? most : count;
+    return count < min ? min : count > max ? max : count;
 }
 
 /// Rows in the order of `places`.
 static bool reorder(double *rows, size_t columns, const uint32_t *places, size_t count)
 {
-    double *kept = memory_array(count, columns * sizeof *kept);
-    if (kept == NULL)
+    double *copy = memory_array(count, columns * sizeof *copy);
+    if (copy == NULL)
         return false;
-    memcpy(kept, rows, count * columns * sizeof *kept);
+    memcpy(copy, rows, count * columns * sizeof *copy);
     for (size_t i = 0; i < count; i++)
-        memcpy(rows + i * columns, kept + places[i] * columns, columns * sizeof *kept);
-    free(kept);
+        memcpy(rows + i * columns, copy + places[i] * columns, columns * sizeof *copy);
+    free(copy);
     return true;
 }
 
-/// Let near interior points follow each other: graphs are found faster then.
+/// Order the interior points so that near ones follow each other, which makes the search for graphs faster.
 static bat_status put_in_order(surface_sample *sample, bat_error *error)
 {
     size_t bound = sample->cloud.boundary_count, interior = sample->cloud.count - bound;
@@ -52,9 +52,9 @@ bat_status surface_sample_draw(const surface_sample_range *range, bat_random *ra
                                bat_error *error)
 {
     bat_cloud_bezier_options options = bat_cloud_bezier_defaults();
-    options.interior = draw_count(range->least_points, range->most_points, random);
+    options.interior = draw_count(range->min_points, range->max_points, random);
     options.degree =
-        range->least_degree + (int)(bat_random_uniform(random) * (double)(range->most_degree - range->least_degree + 1));
+        range->min_degree + (int)(bat_random_uniform(random) * (double)(range->max_degree - range->min_degree + 1));
     double share = (bat_random_uniform(random) - range->clean) / (1 - range->clean);
     options.noise = share > 0 ? range->noise * share : 0;
     surface_sample drawn = {.degree = options.degree};
@@ -123,7 +123,7 @@ learn_array *surface_sample_residual(learn_tape *tape, const surface_sample *sam
         tape->status = status;
         return &tape->nothing;
     }
-    // Parameters that are no numbers make a loss that is none, which training tells of.
+    // Parameters that are not finite give a loss of NaN, which ends the training with an error.
     *loss->value = status == BAT_OK ? (real)r->fit.error : (real)NAN;
     if (learn_wants(loss) && status == BAT_OK)
         learn_tape_record(tape, loss, residual_backward, r);

@@ -1,7 +1,6 @@
 #include "research/train/tape_polygon.h"
 
 #include "batten/curve_measure.h"
-#include "research/train/geometry_chamfer.h"
 #include "research/train/geometry_feature.h"
 #include "research/train/geometry_insert.h"
 #include "research/train/geometry_loss.h"

@@ -2,7 +2,7 @@
 
 #include "curve/network/tension_network.h"
 #include "research/train/geometry_insert.h"
-#include "research/train/geometry_isometry.h"
+#include "research/train/geometry_polygon.h"
 
 enum
 {
@@ -132,7 +132,7 @@ static learn_array *weighted(learn_tape *tape, learn_array *sum, learn_array *te
     return weight > 0 ? learn_add(tape, sum, learn_scale(tape, term, (real)weight)) : sum;
 }
 
-static double smoothness_weight(const bat_tension_train_options *options, geometry_surface surface)
+static double smoothness_weight(const bat_curve_train_options *options, geometry_surface surface)
 {
     for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         if (tension_surface((bat_tension_space)space) == surface)
@@ -140,7 +140,7 @@ static double smoothness_weight(const bat_tension_train_options *options, geomet
     return 0;
 }
 
-tension_loss tension_sample_loss(learn_tape *tape, const tension_sample *sample, const bat_tension_train_options *options,
+tension_loss tension_sample_loss(learn_tape *tape, const tension_sample *sample, const bat_curve_train_options *options,
                                  bat_random *random)
 {
     tape_polygon *polygon = warm_up(tape, tape_polygon_given(tape, &sample->control));

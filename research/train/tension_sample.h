@@ -39,7 +39,7 @@ typedef struct tension_loss
 /// Warm up with tension -0.15, refine by two learned steps and judge the result. The tape must have begun with the weights
 /// of tension_predictor_make().
 /// @param random for the isometries of eq. (22)
-tension_loss tension_sample_loss(learn_tape *tape, const tension_sample *sample, const bat_tension_train_options *options,
+tension_loss tension_sample_loss(learn_tape *tape, const tension_sample *sample, const bat_curve_train_options *options,
                                  bat_random *random);
 /// Eq. (22) for a polygon that is held fixed.
 learn_array *tension_consistency(learn_tape *tape, const geometry_polygon *polygon, bat_tension_embedding embedding,

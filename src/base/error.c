@@ -23,6 +23,14 @@ bat_status(error_memory)(bat_error *error, size_t size)
     return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory (%zu bytes wanted)", size);
 }
 
+bat_status error_in_file(bat_error *error, bat_status status, const char *path)
+{
+    if (status == BAT_OK || error == NULL)
+        return status;
+    const bat_error inner = *error;
+    return error_set(error, status, inner.index, inner.line, "%s: %s", path, inner.text);
+}
+
 const char *bat_status_name(bat_status status)
 {
     switch (status)

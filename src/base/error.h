@@ -11,6 +11,9 @@ bat_status error_set(bat_error *error, bat_status status, size_t index, size_t l
 /// error_set() for a failed allocation of `size` bytes.
 bat_status error_memory(bat_error *error, size_t size);
 
+/// Put "PATH: " before the text of an error, and hand its status back. Does nothing for BAT_OK or a null error.
+bat_status error_in_file(bat_error *error, bat_status status, const char *path);
+
 #if defined(__clang_analyzer__)
 // Tells the static analyzer, which does not see the bodies, which status comes back.
 #define error_set(error, status, ...) ((void)error_set(error, status, __VA_ARGS__), (status))

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-// Single numbers of the state and what they are called. Both directions go through this list.
+// Single numbers of the state and their names in the file. Reading and writing share this list.
 
 typedef struct state_number
 {
@@ -23,7 +23,7 @@ enum
 
 static void list_numbers(learn_state *state, uint64_t *has_best, state_number list[STATE_NUMBERS])
 {
-    learn_watch *watch = &state->watch;
+    learn_plateau *plateau = &state->plateau;
     const state_number numbers[STATE_NUMBERS] = {
         {"state.seed", &state->seed, NULL, true},
         {"state.pieces", &state->pieces, NULL, true},
@@ -31,12 +31,12 @@ static void list_numbers(learn_state *state, uint64_t *has_best, state_number li
         {"state.epoch_steps", &state->epoch_steps, NULL, true},
         {"state.step", &state->step, NULL, false},
         {"state.has_best", has_best, NULL, false},
-        {"state.best", NULL, &watch->best, false},
-        {"state.best_epoch", &watch->best_epoch, NULL, false},
-        {"state.reference", NULL, &watch->reference, false},
-        {"state.checks_since_gain", &watch->checks_since_gain, NULL, false},
-        {"state.checks_since_change", &watch->checks_since_change, NULL, false},
-        {"state.scale", NULL, &watch->scale, false},
+        {"state.best", NULL, &plateau->best, false},
+        {"state.best_epoch", &plateau->best_epoch, NULL, false},
+        {"state.reference", NULL, &plateau->reference, false},
+        {"state.checks_since_gain", &plateau->checks_since_gain, NULL, false},
+        {"state.checks_since_change", &plateau->checks_since_change, NULL, false},
+        {"state.scale", NULL, &plateau->scale, false},
     };
     memcpy(list, numbers, sizeof numbers);
 }
@@ -105,7 +105,7 @@ bat_status learn_checkpoint_write(const char *path, const char *recipe, const le
     }
     free(arrays);
     free(names);
-    return status;
+    return error_in_file(error, status, path);
 }
 
 static bat_status read_numbers(const safetensors *content, learn_state *state, bat_error *error)
@@ -128,13 +128,13 @@ static bat_status read_numbers(const safetensors *content, learn_state *state, b
         *numbers[i].whole = (uint64_t)whole;
         if (status == BAT_OK && numbers[i].must_agree && (uint64_t)whole != *expected[i].whole)
             status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                               "the checkpoint is of another training: %s is %lld, not %lld", numbers[i].name,
+                               "the checkpoint belongs to another training: %s is %lld, not %lld", numbers[i].name,
                                (long long)whole, (long long)*expected[i].whole);
     }
     if (status != BAT_OK)
         return status;
     state->step = found.step;
-    state->watch = found.watch;
+    state->plateau = found.plateau;
     state->has_best = has_best != 0;
     state->optimizer.steps = found.step;
     return BAT_OK;
@@ -151,29 +151,36 @@ static bat_status read_flat(const safetensors *content, const char *name, size_t
     return BAT_OK;
 }
 
+static bat_status read_state(const safetensors *content, const char *recipe, learn_parameters *parameters,
+                             learn_state *state, bat_error *error)
+{
+    const char *found = safetensors_find_note(content, "recipe");
+    if (found == NULL || strcmp(found, recipe) != 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the checkpoint belongs to a training with other options, '%.80s'", found != NULL ? found : "");
+    bat_status status = read_numbers(content, state, error);
+    if (status == BAT_OK)
+        status = learn_parameters_extract(parameters, content, "weight.", parameters->values, error);
+    if (status == BAT_OK && state->has_best)
+        status = learn_parameters_extract(parameters, content, "best.", state->best, error);
+    if (status == BAT_OK)
+        status = read_flat(content, "optimizer.mean", state->optimizer.count, state->optimizer.mean, error);
+    if (status == BAT_OK && state->optimizer.squares != NULL)
+        status = read_flat(content, "optimizer.squares", state->optimizer.count, state->optimizer.squares, error);
+    if (status == BAT_OK)
+        status = safetensors_doubles(content, "sums", state->sum_count, state->sums, error);
+    return status;
+}
+
 bat_status learn_checkpoint_read(const char *path, const char *recipe, learn_parameters *parameters, learn_state *state,
                                  bat_error *error)
 {
     safetensors content;
     bat_status status = safetensors_read(path, &content, error);
-    if (status != BAT_OK)
-        return status;
-    const char *found = safetensors_find_note(&content, "recipe");
-    if (found == NULL || strcmp(found, recipe) != 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the checkpoint is of another recipe, '%.80s'",
-                           found != NULL ? found : "");
     if (status == BAT_OK)
-        status = read_numbers(&content, state, error);
-    if (status == BAT_OK)
-        status = learn_parameters_extract(parameters, &content, "weight.", parameters->values, error);
-    if (status == BAT_OK && state->has_best)
-        status = learn_parameters_extract(parameters, &content, "best.", state->best, error);
-    if (status == BAT_OK)
-        status = read_flat(&content, "optimizer.mean", state->optimizer.count, state->optimizer.mean, error);
-    if (status == BAT_OK && state->optimizer.squares != NULL)
-        status = read_flat(&content, "optimizer.squares", state->optimizer.count, state->optimizer.squares, error);
-    if (status == BAT_OK)
-        status = safetensors_doubles(&content, "sums", state->sum_count, state->sums, error);
-    safetensors_free(&content);
-    return status;
+    {
+        status = read_state(&content, recipe, parameters, state, error);
+        safetensors_free(&content);
+    }
+    return error_in_file(error, status, path);
 }

@@ -5,6 +5,8 @@
 
 #include <stdlib.h>
 
+static const double PI = 3.14159265358979323846;
+
 static real *make_zeros(size_t count)
 {
     real *zeros = memory_array(count, sizeof *zeros);
@@ -18,7 +20,8 @@ bat_status learn_optimizer_make(const learn_optimizer_options *options, size_t c
 {
     bool adam = options->rule != LEARN_SGD;
     if (!(options->momentum >= 0 && options->momentum < 1) || (adam && !(options->second >= 0 && options->second < 1)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "an optimizer's shares must be from 0 to below 1");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "an optimizer's momentum and second moment must be at least 0 and below 1");
     if (!(options->decay >= 0) || (adam && !(options->epsilon >= 0)))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "an optimizer's epsilon and decay cannot be negative");
@@ -117,4 +120,53 @@ double learn_clip_norm(size_t count, real *gradient, double limit)
         for (size_t i = 0; i < count; i++)
             gradient[i] *= (real)factor;
     return norm;
+}
+
+// Learning rates
+
+double learn_schedule_rate(const learn_schedule *schedule, uint64_t epoch)
+{
+    if (epoch < schedule->warmup)
+        return schedule->rate * (double)(epoch + 1) / (double)schedule->warmup;
+    if (schedule->kind == LEARN_CONSTANT)
+        return schedule->rate;
+    if (epoch >= schedule->epochs)
+        return 0;
+    double share = (double)(epoch - schedule->warmup) / (double)(schedule->epochs - schedule->warmup);
+    return schedule->rate * 0.5 * (1 + cos(PI * share));
+}
+
+learn_plateau learn_plateau_begin(void)
+{
+    return (learn_plateau){.best = HUGE_VAL, .reference = HUGE_VAL, .scale = 1};
+}
+
+bool learn_plateau_update(learn_plateau *plateau, const learn_plateau_options *options, uint64_t epoch, double value)
+{
+    bool gain = isfinite(value) && value < plateau->reference && value <= plateau->reference - options->min_gain;
+    plateau->checks_since_gain = gain ? 0 : plateau->checks_since_gain + 1;
+    plateau->checks_since_change = gain ? 0 : plateau->checks_since_change + 1;
+    if (gain)
+        plateau->reference = value;
+    if (options->reduce_patience > 0 && plateau->checks_since_change >= options->reduce_patience)
+    {
+        plateau->scale *= options->reduce_factor;
+        plateau->checks_since_change = 0;
+    }
+    if (!isfinite(value) || value >= plateau->best)
+        return false;
+    plateau->best = value;
+    plateau->best_epoch = epoch;
+    return true;
+}
+
+double learn_plateau_rate(const learn_plateau *plateau, const learn_plateau_options *options, double scheduled)
+{
+    double rate = plateau->scale * scheduled;
+    return rate >= options->min_rate ? rate : fmin(scheduled, options->min_rate);
+}
+
+bool learn_plateau_stops(const learn_plateau *plateau, const learn_plateau_options *options)
+{
+    return options->stop_patience > 0 && plateau->checks_since_gain >= options->stop_patience;
 }

@@ -238,7 +238,7 @@ refused 1 'beyond.in.obj:4' reproduce mesh-ablations beyond.in.obj
 refused 1 'cannot be opened' reproduce mesh-table2 --data no/folder
 refused 1 'folder' reproduce mesh-ablations -o good.in.csv/folder
 refused 2 'no list' list things
-refused 2 'no model' train curve
+refused 2 'no model' train curves
 refused 2 'one of published' train tension --recipe unpublished
 refused 2 'one of consistency' train tension --without chamfer
 refused 2 'only the published recipe' train tension --recipe batten --embedding none
@@ -260,7 +260,7 @@ refused 2 'one of published' train surface --recipe unpublished
 refused 2 'two like 2-5' train surface --degree 5-2
 refused 2 'two like 2-5' train surface --points 50-
 refused 2 'only the published recipe' train surface --recipe batten --uninformed
-refused 1 'there must be 4' train surface --points 3
+refused 1 'it must be 4' train surface --points 3
 refused 1 'noise' train surface --noise -1
 refused 1 'folder' train surface --out good.in.csv/folder
 refused 2 'no scheme' analyze spline

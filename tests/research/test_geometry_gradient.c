@@ -1,6 +1,5 @@
 #include "batten/curve_measure.h"
 #include "geometry_helpers.h"
-#include "research/train/geometry_chamfer.h"
 #include "research/train/geometry_feature.h"
 #include "research/train/geometry_insert.h"
 #include "research/train/geometry_loss.h"

@@ -1,6 +1,5 @@
 #include "geometry_helpers.h"
 #include "reference_network.h"
-#include "research/train/geometry_chamfer.h"
 #include "research/train/geometry_feature.h"
 #include "research/train/geometry_insert.h"
 #include "research/train/geometry_loss.h"

@@ -118,12 +118,12 @@ static learn_array *measure_sight(learn_tape *tape, const experiment *e)
     const mesh_flaps *flaps = &e->levels.level[0];
     bat_random random = bat_random_seed(9);
     learn_array *state = tape_flap_differences(tape, flaps, learn_parameter_array(tape, MESH_PARAMETERS));
-    tape_flap_sight sight = tape_flap_see(tape, flaps, e->view, state, 1);
-    learn_array *said = learn_array_make(tape, flaps->count, 6, true);
-    for (size_t i = 0; i < learn_size(said); i++)
-        said->value[i] = (real)bat_random_normal(&random);
-    learn_array *inserted = tape_flap_insert(tape, &sight, said, state);
-    return learn_add(tape, judge(tape, sight.seen, 1), judge(tape, inserted, 2));
+    tape_flap_local local = tape_flap_localize(tape, flaps, e->view, state, 1);
+    learn_array *output = learn_array_make(tape, flaps->count, 6, true);
+    for (size_t i = 0; i < learn_size(output); i++)
+        output->value[i] = (real)bat_random_normal(&random);
+    learn_array *inserted = tape_flap_insert(tape, &local, output, state);
+    return learn_add(tape, judge(tape, local.coordinates, 1), judge(tape, inserted, 2));
 }
 
 static double value_of(learn_tape *tape, const experiment *e, measure *made, real *gradient)

@@ -5,7 +5,7 @@
 #include "research/train/mesh_pairs.h"
 
 static const mesh_pair_plan PLAN = {
-    .levels = 2, .least_vertices = 20, .most_vertices = 40, .least_normal = 0.2, .least_quality = 0.2};
+    .levels = 2, .min_vertices = 20, .max_vertices = 40, .min_normal = 0.2, .min_quality = 0.2};
 
 static size_t vertices_at(const mesh_levels *levels, size_t level)
 {
@@ -81,8 +81,8 @@ static void fresh_pairs_come_in_turn(void **state)
     };
     bat_mesh shapes[2] = {ball(2), ball(3)};
     mesh_pair_plan plan = PLAN;
-    plan.least_vertices = 10;
-    plan.most_vertices = 14;
+    plan.min_vertices = 10;
+    plan.max_vertices = 14;
     mesh_pairs walked, jumped;
     check_status(mesh_pairs_begin(shapes, 2, COUNT, &plan, 7, FRESH, &walked, NULL), BAT_OK);
     uint64_t before[COUNT] = {0};

@@ -193,7 +193,7 @@ static void every_variant_is_measured(void **state)
     for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
     {
         assert_string_equal(rows[i].variant, NAMES[i]);
-        assert_int_equal(rows[i].report.epochs, i == BAT_MESH_LEARN_LOOP ? 8 : 1);
+        assert_int_equal(rows[i].report.run.epochs, i == BAT_MESH_LEARN_LOOP ? 8 : 1);
         for (size_t level = 0; level < BAT_MESH_TRAIN_LEVELS; level++)
             assert_true(rows[i].errors[level] > 0 && rows[i].errors[level] < 0.5);
         assert_true(rows[i].straight.mean > 0 && rows[i].turned.mean > 0);

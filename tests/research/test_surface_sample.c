@@ -11,7 +11,7 @@ static const bool DOUBLE = sizeof(real) == sizeof(double);
 static surface_sample draw(size_t points, int degree, double noise, uint64_t seed)
 {
     surface_sample_range range = {
-        .least_points = points, .most_points = points, .least_degree = degree, .most_degree = degree, .noise = noise};
+        .min_points = points, .max_points = points, .min_degree = degree, .max_degree = degree, .noise = noise};
     bat_random random = bat_random_seed(seed);
     surface_sample sample;
     check_status(surface_sample_draw(&range, &random, &sample, NULL), BAT_OK);
@@ -60,7 +60,7 @@ static void sizes_degrees_and_noise_fill_their_ranges(void **state)
 {
     (void)state;
     surface_sample_range range = {
-        .least_points = 50, .most_points = 200, .least_degree = 2, .most_degree = 5, .noise = 0.05};
+        .min_points = 50, .max_points = 200, .min_degree = 2, .max_degree = 5, .noise = 0.05};
     bat_random random = bat_random_seed(3);
     size_t degrees[6] = {0}, small = 0;
     double noisiest = 0;

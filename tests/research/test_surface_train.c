@@ -1,89 +1,23 @@
-// Short trainings of the network for clouds: neither threads nor stops change a byte, the loss falls, models say what they
-// are, and what makes no sense is refused. Built in single and double precision.
+// Short trainings of the network for clouds: neither threads nor interruptions change a byte, the loss falls, files tell
+// what they hold, and options out of range are refused. Built in single and double precision.
 
-#include "check.h"
+#include "train_helpers.h"
 
 #include "batten/cloud_parameterize.h"
 #include "batten/research/surface_train.h"
 #include "learn/safetensors.h"
 
-#include <unistd.h>
-
-static const char *const FILES[] = {"model.safetensors", "checkpoint.safetensors", "log.csv", "log.png"};
-
-static char root[40];
-/// Folders in it.
-static char a[60], b[60], c[60];
-
-static int set_up(void **state)
-{
-    (void)state;
-    (void)snprintf(root, sizeof root, "/tmp/batten-surface-XXXXXX");
-    if (mkdtemp(root) == NULL)
-        return -1;
-    (void)snprintf(a, sizeof a, "%s/a", root);
-    (void)snprintf(b, sizeof b, "%s/b", root);
-    (void)snprintf(c, sizeof c, "%s/c", root);
-    return 0;
-}
-
-static void remove_files(const char *folder)
-{
-    char path[200];
-    for (size_t i = 0; i < sizeof FILES / sizeof *FILES; i++)
-    {
-        (void)snprintf(path, sizeof path, "%s/%s", folder, FILES[i]);
-        (void)unlink(path);
-    }
-    (void)rmdir(folder);
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    remove_files(a);
-    remove_files(b);
-    remove_files(c);
-    return rmdir(root);
-}
-
-static bool same_file(const char *folder, const char *other, const char *name)
-{
-    enum
-    {
-        MOST = 1 << 23
-    };
-    char *bytes[2];
-    size_t size[2];
-    for (int i = 0; i < 2; i++)
-    {
-        char path[200];
-        (void)snprintf(path, sizeof path, "%s/%s", i == 0 ? folder : other, name);
-        FILE *stream = fopen(path, "rb");
-        assert_non_null(stream);
-        bytes[i] = malloc(MOST);
-        assert_non_null(bytes[i]);
-        size[i] = fread(bytes[i], 1, MOST, stream);
-        (void)fclose(stream);
-        assert_true(size[i] > 0 && size[i] < MOST);
-    }
-    bool same = size[0] == size[1] && memcmp(bytes[0], bytes[1], size[0]) == 0;
-    free(bytes[0]);
-    free(bytes[1]);
-    return same;
-}
-
 static bat_surface_train_options short_options(const char *folder)
 {
-    bat_surface_train_options options = bat_surface_train_defaults();
-    options.epochs = 2;
+    bat_surface_train_options options = bat_surface_train_defaults(BAT_RECIPE_PUBLISHED);
+    options.run.epochs = 2;
     options.steps = 3;
-    options.least_points = 20;
-    options.most_points = 40;
-    options.most_degree = 3;
+    options.min_points = 20;
+    options.max_points = 40;
+    options.max_degree = 3;
     options.noise = 0.01;
-    options.folder = folder;
-    options.threads = 1;
+    options.run.folder = folder;
+    options.run.threads = 1;
     return options;
 }
 
@@ -102,7 +36,8 @@ static bool stop_in_the_second_epoch(void *context, double fraction)
 
 static void neither_threads_nor_stops_change_a_byte(void **state)
 {
-    (void)state;
+    const train_folders *folders = *state;
+    const char *a = folders->a, *b = folders->b, *c = folders->c;
     bat_surface_train_report whole, resumed;
     for (int adam = 0; adam < 2; adam++)
     {
@@ -110,20 +45,20 @@ static void neither_threads_nor_stops_change_a_byte(void **state)
         options.adam = adam == 1;
         options.batch = 3;
         train(&options, &whole);
-        assert_int_equal(whole.epochs, 2);
-        options.folder = b;
-        options.threads = 3;
+        assert_int_equal(whole.run.epochs, 2);
+        options.run.folder = b;
+        options.run.threads = 3;
         train(&options, &resumed);
         assert_true(same_file(a, b, "model.safetensors"));
-        options.folder = c;
-        options.resume = true; // from nothing at first
-        options.progress.report = stop_in_the_second_epoch;
+        options.run.folder = c;
+        options.run.resume = true; // from nothing at first
+        options.run.progress.report = stop_in_the_second_epoch;
         check_status(bat_surface_train(&options, &resumed, NULL), BAT_CANCELLED);
-        options.progress.report = NULL;
+        options.run.progress.report = NULL;
         train(&options, &resumed);
         assert_true(same_file(a, c, "model.safetensors"));
         assert_true(same_file(a, c, "checkpoint.safetensors"));
-        assert_true(resumed.error == whole.error && resumed.loss == whole.loss);
+        assert_true(resumed.run.best == whole.run.best && resumed.run.loss == whole.run.loss);
         // Another training's checkpoint.
         options.noise = 0.02;
         check_status(bat_surface_train(&options, &resumed, NULL), BAT_INVALID_ARGUMENT);
@@ -138,37 +73,36 @@ static void both_rules_learn(void **state)
     {
         bat_surface_train_report early, late;
         bat_surface_train_options options = short_options(NULL);
-        options.most_degree = 2;
+        options.max_degree = 2;
         options.noise = 0;
-        options.least_points = options.most_points = 150;
+        options.min_points = options.max_points = 150;
         options.adam = form > 0;
         options.rate = options.adam ? 1e-3 : 0.1;
         options.uninformed = form == 2;
-        options.epochs = options.steps = 1;
+        options.run.epochs = options.steps = 1;
         train(&options, &early);
         options.steps = 120;
         train(&options, &late);
-        assert_int_equal(late.epochs, 1);
-        assert_true(isfinite(late.loss) && late.loss > 0);
-        assert_true(late.error < 0.85 * early.error);
+        assert_int_equal(late.run.epochs, 1);
+        assert_true(isfinite(late.run.loss) && late.run.loss > 0);
+        assert_true(late.run.best < 0.85 * early.run.best);
     }
 }
 
 /// Of checkpoints too.
 static void models_say_what_they_are(void **state)
 {
-    (void)state;
+    const char *a = ((const train_folders *)*state)->a;
     for (int form = 0; form < 4; form++)
     {
         bat_surface_train_options options = short_options(a);
         bat_surface_model *model;
         safetensors content;
-        char path[100];
-        options.epochs = options.steps = 1;
+        char path[200];
+        options.run.epochs = options.steps = 1;
         options.uninformed = form % 2 == 1;
         train(&options, NULL);
-        (void)snprintf(path, sizeof path, "%s/%s", a, FILES[form / 2]);
-        check_status(safetensors_read(path, &content, NULL), BAT_OK);
+        check_status(safetensors_read(path_in(a, TRAIN_FILES[form / 2], path), &content, NULL), BAT_OK);
         const char *recipe = safetensors_find_note(&content, "recipe");
         assert_non_null(recipe);
         assert_int_equal(strncmp(recipe, options.uninformed ? "surface uninformed," : "surface published,", 18), 0);
@@ -178,40 +112,68 @@ static void models_say_what_they_are(void **state)
     }
 }
 
-static void nonsense_is_refused(void **state)
+static bat_status train_with_run(const bat_train_options *run, bat_error *error)
 {
-    (void)state;
-    for (int i = 0; i < 11; i++)
-    {
-        bat_surface_train_options options = short_options(NULL);
-        if (i == 0)
-            options.epochs = 0;
-        if (i == 1)
-            options.steps = 0;
-        if (i == 2)
-            options.batch = 0;
-        if (i == 3)
-            options.least_points = 3;
-        if (i == 4)
-            options.most_points = 19;
-        if (i == 5)
-            options.most_points = SIZE_MAX;
-        if (i == 6)
-            options.least_degree = 0;
-        if (i == 7)
-            options.most_degree = 16;
-        if (i == 8)
-            options.noise = -1;
-        if (i == 9)
-            options.rate = NAN;
-        if (i == 10)
-            options.noise = INFINITY;
-        bat_error error;
-        check_status(bat_surface_train(&options, NULL, &error), BAT_INVALID_ARGUMENT);
-    }
+    bat_surface_train_options options = short_options(NULL);
+    options.run = *run;
+    return bat_surface_train(&options, NULL, error);
 }
 
-/// A rate beyond all reason ends in numbers that are none, and is told of.
+static void options_out_of_range_are_refused(void **state)
+{
+    (void)state;
+    enum
+    {
+        FIELDS = 18
+    };
+    check_common_options(train_with_run);
+    for (int i = 0; i < FIELDS; i++)
+    {
+        bat_surface_train_options options = short_options(NULL);
+        const struct
+        {
+            size_t *count;
+            int *degree;
+            double *number;
+            double value;
+            const char *field, *range;
+        } fields[FIELDS] = {
+            {&options.steps, NULL, NULL, 0, "steps", "1 to 1000000000"},
+            {&options.steps, NULL, NULL, 1e10, "steps", "1 to 1000000000"},
+            {&options.batch, NULL, NULL, 0, "batch", "1 to 1000000"},
+            {&options.batch, NULL, NULL, 1e9, "batch", "1 to 1000000"},
+            {&options.min_points, NULL, NULL, 3, "min_points", "4 to 100000"},
+            {&options.max_points, NULL, NULL, 19, "max_points", "20 to 100000"},
+            {&options.max_points, NULL, NULL, 1e10, "max_points", "20 to 100000"},
+            {NULL, &options.min_degree, NULL, 0, "min_degree", "1 to 15"},
+            {NULL, &options.max_degree, NULL, 1, "max_degree", "2 to 15"},
+            {NULL, &options.max_degree, NULL, 16, "max_degree", "2 to 15"},
+            {NULL, NULL, &options.noise, -1, "noise", "finite and at least 0"},
+            {NULL, NULL, &options.noise, INFINITY, "noise", "finite and at least 0"},
+            {NULL, NULL, &options.clean, -0.1, "clean", "0 to below 1"},
+            {NULL, NULL, &options.clean, 1, "clean", "0 to below 1"},
+            {NULL, NULL, &options.clean, NAN, "clean", "0 to below 1"},
+            {NULL, NULL, &options.rate, 0, "rate", "finite and above 0"},
+            {NULL, NULL, &options.rate, NAN, "rate", "finite and above 0"},
+            {NULL, NULL, &options.rate, INFINITY, "rate", "finite and above 0"},
+        };
+        if (fields[i].count != NULL)
+            *fields[i].count = (size_t)fields[i].value;
+        else if (fields[i].degree != NULL)
+            *fields[i].degree = (int)fields[i].value;
+        else
+            *fields[i].number = fields[i].value;
+        check_refused(bat_surface_train(&options, NULL, refusal), fields[i].field, fields[i].range);
+    }
+    bat_surface_train_options options = short_options(NULL);
+    options.recipe = (bat_recipe)2;
+    check_refused(bat_surface_train(&options, NULL, refusal), "recipe", "0 to 1");
+    options = bat_surface_train_defaults(BAT_RECIPE_BATTEN);
+    options.uninformed = true;
+    check_refused(bat_surface_train(&options, NULL, refusal), "uninformed", "must be false");
+}
+
+/// An excessive learning rate ends in numbers that are not finite, which is an error.
 static void what_runs_away_is_told_of(void **state)
 {
     (void)state;
@@ -225,11 +187,11 @@ static void what_runs_away_is_told_of(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(neither_threads_nor_stops_change_a_byte),
+        cmocka_unit_test_setup_teardown(neither_threads_nor_stops_change_a_byte, make_folders, remove_folders),
         cmocka_unit_test(both_rules_learn),
-        cmocka_unit_test(models_say_what_they_are),
-        cmocka_unit_test(nonsense_is_refused),
+        cmocka_unit_test_setup_teardown(models_say_what_they_are, make_folders, remove_folders),
+        cmocka_unit_test(options_out_of_range_are_refused),
         cmocka_unit_test(what_runs_away_is_told_of),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -91,7 +91,7 @@ static void finished_trainings_are_not_repeated(void **state)
     {
         for (size_t i = 0; i < ROWS; i++)
         {
-            assert_int_equal(again[i].report.epochs, 1);
+            assert_int_equal(again[i].report.run.epochs, 1);
             for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
             {
                 check_near(again[i].scores[space].mean_nn, whole[i].scores[space].mean_nn, 0);
@@ -143,11 +143,11 @@ static void rows_say_what_was_trained(void **state)
         for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         {
             assert_true(isnan(rows[i].published[space].mean_nn));
-            check_relative(rows[i].scores[space].bending * four_point[space], rows[i].report.scores[space].bending, 1e-4);
+            check_relative(rows[i].scores[space].bending * four_point[space], rows[i].report.scores[0][space].bending, 1e-4);
         }
         // No two variants are the same training.
         for (size_t k = 0; k < i; k++)
-            assert_true(rows[i].report.mean_nn != rows[k].report.mean_nn);
+            assert_true(rows[i].report.run.best != rows[k].report.run.best);
     }
     bat_tension_data_free(&all);
 }

@@ -5,7 +5,7 @@
 
 #include "batten/space.h"
 #include "check.h"
-#include "research/train/geometry_isometry.h"
+#include "research/train/geometry_polygon.h"
 
 enum
 {

@@ -4,13 +4,13 @@
 #include "patch_clouds.h"
 
 #include "batten/cloud_parameterize.h"
-#include "research/train/surface_sample.h"
+#include "research/train/surface_network_tape.h"
 #include "surface/network/chart_network.h"
 
 #include <unistd.h>
 
 static const bool DOUBLE = sizeof(real) == sizeof(double);
-static const surface_network_training *const TRAINING = &surface_training_batten;
+static const surface_network_tape *const TRAINING = &surface_tape_batten;
 
 static double *numbers(size_t count)
 {
@@ -22,7 +22,7 @@ static double *numbers(size_t count)
 static surface_sample random_sample(size_t points, double noise, uint64_t seed)
 {
     surface_sample_range range = {
-        .least_points = points, .most_points = points, .least_degree = 2, .most_degree = 2, .noise = noise};
+        .min_points = points, .max_points = points, .min_degree = 2, .max_degree = 2, .noise = noise};
     bat_random random = bat_random_seed(seed);
     surface_sample sample;
     check_status(surface_sample_draw(&range, &random, &sample, NULL), BAT_OK);

@@ -16,8 +16,8 @@ static void write_model(const char *recipe)
 {
     learn_parameters parameters = {0};
     const safetensors_note note = {"recipe", recipe};
-    check_status(surface_training_published.kind->make(&parameters, NULL), BAT_OK);
-    surface_training_published.start(&parameters, 3);
+    check_status(surface_tape_published.kind->make(&parameters, NULL), BAT_OK);
+    surface_tape_published.start(&parameters, 3);
     check_status(learn_parameters_write(&parameters, path, &note, recipe != NULL, NULL), BAT_OK);
     learn_parameters_free(&parameters);
 }

@@ -6,7 +6,6 @@
 #include "learn/safetensors.h"
 #include "research/train/surface_network_tape.h"
 #include "research/train/surface_sample.h"
-#include "research/train/tape_graph.h"
 
 static const bool DOUBLE = sizeof(real) == sizeof(double);
 
@@ -83,7 +82,7 @@ static void an_independent_program_agrees(void **state)
     }
     surface_sample sample = sample_in(&content);
     learn_parameters parameters = {0};
-    check_status(surface_training_published.kind->make(&parameters, NULL), BAT_OK);
+    check_status(surface_tape_published.kind->make(&parameters, NULL), BAT_OK);
     check_status(learn_parameters_extract(&parameters, &content, "weight.", parameters.values, NULL), BAT_OK);
     real *gradient = test_memory(parameters.total, sizeof *gradient);
     double loss;
@@ -116,7 +115,7 @@ static void an_independent_program_agrees(void **state)
 static surface_sample random_sample(size_t points, uint64_t seed)
 {
     surface_sample_range range = {
-        .least_points = points, .most_points = points, .least_degree = 2, .most_degree = 2, .noise = 0.01};
+        .min_points = points, .max_points = points, .min_degree = 2, .max_degree = 2, .noise = 0.01};
     bat_random random = bat_random_seed(seed);
     surface_sample sample;
     check_status(surface_sample_draw(&range, &random, &sample, NULL), BAT_OK);
@@ -124,7 +123,7 @@ static surface_sample random_sample(size_t points, uint64_t seed)
 }
 
 /// Weights of no special kind: gains and shifts too.
-static learn_parameters random_weights(const surface_network_training *training, uint64_t seed)
+static learn_parameters random_weights(const surface_network_tape *training, uint64_t seed)
 {
     learn_parameters parameters = {0};
     bat_random random = bat_random_seed(seed);
@@ -135,7 +134,7 @@ static learn_parameters random_weights(const surface_network_training *training,
     return parameters;
 }
 
-static void predict(const surface_network_training *training, const learn_parameters *parameters,
+static void predict(const surface_network_tape *training, const learn_parameters *parameters,
                     const surface_sample *sample, double *interior)
 {
     learn_tape tape = learn_tape_make();
@@ -148,7 +147,7 @@ static void predict(const surface_network_training *training, const learn_parame
     learn_tape_free(&tape);
 }
 
-static void infer(const surface_network_training *training, const learn_parameters *parameters, const surface_sample *sample,
+static void infer(const surface_network_tape *training, const learn_parameters *parameters, const surface_sample *sample,
                   int threads, double *interior)
 {
     void *network;
@@ -160,7 +159,7 @@ static void infer(const surface_network_training *training, const learn_paramete
 static void inference_says_the_same_on_any_number_of_threads(void **state)
 {
     (void)state;
-    static const surface_network_training *const trainings[] = {&surface_training_published, &surface_training_uninformed};
+    static const surface_network_tape *const trainings[] = {&surface_tape_published, &surface_tape_uninformed};
     static const size_t points[] = {1, 5, 50, 97, 1000, 1500};
     for (size_t k = 0; k < 2; k++)
         for (size_t i = 0; i < sizeof points / sizeof *points; i++)
@@ -184,7 +183,7 @@ static void inference_says_the_same_on_any_number_of_threads(void **state)
         }
 }
 
-static double loss_of(learn_tape *tape, const surface_network_training *training, const learn_parameters *parameters,
+static double loss_of(learn_tape *tape, const surface_network_tape *training, const learn_parameters *parameters,
                       const surface_sample *sample, real *gradient)
 {
     learn_tape_begin(tape, parameters, gradient);
@@ -199,7 +198,7 @@ static double loss_of(learn_tape *tape, const surface_network_training *training
 static void derivatives_are_those_of_differences(void **state)
 {
     (void)state;
-    static const surface_network_training *const trainings[] = {&surface_training_published, &surface_training_uninformed};
+    static const surface_network_tape *const trainings[] = {&surface_tape_published, &surface_tape_uninformed};
     const double step = 1e-7;
     for (size_t k = 0; k < 2; k++)
     {

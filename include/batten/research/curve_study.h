@@ -174,10 +174,10 @@ typedef struct bat_tension_ablation_options
     uint64_t seed; ///< of every training; default 1
     uint64_t
         epochs; ///< of every training, at least 1, with cosine decay of the learning rate to 0; default 100, as published
-    /// The files of a training (bat_tension_train_options) are written to the subfolder seed-SEED/VARIANT. Trainings found
+    /// The files of a training (bat_curve_train_options) are written to the subfolder seed-SEED/VARIANT. Trainings found
     /// there are resumed; finished ones are not repeated. Both tables may share a folder. Null: no files; default null.
     const char *folder;
-    int threads;           ///< as in bat_tension_train_options; default 0
+    int threads;           ///< as in bat_curve_train_options; default 0
     bat_progress progress; ///< called before every batch; cancelling writes a checkpoint first
 } bat_tension_ablation_options;
 
@@ -195,7 +195,7 @@ typedef struct bat_tension_ablation_row
 {
     const char *variant; ///< name of the variant
     size_t weights;      ///< number of weights of the network
-    bat_tension_train_report report;
+    bat_curve_train_report report;
     bat_tension_ablation_score scores[BAT_TENSION_SPACE_COUNT];
     bat_tension_ablation_score published[BAT_TENSION_SPACE_COUNT]; ///< published values; NaN if there are none
 } bat_tension_ablation_row;
@@ -204,7 +204,7 @@ typedef struct bat_tension_ablation_row
 ///
 /// @param options null for the defaults
 /// @param rows    receives BAT_TENSION_TABLE3_ROWS rows
-/// @return as bat_tension_train(); BAT_INVALID_ARGUMENT also if the folder contains trainings with another number of epochs
+/// @return as bat_curve_train(); BAT_INVALID_ARGUMENT also if the folder contains trainings with another number of epochs
 BAT_API bat_status bat_tension_table3(const bat_tension_ablation_options *options, bat_tension_ablation_row *rows,
                                       bat_error *error);
 

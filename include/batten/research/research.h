@@ -15,5 +15,6 @@
 #include "batten/research/surface_shapes.h"
 #include "batten/research/surface_study.h"
 #include "batten/research/surface_train.h"
+#include "batten/research/train.h"
 
 #endif

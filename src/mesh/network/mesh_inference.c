@@ -22,7 +22,7 @@ enum
 
 // Weights
 
-/// The weight's columns of a module's first layer, sorted as in research/train/tape_flap.h.
+/// The weight's columns of a module's first layer, sorted as in research/train/mesh_network_tape.h.
 typedef struct first_layer
 {
     real features[4 * W][FEATURES]; ///< corner after corner

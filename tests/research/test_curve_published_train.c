@@ -1,13 +1,12 @@
-#include "check.h"
+#include "train_helpers.h"
 
 #include "batten/curve_measure.h"
 #include "curve/network/tension_network.h"
 #include "learn/blas.h"
-#include "research/train/tension_train.h"
-#include "research/train/tension_validate.h"
+#include "research/train/curve_train.h"
+#include "research/train/tension_sample.h"
 
 #include <jansson.h>
-#include <unistd.h>
 
 // The published recipe: the loss of a sample and its gradient, validation, and whole trainings on a few curves. Built in
 // single and double precision.
@@ -25,12 +24,12 @@ typedef struct fixture
     learn_parameters parameters;
     real *gradient;
     learn_tape tape;
-    bat_tension_train_options options;
+    bat_curve_train_options options;
 } fixture;
 
 static fixture fixture_make(void)
 {
-    fixture f = {.options = bat_tension_train_defaults()};
+    fixture f = {.options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED)};
     check_status(bat_tension_data_make(&f.data, NULL), BAT_OK);
     check_status(tension_predictor_make(BAT_TENSION_EMBEDDING_LEARNED, &f.parameters, NULL), BAT_OK);
     tension_network_start(&f.parameters, 7);
@@ -151,7 +150,7 @@ typedef learn_array *loss_function(fixture *f, const tension_sample *sample);
 /// Everything but the term whose polygon is held fixed.
 static learn_array *refined_loss(fixture *f, const tension_sample *sample)
 {
-    bat_tension_train_options options = f->options;
+    bat_curve_train_options options = f->options;
     options.consistency = 0;
     return tension_sample_loss(&f->tape, sample, &options, NULL).total;
 }
@@ -186,14 +185,14 @@ static void check_differences(fixture *f, loss_function *function, const tension
     {
         const learn_parameter *p = &f->parameters.list[i];
         size_t place = p->offset + p->rows * p->columns / 2;
-        real kept = f->parameters.values[place];
+        real value = f->parameters.values[place];
         double values[5];
         for (int step = -2; step <= 2; step++)
         {
-            f->parameters.values[place] = (real)((double)kept + step * h);
+            f->parameters.values[place] = (real)((double)value + step * h);
             values[step + 2] = step == 0 ? 0 : loss_at(f, function, sample, NULL);
         }
-        f->parameters.values[place] = kept;
+        f->parameters.values[place] = value;
         double difference = (8 * (values[3] - values[1]) - (values[4] - values[0])) / (12 * h);
         check_near((double)f->gradient[place], difference, 1e-7 * largest);
     }
@@ -245,8 +244,9 @@ static void midpoints_keep_the_largest_angle(void **state)
     (void)state;
     fixture f = fixture_make();
     memset(f.parameters.values, 0, f.parameters.total * sizeof *f.parameters.values);
-    bat_tension_score scores[BAT_TENSION_SPACE_COUNT];
-    check_status(tension_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, f.data.validation, 2, scores, NULL), BAT_OK);
+    bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT];
+    check_status(curve_published_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, f.data.validation, 2, scores, NULL),
+                 BAT_OK);
     const bat_space spaces[] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
     {
@@ -262,7 +262,7 @@ static void midpoints_keep_the_largest_angle(void **state)
         check_near(scores[space].g1, g1, 1e-6);
         assert_true(scores[space].mean_nn > 0 && scores[space].bending > 0);
     }
-    check_relative(tension_cross_mean(scores), (scores[0].mean_nn + scores[1].mean_nn + scores[2].mean_nn) / 3, 1e-15);
+    check_relative(curve_published_metric(scores), (scores[0].mean_nn + scores[1].mean_nn + scores[2].mean_nn) / 3, 1e-15);
     fixture_free(&f);
 }
 
@@ -275,10 +275,10 @@ static void distances_are_those_of_the_library(void **state)
     memcpy(sets, f.data.validation, sizeof sets);
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         sets[space].count = space == BAT_TENSION_SPHERE ? 1 : 0;
-    bat_tension_score scores[BAT_TENSION_SPACE_COUNT];
-    check_status(tension_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, sets, 0, scores, NULL), BAT_OK);
+    bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT];
+    check_status(curve_published_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, sets, 0, scores, NULL), BAT_OK);
     assert_true(isnan(scores[BAT_TENSION_PLANE].mean_nn));
-    check_near(tension_cross_mean(scores), scores[BAT_TENSION_SPHERE].mean_nn, 0);
+    check_near(curve_published_metric(scores), scores[BAT_TENSION_SPHERE].mean_nn, 0);
 
     tension_sample sample = tension_sample_of(sets + BAT_TENSION_SPHERE, BAT_TENSION_SPHERE, 0);
     learn_tape_begin(&f.tape, &f.parameters, NULL);
@@ -321,55 +321,6 @@ static bat_tension_data few(const bat_tension_data *data)
     return part;
 }
 
-typedef struct stopping
-{
-    size_t steps, asked; ///< stop when asked before step `steps`; 0: never
-} stopping;
-
-static bool stop_at(void *context, double fraction)
-{
-    stopping *s = context;
-    assert_true(fraction >= 0 && fraction < 1);
-    return s->steps == 0 || s->asked++ < s->steps;
-}
-
-static const char *const FILES[] = {"model.safetensors", "checkpoint.safetensors", "log.csv", "log.png"};
-
-static void remove_files(const char *folder)
-{
-    char path[200];
-    for (size_t i = 0; i < sizeof FILES / sizeof *FILES; i++)
-    {
-        (void)snprintf(path, sizeof path, "%s/%s", folder, FILES[i]);
-        (void)unlink(path);
-    }
-    (void)rmdir(folder);
-}
-
-static char *read_file(const char *folder, const char *name, size_t *size)
-{
-    char path[200];
-    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *stream = fopen(path, "rb");
-    assert_non_null(stream);
-    char *bytes = malloc(8 << 20);
-    *size = fread(bytes, 1, 8 << 20, stream);
-    bytes[*size] = 0;
-    (void)fclose(stream);
-    return bytes;
-}
-
-static void assert_same_file(const char *folder, const char *other, const char *name)
-{
-    size_t size, other_size;
-    char *bytes = read_file(folder, name, &size), *other_bytes = read_file(other, name, &other_size);
-    assert_true(size > 0);
-    assert_int_equal(size, other_size);
-    assert_memory_equal(bytes, other_bytes, size);
-    free(bytes);
-    free(other_bytes);
-}
-
 /// Column 4 of the log, the loss, of an epoch.
 static double logged_loss(const char *folder, size_t epoch)
 {
@@ -387,65 +338,56 @@ static double logged_loss(const char *folder, size_t epoch)
     return loss;
 }
 
-static int make_folders(void **state)
+/// Train on a few curves.
+static bat_status train_on(const bat_tension_data *data, const bat_curve_train_options *options,
+                           bat_curve_train_report *report, bat_error *error)
 {
-    static char root[40];
-    (void)snprintf(root, sizeof root, "/tmp/batten-tension-XXXXXX");
-    *state = mkdtemp(root);
-    return *state == NULL ? -1 : 0;
-}
-
-static int remove_folders(void **state)
-{
-    char path[100];
-    for (char name = 'a'; name <= 'b'; name++)
-    {
-        (void)snprintf(path, sizeof path, "%s/%c", (char *)*state, name);
-        remove_files(path);
-    }
-    return rmdir(*state);
+    return curve_train_sized(options, &(curve_train_size){.data = data}, report, error);
 }
 
 static void neither_threads_nor_stops_change_a_byte(void **state)
 {
-    char a[100], b[100];
-    (void)snprintf(a, sizeof a, "%s/a", (char *)*state);
-    (void)snprintf(b, sizeof b, "%s/b", (char *)*state);
+    const train_folders *folders = *state;
+    const char *a = folders->a, *b = folders->b;
     bat_tension_data all;
     check_status(bat_tension_data_make(&all, NULL), BAT_OK);
     bat_tension_data data = few(&all);
-    bat_tension_train_options options = bat_tension_train_defaults();
-    bat_tension_train_report whole, resumed;
-    options.epochs = 3;
-    options.threads = 1;
-    options.folder = a;
-    check_status(tension_train_on(&data, &options, &whole, NULL), BAT_OK);
-    assert_int_equal(whole.epochs, 3);
-    assert_int_equal(whole.best_epoch, 3);
-    assert_false(whole.stopped);
-    check_near(whole.mean_nn, tension_cross_mean(whole.scores), 0);
+    bat_curve_train_options options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+    bat_curve_train_report whole, resumed;
+    options.run.epochs = 3;
+    options.run.threads = 1;
+    options.run.folder = a;
+    check_status(train_on(&data, &options, &whole, NULL), BAT_OK);
+    assert_int_equal(whole.run.epochs, 3);
+    assert_int_equal(whole.run.best_epoch, 3);
+    assert_false(whole.run.stopped);
+    check_near(whole.run.best, curve_published_metric(whole.scores[0]), 0);
+    assert_int_equal(whole.fairness_count, 1);
 
     // In the middle of the second epoch.
     stopping stop = {.steps = STEPS + 2};
-    options.progress = (bat_progress){stop_at, &stop};
-    options.threads = 2;
-    options.folder = b;
-    check_status(tension_train_on(&data, &options, NULL, NULL), BAT_CANCELLED);
-    stop = (stopping){0};
-    options.resume = true;
-    check_status(tension_train_on(&data, &options, &resumed, NULL), BAT_OK);
-    assert_memory_equal(&whole, &resumed, sizeof whole.mean_nn + 3 * sizeof(uint64_t));
-    assert_same_file(a, b, "model.safetensors");
-    assert_same_file(a, b, "checkpoint.safetensors");
+    options.run.progress = (bat_progress){stop_at, &stop};
+    options.run.threads = 2;
+    options.run.folder = b;
+    check_status(train_on(&data, &options, NULL, NULL), BAT_CANCELLED);
+    stop = (stopping){.steps = SIZE_MAX};
+    options.run.resume = true;
+    check_status(train_on(&data, &options, &resumed, NULL), BAT_OK);
+    assert_int_equal(resumed.run.best_epoch, whole.run.best_epoch);
+    check_near(resumed.run.best, whole.run.best, 0);
+    check_near(resumed.run.loss, whole.run.loss, 0);
+    assert_memory_equal(whole.scores[0], resumed.scores[0], sizeof whole.scores[0]);
+    assert_true(same_file(a, b, "model.safetensors"));
+    assert_true(same_file(a, b, "checkpoint.safetensors"));
     check_near(logged_loss(a, 1), logged_loss(b, 1), 0);
     check_near(logged_loss(a, 2), logged_loss(b, 2), 0);
 
     bat_error error;
-    options.seed = 2;
-    check_status(tension_train_on(&data, &options, NULL, &error), BAT_INVALID_ARGUMENT);
-    options.seed = 1;
+    options.run.seed = 2;
+    check_status(train_on(&data, &options, NULL, &error), BAT_INVALID_ARGUMENT);
+    options.run.seed = 1;
     options.bending = 0;
-    check_status(tension_train_on(&data, &options, NULL, &error), BAT_INVALID_ARGUMENT);
+    check_status(train_on(&data, &options, NULL, &error), BAT_INVALID_ARGUMENT);
     bat_tension_data_free(&all);
 }
 
@@ -453,24 +395,22 @@ static void neither_threads_nor_stops_change_a_byte(void **state)
 static void every_embedding_learns(void **state)
 {
     static const size_t weights[] = {140505, 139841, 139457};
-    char folder[100];
-    (void)snprintf(folder, sizeof folder, "%s/a", (char *)*state);
+    const char *folder = ((const train_folders *)*state)->a;
     bat_tension_data all;
     check_status(bat_tension_data_make(&all, NULL), BAT_OK);
     bat_tension_data data = few(&all);
     for (int kind = 0; kind < 3; kind++)
     {
-        bat_tension_train_options options = bat_tension_train_defaults();
+        bat_curve_train_options options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
         options.embedding = (bat_tension_embedding)kind;
-        options.epochs = 2;
-        options.folder = folder;
-        bat_tension_train_report report;
-        check_status(tension_train_on(&data, &options, &report, NULL), BAT_OK);
+        options.run.epochs = 2;
+        options.run.folder = folder;
+        bat_curve_train_report report;
+        check_status(train_on(&data, &options, &report, NULL), BAT_OK);
         assert_true(logged_loss(folder, 1) < logged_loss(folder, 0));
         safetensors content;
         char path[200];
-        (void)snprintf(path, sizeof path, "%s/model.safetensors", folder);
-        check_status(safetensors_read(path, &content, NULL), BAT_OK);
+        check_status(safetensors_read(path_in(folder, "model.safetensors", path), &content, NULL), BAT_OK);
         size_t total = 0;
         for (size_t i = 0; i < content.array_count; i++)
             total += content.arrays[i].count;
@@ -481,25 +421,40 @@ static void every_embedding_learns(void **state)
     bat_tension_data_free(&all);
 }
 
-static void bad_options_are_refused(void **state)
+static bat_status train_with_run(const bat_train_options *run, bat_error *error)
+{
+    bat_curve_train_options options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+    options.run = *run;
+    return bat_curve_train(&options, NULL, error);
+}
+
+static void options_out_of_range_are_refused(void **state)
 {
     (void)state;
-    bat_error error;
-    bat_tension_train_options options = bat_tension_train_defaults();
-    options.epochs = 0;
-    check_status(bat_tension_train(&options, NULL, &error), BAT_INVALID_ARGUMENT);
-    assert_string_equal(error.text, "training needs at least 1 epoch");
-    options = bat_tension_train_defaults();
+    check_common_options(train_with_run);
+    bat_curve_train_options options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+    assert_int_equal(options.run.seed, 1);
+    assert_int_equal(options.run.epochs, 300);
+    options.recipe = (bat_recipe)-1;
+    check_refused(bat_curve_train(&options, NULL, refusal), "recipe", "0 to 1");
+    options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
     options.embedding = (bat_tension_embedding)3;
-    check_status(bat_tension_train(&options, NULL, &error), BAT_INVALID_ARGUMENT);
-    options = bat_tension_train_defaults();
-    options.smoothness[BAT_TENSION_DISK] = -1;
-    check_status(bat_tension_train(&options, NULL, &error), BAT_INVALID_ARGUMENT);
-    options.smoothness[BAT_TENSION_DISK] = NAN;
-    check_status(bat_tension_train(&options, NULL, &error), BAT_INVALID_ARGUMENT);
-    options = bat_tension_train_defaults();
-    options.folder = "/dev/null/at/all";
-    check_status(bat_tension_train(&options, NULL, &error), BAT_FILE_ACCESS);
+    check_refused(bat_curve_train(&options, NULL, refusal), "embedding is 3", "0 to 2");
+    static const char *const spaces[] = {"smoothness of the plane", "smoothness of the sphere", "smoothness of the disk"};
+    for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
+    {
+        options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+        options.smoothness[space] = -1;
+        check_refused(bat_curve_train(&options, NULL, refusal), spaces[space], "finite and at least 0");
+        options.smoothness[space] = NAN;
+        check_refused(bat_curve_train(&options, NULL, refusal), spaces[space], "finite and at least 0");
+    }
+    options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+    options.bending = INFINITY;
+    check_refused(bat_curve_train(&options, NULL, refusal), "bending", "finite and at least 0");
+    options = bat_curve_train_defaults(BAT_RECIPE_PUBLISHED);
+    options.consistency = -1e-9;
+    check_refused(bat_curve_train(&options, NULL, refusal), "consistency", "finite and at least 0");
 }
 
 int main(void)
@@ -512,7 +467,7 @@ int main(void)
         cmocka_unit_test(distances_are_those_of_the_library),
         cmocka_unit_test_setup_teardown(neither_threads_nor_stops_change_a_byte, make_folders, remove_folders),
         cmocka_unit_test_setup_teardown(every_embedding_learns, make_folders, remove_folders),
-        cmocka_unit_test(bad_options_are_refused),
+        cmocka_unit_test(options_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

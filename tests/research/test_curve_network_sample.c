@@ -4,7 +4,7 @@
 #include "learned_helpers.h"
 
 #include "batten/curve_measure.h"
-#include "research/train/learned_sample.h"
+#include "research/train/curve_network_tape.h"
 
 static const bool DOUBLE = sizeof(real) == sizeof(double);
 
@@ -26,7 +26,7 @@ static void check_step(learn_tape *tape, const learn_parameters *parameters, con
     bat_curve_refine_options how = by_rule(&rule, fairness, 1);
     bat_curve fine = refined(&coarse, &how);
     learn_tape_begin(tape, parameters, NULL);
-    tape_polygon *stepped = learned_step(tape, tape_polygon_given(tape, polygon), fairness);
+    tape_polygon *stepped = curve_network_step(tape, tape_polygon_given(tape, polygon), fairness);
     check_status(learn_tape_status(tape, NULL), BAT_OK);
     assert_int_equal(stepped->shape.count, fine.count);
     assert_true(stepped->shape.closed == polygon->closed);
@@ -79,12 +79,12 @@ static void training_sets_out_from_the_six_point_rule(void **state)
 
 // The loss
 
-static const learned_weights WEIGHTS = {.distance_unit = {0.5, 0.7, 0.2},
-                                        .bending_unit = {10, 4, 2},
-                                        .angle_unit = {0.3, 0.4, 0.6},
-                                        .least = 0.1,
-                                        .most = 3,
-                                        .angle = 0.8};
+static const curve_loss_weights WEIGHTS = {.distance_unit = {0.5, 0.7, 0.2},
+                                           .bending_unit = {10, 4, 2},
+                                           .angle_unit = {0.3, 0.4, 0.6},
+                                           .min_roughness = 0.1,
+                                           .max_roughness = 3,
+                                           .angle = 0.8};
 
 static bat_tension_space space_number(geometry_surface surface)
 {
@@ -112,10 +112,10 @@ typedef struct fixture
     double fairness;
 } fixture;
 
-static learned_loss loss_of(fixture *f, real *gradient)
+static curve_network_loss loss_of(fixture *f, real *gradient)
 {
     learn_tape_begin(&f->tape, &f->parameters, gradient);
-    learned_loss loss = learned_sample_loss(&f->tape, &f->sample, f->space, f->steps, f->fairness, &WEIGHTS);
+    curve_network_loss loss = curve_network_sample_loss(&f->tape, &f->sample, f->space, f->steps, f->fairness, &WEIGHTS);
     if (gradient != NULL)
         learn_tape_backward(&f->tape, loss.total, 1);
     check_status(learn_tape_status(&f->tape, NULL), BAT_OK);
@@ -207,7 +207,7 @@ static void gradients_are_limits_of_differences(void **state)
 /// Of the polygon that the library refines to.
 static void check_terms(fixture *f)
 {
-    learned_loss loss = loss_of(f, NULL);
+    curve_network_loss loss = loss_of(f, NULL);
     bat_space space = space_of(f->sample.control.surface);
     const bat_curve_angle_rule rule = learned_rule(f->parameters.values);
     bool closed = f->sample.control.closed;

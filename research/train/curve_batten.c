@@ -1,0 +1,369 @@
+#include "research/train/curve_train.h"
+
+#include "base/error.h"
+#include "batten/curve_measure.h"
+#include "batten/research/curve_study.h"
+#include "curve/network/learned_network.h"
+#include "curve/network/learned_rule.h"
+#include "research/data/control_polygon.h"
+#include "research/data/tension_family.h"
+#include "research/data/tension_set.h"
+#include "research/data/wave.h"
+#include "research/train/curve_network_tape.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The recipe of the shipped curve rule.
+
+enum
+{
+    SPACES = BAT_TENSION_SPACE_COUNT,
+    STEPS = 250, ///< of an epoch
+    PIECES = 8,
+    CURVES = 4,             ///< of a piece
+    VALIDATION_CURVES = 60, ///< of each space
+    TRUTH = BAT_TENSION_TRUTH_POINTS,
+    PUBLISHED_COUNT = BAT_TENSION_CONTROL_POINTS,
+    MIN_COUNT = 4,
+    MAX_COUNT = 32,
+    MAX_DIM = 3
+};
+static const double FAIRNESS[BAT_CURVE_TRAIN_FAIRNESSES] = {0, 0.5, 1};
+/// The seed of the validation curves; the tables have another.
+static const uint64_t VALIDATION_SEED = 2;
+
+/// The distance units are mean distances that a good rule reaches.
+static const curve_loss_weights WEIGHTS = {
+    .distance_unit = {[BAT_TENSION_PLANE] = 0.006, [BAT_TENSION_SPHERE] = 0.0105, [BAT_TENSION_DISK] = 0.0027},
+    .bending_unit = {[BAT_TENSION_PLANE] = 24, [BAT_TENSION_SPHERE] = 12, [BAT_TENSION_DISK] = 16},
+    .angle_unit = {[BAT_TENSION_PLANE] = 0.13, [BAT_TENSION_SPHERE] = 0.4, [BAT_TENSION_DISK] = 0.1},
+    .min_roughness = 0.006,
+};
+
+/// During training the weight of the roughness grows, and then the balance of bending and large angles is set: the network
+/// learns to follow the data first.
+static const struct
+{
+    double from;          ///< share of the epochs
+    double max_roughness; ///< as in curve_loss_weights
+    double angle[SPACES]; ///< likewise, in each space
+} PHASES[] = {{0, 7, {1, 1, 1}}, {0.5, 9, {0.78, 0.78, 0.78}}, {0.75, 10, {0.98, 1.2, 0.85}}};
+
+/// What is recorded of every batch.
+enum
+{
+    DISTANCE,
+    BENDING,
+    ANGLE,
+    METRIC_COUNT
+};
+static const char *const METRICS[METRIC_COUNT] = {"distance", "bending", "angle"};
+
+static const char *const VALIDATION[] = {"mean_nn",         "mean_nn_plane_0",  "mean_nn_sphere_0", "mean_nn_disk_0",
+                                         "mean_nn_plane_1", "mean_nn_sphere_1", "mean_nn_disk_1",   "g1_plane_1",
+                                         "g1_sphere_1",     "g1_disk_1"};
+
+// Samples
+
+/// The distribution of a sample's control points on its curve. Half of the polygons have as many points as the published
+/// ones; most of those are evenly spaced.
+static tension_control_plan draw_plan(bat_random *random)
+{
+    bool published = bat_random_uniform(random) < 0.5, even = bat_random_uniform(random) < (published ? 0.75 : 0.25);
+    bool from_start = bat_random_uniform(random) < 0.25;
+    double start = bat_random_uniform(random), jitter = bat_random_uniform(random);
+    return (tension_control_plan){
+        .count = published ? PUBLISHED_COUNT : (size_t)draw_whole(random, MIN_COUNT, MAX_COUNT),
+        .start = from_start ? 0 : start,
+        .jitter = even ? 0 : jitter,
+    };
+}
+
+/// Replace the end of a closed curve by the geodesic back to its beginning, as closed tracks have one. It makes corners at
+/// point 0 and at the returned point. Returns 0, and leaves the curve alone, where there is no unique geodesic.
+static size_t close_by_geodesic(bat_tension_space space, bat_random *random, double *truth)
+{
+    const bat_space spaces[SPACES] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
+    const bat_space *here = &spaces[space];
+    size_t dim = here->point_dim, remaining = (size_t)draw_whole(random, TRUTH / 3, TRUTH - TRUTH / 20);
+    double end[MAX_DIM], velocity[MAX_DIM], step[MAX_DIM];
+    memcpy(end, truth + (remaining - 1) * dim, dim * sizeof *end);
+    if (here->log(here, end, truth, velocity) != BAT_OK)
+        return 0;
+    for (size_t i = remaining; i < TRUTH; i++)
+    {
+        double share = (double)(i + 1 - remaining) / (double)(TRUTH + 1 - remaining);
+        for (size_t k = 0; k < here->tangent_dim; k++)
+            step[k] = share * velocity[k];
+        (void)here->exp(here, end, step, truth + i * dim); // between two points of the space
+    }
+    return remaining - 1;
+}
+
+/// Move the control point that is nearest along the curve onto point `corner`, because recorded tracks have points at turns.
+/// @param lengths chord lengths from point 0
+static void snap_to_corner(size_t corner, const double *lengths, size_t count, size_t *samples)
+{
+    size_t nearest = 0;
+    double min = INFINITY;
+    for (size_t k = 0; k < count; k++)
+    {
+        double distance = fabs(lengths[samples[k]] - lengths[corner]);
+        distance = fmin(distance, lengths[TRUTH] - distance);
+        if (distance < min)
+        {
+            min = distance;
+            nearest = k;
+        }
+    }
+    samples[nearest] = corner;
+}
+
+/// A new curve with its control polygon.
+/// @param truth,control room for TRUTH and MAX_COUNT points
+static tension_sample draw_sample(bat_tension_space space, bat_random *random, double *truth, double *control)
+{
+    double lengths[TRUTH + 1];
+    size_t samples[MAX_COUNT], dim = tension_dim(space);
+    tension_control_plan plan;
+    size_t corner;
+    do
+    {
+        size_t family = (size_t)draw_whole(random, 0, (int)tension_family_count(space, false) - 1);
+        tension_family_draw(space, false, family, random, TRUTH, truth);
+        corner = bat_random_uniform(random) < 0.2 ? close_by_geodesic(space, random, truth) : 0;
+        plan = draw_plan(random);
+    } while (!tension_control_sample(space, truth, TRUTH, &plan, random, lengths, samples));
+    if (corner > 0 && plan.count >= 8 && bat_random_uniform(random) < 0.6)
+    {
+        snap_to_corner(corner, lengths, plan.count, samples);
+        snap_to_corner(0, lengths, plan.count, samples);
+    }
+    for (size_t k = 0; k < plan.count; k++)
+        memcpy(control + k * dim, truth + samples[k] * dim, dim * sizeof *control);
+    // Open curves are pieces of closed ones.
+    bool open = bat_random_uniform(random) < 0.15;
+    size_t count = open ? (size_t)draw_whole(random, MIN_COUNT, (int)plan.count) : plan.count;
+    return (tension_sample){
+        .control = {.points = control, .count = count, .surface = tension_surface(space), .closed = !open},
+        .truth = truth,
+        .truth_count = TRUTH,
+    };
+}
+
+/// Levels that bring a polygon to about a hundred vertices or more.
+static size_t steps_for(size_t count)
+{
+    return count < 9 ? 5 : count < 18 ? 4 : 3;
+}
+
+/// Uniform, with additional probability for 0 and 1.
+static double draw_fairness(bat_random *random)
+{
+    return fmin(fmax(1.3 * bat_random_uniform(random) - 0.15, 0), 1);
+}
+
+static curve_loss_weights weights_at(uint64_t epoch, uint64_t epochs, bat_tension_space space)
+{
+    curve_loss_weights weights = WEIGHTS;
+    for (size_t i = 0; i < sizeof PHASES / sizeof *PHASES; i++)
+        if ((double)epoch >= PHASES[i].from * (double)epochs)
+        {
+            weights.max_roughness = PHASES[i].max_roughness;
+            weights.angle = PHASES[i].angle[space];
+        }
+    return weights;
+}
+
+/// Curve `number` of the training.
+static learn_array *train_curve(const curve_training *t, uint64_t epoch, learn_tape *tape, uint64_t number, double *metrics)
+{
+    bat_tension_space space = (bat_tension_space)(number % SPACES);
+    bat_random stream = tension_stream(TENSION_TRAINING, space, t->options->run.seed, number), *random = &stream;
+    double *truth = learn_tape_memory(tape, TRUTH * MAX_DIM, sizeof *truth);
+    double *control = learn_tape_memory(tape, MAX_COUNT * MAX_DIM, sizeof *control);
+    if (tape->status != BAT_OK)
+        return &tape->nothing;
+    tension_sample sample = draw_sample(space, random, truth, control);
+    curve_loss_weights weights = weights_at(epoch, t->options->run.epochs, space);
+    double fairness = draw_fairness(random), share = 1.0 / (PIECES * CURVES);
+    curve_network_loss loss =
+        curve_network_sample_loss(tape, &sample, space, steps_for(sample.control.count), fairness, &weights);
+    if (tape->status == BAT_OK)
+    {
+        metrics[DISTANCE] += share * (double)*loss.distance->value / WEIGHTS.distance_unit[space];
+        metrics[BENDING] += share * (double)*loss.bending->value;
+        metrics[ANGLE] += share * (double)*loss.angle->value;
+    }
+    return learn_scale(tape, loss.total, (real)share);
+}
+
+// Validation
+
+/// The refined control polygons of one set.
+static bat_status refine(const bat_tension_set *set, const bat_space *space, const bat_curve_angle_rule *rule,
+                         double fairness, int threads, bat_curve *coarse, bat_curve *fine, bat_error *error)
+{
+    bat_curve_refine_options options = bat_curve_refine_defaults();
+    options.scheme = bat_curve_scheme_angle_rule(rule);
+    options.scheme.fairness = fairness;
+    options.levels = BAT_TENSION_LEVELS;
+    options.threads = threads;
+    for (size_t i = 0; i < set->count; i++)
+        coarse[i] = bat_tension_control(set, i, space);
+    return bat_curves_refine(coarse, set->count, &options, fine, NULL, error);
+}
+
+static bat_status measure(const bat_tension_set *set, const bat_space *space, const bat_curve *fine,
+                          bat_curve_train_score *score, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    bat_curve_train_score sum = {0};
+    for (size_t i = 0; i < set->count && status == BAT_OK; i++)
+    {
+        bat_curve truth = bat_tension_truth(set, i, space);
+        bat_curve_distance distance;
+        bat_curve_fairness_values fairness;
+        status = bat_curve_compare(&fine[i], &truth, NULL, &distance, error);
+        if (status == BAT_OK)
+            status = bat_curve_fairness(&fine[i], NULL, &fairness, error);
+        if (status != BAT_OK)
+            break;
+        sum.mean_nn += distance.mean_nn;
+        sum.bending += fairness.bending;
+        sum.g1 += fairness.g1;
+    }
+    double n = (double)set->count;
+    *score = (bat_curve_train_score){sum.mean_nn / n, sum.bending / n, sum.g1 / n};
+    return status;
+}
+
+bat_status curve_batten_validate(const learn_parameters *parameters, const bat_tension_set sets[SPACES], double fairness,
+                                 int threads, bat_curve_train_score scores[SPACES], bat_error *error)
+{
+    const bat_space spaces[SPACES] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
+    bat_status status = BAT_OK;
+    for (size_t s = 0; s < SPACES && status == BAT_OK; s++)
+    {
+        size_t count = sets[s].count;
+        const bat_curve_angle_rule rule = learned_rule(parameters->values);
+        bat_curve *curves = calloc(2 * count, sizeof *curves);
+        if (curves == NULL)
+            return error_memory(error, 2 * count * sizeof *curves);
+        status = refine(&sets[s], &spaces[s], &rule, fairness, threads, curves, curves + count, error);
+        if (status == BAT_OK)
+            status = measure(&sets[s], &spaces[s], curves + count, &scores[s], error);
+        for (size_t i = 0; i < count; i++)
+            bat_curve_free(&curves[count + i]);
+        free(curves);
+    }
+    return status;
+}
+
+bat_status curve_batten_score(const curve_training *t, bat_curve_train_score scores[BAT_CURVE_TRAIN_FAIRNESSES][SPACES],
+                              bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < BAT_CURVE_TRAIN_FAIRNESSES && status == BAT_OK; i++)
+        status = curve_batten_validate(&t->base.parameters, t->validation, FAIRNESS[i], t->options->run.threads, scores[i],
+                                       error);
+    return status;
+}
+
+// Options
+
+static bat_status check(const void *context, bat_error *error)
+{
+    const bat_curve_train_options *o = ((const curve_training *)context)->options;
+    bool terms = o->bending != 0 || o->consistency != 0;
+    for (size_t space = 0; space < SPACES; space++)
+        terms = terms || o->smoothness[space] != 0;
+    if (o->embedding != BAT_TENSION_EMBEDDING_LEARNED || terms)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "embedding, smoothness, bending and consistency must be 0: only the published recipe has them");
+    return BAT_OK;
+}
+
+static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
+{
+    const bat_curve_train_options *o = ((const curve_training *)context)->options;
+    (void)snprintf(text, TRAIN_TEXT_SIZE, "tension batten, %llu epochs", (unsigned long long)o->run.epochs);
+}
+
+// Training
+
+static bat_status make(void *context, bat_error *error)
+{
+    curve_training *t = context;
+    if (t->size.steps == 0)
+        t->size.steps = STEPS;
+    if (t->size.validation_curves == 0)
+        t->size.validation_curves = VALIDATION_CURVES;
+    bat_status status = learned_network_make(&t->base.parameters, error);
+    if (status == BAT_OK)
+        learned_network_start(&t->base.parameters, t->options->run.seed);
+    for (int space = 0; space < SPACES && status == BAT_OK; space++)
+        status = bat_tension_set_make((bat_tension_space)space, BAT_TENSION_RESAMPLED, t->size.validation_curves,
+                                      VALIDATION_SEED, &t->validation[space], error);
+    return status;
+}
+
+static void configure(const void *context, learn_job *job, learn_options *options)
+{
+    (void)options;
+    job->pieces = PIECES;
+    job->steps = ((const curve_training *)context)->size.steps;
+}
+
+static bat_status piece_loss(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *metrics,
+                             bat_error *error)
+{
+    (void)error;
+    const curve_training *t = context;
+    for (size_t i = 0; i < CURVES; i++)
+    {
+        uint64_t number = ((piece->epoch * t->size.steps + piece->step) * PIECES + piece->index) * CURVES + i;
+        learn_array *own = train_curve(t, piece->epoch, tape, number, metrics);
+        *loss = i == 0 ? own : learn_add(tape, *loss, own);
+    }
+    return BAT_OK;
+}
+
+static bat_status validate(void *context, double *metrics, bat_error *error)
+{
+    enum
+    {
+        LAST = BAT_CURVE_TRAIN_FAIRNESSES - 1
+    };
+    bat_curve_train_score scores[BAT_CURVE_TRAIN_FAIRNESSES][SPACES];
+    bat_status status = curve_batten_score(context, scores, error);
+    if (status != BAT_OK)
+        return status;
+    metrics[0] = 0;
+    for (size_t space = 0; space < SPACES; space++)
+    {
+        metrics[0] += scores[0][space].mean_nn / SPACES;
+        metrics[1 + space] = scores[0][space].mean_nn;
+        metrics[1 + SPACES + space] = scores[LAST][space].mean_nn;
+        metrics[1 + 2 * SPACES + space] = scores[LAST][space].g1;
+    }
+    return BAT_OK;
+}
+
+const train_recipe curve_recipe_batten = {
+    .columns = {METRICS, METRIC_COUNT, VALIDATION, sizeof VALIDATION / sizeof *VALIDATION},
+    .optimizer = {.rule = LEARN_ADAMW, .momentum = 0.9, .second = 0.99, .epsilon = 1e-8, .decay = 1e-3},
+    .schedule = {.kind = LEARN_COSINE, .rate = 2e-3, .warmup = 1},
+    .plateau = {.reduce_factor = 0.5},
+    .clip = 1,
+    .validate_every = 5,
+    .checkpoint_every = 5,
+    .check = check,
+    .make = make,
+    .configure = configure,
+    .describe = describe,
+    .piece_loss = piece_loss,
+    .validate = validate,
+};
