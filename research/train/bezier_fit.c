@@ -10,12 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Singular values below this share of the largest do not count.
+/// Singular values below this, relative to the largest, are treated as 0.
 static const double RANK_SHARE = 1e-11;
 
 enum
 {
-    MOST = BEZIER_MAX_DEGREE + 1
+    MAX_SIDE = BEZIER_MAX_DEGREE + 1
 };
 
 /// The matrix of the least-squares problem, column by column.
@@ -24,7 +24,7 @@ static void collocate(const double *parameters, size_t count, int degree, double
     size_t side = (size_t)degree + 1;
     for (size_t k = 0; k < count; k++)
     {
-        double u[MOST], v[MOST];
+        double u[MAX_SIDE], v[MAX_SIDE];
         bezier_basis(degree, parameters[2 * k], u, NULL);
         bezier_basis(degree, parameters[2 * k + 1], v, NULL);
         for (size_t i = 0; i < side; i++)
@@ -36,7 +36,7 @@ static void collocate(const double *parameters, size_t count, int degree, double
 /// The derivatives of the patch.
 static void slopes_at(const bezier_surface *patch, const double parameter[2], double slope_u[3], double slope_v[3])
 {
-    double u[MOST], v[MOST], du[MOST] = {0}, dv[MOST] = {0};
+    double u[MAX_SIDE], v[MAX_SIDE], du[MAX_SIDE] = {0}, dv[MAX_SIDE] = {0};
     bezier_basis(patch->degree, parameter[0], u, du);
     bezier_basis(patch->degree, parameter[1], v, dv);
     const double(*control)[3] = patch->control;
@@ -62,7 +62,7 @@ static bool are_finite(const double *numbers, size_t count)
 /// Solve with the matrix's columns and the right-hand sides, each `rows` long, the latter with room for `columns`.
 static bat_status solve(size_t rows, size_t columns, double *matrix, double *sides, bat_error *error)
 {
-    lapack_int pivots[MOST * MOST] = {0}, rank;
+    lapack_int pivots[MAX_SIDE * MAX_SIDE] = {0}, rank;
     size_t leading = rows > columns ? rows : columns;
     lapack_int failure = LAPACKE_dgelsy(LAPACK_COL_MAJOR, (lapack_int)rows, (lapack_int)columns, 3, matrix, (lapack_int)rows,
                                         sides, (lapack_int)leading, pivots, RANK_SHARE, &rank);
@@ -100,7 +100,7 @@ bat_status bezier_fit_make(const double *points, const double *parameters, size_
     else
     {
         collocate(parameters, count, fit->patch.degree, matrix);
-        // Rows without a point are those that LAPACK puts the solution in.
+        // LAPACK returns the solution in the first rows, which may be more than there are points.
         memset(sides, 0, 3 * leading * sizeof *sides);
         for (size_t i = 0; i < 3 * count; i++)
             sides[i % 3 * leading + i / 3] = points[i];

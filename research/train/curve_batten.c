@@ -97,7 +97,7 @@ static size_t close_by_geodesic(bat_tension_space space, bat_random *random, dou
         double share = (double)(i + 1 - remaining) / (double)(TRUTH + 1 - remaining);
         for (size_t k = 0; k < here->tangent_dim; k++)
             step[k] = share * velocity[k];
-        (void)here->exp(here, end, step, truth + i * dim); // between two points of the space
+        (void)here->exp(here, end, step, truth + i * dim); // cannot fail between two points of the space
     }
     return remaining - 1;
 }
@@ -153,7 +153,7 @@ static tension_sample draw_sample(bat_tension_space space, bat_random *random, d
     };
 }
 
-/// Levels that bring a polygon to about a hundred vertices or more.
+/// The number of levels after which a polygon has about a hundred vertices or more.
 static size_t steps_for(size_t count)
 {
     return count < 9 ? 5 : count < 18 ? 4 : 3;

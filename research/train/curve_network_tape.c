@@ -30,7 +30,7 @@ typedef struct edge_features
     double *angles, *lengths;
 } edge_features;
 
-/// Where entry i of the continued polygon comes from. Reflection in an end exchanges the two sides of the end vertex, keeps
+/// The source of entry i of the continued polygon. Reflection in an end exchanges the two sides of the end vertex, keeps
 /// lengths and changes the angles' signs.
 typedef struct source
 {
@@ -100,9 +100,9 @@ static edge_features *gather_features(learn_tape *tape, tape_polygon *polygon, d
         return NULL;
     const geometry_polygon *shape = &polygon->shape;
     size_t edges = geometry_edges(shape), entries = continued(shape);
-    bool wanted = polygon->point_gradient != NULL;
+    bool differentiated = polygon->point_gradient != NULL;
     edge_features *s = learn_tape_memory(tape, 1, sizeof *s);
-    learn_array *features = learn_array_make(tape, edges, LEARNED_FEATURES, wanted);
+    learn_array *features = learn_array_make(tape, edges, LEARNED_FEATURES, differentiated);
     learned_features *per_edge = learn_tape_memory(tape, 2 * edges, sizeof *per_edge);
     double *extended = learn_tape_memory(tape, 4 * entries, sizeof *extended);
     if (tape->status != BAT_OK)
@@ -123,7 +123,7 @@ static edge_features *gather_features(learn_tape *tape, tape_polygon *polygon, d
         for (size_t i = 0; i < LEARNED_FEATURES; i++)
             features->value[j * LEARNED_FEATURES + i] = (real)row[i];
     }
-    if (wanted)
+    if (differentiated)
         learn_tape_record(tape, NULL, features_back, s);
     return s;
 }

@@ -2,7 +2,7 @@
 
 static const double INVERSE_PI = 0.31830988618379067154;
 
-/// Where a stencil's entry lies among `count` items: index `first` - before, wrapped around a closed polygon.
+/// The position of a stencil's entry among `count` items: index `first` - before, modulo `count` on a closed polygon.
 /// @return false beyond the ends of an open one
 static bool find_item(size_t first, size_t before, size_t count, bool closed, size_t *item)
 {
@@ -60,21 +60,21 @@ void geometry_published_features_back(const geometry_polygon *polygon, geometry_
     geometry_mean_length_back(polygon, -sum * inverse_mean * inverse_mean, gradient);
 }
 
-/// Mean length of the edges that the stencil of an edge sees, and how many they are.
+/// Mean length of the edges in the stencil of an edge, and their number.
 static double stencil_mean(const geometry_polygon *polygon, geometry_profile profile, geometry_stencil stencil, size_t edge,
-                           size_t *seen)
+                           size_t *count)
 {
     double sum = 0;
-    *seen = 0;
+    *count = 0;
     for (size_t i = 0; i < 2 * stencil.length_reach + 1; i++)
     {
         size_t item;
         if (!find_item(edge + i, stencil.length_reach, geometry_edges(polygon), polygon->closed, &item))
             continue;
         sum += profile.lengths[item];
-        ++*seen;
+        ++*count;
     }
-    return sum / (double)*seen;
+    return sum / (double)*count;
 }
 
 void geometry_stencil_features(const geometry_polygon *polygon, geometry_profile profile, geometry_stencil stencil,
@@ -83,13 +83,13 @@ void geometry_stencil_features(const geometry_polygon *polygon, geometry_profile
     size_t edges = geometry_edges(polygon), angles = 2 * stencil.angle_reach, lengths = 2 * stencil.length_reach + 1;
     for (size_t j = 0; j < edges; j++, features += stride)
     {
-        size_t item, seen;
+        size_t item, count;
         // The first angle of edge j lies at vertex j + 1 - angle_reach.
         for (size_t i = 0; i < angles; i++)
             features[i] = find_item(j + 1 + i, stencil.angle_reach, polygon->count, polygon->closed, &item)
                               ? profile.angles[item] * INVERSE_PI
                               : 0;
-        double inverse = 1 / stencil_mean(polygon, profile, stencil, j, &seen);
+        double inverse = 1 / stencil_mean(polygon, profile, stencil, j, &count);
         for (size_t i = 0; i < lengths; i++)
             features[angles + i] =
                 find_item(j + i, stencil.length_reach, edges, polygon->closed, &item) ? profile.lengths[item] * inverse : 0;
@@ -103,15 +103,15 @@ void geometry_stencil_features_back(const geometry_polygon *polygon, geometry_pr
     const double *row = feature_gradients;
     for (size_t j = 0; j < edges; j++, row += stride)
     {
-        size_t item, seen;
+        size_t item, count;
         for (size_t i = 0; i < angles; i++)
             if (find_item(j + 1 + i, stencil.angle_reach, polygon->count, polygon->closed, &item))
                 gradient.angles[item] += row[i] * INVERSE_PI;
-        double inverse = 1 / stencil_mean(polygon, profile, stencil, j, &seen), sum = 0;
+        double inverse = 1 / stencil_mean(polygon, profile, stencil, j, &count), sum = 0;
         for (size_t i = 0; i < lengths; i++)
             if (find_item(j + i, stencil.length_reach, edges, polygon->closed, &item))
                 sum += row[angles + i] * profile.lengths[item];
-        double mean_gradient = -sum * inverse * inverse / (double)seen;
+        double mean_gradient = -sum * inverse * inverse / (double)count;
         for (size_t i = 0; i < lengths; i++)
             if (find_item(j + i, stencil.length_reach, edges, polygon->closed, &item))
                 gradient.lengths[item] += row[angles + i] * inverse + mean_gradient;

@@ -4,7 +4,7 @@
 #include "research/train/geometry_polygon.h"
 
 /// @file
-/// What networks see of a polygon around an edge: angles and ratios of lengths, invariant under isometries and scaling.
+/// The features of an edge of a polygon for networks: angles and ratios of lengths, invariant under isometries and scaling.
 
 /// Features of an edge in the published network: 6 of the profile and the curvature.
 #define GEOMETRY_PUBLISHED_FEATURES 7
@@ -17,8 +17,8 @@ void geometry_published_features(const geometry_polygon *polygon, geometry_profi
 void geometry_published_features_back(const geometry_polygon *polygon, geometry_profile profile,
                                       const double *feature_gradients, size_t stride, geometry_profile gradient);
 
-/// How far around an edge features reach. Symmetric: reversal of the polygon reverses the order of the angles, with their
-/// signs changed, and that of the lengths.
+/// The range of the features around an edge. It is symmetric: reversal of the polygon reverses the order of the angles, with
+/// their signs changed, and that of the lengths.
 typedef struct geometry_stencil
 {
     size_t angle_reach;  ///< angles on either side of the edge, so 2 angle_reach in all
@@ -32,7 +32,7 @@ static inline size_t geometry_stencil_size(geometry_stencil stencil)
 }
 
 /// The angles over pi, in the polygon's order, then the lengths over their own mean. Beyond the ends of an open polygon both
-/// are 0, and the mean leaves them out. Around a closed polygon a wide stencil may see vertices twice.
+/// are 0, and the mean does not include them. Around a closed polygon a wide stencil may contain vertices twice.
 /// @param features one row for each edge; rows lie `stride` >= geometry_stencil_size() numbers apart
 void geometry_stencil_features(const geometry_polygon *polygon, geometry_profile profile, geometry_stencil stencil,
                                double *features, size_t stride);

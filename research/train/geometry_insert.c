@@ -117,8 +117,8 @@ static void sphere_insert_back(const geometry_rows *restrict rows, size_t edges,
     }
 }
 
-/// What both directions need in the disk: w = (-p) + q (a Möbius sum) with its denominator, and the new vertex seen from p,
-/// z = scale (1 + i slope) w.
+/// Common to both directions in the disk: w = (-p) + q (a Möbius sum) with its denominator, and the new vertex relative to
+/// p, z = scale (1 + i slope) w.
 typedef struct disk_edge
 {
     double p[2], q[2], w[2], denominator[2], z[2];

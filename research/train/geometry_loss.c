@@ -101,7 +101,7 @@ double geometry_angle_power_mean(const geometry_polygon *polygon, geometry_profi
         largest = fmax(largest, fabs(profile.angles[j]));
     if (largest == 0)
         return 0;
-    // Divided by the largest, no power overflows and not all underflow.
+    // Relative to the largest, no power overflows and not all underflow.
     for (size_t j = 0; j < polygon->count; j++)
         sum += pow(fabs(profile.angles[j]) / largest, power);
     return largest * pow(sum / (double)geometry_corners(polygon), 1 / power);
@@ -122,7 +122,7 @@ void geometry_angle_power_mean_back(const geometry_polygon *polygon, geometry_pr
 
 enum
 {
-    /// Queries whose nearest items are searched at a time.
+    /// Queries that are processed together.
     QUERIES = 128,
 };
 
@@ -154,7 +154,7 @@ static inline double square_3(double x, double y, double z, const double *item)
     return dx * dx + dy * dy + dz * dz;
 }
 
-/// Go through four items at a time, so that what the queries know is loaded and stored a fourth as often.
+/// Four items at a time, so that the state of the queries is loaded and stored a quarter as often.
 LANES_CLONES
 static void search_2(nearest_block *restrict block, size_t queries, const double *restrict items, size_t item_count)
 {
@@ -164,13 +164,13 @@ static void search_2(nearest_block *restrict block, size_t queries, const double
         const double *row = items + 2 * item;
         for (size_t i = 0; i < queries; i++)
         {
-            double x = block->x[i], y = block->y[i], least = block->distance[i];
+            double x = block->x[i], y = block->y[i], min = block->distance[i];
             size_t nearest = block->nearest[i];
-            take_nearer(square_2(x, y, row), item, &least, &nearest);
-            take_nearer(square_2(x, y, row + 2), item + 1, &least, &nearest);
-            take_nearer(square_2(x, y, row + 4), item + 2, &least, &nearest);
-            take_nearer(square_2(x, y, row + 6), item + 3, &least, &nearest);
-            block->distance[i] = least;
+            take_nearer(square_2(x, y, row), item, &min, &nearest);
+            take_nearer(square_2(x, y, row + 2), item + 1, &min, &nearest);
+            take_nearer(square_2(x, y, row + 4), item + 2, &min, &nearest);
+            take_nearer(square_2(x, y, row + 6), item + 3, &min, &nearest);
+            block->distance[i] = min;
             block->nearest[i] = nearest;
         }
     }
@@ -188,13 +188,13 @@ static void search_3(nearest_block *restrict block, size_t queries, const double
         const double *row = items + 3 * item;
         for (size_t i = 0; i < queries; i++)
         {
-            double x = block->x[i], y = block->y[i], z = block->z[i], least = block->distance[i];
+            double x = block->x[i], y = block->y[i], z = block->z[i], min = block->distance[i];
             size_t nearest = block->nearest[i];
-            take_nearer(square_3(x, y, z, row), item, &least, &nearest);
-            take_nearer(square_3(x, y, z, row + 3), item + 1, &least, &nearest);
-            take_nearer(square_3(x, y, z, row + 6), item + 2, &least, &nearest);
-            take_nearer(square_3(x, y, z, row + 9), item + 3, &least, &nearest);
-            block->distance[i] = least;
+            take_nearer(square_3(x, y, z, row), item, &min, &nearest);
+            take_nearer(square_3(x, y, z, row + 3), item + 1, &min, &nearest);
+            take_nearer(square_3(x, y, z, row + 6), item + 2, &min, &nearest);
+            take_nearer(square_3(x, y, z, row + 9), item + 3, &min, &nearest);
+            block->distance[i] = min;
             block->nearest[i] = nearest;
         }
     }

@@ -4,12 +4,12 @@
 #include "research/train/geometry_block.h"
 #include "space/disk.h"
 
-// The derivative of angles needs no angle at a vertex, only edges: with arg(p, q) the direction in which q is seen from p,
+// The derivative of angles needs no angle at a vertex, only edges: with arg(p, q) the direction from p to q,
 // the exterior angle is arg(p, after) - arg(p, before) + pi, so that one edge (p, q) contributes
 // (gradient at p) d arg(p, q) - (gradient at q) d arg(q, p).
 
 /// Measures of the block's vertices i + 1 of the rows: their angles, and the lengths of the edges from there. In the disk
-/// the lengths are still to be replaced by 2 asinh of what stands there.
+/// the lengths are to be replaced by 2 asinh of their values.
 typedef void measure_function(const geometry_rows *restrict rows, size_t count, double *restrict angles,
                               double *restrict lengths);
 

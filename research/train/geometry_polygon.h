@@ -64,7 +64,7 @@ void geometry_measure_back(const geometry_polygon *polygon, geometry_profile gra
 double geometry_mean_length(const geometry_polygon *polygon, geometry_profile profile);
 void geometry_mean_length_back(const geometry_polygon *polygon, double mean_gradient, geometry_profile gradient);
 
-/// An isometry that keeps the orientation: a rotation about the origin, then, but on the sphere, a translation.
+/// An isometry that keeps the orientation: a rotation about the origin, followed by a translation except on the sphere.
 typedef struct geometry_isometry
 {
     geometry_surface surface;

@@ -13,7 +13,7 @@
 
 enum
 {
-    CANDIDATES = 100 ///< random edges, of which that of least error is collapsed (appendix E)
+    CANDIDATES = 100 ///< random edges, of which the one of smallest error is collapsed (appendix E)
 };
 
 static size_t vertices_at(const mesh_levels *levels, size_t level)

@@ -36,7 +36,8 @@ typedef struct mesh_pair_plan
     bool loop;                         ///< the targets are Loop's refinement of the coarse mesh instead of the shape
 } mesh_pair_plan;
 
-/// Make a pair by the semi-random decimation of Liu et al. (2020), appendix E: of 100 random edges the one of least error.
+/// Make a pair by the semi-random decimation of Liu et al. (2020), appendix E: of 100 random edges the one of smallest
+/// error.
 /// @param shape what bat_mesh_check() and bat_mesh_connect() accept
 /// @param seed  of all randomness
 /// @return BAT_OK, what bat_mesh_decimate() and bat_mesh_refine() return; `pair` is untouched on failure

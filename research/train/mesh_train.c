@@ -145,15 +145,15 @@ static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
         hash = hash_bytes(hash, shape->positions, shape->vertex_count * 3 * sizeof *shape->positions);
         hash = hash_bytes(hash, shape->faces, shape->face_count * 3 * sizeof *shape->faces);
     }
-    (void)snprintf(
-        text, TRAIN_TEXT_SIZE,
-        "mesh published, %llu epochs, %zu pairs of each of %zu shapes (%016llx), %zu fresh, batch %zu, %zu to %zu "
-        "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s%s",
-        (unsigned long long)o->run.epochs, o->pairs, t->shape_count, (unsigned long long)hash, o->resampled, o->batch,
-        o->min_vertices, o->max_vertices, o->min_normal, o->min_quality, o->rate, o->cosine_decay ? " falling" : "",
-        o->fixed_frames ? MESH_NETWORK_FIXED : "", o->no_differences ? ", no differential coordinates" : "",
-        o->relative ? MESH_NETWORK_RELATIVE : "", o->last_level ? ", last level" : "", o->chamfer ? ", Chamfer" : "",
-        o->surface ? ", off the surface" : "", o->learn_loop ? ", Loop" : "");
+    (void)snprintf(text, TRAIN_TEXT_SIZE,
+                   "mesh %s, %llu epochs, %zu pairs of each of %zu shapes (%016llx), %zu resampled, batch %zu, %zu to %zu "
+                   "vertices, normal %.9g, quality %.9g, rate %.9g%s%s%s%s%s%s%s%s",
+                   bat_recipe_name(o->recipe), (unsigned long long)o->run.epochs, o->pairs, t->shape_count,
+                   (unsigned long long)hash, o->resampled, o->batch, o->min_vertices, o->max_vertices, o->min_normal,
+                   o->min_quality, o->rate, o->cosine_decay ? " with cosine decay" : "",
+                   o->fixed_frames ? MESH_NETWORK_FIXED : "", o->no_differences ? ", no differential coordinates" : "",
+                   o->relative ? MESH_NETWORK_RELATIVE : "", o->last_level ? ", last level" : "",
+                   o->chamfer ? ", Chamfer" : "", o->surface ? ", off the surface" : "", o->learn_loop ? ", Loop" : "");
 }
 
 // Training

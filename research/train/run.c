@@ -162,12 +162,13 @@ static bat_status run_logged(const train_recipe *recipe, void *context, const ru
                              learn_report *made, bat_error *error)
 {
     const bat_train_options *given = ((train_context *)context)->options;
-    bool kept = given->folder != NULL;
+    bool logged = given->folder != NULL;
     learn_job job = job_of(recipe, context);
     learn_options options = learning_of(recipe, given, files, text);
     train_log log;
     recipe->configure(context, &job, &options);
-    bat_status status = train_log_make(kept ? files->log : NULL, kept ? files->picture : NULL, recipe->columns, &log, error);
+    bat_status status =
+        train_log_make(logged ? files->log : NULL, logged ? files->picture : NULL, recipe->columns, &log, error);
     if (status != BAT_OK)
         return status;
     options.observer = train_log_observer(&log);

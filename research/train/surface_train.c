@@ -89,8 +89,8 @@ static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
     const training *t = context;
     const bat_surface_train_options *o = t->options;
     (void)snprintf(text, TRAIN_TEXT_SIZE,
-                   "surface %s, %llu epochs of %zu steps, batch %zu, %zu to %zu points, bidegree %d to %d, noise %.9g but "
-                   "for %.9g, %s, rate %.9g",
+                   "surface %s, %llu epochs of %zu steps, batch %zu, %zu to %zu points, bidegree %d to %d, noise %.9g "
+                   "(a share of %.9g without), %s, rate %.9g",
                    t->network->kind->name, (unsigned long long)o->run.epochs, o->steps, o->batch, o->min_points,
                    o->max_points, o->min_degree, o->max_degree, o->noise, o->clean, o->adam ? "Adam" : "gradient descent",
                    o->rate);

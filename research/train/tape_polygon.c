@@ -9,10 +9,10 @@
 
 enum
 {
-    SEEN = GEOMETRY_PUBLISHED_FEATURES - 1 ///< features without the curvature
+    EDGE_FEATURES = GEOMETRY_PUBLISHED_FEATURES - 1 ///< features without the curvature
 };
 
-static bool wants(const tape_polygon *polygon)
+static bool has_gradient(const tape_polygon *polygon)
 {
     return polygon->point_gradient != NULL;
 }
@@ -31,14 +31,14 @@ static void measure_back(void *context)
     geometry_measure_back(&polygon->shape, polygon->profile_gradient, polygon->point_gradient);
 }
 
-/// A polygon whose points are there, measured.
-static tape_polygon *polygon_make(learn_tape *tape, const geometry_polygon *shape, bool wanted)
+/// A polygon with given points, measured.
+static tape_polygon *polygon_make(learn_tape *tape, const geometry_polygon *shape, bool differentiated)
 {
     size_t count = shape->count;
     tape_polygon *polygon = learn_tape_memory(tape, 1, sizeof *polygon);
     geometry_profile profile = {zeros(tape, count), zeros(tape, count)}, gradient = {0};
     double *point_gradient = NULL;
-    if (wanted)
+    if (differentiated)
     {
         gradient = (geometry_profile){zeros(tape, count), zeros(tape, count)};
         point_gradient = zeros(tape, count * geometry_dim(shape->surface));
@@ -47,7 +47,7 @@ static tape_polygon *polygon_make(learn_tape *tape, const geometry_polygon *shap
         return NULL;
     *polygon = (tape_polygon){*shape, profile, point_gradient, gradient};
     geometry_measure(&polygon->shape, profile);
-    if (wanted)
+    if (differentiated)
         learn_tape_record(tape, NULL, measure_back, polygon);
     return polygon;
 }
@@ -99,28 +99,29 @@ tape_polygon *tape_polygon_insert(learn_tape *tape, tape_polygon *coarse, learn_
     geometry_insert(&coarse->shape, precise, points);
     shape.points = points;
     *step = (insertion){.coarse = coarse, .angles = angles, .precise = precise};
-    bool wanted = wants(coarse) || learn_wants(angles);
+    bool differentiated = has_gradient(coarse) || learn_wants(angles);
     // Recorded before the fine polygon's measure, so that it goes back after it.
-    if (wanted)
+    if (differentiated)
         learn_tape_record(tape, NULL, insert_back, step);
-    step->fine = polygon_make(tape, &shape, wanted);
+    step->fine = polygon_make(tape, &shape, differentiated);
     return step->fine;
 }
 
-typedef struct sight
+typedef struct edge_features
 {
     tape_polygon *polygon;
     learn_array *features;
     double *precise; ///< edges x GEOMETRY_PUBLISHED_FEATURES
-} sight;
+} edge_features;
 
 static void features_back(void *context)
 {
-    sight *s = context;
+    edge_features *s = context;
     const real *gradient = s->features->gradient;
     for (size_t j = 0; j < s->features->rows; j++)
         for (size_t i = 0; i < GEOMETRY_PUBLISHED_FEATURES; i++)
-            s->precise[j * GEOMETRY_PUBLISHED_FEATURES + i] = i < SEEN ? (double)gradient[j * SEEN + i] : 0;
+            s->precise[j * GEOMETRY_PUBLISHED_FEATURES + i] =
+                i < EDGE_FEATURES ? (double)gradient[j * EDGE_FEATURES + i] : 0;
     geometry_published_features_back(&s->polygon->shape, s->polygon->profile, s->precise, GEOMETRY_PUBLISHED_FEATURES,
                                      s->polygon->profile_gradient);
 }
@@ -130,17 +131,17 @@ learn_array *tape_polygon_features(learn_tape *tape, tape_polygon *polygon)
     if (tape->status != BAT_OK)
         return &tape->nothing;
     size_t edges = geometry_edges(&polygon->shape);
-    learn_array *features = learn_array_make(tape, edges, SEEN, wants(polygon));
+    learn_array *features = learn_array_make(tape, edges, EDGE_FEATURES, has_gradient(polygon));
     double *precise = learn_tape_memory(tape, edges * GEOMETRY_PUBLISHED_FEATURES, sizeof *precise);
-    sight *s = learn_tape_memory(tape, 1, sizeof *s);
+    edge_features *s = learn_tape_memory(tape, 1, sizeof *s);
     if (tape->status != BAT_OK)
         return features;
     geometry_published_features(&polygon->shape, polygon->profile, precise, GEOMETRY_PUBLISHED_FEATURES);
     for (size_t j = 0; j < edges; j++)
-        for (size_t i = 0; i < SEEN; i++)
-            features->value[j * SEEN + i] = (real)precise[j * GEOMETRY_PUBLISHED_FEATURES + i];
-    *s = (sight){polygon, features, precise};
-    if (wants(polygon))
+        for (size_t i = 0; i < EDGE_FEATURES; i++)
+            features->value[j * EDGE_FEATURES + i] = (real)precise[j * GEOMETRY_PUBLISHED_FEATURES + i];
+    *s = (edge_features){polygon, features, precise};
+    if (has_gradient(polygon))
         learn_tape_record(tape, features, features_back, s);
     return features;
 }
@@ -161,12 +162,12 @@ static judgement *judge(learn_tape *tape, tape_polygon *polygon, learn_backward 
 {
     if (tape->status != BAT_OK)
         return NULL;
-    learn_array *loss = learn_array_make(tape, 1, 1, wants(polygon));
+    learn_array *loss = learn_array_make(tape, 1, 1, has_gradient(polygon));
     judgement *j = learn_tape_memory(tape, 1, sizeof *j);
     if (tape->status != BAT_OK)
         return NULL;
     *j = (judgement){.polygon = polygon, .loss = loss};
-    if (wants(polygon))
+    if (has_gradient(polygon))
         learn_tape_record(tape, loss, backward, j);
     return j;
 }

@@ -6,15 +6,15 @@
 
 /// @file
 /// Polygons on a tape: the differentiable geometry as operations between those of a network. Points, angles and lengths stay
-/// in double precision; what a network sees and gives is in its own.
+/// in double precision; the input and output of a network are in the network's precision.
 ///
-/// As with arrays, after a failure the tape keeps the status and the operations do nothing; a polygon may then be null.
+/// As with arrays, after a failure the tape stores the status and the operations do nothing; a polygon may then be null.
 
 typedef struct tape_polygon
 {
     geometry_polygon shape;
     geometry_profile profile;          ///< measured
-    double *point_gradient;            ///< as the points; null when no derivative is wanted
+    double *point_gradient;            ///< as the points; null without a derivative
     geometry_profile profile_gradient; ///< likewise
 } tape_polygon;
 
@@ -25,7 +25,7 @@ tape_polygon *tape_polygon_given(learn_tape *tape, const geometry_polygon *shape
 /// @param angles one row for each edge
 tape_polygon *tape_polygon_insert(learn_tape *tape, tape_polygon *coarse, learn_array *angles);
 
-/// What the published network sees of every edge but its space (eq. 17 of Ugail and Howard 2026): edges x 6.
+/// The features of every edge for the published network, without its space (eq. 17 of Ugail and Howard 2026): edges x 6.
 learn_array *tape_polygon_features(learn_tape *tape, tape_polygon *polygon);
 
 // Losses, 1 x 1.

@@ -105,7 +105,7 @@ static tape_polygon *rotated(learn_tape *tape, const geometry_polygon *polygon, 
 learn_array *tension_consistency(learn_tape *tape, const geometry_polygon *polygon, bat_tension_embedding embedding,
                                  bat_random *random)
 {
-    // All rows go through the network at once: the polygon as it is, then each of its images.
+    // The network evaluates all rows at once: those of the polygon, then those of each image.
     learn_array *features[1 + ISOMETRIES];
     for (size_t k = 0; k < 1 + ISOMETRIES; k++)
     {

@@ -7,7 +7,7 @@
 /// @file
 /// The loss of one training sample of Ugail and Howard (2026), Algorithm 1, as a graph on a tape.
 
-/// A closed control polygon and the curve that it should become.
+/// A closed control polygon and its true curve.
 typedef struct tension_sample
 {
     geometry_polygon control;
@@ -28,7 +28,7 @@ learn_array *tension_predict(learn_tape *tape, learn_array *features, geometry_s
 /// One learned step.
 tape_polygon *tension_step(learn_tape *tape, tape_polygon *polygon, bat_tension_embedding embedding);
 
-/// The terms of eq. (18), and the whole.
+/// The terms of eq. (18), and their sum.
 typedef struct tension_loss
 {
     learn_array *chamfer, *smoothness, *bending;
@@ -36,8 +36,8 @@ typedef struct tension_loss
     learn_array *total;
 } tension_loss;
 
-/// Warm up with tension -0.15, refine by two learned steps and judge the result. The tape must have begun with the weights
-/// of tension_predictor_make().
+/// Warm up with tension -0.15, refine by two learned steps and compute the loss of the result. The tape must have begun with
+/// the weights of tension_predictor_make().
 /// @param random for the isometries of eq. (22)
 tension_loss tension_sample_loss(learn_tape *tape, const tension_sample *sample, const bat_curve_train_options *options,
                                  bat_random *random);

@@ -119,7 +119,7 @@ learn_array *learn_sum(learn_tape *tape, learn_array *x)
     return combine(tape, (binary){.x = x, .z = learn_array_make(tape, 1, 1, learn_wants(x))}, total_forward, total_backward);
 }
 
-// z = factor times the sum of (x - y)^2: 1 x 1; no y stands for 0
+// z = factor times the sum of (x - y)^2: 1 x 1; y is 0 if it is missing
 
 static void squares_forward(const binary *b)
 {

@@ -10,7 +10,7 @@
 typedef struct state_number
 {
     const char *name;
-    uint64_t *whole; ///< one of these two
+    uint64_t *whole; ///< one of the two is null
     double *number;
     bool must_agree; ///< with the training that reads it
 } state_number;
@@ -52,7 +52,7 @@ static safetensors_array flat_array(const char *name, size_t count, const real *
                                .values = values};
 }
 
-/// Fill in the descriptions of all arrays; returns how many.
+/// Fill in the descriptions of all arrays; returns their number.
 static size_t describe_state(const learn_parameters *parameters, const learn_state *state, const state_number *numbers,
                              safetensors_array *arrays, char (*names)[2 * LEARN_NAME_SIZE])
 {
@@ -86,12 +86,12 @@ static size_t describe_state(const learn_parameters *parameters, const learn_sta
 bat_status learn_checkpoint_write(const char *path, const char *recipe, const learn_parameters *parameters,
                                   const learn_state *state, bat_error *error)
 {
-    size_t most = 2 * parameters->count + FLAT_ARRAYS + STATE_NUMBERS;
-    safetensors_array *arrays = calloc(most, sizeof *arrays);
-    char(*names)[2 * LEARN_NAME_SIZE] = calloc(most, sizeof *names);
+    size_t max = 2 * parameters->count + FLAT_ARRAYS + STATE_NUMBERS;
+    safetensors_array *arrays = calloc(max, sizeof *arrays);
+    char(*names)[2 * LEARN_NAME_SIZE] = calloc(max, sizeof *names);
     bat_status status;
     if (arrays == NULL || names == NULL)
-        status = error_memory(error, most * (sizeof *arrays + sizeof *names));
+        status = error_memory(error, max * (sizeof *arrays + sizeof *names));
     else
     {
         learn_state copy = *state;
@@ -143,8 +143,8 @@ static bat_status read_numbers(const safetensors *content, learn_state *state, b
 static bat_status read_flat(const safetensors *content, const char *name, size_t count, real *values, bat_error *error)
 {
     const safetensors_array *array = safetensors_find(content, name);
-    safetensors_array wanted = flat_array(name, count, values);
-    if (array == NULL || array->type != wanted.type || array->count != count)
+    safetensors_array expected = flat_array(name, count, values);
+    if (array == NULL || array->type != expected.type || array->count != count)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no array '%s' of %zu numbers of this precision",
                          name, count);
     memcpy(values, array->values, count * sizeof *values);

@@ -6,19 +6,19 @@
 /// @file
 /// Layers that commute with two reflections.
 ///
-/// Take numbers that two commuting reflections either keep or change the sign of. There are four ways to do so, the
-/// characters of the Klein four-group: kept by both, by the first alone, by the second alone, by neither. An array here has
-/// its columns in four blocks, one a character, in the order of klein_character. A linear layer that commutes with the
-/// reflections is one matrix a block, with a bias where both keep. A function of single numbers commutes with them when it
-/// is applied to the values of the four-group's regular representation, which a Hadamard matrix takes the blocks to and back
-/// (Cohen and Welling 2016, for the smallest group that has two generators).
+/// Each of two commuting reflections preserves a number or changes its sign. This gives the four characters of the Klein
+/// four-group: preserved by both, by the first alone, by the second alone, by neither. The columns of an array are in four
+/// blocks, one per character, in the order of klein_character. A linear layer that commutes with the reflections is one
+/// matrix per block, with a bias in the first block alone. A function of single numbers commutes with them when it is
+/// applied in the four-group's regular representation; a Hadamard matrix transforms the blocks to it and back (Cohen and
+/// Welling 2016, for the smallest group with two generators).
 
 typedef enum klein_character
 {
-    KLEIN_KEPT,   ///< both keep it
+    KLEIN_KEPT,   ///< both preserve it
     KLEIN_SECOND, ///< the second changes its sign
-    KLEIN_FIRST,  ///< the first does
-    KLEIN_BOTH,   ///< both do, so that the two together keep it
+    KLEIN_FIRST,  ///< the first changes its sign
+    KLEIN_BOTH,   ///< each changes its sign, so that their product preserves it
     KLEIN_COUNT
 } klein_character;
 

@@ -19,7 +19,7 @@ static void rectify(size_t count, real *y)
         y[i] = y[i] > 0 ? y[i] : 0;
 }
 
-/// The gradient before what rectify() made into y.
+/// The gradient before rectify().
 LANES_CLONES
 static void rectify_back(size_t count, const real *restrict y, real *restrict gradient)
 {
@@ -68,7 +68,7 @@ static void linear_backward(void *context)
     const linear *l = context;
     int rows = (int)l->x->rows, inputs = (int)l->x->columns, outputs = (int)l->y->columns;
     const real *x = l->x->value, *weight = l->weight->value, *dy = l->y->gradient;
-    // Nobody reads the gradient of y after this.
+    // The gradient of y is not used after this.
     if (l->rectified)
         rectify_back(learn_size(l->y), l->y->value, l->y->gradient);
     if (learn_wants(l->weight))
@@ -84,7 +84,7 @@ static void linear_backward(void *context)
         add_column_sums(l->y->rows, l->y->columns, dy, learn_gradient(l->bias));
     if (!learn_wants(l->x))
         return;
-    // The first to give this gradient writes it instead of adding to zeros.
+    // The first contribution to this gradient is written, not added to zeros.
     real beta = l->x->begun ? 1 : 0;
     l->x->begun = true;
     REAL_GEMM(CblasRowMajor, CblasNoTrans, CblasNoTrans, rows, inputs, outputs, 1, dy, outputs, weight, inputs, beta,

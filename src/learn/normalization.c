@@ -4,13 +4,13 @@
 
 #include <assert.h>
 
-/// What the ways back need. For layer norm the statistics are those of rows, for batch norm of columns.
+/// The context of the backward passes. The statistics of layer norm are those of rows, of batch norm those of columns.
 typedef struct normalization
 {
     learn_array *x, *gain, *shift, *skip, *y;
     real *mean;
     real *rate;    ///< 1 / deviation
-    real *slope;   ///< d y / d (skip + normalized row), rows x columns, where the gelu follows and a derivative is wanted
+    real *slope;   ///< d y / d (skip + normalized row), rows x columns, where the gelu follows and there is a derivative
     real *scratch; ///< two rows
     bool gelu;     ///< whether it follows
     dropout_mask mask;
@@ -77,10 +77,10 @@ static void layer_norm_backward(void *context)
     }
 }
 
-// Layer norm and what follows it in a residual network: y = mask gelu(skip + (x - mean) rate gain + shift)
+// Layer norm with the end of a residual block: y = mask gelu(skip + (x - mean) rate gain + shift)
 //   skip rows x columns
 
-/// gelu in place, and its slope where one is wanted.
+/// gelu in place, and its slope if `slope` is not null.
 static inline void gelu_rows(size_t count, real *restrict y, real *restrict slope)
 {
     if (slope != NULL)
@@ -207,20 +207,20 @@ static void batch_norm_backward(void *context)
         }
 }
 
-// What the three have in common. Where one derivative is wanted, all are computed: `unwanted` takes those nobody asked for.
+// Common to the three. If one derivative is needed, all are computed; `unused` receives the others.
 
 static learn_array *with_gradient(learn_tape *tape, learn_array *x)
 {
     if (learn_wants(x))
         return x;
-    learn_array *unwanted = learn_tape_memory(tape, 1, sizeof *unwanted);
+    learn_array *unused = learn_tape_memory(tape, 1, sizeof *unused);
     real *gradient = learn_tape_memory(tape, learn_size(x), sizeof *gradient);
     if (gradient == NULL)
         return &tape->nothing;
-    *unwanted = *x;
-    unwanted->gradient = gradient;
-    unwanted->begun = false;
-    return unwanted;
+    *unused = *x;
+    unused->gradient = gradient;
+    unused->begun = false;
+    return unused;
 }
 
 static learn_array *normalize(learn_tape *tape, normalization n, size_t statistics, void (*forward)(const normalization *),

@@ -19,7 +19,7 @@ learn_array *learn_layer_norm(learn_tape *tape, learn_array *x, learn_array *gai
 /// dropout(gelu(skip + layer_norm(x))) at once; `skip` is R x C, or null for 0.
 learn_array *learn_layer_norm_gelu(learn_tape *tape, learn_array *x, learn_array *gain, learn_array *shift,
                                    learn_array *skip, double dropout);
-/// The same of each column, by the mean and variance of this very batch (Ioffe and Szegedy 2015).
+/// The same for each column, by the mean and variance of the current batch (Ioffe and Szegedy 2015).
 learn_array *learn_batch_norm(learn_tape *tape, learn_array *x, learn_array *gain, learn_array *shift);
 
 // Element by element (activation.c, arithmetic.c)
@@ -30,7 +30,7 @@ learn_array *learn_sigmoid(learn_tape *tape, learn_array *x);
 learn_array *learn_tanh(learn_tape *tape, learn_array *x);
 /// low + (high - low) sigmoid(x)
 learn_array *learn_interval(learn_tape *tape, learn_array *x, real low, real high);
-/// Each number set to 0 with the chance `rate`, else divided by 1 - rate; x itself unless learn_tape_drop() was called.
+/// Each number set to 0 with probability `rate`, else divided by 1 - rate; x itself unless learn_tape_drop() was called.
 learn_array *learn_dropout(learn_tape *tape, learn_array *x, double rate);
 learn_array *learn_add(learn_tape *tape, learn_array *x, learn_array *y);
 learn_array *learn_subtract(learn_tape *tape, learn_array *x, learn_array *y);
@@ -41,14 +41,14 @@ learn_array *learn_add_number(learn_tape *tape, learn_array *x, real number);
 /// Natural logarithms of positive numbers.
 learn_array *learn_log(learn_tape *tape, learn_array *x);
 
-// Sums: 1 x 1, but for the norms of the rows: R x 1 (arithmetic.c)
+// Sums: 1 x 1, except the norms of the rows: R x 1 (arithmetic.c)
 
 learn_array *learn_sum(learn_tape *tape, learn_array *x);
 learn_array *learn_sum_of_squares(learn_tape *tape, learn_array *x);
 learn_array *learn_mean_of_squares(learn_tape *tape, learn_array *x);
 /// The mean of the squares of x - y.
 learn_array *learn_mean_squared_error(learn_tape *tape, learn_array *x, learn_array *y);
-/// Euclidean norms; the derivative at a row of zeros is taken to be 0.
+/// Euclidean norms; the derivative at a row of zeros is 0 by definition.
 learn_array *learn_row_norms(learn_tape *tape, learn_array *x);
 
 // Rows and columns (rows.c)
@@ -63,9 +63,9 @@ learn_array *learn_segment_mean(learn_tape *tape, learn_array *x, const uint32_t
 learn_array *learn_scatter_mean(learn_tape *tape, learn_array *x, const uint32_t *targets, size_t count);
 learn_array *learn_slice_rows(learn_tape *tape, learn_array *x, size_t first, size_t count);
 learn_array *learn_slice_columns(learn_tape *tape, learn_array *x, size_t first, size_t count);
-/// Arrays of as many columns, one below the other.
+/// Arrays with the same number of columns, one below the other.
 learn_array *learn_concatenate_rows(learn_tape *tape, learn_array *const *arrays, size_t count);
-/// Arrays of as many rows, side by side.
+/// Arrays with the same number of rows, side by side.
 learn_array *learn_concatenate_columns(learn_tape *tape, learn_array *const *arrays, size_t count);
 
 #endif

@@ -28,7 +28,7 @@ typedef struct learn_optimizer
 {
     learn_optimizer_options options;
     size_t count;
-    real *mean;    ///< SGD's direction or Adam's mean of gradients
+    real *mean;    ///< SGD's velocity or Adam's mean of gradients
     real *squares; ///< Adam's mean of squares; null for SGD
     uint64_t steps;
 } learn_optimizer;
@@ -64,7 +64,7 @@ typedef struct learn_schedule
 /// The learning rate of an epoch.
 double learn_schedule_rate(const learn_schedule *schedule, uint64_t epoch);
 
-/// What to do when the first validation metric stops falling. All zero: nothing, but the best weights are still kept.
+/// The reaction to a validation metric that no longer decreases. All zero: none, but the best weights are still stored.
 typedef struct learn_plateau_options
 {
     double min_gain;          ///< a smaller decrease is no gain

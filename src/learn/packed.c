@@ -60,7 +60,7 @@ void learn_packed_linear(const learn_packed *layer, size_t rows, const real *x, 
     product_128(layer, rows, x, stride, y);
 }
 
-// A function with clones must be static: compilers forget that a name with clones is hidden.
+// A function with clones must be static: compilers export the clones of a hidden function.
 
 LANES_CLONES
 static void norm_gelu(size_t rows, size_t columns, const real *gain, const real *shift, const real *skip, real *y)

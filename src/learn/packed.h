@@ -6,12 +6,12 @@
 #include <stddef.h>
 
 /// @file
-/// Layers for inference alone, without a tape and without BLAS: weights are laid out anew once, and the products of a run of
-/// rows stay in the cache from layer to layer. A row's result depends on nothing but the row, whatever is computed with it,
-/// and calls may come from several threads.
+/// Layers for inference alone, without a tape and without BLAS: weights are rearranged once, and the products of a run of
+/// rows stay in the cache from layer to layer. A row's result depends on the row alone, and calls may come from several
+/// threads.
 ///
-/// Matrices have whole *panels* of columns and whole *tiles* of rows: who has fewer fills up with zeros, and finds numbers
-/// without meaning there afterwards.
+/// Matrices have whole *panels* of columns and whole *tiles* of rows. The caller pads the input with zeros; the padding of
+/// the output has no meaning.
 
 enum
 {
@@ -40,19 +40,19 @@ typedef struct learn_packed
     const real *bias;    ///< columns
 } learn_packed;
 
-/// A layer whose transposed matrix lies as it is, inputs x columns, the columns whole panels.
+/// A layer whose transposed matrix is stored plainly, inputs x columns, with whole panels of columns.
 static inline learn_packed learn_packed_plain(size_t inputs, size_t columns, const real *weight, const real *bias)
 {
     return (learn_packed){inputs, columns, weight, columns, LEARN_PANEL, bias};
 }
 
-/// Numbers that hold a layer.
+/// The numbers that a packed layer takes.
 static inline size_t learn_packed_size(size_t inputs, size_t outputs)
 {
     return (inputs + 1) * learn_whole_panels(outputs);
 }
 
-/// Lay a layer out in `memory`, learn_packed_size() numbers aligned to 64 bytes.
+/// Pack a layer into `memory`, learn_packed_size() numbers aligned to 64 bytes.
 /// @param weight outputs x `inputs`, rows `stride` numbers apart
 /// @param bias   outputs
 learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real *memory);

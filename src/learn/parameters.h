@@ -30,7 +30,7 @@ typedef struct learn_parameters
     bat_status status; ///< of the calls so far
 } learn_parameters;
 
-/// Add an array of zeros at the end; returns its index. A failure is kept for learn_parameters_allocate().
+/// Add an array of zeros at the end; returns its index. A failure is reported by learn_parameters_allocate().
 /// @param rows 0 for a vector
 /// @param name distinct from the others
 size_t learn_parameters_add(learn_parameters *set, size_t rows, size_t columns, const char *name);
@@ -59,7 +59,7 @@ void learn_parameters_describe(const learn_parameters *set, const real *block, c
 bat_status learn_parameters_extract(const learn_parameters *set, const safetensors *content, const char *prefix, real *block,
                                     bat_error *error);
 
-/// Write the values alone into a safetensors file, with notes that say what they are.
+/// Write the values alone into a safetensors file, with notes about their origin.
 /// @return BAT_OK, BAT_NO_MEMORY or BAT_FILE_ACCESS
 bat_status learn_parameters_write(const learn_parameters *set, const char *path, const safetensors_note *notes,
                                   size_t note_count, bat_error *error);

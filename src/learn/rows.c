@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-// Rows picked, averaged and put beside each other. A list of indices says which; without one, row k is k itself.
+// Rows gathered, averaged and concatenated, by a list of indices; without one, index k is k itself.
 
 typedef struct rows
 {
@@ -245,8 +245,8 @@ static void concatenate_columns_backward(void *context)
     }
 }
 
-/// A copy of the list on the tape, and whether any of them wants a derivative.
-static learn_array **keep_parts(learn_tape *tape, learn_array *const *arrays, size_t count, bool *wants)
+/// A copy of the list on the tape, and whether any of them has a derivative.
+static learn_array **copy_parts(learn_tape *tape, learn_array *const *arrays, size_t count, bool *wants)
 {
     learn_array **parts = learn_tape_memory(tape, count, sizeof *parts);
     *wants = false;
@@ -261,7 +261,7 @@ static learn_array **keep_parts(learn_tape *tape, learn_array *const *arrays, si
 learn_array *learn_concatenate_rows(learn_tape *tape, learn_array *const *arrays, size_t count)
 {
     bool wants;
-    learn_array **parts = keep_parts(tape, arrays, count, &wants);
+    learn_array **parts = copy_parts(tape, arrays, count, &wants);
     if (parts == NULL)
         return &tape->nothing;
     size_t total = 0;
@@ -278,7 +278,7 @@ learn_array *learn_concatenate_rows(learn_tape *tape, learn_array *const *arrays
 learn_array *learn_concatenate_columns(learn_tape *tape, learn_array *const *arrays, size_t count)
 {
     bool wants;
-    learn_array **parts = keep_parts(tape, arrays, count, &wants);
+    learn_array **parts = copy_parts(tape, arrays, count, &wants);
     if (parts == NULL)
         return &tape->nothing;
     size_t total = 0;

@@ -11,7 +11,7 @@ enum
     FIRST_BLOCK = 1 << 16
 };
 
-/// Memory is handed out from behind this header.
+/// The header of a block of memory.
 typedef struct tape_block
 {
     struct tape_block *older;
@@ -55,7 +55,7 @@ static bool add_block(learn_tape *tape, size_t size)
     return true;
 }
 
-/// Put one block in the place of several, so that the next step of this size finds room in it.
+/// Replace several blocks by one, in which the next step of this size has room.
 static void join_blocks(learn_tape *tape)
 {
     if (tape->block == NULL || tape->block->older == NULL)
@@ -129,7 +129,7 @@ bat_status learn_tape_status(const learn_tape *tape, bat_error *error)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a layer of a network has more than %d rows or columns",
                          INT_MAX);
     if (tape->status != BAT_OK)
-        return error_set(error, tape->status, BAT_NO_INDEX, 0, "what a network works on cannot be computed");
+        return error_set(error, tape->status, BAT_NO_INDEX, 0, "the geometry that a network works on cannot be computed");
     return BAT_OK;
 }
 

@@ -5,8 +5,8 @@
 
 /// @file
 /// Reverse-mode differentiation over coarse operations. A tape is a stretch of memory into which operations write their
-/// results, and a list of what to do backwards. Every operation (learn/operations.h, or one's own) makes an array, fills in
-/// its values, and records a function that turns the array's gradient into gradients of what it was made from.
+/// results, and a list of the backward passes. Every operation (learn/operations.h, or one's own) makes an array, fills in
+/// its values, and records a function that computes the gradients of its inputs from the array's gradient.
 ///
 ///     learn_tape_begin(tape, parameters, gradient);
 ///     learn_array *x = learn_constant(tape, rows, columns, features);
@@ -15,26 +15,26 @@
 ///     learn_tape_backward(tape, loss, 1);
 ///     status = learn_tape_status(tape, error);
 ///
-/// Nothing is freed between steps: after the first ones a step allocates no memory. A failure (out of memory) is kept, the
-/// operations after it do nothing, and one question at the end is enough. Wrong shapes are mistakes of the program and
-/// asserted.
+/// Nothing is freed between steps: after the first ones a step allocates no memory. After a failure (out of
+/// memory) the operations do nothing, and learn_tape_status() at the end reports it. Wrong shapes are programming errors,
+/// which are asserted.
 
-/// A matrix of numbers and, where one is wanted, the derivative of the loss by them. Lives until the tape begins anew.
+/// A matrix and, where needed, the derivative of the loss by its numbers. Lives until the tape begins the next step.
 typedef struct learn_array
 {
     size_t rows, columns;
     real *value;    ///< rows x columns
-    real *gradient; ///< the same shape; null when no derivative is wanted
+    real *gradient; ///< the same shape; null without a derivative
     bool begun;     ///< whether `gradient` holds numbers yet; it is zero where not
 } learn_array;
 
-/// What an operation does backwards. Reads the gradient of the arrays it made, adds to those it was made from, by
+/// The backward pass of an operation. It reads the gradients of its outputs and adds to those of its inputs, by
 /// learn_gradient().
 typedef void learn_backward(void *context);
 
 typedef struct learn_tape
 {
-    struct tape_block *block;     ///< where memory comes from, the newest first
+    struct tape_block *block;     ///< the memory, the newest block first
     size_t used;                  ///< bytes of the newest block
     struct tape_record *last;     ///< the newest operation
     learn_array *parameter_array; ///< one for each parameter
@@ -43,24 +43,23 @@ typedef struct learn_tape
     uint64_t dropout_key;  ///< of this step
     uint64_t dropout_uses; ///< by operations so far
     bat_status status;
-    learn_array nothing; ///< what operations give after a failure: no rows
+    learn_array nothing; ///< the result of operations after a failure: no rows
 } learn_tape;
 
-/// A tape without memory, which it gets as needed. An all-zero tape is one too.
+/// A tape without memory, which it allocates as needed. It is all zero.
 learn_tape learn_tape_make(void);
 void learn_tape_free(learn_tape *tape);
 
 /// Forget everything and begin a step.
 /// @param parameters may be null for none
-/// @param gradient receives, is added to, the derivatives by parameters, laid out like their values; null when they are not
-/// wanted
+/// @param gradient the derivatives by parameters, in the order of their values, are added to it; null for none
 void learn_tape_begin(learn_tape *tape, const learn_parameters *parameters, real *gradient);
-/// From here on dropout drops, by random numbers that depend on `key` and on the order of the operations alone.
+/// Enable dropout. Its random numbers depend on `key` and on the order of the operations alone.
 void learn_tape_drop(learn_tape *tape, uint64_t key);
-/// Differentiate `loss` (1 x 1), times `weight`: fill in all gradients. Once for a step.
+/// Differentiate `loss` (1 x 1), times `weight`: fill in all gradients. At most once per step.
 void learn_tape_backward(learn_tape *tape, learn_array *loss, real weight);
-/// How the step went so far.
-/// @return BAT_OK, BAT_NO_MEMORY, or BAT_TOO_LARGE for an array of more rows or columns than an int counts
+/// The status of the step so far.
+/// @return BAT_OK, BAT_NO_MEMORY, or BAT_TOO_LARGE for an array with more rows or columns than INT_MAX
 bat_status learn_tape_status(const learn_tape *tape, bat_error *error);
 
 /// The array of a parameter.
@@ -68,18 +67,18 @@ static inline learn_array *learn_parameter_array(learn_tape *tape, size_t index)
 {
     return tape->status == BAT_OK ? &tape->parameter_array[index] : &tape->nothing;
 }
-/// A copy of numbers that are given, without derivative.
+/// A copy of given numbers, without derivative.
 learn_array *learn_constant(learn_tape *tape, size_t rows, size_t columns, const real *values);
 
-// What operations are made of.
+// For the implementation of operations.
 
 /// A new array with values to be filled in.
-/// @param wants whether a derivative by it is wanted
+/// @param wants whether it has a derivative
 learn_array *learn_array_make(learn_tape *tape, size_t rows, size_t columns, bool wants);
 /// Memory that lives as long as the step, aligned to 64 bytes and not initialized. Null after a failure.
 void *learn_tape_memory(learn_tape *tape, size_t count, size_t size);
-/// Record what an operation does backwards. It is called only when `output` has a gradient by then; for an operation that
-/// makes several arrays `output` is null and the function looks for itself.
+/// Record the backward pass of an operation. It is called only if `output` has a gradient by then. For an operation with
+/// several outputs `output` is null, and the function checks the gradients itself.
 void learn_tape_record(learn_tape *tape, learn_array *output, learn_backward *backward, void *context);
 
 static inline bool learn_wants(const learn_array *array)
