@@ -1,8 +1,8 @@
 #ifndef LEARN_SAFETENSORS_H
 #define LEARN_SAFETENSORS_H
 
-#include "batten/base.h"
 #include "base/text_buffer.h"
+#include "batten/base.h"
 
 /// @file
 /// Named arrays in a file, in the safetensors format of Hugging Face: 8 bytes with the length of a header, the header in
