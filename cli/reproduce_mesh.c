@@ -16,7 +16,7 @@ enum
 {
     NAME_SIZE = 256,
     PATH_SIZE = 4096,
-    LEAST_VERTICES = 1000, ///< of shapes worth decimating
+    MIN_VERTICES = 1000, ///< of shapes worth decimating
     MAX_METHODS = 4,
     MAX_SHAPES = 1024
 };

@@ -1,5 +1,4 @@
 #include "arguments.h"
-#include "mesh_input.h"
 #include "report.h"
 #include "verbs.h"
 
@@ -306,8 +305,9 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
     bat_mesh_read_options options = bat_mesh_read_defaults();
     bat_mesh_connectivity connectivity;
     options.triangulate = true;
+    options.repair = repair;
     bat_mesh mesh;
-    bat_status status = mesh_input_read(path, &options, repair, NULL, &mesh, error);
+    bat_status status = bat_mesh_read(path, &options, &mesh, error);
     if (status != BAT_OK)
         return status;
     status = bat_mesh_connect(&mesh, &connectivity, error);
@@ -358,13 +358,13 @@ static int train_shapes(const arguments *given, bat_mesh_train_options *options,
 static int train_mesh(const arguments *given, bat_recipe recipe, const char *folder)
 {
     bat_mesh_train_options options = bat_mesh_train_defaults(recipe);
-    bat_mesh shapes[MOST_POSITIONAL] = {0};
+    bat_mesh shapes[MAX_POSITIONAL] = {0};
     if (!read_mesh(given, &options) || !read_run(given, folder, &options.run))
         return EXIT_BAD_USAGE;
     if (given->positional_count < 2 && recipe != BAT_RECIPE_BATTEN)
         return usage_error(given, "train mesh needs a SHAPE");
     int code = train_shapes(given, &options, shapes);
-    for (size_t s = 0; s < MOST_POSITIONAL; s++)
+    for (size_t s = 0; s < MAX_POSITIONAL; s++)
         bat_mesh_free(&shapes[s]);
     return code;
 }
@@ -475,8 +475,8 @@ static const struct
       .summary = "Train the learned curve scheme." SUMMARY_END
                  " `batten train mesh --help` is about meshes, `batten train surface --help` about scattered points.",
       .options = CURVE_OPTIONS,
-      .least_positional = 1,
-      .most_positional = 1},
+      .min_positional = 1,
+      .max_positional = 1},
      {"out/tension", "out/fairing"},
      train_curve},
     {"mesh",
@@ -485,8 +485,8 @@ static const struct
                "[options]",
       .summary = "Train a learned subdivision of meshes on shapes (OBJ, PLY, OFF, STL)." SUMMARY_END,
       .options = MESH_OPTIONS,
-      .least_positional = 1,
-      .most_positional = MOST_POSITIONAL},
+      .min_positional = 1,
+      .max_positional = MAX_POSITIONAL},
      {"out/mesh", "out/mesh"},
      train_mesh},
     {"surface",
@@ -494,8 +494,8 @@ static const struct
      {.usage = "batten train surface [--recipe published|batten] [--epochs E] [--out FOLDER] [--resume] [options]",
       .summary = "Train learned parameters of scattered points on random Bézier clouds, made on the fly." SUMMARY_END,
       .options = SURFACE_OPTIONS,
-      .least_positional = 1,
-      .most_positional = 1},
+      .min_positional = 1,
+      .max_positional = 1},
      {"out/surface", "out/surface"},
      train_surface},
 };
