@@ -5,7 +5,7 @@
 
 #include "batten/mesh_refine.h"
 #include "learn/blas.h"
-#include "mesh/network/mesh_flap.h"
+#include "mesh/network/flap.h"
 #include "research/train/mesh_network_tape.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
-#include "mesh/decimate/edit_mesh.h"
+#include "research/shapes/edit_mesh.h"
 #include "research/shapes/solid.h"
 
 #include <math.h>

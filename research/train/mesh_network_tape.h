@@ -2,9 +2,9 @@
 #define RESEARCH_TRAIN_MESH_NETWORK_TAPE_H
 
 #include "learn/operations.h"
-#include "mesh/network/flap_frame.h"
-#include "mesh/network/mesh_flap.h"
-#include "mesh/network/mesh_network.h"
+#include "mesh/network/flap.h"
+#include "mesh/network/frame.h"
+#include "mesh/network/network.h"
 
 /// @file
 /// The mesh network of mesh/network/mesh_network.h on a tape, for training, and its operations on half-flaps. A *state* has

@@ -2,7 +2,7 @@
 #define RESEARCH_TRAIN_MESH_PAIRS_H
 
 #include "batten/mesh.h"
-#include "mesh/network/mesh_flap.h"
+#include "mesh/network/flap.h"
 
 /// @file
 /// The training data of rules for meshes: coarse meshes made from fine shapes by random decimation, with target positions

@@ -1,8 +1,8 @@
 // Meshes of solids: exact where surfaces are flat, of second order where they are round, edges where surfaces meet.
 #include "check.h"
 
-#include "mesh/decimate/edit_mesh.h"
 #include "mesh/key_map.h"
+#include "research/shapes/edit_mesh.h"
 #include "research/shapes/solid.h"
 
 #include <math.h>

@@ -7,7 +7,7 @@
 
 #include "batten/mesh_refine.h"
 #include "learn/safetensors.h"
-#include "mesh/network/mesh_flap.h"
+#include "mesh/network/flap.h"
 
 #define NEURAL_MESH SHARED_DATA "/oracle/neural-mesh/"
 

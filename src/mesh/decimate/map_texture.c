@@ -1,4 +1,4 @@
-#include "mesh/decimate/map_texture.h"
+#include "mesh/decimate/map_transfer.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,12 +1,308 @@
 #include "mesh/measure/closest.h"
 
+#include "base/error.h"
 #include "base/lanes.h"
+#include "base/memory.h"
+#include "linalg/vector3.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
 enum
 {
     WIDTH = CLOSEST_WIDTH,
+    /// Ranges of at least so many faces are split by threads.
+    FACES_FOR_A_TASK = 8192
+};
+
+/// A face on its way to its place. Single precision suffices to put it in order.
+typedef struct entry
+{
+    float centre[3];
+    uint32_t face;
+} entry;
+
+void closest_free(closest_tree *tree)
+{
+    free(tree->packets);
+    free(tree->nodes);
+    free(tree->faces);
+    free(tree->turns);
+    *tree = (closest_tree){0};
+}
+
+double closest_largest(const double *values, size_t count, double least)
+{
+    double largest = least;
+    for (size_t i = 0; i < count; i++)
+        largest = fabs(values[i]) > largest ? fabs(values[i]) : largest;
+    return largest;
+}
+
+double closest_scale(double largest)
+{
+    int exponent;
+    (void)frexp(largest, &exponent);
+    // The scale and 1 / scale are normal numbers.
+    return largest == 0 ? 1 : ldexp(1, exponent > 1020 ? -1020 : exponent < -1020 ? 1020 : -exponent);
+}
+
+/// Split entries begin … end - 1 in two parts that are not empty, those in the first with coordinates up to some pivot,
+/// those in the second from it on (Hoare's partition with the middle of three as pivot). Returns where the second begins.
+static size_t partition(entry *entries, size_t begin, size_t end, int axis)
+{
+    float a = entries[begin].centre[axis], b = entries[begin + (end - begin) / 2].centre[axis],
+          c = entries[end - 1].centre[axis];
+    float high_of_two = a > b ? a : b, low_of_two = a > b ? b : a;
+    float pivot = c > high_of_two ? high_of_two : c < low_of_two ? low_of_two : c;
+    size_t low = begin, high = end - 1;
+    for (;;)
+    {
+        while (entries[low].centre[axis] < pivot)
+            low++;
+        while (entries[high].centre[axis] > pivot)
+            high--;
+        if (low >= high)
+            return low == begin ? begin + 1 : low;
+        entry kept = entries[low];
+        entries[low++] = entries[high];
+        entries[high--] = kept;
+    }
+}
+
+/// Reorder so that no entry before `nth` has a greater coordinate, and none from there on a smaller one.
+static void select_nth(entry *entries, size_t begin, size_t end, size_t nth, int axis)
+{
+    while (end - begin > 1)
+    {
+        size_t middle = partition(entries, begin, end, axis);
+        if (nth < middle)
+            end = middle;
+        else
+            begin = middle;
+    }
+}
+
+/// The axis along which the centres reach farthest.
+static int longest_axis(const entry *entries, size_t begin, size_t end)
+{
+    float low[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, high[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
+    for (size_t i = begin; i < end; i++)
+        for (int k = 0; k < 3; k++)
+        {
+            float x = entries[i].centre[k];
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
+        }
+    float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+    return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+}
+
+/// Bring the entries into the order of their places. `part` is the number of faces below one box of the node that the range
+/// belongs to; ranges are halved at whole parts, and a single part becomes the range of the node below.
+static void put_in_order(entry *entries, size_t begin, size_t end, size_t part)
+{
+    while (part > 1 && end - begin <= part)
+        part /= WIDTH;
+    if (part == 1)
+        return;
+    size_t parts = (end - begin + part - 1) / part, middle = begin + parts / 2 * part;
+    select_nth(entries, begin, end, middle, longest_axis(entries, begin, end));
+#pragma omp task if (end - begin >= FACES_FOR_A_TASK)
+    put_in_order(entries, begin, middle, part);
+    put_in_order(entries, middle, end, part);
+#pragma omp taskwait
+}
+
+static void fill_entries(const bat_mesh *mesh, double scale, entry *entries)
+{
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * f;
+        entries[f].face = (uint32_t)f;
+        const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1],
+                     *c = mesh->positions + 3 * (size_t)corner[2];
+        // Three times the centre: what counts is the order.
+        for (int k = 0; k < 3; k++)
+            entries[f].centre[k] = (float)(scale * a[k] + scale * b[k] + scale * c[k]);
+    }
+}
+
+static double per(double squared)
+{
+    return squared > DBL_MIN ? 1 / squared : 0;
+}
+
+/// The corner at which the longest edge begins.
+static int longest_edge(double corners[3][3])
+{
+    double squared[3];
+    for (int c = 0; c < 3; c++)
+    {
+        double edge[3];
+        for (int k = 0; k < 3; k++)
+            edge[k] = corners[(c + 1) % 3][k] - corners[c][k];
+        squared[c] = vector3_dot(edge, edge);
+    }
+    return squared[0] >= squared[1] && squared[0] >= squared[2] ? 0 : squared[1] >= squared[2] ? 1 : 2;
+}
+
+/// The part of `v` that is perpendicular to `u`; returns the share of `u` in the rest. Of a sliver that part is lost in
+/// rounding errors along `u`, which a second step takes away.
+static double perpendicular(const double u[3], const double v[3], double per_squared_u, double height[3])
+{
+    double share = vector3_dot(u, v) * per_squared_u;
+    for (int k = 0; k < 3; k++)
+        height[k] = v[k] - share * u[k];
+    double left = vector3_dot(u, height) * per_squared_u;
+    for (int k = 0; k < 3; k++)
+        height[k] -= left * u[k];
+    return share + left;
+}
+
+/// Put a triangle into lane `i`; returns the corner that became its first.
+static int fill_lane(closest_packet *packet, int i, double corners[3][3])
+{
+    int turn = longest_edge(corners);
+    const double *a = corners[turn], *b = corners[(turn + 1) % 3], *c = corners[(turn + 2) % 3];
+    double u[3], v[3], w[3], height[3];
+    for (int k = 0; k < 3; k++)
+    {
+        u[k] = b[k] - a[k];
+        v[k] = c[k] - a[k];
+        w[k] = v[k] - u[k];
+    }
+    packet->per_along[i] = per(vector3_dot(u, u));
+    packet->per_aside[i] = per(vector3_dot(v, v));
+    packet->per_across[i] = per(vector3_dot(w, w));
+    packet->skew[i] = perpendicular(u, v, packet->per_along[i], height);
+    double per_height = per(vector3_dot(height, height));
+    for (int k = 0; k < 3; k++)
+    {
+        packet->corner[k][i] = a[k];
+        packet->along[k][i] = u[k];
+        packet->aside[k][i] = v[k];
+        packet->height[k][i] = height[k] * per_height;
+    }
+    return turn;
+}
+
+static void widen(closest_node *node, int lane, const double low[3], const double high[3])
+{
+    for (int k = 0; k < 3; k++)
+    {
+        node->low[k][lane] = fmin(node->low[k][lane], low[k]);
+        node->high[k][lane] = fmax(node->high[k][lane], high[k]);
+    }
+}
+
+/// Fill packet `p` and its box in the lowest nodes.
+static void fill_packet(const bat_mesh *mesh, closest_tree *tree, size_t p)
+{
+    closest_node *node = &tree->nodes[tree->begin[1] + p / WIDTH];
+    for (int i = 0; i < WIDTH; i++)
+    {
+        double corners[3][3];
+        size_t place = p * WIDTH + (size_t)i;
+        const uint32_t *corner = mesh->faces + 3 * (size_t)tree->faces[place];
+        for (int c = 0; c < 3; c++)
+        {
+            for (int k = 0; k < 3; k++)
+                corners[c][k] = mesh->positions[3 * (size_t)corner[c] + (size_t)k] * tree->scale;
+            widen(node, (int)(p % WIDTH), corners[c], corners[c]);
+        }
+        tree->turns[place] = (unsigned char)fill_lane(&tree->packets[p], i, corners);
+    }
+}
+
+/// Box `lane` of a node becomes the one around all boxes of the node below.
+static void fill_box(closest_node *node, int lane, const closest_node *below)
+{
+    for (int i = 0; i < WIDTH; i++)
+    {
+        double low[3] = {below->low[0][i], below->low[1][i], below->low[2][i]};
+        double high[3] = {below->high[0][i], below->high[1][i], below->high[2][i]};
+        widen(node, lane, low, high);
+    }
+}
+
+/// How many nodes each level has, and where it begins. Returns the number of all nodes.
+static size_t lay_out(closest_tree *tree, size_t packets)
+{
+    size_t nodes = 0, count = packets;
+    do
+    {
+        tree->begin[++tree->root_level] = nodes;
+        count = (count + WIDTH - 1) / WIDTH;
+        nodes += count;
+    } while (count > 1);
+    return nodes;
+}
+
+static void fill_nodes(const bat_mesh *mesh, closest_tree *tree, size_t packets, size_t nodes)
+{
+    for (size_t n = 0; n < nodes; n++)
+        for (int i = 0; i < WIDTH; i++)
+            for (int k = 0; k < 3; k++)
+            {
+                tree->nodes[n].low[k][i] = INFINITY;
+                tree->nodes[n].high[k][i] = -INFINITY;
+            }
+#pragma omp parallel for schedule(static) if (packets > FACES_FOR_A_TASK / WIDTH)
+    for (size_t group = 0; group < (packets + WIDTH - 1) / WIDTH; group++)
+        for (size_t p = group * WIDTH; p < (group + 1) * WIDTH && p < packets; p++)
+            fill_packet(mesh, tree, p);
+    for (int level = 2; level <= tree->root_level; level++)
+        for (size_t n = tree->begin[level - 1]; n < tree->begin[level]; n++)
+        {
+            size_t child = n - tree->begin[level - 1];
+            fill_box(&tree->nodes[tree->begin[level] + child / WIDTH], (int)(child % WIDTH), &tree->nodes[n]);
+        }
+}
+
+/// Choose every face's place.
+static bool choose_places(const bat_mesh *mesh, closest_tree *tree, size_t places)
+{
+    entry *entries = memory_array(mesh->face_count, sizeof *entries);
+    if (entries == NULL)
+        return false;
+    fill_entries(mesh, tree->scale, entries);
+    size_t part = WIDTH;
+    while (part < places)
+        part *= WIDTH;
+#pragma omp parallel if (mesh->face_count >= 2 * FACES_FOR_A_TASK)
+#pragma omp single
+    put_in_order(entries, 0, mesh->face_count, part);
+    for (size_t i = 0; i < places; i++)
+        tree->faces[i] = entries[i < mesh->face_count ? i : mesh->face_count - 1].face;
+    free(entries);
+    return true;
+}
+
+bat_status closest_build(const bat_mesh *mesh, double largest, closest_tree *tree, bat_error *error)
+{
+    double scale = closest_scale(largest);
+    size_t packets = (mesh->face_count + WIDTH - 1) / WIDTH, places = packets * WIDTH;
+    closest_tree made = {.face_count = mesh->face_count, .scale = scale, .unscale = 1 / scale};
+    size_t nodes = lay_out(&made, packets);
+    made.packets = memory_array(packets, sizeof *made.packets);
+    made.nodes = memory_array(nodes, sizeof *made.nodes);
+    made.faces = memory_array(places, sizeof *made.faces);
+    made.turns = memory_array(places, sizeof *made.turns);
+    if (made.packets == NULL || made.nodes == NULL || made.faces == NULL || made.turns == NULL ||
+        !choose_places(mesh, &made, places))
+    {
+        closest_free(&made);
+        return error_memory(error, packets * sizeof *made.packets);
+    }
+    fill_nodes(mesh, &made, packets, nodes);
+    *tree = made;
+    return BAT_OK;
+}
+
+enum
+{
     /// A node leaves at most 7 of its entries on the stack when the eighth is opened.
     STACK = (WIDTH - 1) * CLOSEST_MOST_LEVELS + WIDTH
 };

@@ -64,27 +64,6 @@ static inline const double *compare_corner(const compare_side *side, uint32_t fa
     return side->mesh.positions + 3 * (size_t)side->mesh.faces[3 * (size_t)face + (size_t)corner];
 }
 
-/// Put the tallies of blocks together, in their order: the means and the greatest.
-void compare_sum_up(const compare_tally *tallies, size_t blocks, compare_way *way);
-
-/// Choose the samples: every face is cut into k^2 equal triangles, and in each three points are taken, whose mean is exact
-/// for quadratic functions (Strang and Fix, "An analysis of the finite element method", 1973, section 4.3: barycentric
-/// coordinates 2/3, 1/6, 1/6). 3 k^2 is near the face's share of the samples by its area; k is at least 1.
-/// @param which "first" or "second", for the message
-/// @return BAT_OK; BAT_INVALID_ARGUMENT when the side has no area; BAT_NO_MEMORY
-bat_status compare_plan_samples(compare_side *side, const char *which, size_t samples, bat_error *error);
-
-/// The blocks that a side's samples make, 0 where none are planned.
-static inline size_t compare_sample_blocks(const compare_side *side)
-{
-    return side->samples == NULL ? 0 : (side->samples[side->mesh.face_count] + COMPARE_BLOCK - 1) / COMPARE_BLOCK;
-}
-
-/// The means over the samples, and their greatest distance. Each block of samples is a piece of `work`, from `first_piece`
-/// on; the vertices' distances must be there.
-/// @return BAT_OK, also when `work` was cancelled, or BAT_NO_MEMORY
-bat_status compare_samples(compare_way *way, int threads, size_t first_piece, shared_work *work, bat_error *error);
-
 /// Make the greatest distance as exact as the options ask, and find out what it cannot exceed.
 /// @param diagonal of the bounding box
 bat_status compare_refine(compare_way *way, double diagonal, const bat_mesh_compare_options *options, shared_work *work,

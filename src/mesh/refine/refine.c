@@ -2,15 +2,49 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/mesh.h"
+#include "mesh/refine/level.h"
 #include "mesh/refine/loop.h"
 #include "mesh/refine/plan.h"
-#include "mesh/refine/seams.h"
 #include "mesh/refine/sharpness.h"
 #include "mesh/refine/split.h"
 #include "mesh/refine/sqrt3.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/// Find who is whose neighbour in a mesh's texture: faces are, where they share an edge of the mesh and both of its texture
+/// coordinates. What parts faces in the texture alone is a seam, a boundary of the texture's. `first` is left null.
+/// @return BAT_OK or BAT_NO_MEMORY; `seams` is untouched on failure
+static bat_status connect_seams(const bat_mesh *mesh, const bat_mesh_connectivity *links, bat_mesh_connectivity *seams,
+                                bat_error *error)
+{
+    size_t half_edges = 3 * mesh->face_count;
+    bat_mesh_connectivity made = {
+        .twin = memory_array(half_edges, sizeof *made.twin),
+        .edge = memory_array(half_edges, sizeof *made.edge),
+        .vertex_count = mesh->texture_count,
+        .face_count = mesh->face_count,
+    };
+    if (made.twin == NULL || made.edge == NULL)
+    {
+        bat_mesh_connectivity_free(&made);
+        return error_memory(error, half_edges * sizeof *made.twin);
+    }
+    const uint32_t *corner = mesh->texture_faces;
+    uint32_t edges = 0;
+    for (uint32_t h = 0; h < half_edges; h++)
+    {
+        uint32_t twin = links->twin[h];
+        bool joined = twin != BAT_MESH_NONE && corner[h] == mesh_end(corner, twin) && corner[twin] == mesh_end(corner, h);
+        made.twin[h] = joined ? twin : BAT_MESH_NONE;
+        made.edge[h] = mesh_owns(made.twin, h) ? edges++ : made.edge[twin];
+        made.boundary_edge_count += !joined;
+    }
+    made.edge_count = edges;
+    *seams = made;
+    return BAT_OK;
+}
 
 /// A mesh with what is known of it on the way.
 typedef struct stage
@@ -290,7 +324,7 @@ static bat_status prepare(refinement *work, bat_error *error)
     if (status == BAT_OK)
         status = sharpness_of_vertices(coarse, &work->vertex_sharpness, error);
     if (status == BAT_OK && coarse->texture_faces != NULL)
-        status = seams_connect(coarse, work->links, &work->now.texture_links, error);
+        status = connect_seams(coarse, work->links, &work->now.texture_links, error);
     if (status == BAT_OK)
         status = mesh_plan_check_size(work->plan, coarse, work->links, &work->now.texture_links, error);
     return status == BAT_OK ? find_irregular(work, error) : status;

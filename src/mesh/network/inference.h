@@ -1,13 +1,13 @@
-#ifndef MESH_NETWORK_MESH_INFERENCE_H
-#define MESH_NETWORK_MESH_INFERENCE_H
+#ifndef MESH_NETWORK_INFERENCE_H
+#define MESH_NETWORK_INFERENCE_H
 
 #include "learn/packed.h"
-#include "mesh/network/flap_frame.h"
-#include "mesh/network/mesh_flap.h"
-#include "mesh/network/mesh_network.h"
+#include "mesh/network/flap.h"
+#include "mesh/network/frame.h"
+#include "mesh/network/network.h"
 
 /// @file
-/// The network of src/mesh/network/mesh_network.h for inference alone: no tape, a block of half-flaps at a time, on any
+/// The network of src/mesh/network/network.h for inference alone: no tape, a block of half-flaps at a time, on any
 /// number of threads to the same bytes.
 
 /// A module's layers.

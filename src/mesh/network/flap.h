@@ -1,11 +1,11 @@
-#ifndef MESH_NETWORK_MESH_FLAP_H
-#define MESH_NETWORK_MESH_FLAP_H
+#ifndef MESH_NETWORK_FLAP_H
+#define MESH_NETWORK_FLAP_H
 
 #include "batten/mesh.h"
 
 /// @file
 /// Half-flaps: a directed edge with the two faces beside it, which is what the networks for meshes look at (Liu et al.,
-/// "Neural Subdivision" (2020), section 5.2). Connectivity alone; the geometry is in src/mesh/network/flap_frame.h.
+/// "Neural Subdivision" (2020), section 5.2). Connectivity alone; the geometry is in src/mesh/network/frame.h.
 
 /// Which of the two faces is not there.
 typedef enum mesh_flap_side

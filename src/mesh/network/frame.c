@@ -1,4 +1,4 @@
-#include "mesh/network/flap_frame.h"
+#include "mesh/network/frame.h"
 
 /// Below this square of the sine of its angle a face has no normal; below this square of their sum the two normals have no
 /// mean.

@@ -1,4 +1,4 @@
-#include "mesh/network/mesh_inference.h"
+#include "mesh/network/inference.h"
 
 #include "base/error.h"
 #include "base/memory.h"

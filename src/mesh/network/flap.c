@@ -1,4 +1,4 @@
-#include "mesh/network/mesh_flap.h"
+#include "mesh/network/flap.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,4 +1,4 @@
-#include "mesh/decimate/edit_mesh.h"
+#include "research/shapes/edit_mesh.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,5 +1,5 @@
-#ifndef MESH_DECIMATE_EDIT_MESH_H
-#define MESH_DECIMATE_EDIT_MESH_H
+#ifndef RESEARCH_SHAPES_EDIT_MESH_H
+#define RESEARCH_SHAPES_EDIT_MESH_H
 
 #include "batten/mesh.h"
 

@@ -1,4 +1,4 @@
-#include "mesh/network/mesh_network.h"
+#include "mesh/network/network.h"
 
 #include <assert.h>
 #include <stdio.h>

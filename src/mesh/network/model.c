@@ -6,7 +6,7 @@
 #include "learn/safetensors.h"
 #include "learn/weights.h"
 #include "mesh/measure/unit_box.h"
-#include "mesh/network/mesh_inference.h"
+#include "mesh/network/inference.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-#ifndef MESH_NETWORK_MESH_NETWORK_H
-#define MESH_NETWORK_MESH_NETWORK_H
+#ifndef MESH_NETWORK_NETWORK_H
+#define MESH_NETWORK_NETWORK_H
 
 #include "learn/parameters.h"
 

@@ -1,5 +1,5 @@
-#ifndef MESH_NETWORK_FLAP_FRAME_H
-#define MESH_NETWORK_FLAP_FRAME_H
+#ifndef MESH_NETWORK_FRAME_H
+#define MESH_NETWORK_FRAME_H
 
 #include "learn/real.h"
 
