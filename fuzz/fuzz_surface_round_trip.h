@@ -1,7 +1,7 @@
 #ifndef FUZZ_SURFACE_ROUND_TRIP_H
 #define FUZZ_SURFACE_ROUND_TRIP_H
 
-#include "io/surface/surface_formats.h"
+#include "io/surface/formats.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,8 +5,8 @@
 #include "batten/mesh_picture.h"
 #include "batten/research/mesh_shapes.h"
 #include "draw/common/colour_scale.h"
-#include "draw/mesh/mesh_raster.h"
-#include "draw/mesh/mesh_surface.h"
+#include "draw/mesh/normals.h"
+#include "draw/mesh/raster.h"
 
 /// A ball of a radius; release it with bat_mesh_free().
 static bat_mesh make_ball(double radius)

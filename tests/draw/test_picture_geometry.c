@@ -4,8 +4,8 @@
 #include "picture_helpers.h"
 
 #include "draw/curve/comb.h"
-#include "draw/curve/coverage.h"
 #include "draw/curve/simplify.h"
+#include "draw/curve/stroke.h"
 #include "draw/curve/view.h"
 
 /// What a path became.

@@ -4,7 +4,7 @@
 
 #include "batten/space.h"
 #include "draw/curve/proxy.h"
-#include "draw/curve/tensor_row.h"
+#include "draw/curve/scene.h"
 
 enum
 {

@@ -6,10 +6,7 @@
 #include "batten/research/surface_shapes.h"
 #include "batten/surface_picture.h"
 #include "draw/common/colour_scale.h"
-#include "draw/surface/surface_dots.h"
-#include "draw/surface/surface_patch.h"
-#include "draw/surface/surface_scene.h"
-#include "draw/surface/surface_view.h"
+#include "draw/surface/scene.h"
 #include "linalg/vector3.h"
 
 /// A space of a bidegree (1, 1) over `spans` x `spans` cells, and the surface (u, v, 0). Release it with

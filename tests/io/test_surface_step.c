@@ -2,9 +2,9 @@
 
 #include "surface_helpers.h"
 
-#include "io/surface/step_text.h"
-#include "io/surface/surface_cut.h"
-#include "io/surface/surface_shell.h"
+#include "io/surface/cut.h"
+#include "io/surface/shell.h"
+#include "io/surface/step.h"
 
 /// An entity: its keyword and what is between its parentheses.
 typedef struct entity

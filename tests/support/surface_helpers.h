@@ -5,7 +5,7 @@
 
 #include "check.h"
 
-#include "io/surface/surface_formats.h"
+#include "io/surface/formats.h"
 
 /// What a random surface is made of.
 typedef struct surface_kind

@@ -1,6 +1,7 @@
 #ifndef DRAW_CURVE_COMB_H
 #define DRAW_CURVE_COMB_H
 
+#include "draw/curve/stroke.h"
 #include "draw/curve/view.h"
 
 /// @file
@@ -33,5 +34,13 @@ bat_status comb_natural_scale(const comb *teeth, double usual, double longest, d
 
 /// The end of a tooth: the point reached from vertex `index` along its vector, `scale` times as far.
 void comb_tip(const comb *teeth, size_t index, double scale, double *tip);
+
+/// @file
+/// Combs on paper.
+
+/// Draw the teeth of a comb and the line through their tips. The ends of an open curve, where curvature is not known, have
+/// neither.
+bat_status comb_lines_draw(cairo_t *cairo, const draw_view *view, const comb *teeth, double scale, draw_colour colour,
+                           bat_error *error);
 
 #endif

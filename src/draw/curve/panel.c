@@ -1,9 +1,9 @@
 #include "draw/curve/panel.h"
 
-#include "draw/curve/comb_lines.h"
+#include "draw/curve/comb.h"
 #include "draw/curve/grid.h"
+#include "draw/curve/scene.h"
 #include "draw/curve/stroke.h"
-#include "draw/curve/tensor_row.h"
 
 #include <math.h>
 

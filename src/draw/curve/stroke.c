@@ -1,8 +1,103 @@
 #include "draw/curve/stroke.h"
 
-#include "draw/curve/coverage.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "draw/curve/stroke.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bat_status coverage_begin(double low_x, double low_y, double high_x, double high_y, coverage_map *map, bat_error *error)
+{
+    coverage_map made = {.low_x = low_x, .low_y = low_y, .x = low_x, .y = low_y};
+    made.columns = (size_t)((high_x - low_x) / COVERAGE_CELL) + 1;
+    made.rows = (size_t)((high_y - low_y) / COVERAGE_CELL) + 1;
+    made.stride = made.columns / 64 + 1;
+    size_t count;
+    if (size_multiply_overflows(made.rows, made.stride, &count))
+    {
+        return error_memory(error, SIZE_MAX);
+    }
+    made.words = memory_array(count, sizeof *made.words);
+    if (made.words == NULL)
+    {
+        return error_memory(error, count * sizeof *made.words);
+    }
+    memset(made.words, 0, count * sizeof *made.words);
+    *map = made;
+    return BAT_OK;
+}
+
+void coverage_free(coverage_map *map)
+{
+    free(map->words);
+    *map = (coverage_map){0};
+}
+
+static void mark(coverage_map *map, double x, double y)
+{
+    size_t column = (size_t)((x - map->low_x) * (1.0 / COVERAGE_CELL));
+    size_t row = (size_t)((y - map->low_y) * (1.0 / COVERAGE_CELL));
+    column = column < map->columns ? column : map->columns - 1;
+    row = row < map->rows ? row : map->rows - 1;
+    map->words[row * map->stride + column / 64] |= (uint64_t)1 << column % 64;
+}
+
+static void mark_start(void *context, double x, double y)
+{
+    coverage_map *map = context;
+    mark(map, x, y);
+    map->x = x;
+    map->y = y;
+}
+
+/// Steps of a quarter of a cell.
+static void mark_line(void *context, double x, double y)
+{
+    coverage_map *map = context;
+    double dx = x - map->x;
+    double dy = y - map->y;
+    double steps = ceil(sqrt(dx * dx + dy * dy) * (4.0 / COVERAGE_CELL));
+    double step_x = dx / steps;
+    double step_y = dy / steps;
+    for (double i = 1.0; i < steps; i += 1.0)
+    {
+        mark(map, map->x + i * step_x, map->y + i * step_y);
+    }
+    mark_start(map, x, y);
+}
+
+path_sink coverage_sink(coverage_map *map)
+{
+    return (path_sink){mark_start, mark_line, map};
+}
+
+static bool marked(const coverage_map *map, size_t row, size_t column)
+{
+    return column < map->columns && (map->words[row * map->stride + column / 64] >> column % 64 & 1u) != 0;
+}
+
+void coverage_trace(const coverage_map *map, cairo_t *cairo)
+{
+    for (size_t row = 0; row < map->rows; row++)
+    {
+        double y = map->low_y + ((double)row + 0.5) * COVERAGE_CELL;
+        for (size_t column = 0; column < map->columns; column++)
+        {
+            if (!marked(map, row, column))
+            {
+                continue;
+            }
+            cairo_move_to(cairo, map->low_x + ((double)column + 0.5) * COVERAGE_CELL, y);
+            while (marked(map, row, column + 1))
+            {
+                column++;
+            }
+            cairo_line_to(cairo, map->low_x + ((double)column + 0.5) * COVERAGE_CELL, y);
+        }
+    }
+}
 
 /// A line that keeps more points is too rough to be drawn one by one.
 #define MANY_POINTS 30000

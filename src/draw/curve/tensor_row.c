@@ -1,4 +1,4 @@
-#include "draw/curve/tensor_row.h"
+#include "draw/curve/scene.h"
 
 #include "base/error.h"
 #include "draw/common/style.h"

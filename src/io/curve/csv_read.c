@@ -1,8 +1,8 @@
 #include "base/error.h"
 #include "curve/csv_columns.h"
 #include "io/common/degrees.h"
-#include "io/curve/curve_builder.h"
-#include "io/curve/curve_formats.h"
+#include "io/curve/builder.h"
+#include "io/curve/formats.h"
 
 #include <string.h>
 #include <strings.h>

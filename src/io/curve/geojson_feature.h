@@ -1,9 +1,11 @@
 #ifndef IO_CURVE_GEOJSON_FEATURE_H
 #define IO_CURVE_GEOJSON_FEATURE_H
 
-#include "io/curve/curve_builder.h"
+#include "io/common/json.h"
+#include "base/text_buffer.h"
+#include "curve/curve_attributes.h"
 #include "io/curve/geojson_document.h"
-#include "io/curve/geojson_lift.h"
+#include "io/curve/builder.h"
 
 /// Where a reader is in the file, for messages; BAT_NO_INDEX where it does not apply.
 typedef struct geojson_place
@@ -11,6 +13,16 @@ typedef struct geojson_place
     size_t feature, geometry, polygon, part, position;
     size_t line; ///< that the feature begins on; 0 when unknown
 } geojson_place;
+
+/// The text of a feature, or of a geometry alone, from which the coordinates of lines and polygons are lifted out: each
+/// array of them is replaced by its number, [0], [1], … and its line breaks. So the parser makes no tree of them, which
+/// would take many times the memory of the text. All zero: empty. It can be used again for the next text.
+typedef struct geojson_lift
+{
+    text_buffer text;
+    const char **arrays; ///< where each array begins in the original text; they are right JSON and hold only numbers
+    size_t count, capacity;
+} geojson_lift;
 
 /// Reads features into curves and what is left of them. Threads have one each.
 typedef struct geojson_reader
@@ -44,5 +56,25 @@ bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_
 bool geojson_has_type(const json_t *object, const char *type);
 
 void geojson_reader_free(geojson_reader *reader);
+
+void geojson_lift_free(geojson_lift *lift);
+
+/// The geometries whose coordinates are curves.
+typedef enum curve_kind
+{
+    CURVE_LINE,
+    CURVE_LINES,
+    CURVE_POLYGON,
+    CURVE_POLYGONS
+} curve_kind;
+
+/// Read coordinates, which begin where the scanner is and are right JSON, into curves.
+/// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
+bat_status geojson_read_coordinates(geojson_reader *reader, curve_kind kind, json_scanner *scan);
+
+/// BAT_BAD_FILE, with a message that begins with the reader's place.
+bat_status geojson_bad(geojson_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+bat_status geojson_no_memory(geojson_reader *reader);
 
 #endif

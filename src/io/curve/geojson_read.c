@@ -1,10 +1,121 @@
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "io/curve/curve_formats.h"
+#include "io/common/file_text.h"
+#include "io/common/json.h"
+#include "base/text_buffer.h"
+#include "io/curve/formats.h"
 #include "io/curve/geojson_feature.h"
-#include "io/curve/geojson_split.h"
 
 #include <string.h>
+
+/// The text of one feature.
+typedef struct feature_text
+{
+    const char *begin, *end;
+    size_t line; ///< of its first byte, counted from 1
+} feature_text;
+
+/// A feature collection cut into the texts of its features, which can then be parsed apart from each other.
+typedef struct feature_split
+{
+    feature_text *features;
+    size_t count, capacity;
+    char *frame; ///< the text without what is between the brackets of "features", save for its line breaks
+    size_t frame_size;
+} feature_split;
+
+/// Go to the bracket that opens the array of features.
+static bool find_features(json_scanner *scan)
+{
+    json_scanner key;
+    if (!json_scan_take(scan, '{'))
+        return false;
+    do
+    {
+        if (!json_scan_key(scan, &key))
+            return false;
+        if (json_scan_is(&key, "features"))
+            return json_scan_at(scan, '[');
+        if (!json_scan_value(scan))
+            return false;
+    } while (json_scan_take(scan, ','));
+    return false;
+}
+
+static bool add_feature(feature_split *split, feature_text feature)
+{
+    void *features = split->features;
+    bool grown = array_grow(&features, &split->capacity, split->count + 1, sizeof feature);
+    split->features = features;
+    if (grown)
+        split->features[split->count++] = feature;
+    return grown;
+}
+
+/// Take the features between the brackets; the scanner is at the opening one and ends at the closing one.
+static bool collect_features(const file_text *text, json_scanner *scan, feature_split *split)
+{
+    const char *counted = text->data;
+    size_t line = 1;
+    (void)json_scan_take(scan, '[');
+    if (json_scan_at(scan, ']'))
+        return true;
+    do
+    {
+        if (!json_scan_at(scan, '{'))
+            return false;
+        feature_text feature = {.begin = scan->at};
+        line += json_scan_newlines(counted, scan->at);
+        counted = scan->at;
+        feature.line = line;
+        if (!json_scan_value(scan))
+            return false;
+        feature.end = scan->at;
+        if (!add_feature(split, feature))
+            return false;
+    } while (json_scan_take(scan, ','));
+    return json_scan_at(scan, ']');
+}
+
+static bool make_frame(const file_text *text, const char *open, const char *close, feature_split *split)
+{
+    text_buffer frame = {0};
+    text_append(&frame, text->data, (size_t)(open + 1 - text->data));
+    size_t newlines = json_scan_newlines(open, close);
+    char *out = text_reserve(&frame, newlines);
+    if (out != NULL)
+    {
+        memset(out, '\n', newlines);
+        text_advance(&frame, out + newlines);
+    }
+    text_append(&frame, close, (size_t)(text->data + text->size - close));
+    split->frame = frame.data;
+    split->frame_size = frame.size;
+    return !frame.failed;
+}
+
+static void split_free(feature_split *split)
+{
+    free(split->features);
+    free(split->frame);
+    *split = (feature_split){0};
+}
+
+/// Cut a text. Only brackets, quotes and commas are looked at; it is the parser that decides whether each part is JSON.
+/// False when the text is not a feature collection written in the usual way (or memory is short): parse it whole then.
+static bool split_text(const file_text *text, feature_split *split)
+{
+    *split = (feature_split){0};
+    json_scanner scan = {text->data, text->data + text->size};
+    if (find_features(&scan))
+    {
+        const char *open = scan.at;
+        if (collect_features(text, &scan, split) && make_frame(text, open, scan.at, split))
+            return true;
+    }
+    split_free(split);
+    return false;
+}
 
 /// Features first … end - 1 of a split text, read by one thread.
 typedef struct feature_batch
@@ -15,7 +126,7 @@ typedef struct feature_batch
     bat_status status;
 } feature_batch;
 
-static void read_batch(feature_batch *batch, const geojson_split *split)
+static void read_batch(feature_batch *batch, const feature_split *split)
 {
     geojson_reader *reader = &batch->reader;
     reader->error = &batch->error;
@@ -73,11 +184,11 @@ static bool append_batch(geojson_reader *reader, geojson_reader *batch)
 
 static size_t feature_size(const void *context, size_t feature)
 {
-    const geojson_split *split = context;
+    const feature_split *split = context;
     return (size_t)(split->features[feature].end - split->features[feature].begin);
 }
 
-static bat_status read_batches(geojson_reader *reader, const geojson_split *split, feature_batch *batches, size_t count,
+static bat_status read_batches(geojson_reader *reader, const feature_split *split, feature_batch *batches, size_t count,
                                int threads)
 {
     (void)threads; // where there is no OpenMP
@@ -98,7 +209,7 @@ static bat_status read_batches(geojson_reader *reader, const geojson_split *spli
     return BAT_OK;
 }
 
-static bat_status read_split(geojson_reader *reader, const geojson_split *split, const bat_curve_read_options *options)
+static bat_status read_split(geojson_reader *reader, const feature_split *split, const bat_curve_read_options *options)
 {
     enum
     {
@@ -149,10 +260,10 @@ static bat_status read_whole(geojson_reader *reader, json_t *root)
 /// Read feature by feature when the text allows it, which takes less memory and more threads; else as one tree.
 static bat_status read_text(geojson_reader *reader, const file_text *text, const bat_curve_read_options *options)
 {
-    geojson_split split;
+    feature_split split;
     json_t *root = NULL;
     bat_status status = BAT_OK;
-    bool apart = geojson_split_text(text, &split);
+    bool apart = split_text(text, &split);
     if (apart)
     {
         root = geojson_parse(reader, split.frame, split.frame + split.frame_size, 1);
@@ -170,7 +281,7 @@ static bat_status read_text(geojson_reader *reader, const file_text *text, const
         if (root != NULL)
             status = read_whole(reader, root);
     }
-    geojson_split_free(&split);
+    split_free(&split);
     if (root == NULL)
         return reader->error->status;
     json_decref(root);

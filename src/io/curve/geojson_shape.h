@@ -3,7 +3,7 @@
 
 #include "base/text_buffer.h"
 #include "batten/curve_file.h"
-#include "io/curve/globe_polygon.h"
+#include "io/curve/antimeridian.h"
 
 /// How positions are written.
 typedef struct geojson_style

@@ -1,6 +1,6 @@
 #include "batten/mesh.h"
-#include "io/mesh/mesh_formats.h"
-#include "io/mesh/mesh_scan.h"
+#include "io/common/word_scan.h"
+#include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
 #include "mesh/point_table.h"
 

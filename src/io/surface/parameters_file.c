@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "io/common/block_writer.h"
 #include "io/common/number_text.h"
-#include "io/mesh/mesh_scan.h"
+#include "io/common/word_scan.h"
 #include "io/surface/cloud_formats.h"
 
 #include <math.h>

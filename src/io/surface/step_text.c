@@ -1,4 +1,4 @@
-#include "io/surface/step_text.h"
+#include "io/surface/step.h"
 
 #include "io/common/number_text.h"
 

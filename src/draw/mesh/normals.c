@@ -1,0 +1,128 @@
+#include "draw/mesh/normals.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+#include "linalg/vector3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// The cosine of 40 degrees.
+#define SMOOTH_COSINE 0.766044443118978
+
+void mesh_surface_free(mesh_surface *surface)
+{
+    free(surface->normals);
+    free(surface->marks);
+    *surface = (mesh_surface){0};
+}
+
+/// The faces at every vertex: those of vertex v are faces[begin[v]] … faces[begin[v + 1] - 1].
+typedef struct fan_list
+{
+    size_t *begin;
+    uint32_t *faces;
+} fan_list;
+
+static bool fans_make(const bat_mesh *mesh, fan_list *fans)
+{
+    *fans = (fan_list){.begin = calloc(mesh->vertex_count + 2, sizeof *fans->begin),
+                       .faces = memory_array(3 * mesh->face_count, sizeof *fans->faces)};
+    if (fans->begin == NULL || fans->faces == NULL)
+        return false;
+    // Counted two places on, summed one place on: filling in moves the sums to where they belong.
+    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+        fans->begin[mesh->faces[i] + 2]++;
+    for (size_t v = 2; v <= mesh->vertex_count; v++)
+        fans->begin[v] += fans->begin[v - 1];
+    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+        fans->faces[fans->begin[mesh->faces[i] + 1]++] = (uint32_t)(i / 3);
+    return true;
+}
+
+/// The normal of a face, of twice its area.
+static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
+{
+    const uint32_t *corner = mesh->faces + 3 * face;
+    const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1];
+    const double *c = mesh->positions + 3 * (size_t)corner[2];
+    double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    normal[0] = u[1] * v[2] - u[2] * v[1];
+    normal[1] = u[2] * v[0] - u[0] * v[2];
+    normal[2] = u[0] * v[1] - u[1] * v[0];
+}
+
+static void set_unit(const double normal[3], float unit[3])
+{
+    double length = sqrt(vector3_dot(normal, normal));
+    for (int c = 0; c < 3; c++)
+        unit[c] = length > 0 ? (float)(normal[c] / length) : 0;
+}
+
+/// The mean normal at a corner of the faces that go on smoothly there.
+static void corner_normal(const bat_mesh *mesh, const fan_list *fans, uint32_t vertex, const double own[3], float normal[3])
+{
+    double sum[3] = {0, 0, 0}, size = vector3_dot(own, own);
+    for (size_t i = fans->begin[vertex]; i < fans->begin[vertex + 1]; i++)
+    {
+        double other[3];
+        face_normal(mesh, fans->faces[i], other);
+        if (vector3_dot(own, other) >= SMOOTH_COSINE * sqrt(size * vector3_dot(other, other)))
+            for (int c = 0; c < 3; c++)
+                sum[c] += other[c];
+    }
+    set_unit(sum, normal);
+}
+
+static bool has_other_face(const bat_mesh *mesh, const fan_list *fans, size_t face, uint32_t from, uint32_t to)
+{
+    for (size_t i = fans->begin[from]; i < fans->begin[from + 1]; i++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * (size_t)fans->faces[i];
+        if (fans->faces[i] != face && (corner[0] == to || corner[1] == to || corner[2] == to))
+            return true;
+    }
+    return false;
+}
+
+static void describe_face(const bat_mesh *mesh, const fan_list *fans, bool flat, size_t face, mesh_surface *surface)
+{
+    double own[3];
+    face_normal(mesh, face, own);
+    const uint32_t *corner = mesh->faces + 3 * face;
+    surface->marks[face] = 0;
+    for (size_t c = 0; c < 3; c++)
+    {
+        if (flat)
+            set_unit(own, surface->normals[3 * face + c]);
+        else
+            corner_normal(mesh, fans, corner[c], own, surface->normals[3 * face + c]);
+        if (!has_other_face(mesh, fans, face, corner[c], corner[(c + 1) % 3]))
+            surface->marks[face] |= (unsigned char)(1u << c);
+    }
+}
+
+bat_status mesh_surface_make(const bat_mesh *mesh, bool flat, int threads, mesh_surface *surface, bat_error *error)
+{
+    fan_list fans;
+    mesh_surface made = {.normals = memory_array(3 * mesh->face_count, sizeof *made.normals),
+                         .marks = memory_array(mesh->face_count, sizeof *made.marks)};
+    bat_status status = BAT_OK;
+    if (!fans_make(mesh, &fans) || made.normals == NULL || made.marks == NULL)
+        status = error_memory(error, 3 * mesh->face_count * sizeof *made.normals);
+    if (status == BAT_OK)
+    {
+        int count = threads_for(threads, mesh->face_count / 4096 + 1);
+#pragma omp parallel for num_threads(count) schedule(static)
+        for (size_t f = 0; f < mesh->face_count; f++)
+            describe_face(mesh, &fans, flat, f, &made);
+        *surface = made;
+    }
+    else
+        mesh_surface_free(&made);
+    free(fans.begin);
+    free(fans.faces);
+    return status;
+}

@@ -1,0 +1,253 @@
+#include "batten/mesh_picture.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "draw/common/colour_scale.h"
+#include "draw/common/pixel_image.h"
+#include "draw/common/sheet.h"
+#include "draw/common/text.h"
+#include "draw/mesh/shade.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define USUAL_COLUMNS ((size_t)4)
+/// The greatest and the least height of a panel over its width.
+#define TALLEST 1.25
+#define FLATTEST 0.45
+/// The width of wires in points.
+#define WIRE_WIDTH 0.42
+#define MOST_SAMPLES ((double)(1 << 28))
+#define LARGEST_SIDE 10000.0
+
+bat_mesh_picture_options bat_mesh_picture_defaults(void)
+{
+    return (bat_mesh_picture_options){.pixels_per_point = 2.0,
+                                      .longitude = NAN,
+                                      .latitude = NAN,
+                                      .hollows = true,
+                                      .boundaries = true,
+                                      .value_low = NAN,
+                                      .value_high = NAN};
+}
+
+/// A picture as it is to be drawn.
+typedef struct mesh_scene
+{
+    const bat_mesh_picture_panel *panels;
+    size_t count, columns;
+    const bat_mesh_picture_options *options;
+    mesh_view *views;   ///< of every panel
+    mesh_frame *frames; ///< likewise
+    bool has_values;
+    double value_low, value_high;
+} mesh_scene;
+
+static bool is_angle(double angle, double most)
+{
+    return isnan(angle) || fabs(angle) <= most;
+}
+
+static bat_status check_options(const bat_mesh_picture_options *options, bat_error *error)
+{
+    const char *wrong = NULL;
+    if (!(options->width >= 0 && options->width <= LARGEST_SIDE) ||
+        !(options->height >= 0 && options->height <= LARGEST_SIDE))
+        wrong = "the picture's width and height are 0 to 10000 points";
+    else if (!(options->pixels_per_point >= 0.1 && options->pixels_per_point <= 20))
+        wrong = "there are 0.1 to 20 pixels a point";
+    else if ((unsigned)options->up > BAT_MESH_UP_X)
+        wrong = "no axis of space is upwards";
+    else if (!is_angle(options->longitude, 1e6) || !is_angle(options->latitude, 1.5707963267948968))
+        wrong = "the viewer's latitude is -pi/2 to pi/2, the longitude finite";
+    else if (!text_is_valid(options->title) || !text_is_valid(options->value_label))
+        wrong = "the picture's title and label are UTF-8 without control characters";
+    else if (isinf(options->value_low) || isinf(options->value_high) || options->value_low >= options->value_high)
+        wrong = "the scale's low end is below its high end";
+    if (wrong != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    return BAT_OK;
+}
+
+/// Put the panel's number before the text of an error.
+static bat_status name_panel(bat_error *error, bat_status status, size_t panel)
+{
+    if (error != NULL)
+    {
+        char text[BAT_ERROR_TEXT_SIZE];
+        memcpy(text, error->text, sizeof text);
+        return error_set(error, status, error->index, error->line, "panel %zu: %s", panel, text);
+    }
+    return status;
+}
+
+static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index, bat_error *error)
+{
+    if (panel->mesh == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu has no mesh", index);
+    if (!text_is_valid(panel->title))
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0,
+                         "the title of panel %zu is not UTF-8 without control characters", index);
+    bat_status status = bat_mesh_check(panel->mesh, error);
+    if (status != BAT_OK)
+        return name_panel(error, status, index);
+    for (size_t v = 0; panel->values != NULL && v < panel->mesh->vertex_count; v++)
+        if (isinf(panel->values[v]))
+            return error_set(error, BAT_INVALID_POINT, v, 0, "panel %zu: the value at vertex %zu is infinite", index, v);
+    return BAT_OK;
+}
+
+/// The range of the colour scale.
+static void find_values(mesh_scene *made)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (size_t i = 0; i < made->count; i++)
+    {
+        const bat_mesh_picture_panel *panel = &made->panels[i];
+        made->has_values = made->has_values || panel->values != NULL;
+        for (size_t v = 0; panel->values != NULL && v < panel->mesh->vertex_count; v++)
+        {
+            low = fmin(low, panel->values[v]);
+            high = fmax(high, panel->values[v]);
+        }
+    }
+    const bat_mesh_picture_options *options = made->options;
+    made->value_high = !isnan(options->value_high) ? options->value_high : low <= high ? high : 1;
+    made->value_low = !isnan(options->value_low) ? options->value_low : fmin(fmin(low, 0), made->value_high);
+    if (!(made->value_low < made->value_high))
+        made->value_high = made->value_low + fmax(fabs(made->value_low), 1) * 1e-3;
+}
+
+/// The view and frame of every panel, the same along a row unless each has its own.
+static void find_frames(mesh_scene *made)
+{
+    for (size_t i = 0; i < made->count; i++)
+    {
+        size_t first = made->options->own_frames ? i : i - i % made->columns;
+        made->views[i] = first == i ? mesh_view_of(made->panels[i].mesh, made->options) : made->views[first];
+        made->frames[i] = mesh_frame_of(made->panels[i].mesh, &made->views[i]);
+        if (first != i)
+            made->frames[first] = mesh_frame_join(&made->frames[first], &made->frames[i]);
+    }
+    for (size_t i = 0; i < made->count && !made->options->own_frames; i++)
+        made->frames[i] = made->frames[i - i % made->columns];
+}
+
+static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count, const bat_mesh_picture_options *options,
+                              mesh_scene *made, bat_error *error)
+{
+    bat_status status = check_options(options, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        status = check_panel(&panels[i], i, error);
+    if (status != BAT_OK)
+        return status;
+    size_t rows = (count + USUAL_COLUMNS - 1) / USUAL_COLUMNS;
+    *made = (mesh_scene){.panels = panels,
+                         .count = count,
+                         .columns = options->columns > 0 ? options->columns : (count + rows - 1) / rows,
+                         .options = options,
+                         .views = memory_array(count, sizeof *made->views),
+                         .frames = memory_array(count, sizeof *made->frames)};
+    made->columns = made->columns > count ? count : made->columns;
+    if (made->views == NULL || made->frames == NULL)
+    {
+        free(made->views);
+        free(made->frames);
+        return error_memory(error, count * sizeof *made->views);
+    }
+    find_values(made);
+    find_frames(made);
+    return BAT_OK;
+}
+
+static double panel_height(const void *context, size_t index, double width)
+{
+    const mesh_scene *made = context;
+    const mesh_frame *frame = &made->frames[index];
+    double aspect = (frame->high[1] - frame->low[1]) / fmax(frame->high[0] - frame->low[0], 1e-300);
+    return width * fmin(fmax(aspect + 2 * FRAME_PADDING, FLATTEST), TALLEST);
+}
+
+static const char *panel_caption(const void *context, size_t index)
+{
+    const mesh_scene *made = context;
+    return made->panels[index].title;
+}
+
+static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_box *place)
+{
+    const bat_mesh_picture_panel *panel = &made->panels[index];
+    const bat_mesh_picture_options *options = made->options;
+    mesh_placing placing = mesh_frame_place(&made->frames[index], &made->views[index], place->columns, place->rows);
+    return (shade_task){.mesh = panel->mesh,
+                        .values = panel->values,
+                        .value_low = made->value_low,
+                        .value_high = made->value_high,
+                        .wires = panel->wires,
+                        .flat = panel->flat,
+                        .hollows = options->hollows,
+                        .boundaries = options->boundaries,
+                        .placing = placing,
+                        .line = WIRE_WIDTH * place->per_point,
+                        .columns = place->columns,
+                        .rows = place->rows,
+                        .threads = options->threads};
+}
+
+static bat_status shade_image(const void *task, unsigned char *pixels, size_t stride, bat_error *error)
+{
+    return mesh_shade(task, pixels, stride, error);
+}
+
+static bat_status panel_draw_mesh(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
+{
+    const mesh_scene *made = context;
+    pixel_box place = pixel_box_align(cairo, made->options->pixels_per_point, box);
+    if ((double)place.columns * (double)place.rows * SHADE_SAMPLES * SHADE_SAMPLES > MOST_SAMPLES)
+        return error_set(error, BAT_TOO_LARGE, index, 0, "panel %zu would have %zu by %zu pixels; give fewer pixels a point",
+                         index, place.columns, place.rows);
+    shade_task task = panel_task(made, index, &place);
+    return pixel_image_draw(cairo, &place, shade_image, &task, error);
+}
+
+static void draw_scale(const void *context, cairo_t *cairo, const double box[4])
+{
+    const mesh_scene *made = context;
+    colour_bar_draw(cairo, made->value_low, made->value_high, made->options->value_label, box);
+}
+
+bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel *panels, size_t count,
+                                  const bat_mesh_picture_options *options, bat_error *error)
+{
+    bat_mesh_picture_options defaults = bat_mesh_picture_defaults();
+    canvas_format format;
+    if (path == NULL || panels == NULL || count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one mesh");
+    bat_status status = canvas_format_of(path, &format, error);
+    mesh_scene made;
+    if (status == BAT_OK)
+        status = scene_begin(panels, count, options != NULL ? options : &defaults, &made, error);
+    if (status != BAT_OK)
+        return status;
+    bat_curve_picture_options page = bat_curve_picture_defaults();
+    page.width = made.options->width;
+    page.height = made.options->height;
+    page.pixels_per_point = made.options->pixels_per_point;
+    page.title = made.options->title;
+    sheet_content content = {.count = count,
+                             .columns = made.columns,
+                             .options = &page,
+                             .natural_width = fmin(80.0 + 240.0 * (double)made.columns, 4000.0),
+                             .context = &made,
+                             .height = panel_height,
+                             .caption = panel_caption,
+                             .draw = panel_draw_mesh,
+                             .footer_height = made.has_values ? colour_bar_height() : 0,
+                             .draw_footer = draw_scale};
+    status = sheet_write(path, &content, error);
+    free(made.views);
+    free(made.frames);
+    return status;
+}

@@ -1,0 +1,430 @@
+#include "draw/mesh/shade.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+#include "batten/base.h"
+#include "draw/common/colour_scale.h"
+#include "draw/mesh/normals.h"
+#include "draw/mesh/raster.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// How much of the sky a seen surface has above it, from the depths of its surroundings in the picture.
+
+/// What is seen at the pixels of a picture: depths in pixels towards the eye, -HUGE_VALF where there is nothing; unit
+/// normals, x to the right, y upwards, z to the eye.
+typedef struct hollow_picture
+{
+    size_t columns, rows;
+    const float *depths;
+    const float (*normals)[3];
+    double reach; ///< pixels: what is farther away takes no light
+} hollow_picture;
+
+/// Directions change from pixel to pixel in tiles of TILE x TILE, which a mean over as many evens out.
+#define TILE 4
+#define TAPS 16
+
+/// Where to look from a pixel of a tile, in shares of the reach.
+typedef struct tap_list
+{
+    float offsets[TILE * TILE][TAPS][2];
+} tap_list;
+
+static void spread_taps(tap_list *taps)
+{
+    const double golden = 2.39996322972865332;
+    for (int cell = 0; cell < TILE * TILE; cell++)
+        for (int tap = 0; tap < TAPS; tap++)
+        {
+            // A spiral, turned for every cell, the turns in an order that keeps neighbours different.
+            double share = sqrt((tap + 0.35 + 0.3 * (cell % 3)) / TAPS);
+            double angle = golden * tap + 6.283185307179586 * (cell * 7 % (TILE * TILE)) / (TILE * TILE);
+            taps->offsets[cell][tap][0] = (float)(share * cos(angle));
+            taps->offsets[cell][tap][1] = (float)(share * sin(angle));
+        }
+}
+
+/// How much one place above the surface's plane takes away: the more, the steeper it is seen, and nothing from beyond the
+/// reach.
+static double shadow_of(const hollow_picture *picture, size_t here, size_t there, double across, double down)
+{
+    double depth = picture->depths[there];
+    if (depth == -HUGE_VAL)
+        return 0;
+    const float *normal = picture->normals[here];
+    double rise = depth - (double)picture->depths[here];
+    double length = sqrt(across * across + down * down + rise * rise) + 1e-9;
+    double height = (normal[0] * across - normal[1] * down + normal[2] * rise) / length;
+    double nearness = length / picture->reach;
+    return nearness >= 1.6 ? 0 : fmax(height - 0.08, 0) * fmin(1, (1.6 - nearness) / 0.6);
+}
+
+static double light_at(const hollow_picture *picture, const tap_list *taps, size_t column, size_t row)
+{
+    size_t here = row * picture->columns + column;
+    double shadow = 0;
+    for (int tap = 0; tap < TAPS; tap++)
+    {
+        const float *offset = taps->offsets[row % TILE * TILE + column % TILE][tap];
+        double x = rint((double)column + offset[0] * picture->reach), y = rint((double)row + offset[1] * picture->reach);
+        if (x < 0 || y < 0 || x >= (double)picture->columns || y >= (double)picture->rows)
+            continue;
+        size_t there = (size_t)y * picture->columns + (size_t)x;
+        if (there != here)
+            shadow += shadow_of(picture, here, there, x - (double)column, y - (double)row);
+    }
+    return fmax(0, 1 - 2.0 * shadow / TAPS);
+}
+
+/// The mean over a tile of those pixels that lie about as deep.
+static float smooth_at(const hollow_picture *picture, const float *rough, size_t column, size_t row)
+{
+    size_t here = row * picture->columns + column;
+    double sum = 0, weight = 0;
+    for (size_t y = row < 2 ? 0 : row - 2; y < row + 2 && y < picture->rows; y++)
+        for (size_t x = column < 2 ? 0 : column - 2; x < column + 2 && x < picture->columns; x++)
+        {
+            size_t there = y * picture->columns + x;
+            if (fabsf(picture->depths[there] - picture->depths[here]) > 0.35 * picture->reach)
+                continue;
+            sum += rough[there];
+            weight += 1;
+        }
+    return weight > 0 ? (float)(sum / weight) : rough[here];
+}
+
+/// The share of light from all around that reaches each pixel's surface, 0 to 1 (Mittring, "Finding Next Gen", 2007, with
+/// the surface's own plane as horizon).
+/// @param light receives columns x rows shares
+/// @return BAT_OK or BAT_NO_MEMORY
+static bat_status hollow_light(const hollow_picture *picture, int threads, float *light, bat_error *error)
+{
+    tap_list taps;
+    spread_taps(&taps);
+    size_t columns = picture->columns, rows = picture->rows;
+    float *rough = memory_array(columns * rows, sizeof *rough);
+    if (rough == NULL)
+        return error_memory(error, columns * rows * sizeof *rough);
+    int count = threads_for(threads, rows / 16 + 1);
+#pragma omp parallel for num_threads(count) schedule(static)
+    for (size_t row = 0; row < rows; row++)
+        for (size_t column = 0; column < columns; column++)
+        {
+            bool seen = picture->depths[row * columns + column] != -HUGE_VALF;
+            rough[row * columns + column] = seen ? (float)light_at(picture, &taps, column, row) : 1;
+        }
+#pragma omp parallel for num_threads(count) schedule(static)
+    for (size_t row = 0; row < rows; row++)
+        for (size_t column = 0; column < columns; column++)
+        {
+            bool seen = picture->depths[row * columns + column] != -HUGE_VALF;
+            light[row * columns + column] = seen ? smooth_at(picture, rough, column, row) : 1;
+        }
+    free(rough);
+    return BAT_OK;
+}
+
+/// Colours as cairo takes them; the shading works in linear light.
+static const draw_colour CLAY = {0.90, 0.845, 0.775};
+static const draw_colour INSIDE = {0.55, 0.61, 0.68};
+static const draw_colour NO_VALUE = {0.75, 0.75, 0.75};
+static const draw_colour WIRE = {0.13, 0.15, 0.19};
+static const draw_colour BOUNDARY = {0.02, 0.33, 0.62};
+
+#define WIRE_OPACITY 0.8
+/// Boundaries are so many times as wide as wires.
+#define BOUNDARY_WIDENING 2.6
+/// Hollows reach so far, as a share of the picture's greater side.
+#define HOLLOW_REACH 0.055
+
+/// Wires fade where faces are so small, in pixels, that they would cover everything.
+#define WIRE_FADES_FROM 9.0
+#define WIRE_GONE_AT 1.5
+
+typedef struct shading
+{
+    const shade_task *task;
+    mesh_raster raster;
+    mesh_surface surface;
+    float *light;                                       ///< of each pixel: the share that hollows leave
+    unsigned char *lines;                               ///< of each sample: whether a boundary is drawn there; null for none
+    draw_colour clay, inside, no_value, wire, boundary; ///< in linear light
+} shading;
+
+static draw_colour linear_colour(draw_colour encoded)
+{
+    return (draw_colour){colour_decode(encoded.red), colour_decode(encoded.green), colour_decode(encoded.blue)};
+}
+
+/// What a sample shows.
+typedef struct glimpse
+{
+    uint32_t face;
+    double share[3];  ///< of the corners
+    double normal[3]; ///< to the right, upwards, to the eye; towards the eye
+    bool behind;      ///< the face's back is seen
+} glimpse;
+
+static void normalize(double v[3])
+{
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int c = 0; c < 3 && length > 0; c++)
+        v[c] /= length;
+}
+
+/// Look at the face of sample (x, y).
+static glimpse look(const shading *s, size_t x, size_t y)
+{
+    glimpse seen = {.face = s->raster.faces[y * s->raster.columns + x]};
+    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)seen.face;
+    mesh_raster_locate(&s->raster, corners, (double)x + 0.5, (double)y + 0.5, seen.share);
+    const double *a = s->raster.places + 3 * (size_t)corners[0], *b = s->raster.places + 3 * (size_t)corners[1];
+    const double *c = s->raster.places + 3 * (size_t)corners[2];
+    // y runs downwards: what turns counter-clockwise in space turns clockwise here.
+    seen.behind = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0;
+    double mean[3] = {0, 0, 0};
+    for (size_t corner = 0; corner < 3; corner++)
+    {
+        // Faces seen from their edge have shares of any size.
+        seen.share[corner] = fmin(fmax(seen.share[corner], 0), 1);
+        const float *normal = s->surface.normals[3 * (size_t)seen.face + corner];
+        for (int i = 0; i < 3; i++)
+            mean[i] += seen.share[corner] * normal[i];
+    }
+    mesh_view_turn(s->task->placing.view, mean, seen.normal);
+    for (int i = 0; i < 3; i++)
+        seen.normal[i] = seen.behind ? -seen.normal[i] : seen.normal[i];
+    seen.normal[2] = fmax(seen.normal[2], 0);
+    normalize(seen.normal);
+    return seen;
+}
+
+/// A smooth 0 … 1 between low and high.
+static double ramp(double low, double high, double x)
+{
+    double t = fmin(fmax((x - low) / (high - low), 0), 1);
+    return t * t * (3 - 2 * t);
+}
+
+static draw_colour base_colour(const shading *s, const glimpse *seen)
+{
+    const shade_task *task = s->task;
+    if (task->values == NULL)
+        return seen->behind ? s->inside : s->clay;
+    const uint32_t *corners = task->mesh->faces + 3 * (size_t)seen->face;
+    double value = 0;
+    for (int c = 0; c < 3; c++)
+        value += seen->share[c] * task->values[corners[c]];
+    if (isnan(value))
+        return s->no_value;
+    return colour_scale_at((value - task->value_low) / (task->value_high - task->value_low));
+}
+
+/// Light from over the viewer's left shoulder, a soft fill from the right, and the sky's, which hollows lose.
+static double illuminate(const double normal[3], double open)
+{
+    double key = fmax((-0.467 * normal[0] + 0.571 * normal[1] + 0.675 * normal[2] + 0.12) / 1.12, 0);
+    double fill = fmax(0.80 * normal[0] + 0.12 * normal[1] + 0.588 * normal[2], 0);
+    double sky = 0.5 + 0.5 * normal[1];
+    return open * (0.12 + 0.17 * sky) + (0.3 + 0.7 * open) * (0.86 * key + 0.12 * fill);
+}
+
+/// The light of a shiny spot (Blinn, 1977).
+static double shine(const double normal[3])
+{
+    // half-way between the key light and the eye
+    double half = fmax(-0.255 * normal[0] + 0.312 * normal[1] + 0.915 * normal[2], 0), power = half;
+    for (int i = 0; i < 5; i++)
+        power *= power;
+    return 0.07 * power;
+}
+
+/// How much of a sample the edges of its face cover.
+static double cover_edges(const shading *s, const glimpse *seen, double width)
+{
+    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)seen->face;
+    double nearest = HUGE_VAL;
+    const double *at[3];
+    for (int c = 0; c < 3; c++)
+        at[c] = s->raster.places + 3 * (size_t)corners[c];
+    double area = fabs((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) - (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]));
+    for (int c = 0; c < 3; c++)
+    {
+        int next = (c + 1) % 3, opposite = (c + 2) % 3;
+        double length = hypot(at[next][0] - at[c][0], at[next][1] - at[c][1]);
+        nearest = fmin(nearest, seen->share[opposite] * area / fmax(length, 1e-9));
+    }
+    double half = 0.5 * width * SHADE_SAMPLES;
+    return 1 - ramp(half - 0.6, half + 0.6, nearest);
+}
+
+/// The opacity of a face's wires: less where it is small.
+static double wire_opacity(const shading *s, const glimpse *seen)
+{
+    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)seen->face;
+    double longest = 0;
+    for (int c = 0; c < 3; c++)
+    {
+        const double *a = s->raster.places + 3 * (size_t)corners[c],
+                     *b = s->raster.places + 3 * (size_t)corners[(c + 1) % 3];
+        longest = fmax(longest, sqrt(pow(b[0] - a[0], 2) + pow(b[1] - a[1], 2) + pow(b[2] - a[2], 2)));
+    }
+    return WIRE_OPACITY * ramp(WIRE_GONE_AT, WIRE_FADES_FROM, longest / SHADE_SAMPLES);
+}
+
+static draw_colour lay_over(draw_colour below, draw_colour above, double share)
+{
+    return (draw_colour){below.red + share * (above.red - below.red), below.green + share * (above.green - below.green),
+                         below.blue + share * (above.blue - below.blue)};
+}
+
+static draw_colour sample_colour(const shading *s, size_t x, size_t y, double open)
+{
+    const shade_task *task = s->task;
+    glimpse seen = look(s, x, y);
+    draw_colour base = base_colour(s, &seen);
+    bool clay = task->values == NULL;
+    double light = illuminate(seen.normal, open), glow = clay && !seen.behind ? shine(seen.normal) : 0;
+    light = clay ? light : 0.38 + 0.66 * light;
+    draw_colour colour = {base.red * light + glow, base.green * light + glow, base.blue * light + glow};
+    if (task->wires)
+        colour = lay_over(colour, s->wire, wire_opacity(s, &seen) * cover_edges(s, &seen, task->line));
+    return colour;
+}
+
+static uint32_t to_byte(double share)
+{
+    return (uint32_t)(255 * fmin(fmax(share, 0), 1) + 0.5);
+}
+
+/// The mean of a pixel's samples, premultiplied by the share that shows the mesh.
+static uint32_t shade_pixel(const shading *s, size_t column, size_t row)
+{
+    double open = s->light != NULL ? s->light[row * s->task->columns + column] : 1;
+    draw_colour sum = {0, 0, 0};
+    int covered = 0;
+    for (size_t i = 0; i < SHADE_SAMPLES; i++)
+        for (size_t k = 0; k < SHADE_SAMPLES; k++)
+        {
+            size_t x = column * SHADE_SAMPLES + k, y = row * SHADE_SAMPLES + i;
+            size_t sample = y * s->raster.columns + x;
+            bool line = s->lines != NULL && s->lines[sample] != 0;
+            if (s->raster.faces[sample] == RASTER_NO_FACE && !line)
+                continue;
+            draw_colour colour = line ? s->boundary : sample_colour(s, x, y, open);
+            sum.red += colour.red;
+            sum.green += colour.green;
+            sum.blue += colour.blue;
+            covered++;
+        }
+    if (covered == 0)
+        return 0;
+    double alpha = (double)covered / (SHADE_SAMPLES * SHADE_SAMPLES);
+    return to_byte(alpha) << 24 | to_byte(alpha * colour_encode(sum.red / covered)) << 16 |
+           to_byte(alpha * colour_encode(sum.green / covered)) << 8 | to_byte(alpha * colour_encode(sum.blue / covered));
+}
+
+/// What the middle samples of all pixels show, for the hollows.
+static void look_around(const shading *s, float *depths, float (*normals)[3])
+{
+    const shade_task *task = s->task;
+    for (size_t row = 0; row < task->rows; row++)
+        for (size_t column = 0; column < task->columns; column++)
+        {
+            size_t x = column * SHADE_SAMPLES + SHADE_SAMPLES / 2, y = row * SHADE_SAMPLES + SHADE_SAMPLES / 2;
+            size_t pixel = row * task->columns + column, sample = y * s->raster.columns + x;
+            depths[pixel] = s->raster.depths[sample] / SHADE_SAMPLES;
+            if (s->raster.faces[sample] == RASTER_NO_FACE)
+                continue;
+            glimpse seen = look(s, x, y);
+            for (int c = 0; c < 3; c++)
+                normals[pixel][c] = (float)seen.normal[c];
+        }
+}
+
+static bat_status find_hollows(shading *s, bat_error *error)
+{
+    const shade_task *task = s->task;
+    size_t count = task->columns * task->rows;
+    float *depths = memory_array(count, sizeof *depths);
+    float(*normals)[3] = calloc(count, sizeof *normals);
+    s->light = memory_array(count, sizeof *s->light);
+    bat_status status = BAT_OK;
+    if (depths == NULL || normals == NULL || s->light == NULL)
+        status = error_memory(error, count * sizeof *normals);
+    if (status == BAT_OK)
+    {
+        look_around(s, depths, normals);
+        hollow_picture picture = {.columns = task->columns,
+                                  .rows = task->rows,
+                                  .depths = depths,
+                                  .normals = (const float(*)[3])normals,
+                                  .reach = fmax(HOLLOW_REACH * fmax((double)task->columns, (double)task->rows), 2)};
+        status = hollow_light(&picture, task->threads, s->light, error);
+    }
+    free(depths);
+    free(normals);
+    return status;
+}
+
+/// Draw the boundaries, where there are any.
+static bat_status draw_boundaries(shading *s, bat_error *error)
+{
+    const bat_mesh *mesh = s->task->mesh;
+    size_t count = s->raster.columns * s->raster.rows;
+    for (size_t h = 0; h < 3 * mesh->face_count; h++)
+    {
+        if ((s->surface.marks[h / 3] >> h % 3 & 1) == 0)
+            continue;
+        if (s->lines == NULL)
+            s->lines = calloc(count, 1);
+        if (s->lines == NULL)
+            return error_memory(error, count);
+        mesh_raster_line(&s->raster, mesh->faces[h], mesh->faces[bat_mesh_next((uint32_t)h)],
+                         BOUNDARY_WIDENING * SHADE_SAMPLES * s->task->line, s->lines);
+    }
+    return BAT_OK;
+}
+
+static void shade_all(const shading *s, unsigned char *pixels, size_t stride)
+{
+    int threads = threads_for(s->task->threads, s->task->rows / 16 + 1);
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
+    for (size_t row = 0; row < s->task->rows; row++)
+        for (size_t column = 0; column < s->task->columns; column++)
+        {
+            uint32_t pixel = shade_pixel(s, column, row);
+            memcpy(pixels + row * stride + column * sizeof pixel, &pixel, sizeof pixel);
+        }
+}
+
+bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stride, bat_error *error)
+{
+    shading s = {.task = task,
+                 .clay = linear_colour(CLAY),
+                 .inside = linear_colour(INSIDE),
+                 .no_value = linear_colour(NO_VALUE),
+                 .wire = linear_colour(WIRE),
+                 .boundary = linear_colour(BOUNDARY)};
+    mesh_placing placing = mesh_placing_zoom(&task->placing, SHADE_SAMPLES);
+    bat_status status = mesh_surface_make(task->mesh, task->flat, task->threads, &s.surface, error);
+    if (status == BAT_OK)
+        status = mesh_raster_make(task->mesh, &placing, SHADE_SAMPLES * task->columns, SHADE_SAMPLES * task->rows,
+                                  task->threads, &s.raster, error);
+    if (status == BAT_OK && task->hollows)
+        status = find_hollows(&s, error);
+    if (status == BAT_OK && task->boundaries)
+        status = draw_boundaries(&s, error);
+    if (status == BAT_OK)
+        shade_all(&s, pixels, stride);
+    mesh_surface_free(&s.surface);
+    mesh_raster_free(&s.raster);
+    free(s.light);
+    free(s.lines);
+    return status;
+}

@@ -1,0 +1,141 @@
+#include "draw/surface/scene.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "linalg/vector3.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/// Steps of the grid along a side, at least and at most.
+#define LEAST_STEPS ((size_t)96)
+#define MOST_STEPS ((size_t)320)
+
+/// So many steps take a cell of the finest level where there is room.
+#define STEPS_OF_CELL ((size_t)3)
+
+/// A patch nearly closes when less than this share of its area faces the eye beyond what faces away.
+#define OPEN_SHARE 0.2
+
+static size_t steps_for(const bat_hierarchical_space *space, int direction)
+{
+    size_t cells = bat_hierarchical_space_options(space).spans[direction];
+    for (size_t level = 1; level < bat_hierarchical_space_levels(space) && cells < MOST_STEPS; level++)
+        cells *= 2;
+    size_t steps = cells < MOST_STEPS ? STEPS_OF_CELL * cells : MOST_STEPS;
+    return steps < LEAST_STEPS ? LEAST_STEPS : steps > MOST_STEPS ? MOST_STEPS : steps;
+}
+
+/// The number of the vertex in column i and row j of a grid with so many steps.
+static uint32_t vertex_at(const size_t steps[2], size_t i, size_t j)
+{
+    size_t m = steps[0], n = steps[1], number;
+    if (j == 0)
+        number = i;
+    else if (i == m)
+        number = m + j;
+    else if (j == n)
+        number = 2 * m + n - i;
+    else if (i == 0)
+        number = 2 * m + 2 * n - j;
+    else
+        number = 2 * m + 2 * n + (j - 1) * (m - 1) + i - 1;
+    return (uint32_t)number;
+}
+
+static void fill_faces(const size_t steps[2], uint32_t *faces)
+{
+    for (size_t j = 0; j < steps[1]; j++)
+        for (size_t i = 0; i < steps[0]; i++)
+        {
+            uint32_t a = vertex_at(steps, i, j), b = vertex_at(steps, i + 1, j);
+            uint32_t c = vertex_at(steps, i + 1, j + 1), d = vertex_at(steps, i, j + 1);
+            const uint32_t both[6] = {a, b, c, a, c, d};
+            for (int k = 0; k < 6; k++)
+                *faces++ = both[k];
+        }
+}
+
+static bat_status evaluate_grid(const bat_spline_surface *surface, const size_t steps[2], bat_mesh *mesh, bat_error *error)
+{
+    double *parameters = memory_array(mesh->vertex_count, 2 * sizeof *parameters);
+    if (parameters == NULL)
+        return error_memory(error, mesh->vertex_count * 2 * sizeof *parameters);
+    for (size_t j = 0; j <= steps[1]; j++)
+        for (size_t i = 0; i <= steps[0]; i++)
+        {
+            double *parameter = parameters + 2 * (size_t)vertex_at(steps, i, j);
+            parameter[0] = (double)i / (double)steps[0];
+            parameter[1] = (double)j / (double)steps[1];
+        }
+    bat_status status = bat_spline_surface_evaluate(surface, parameters, mesh->vertex_count, 0, mesh->positions, error);
+    free(parameters);
+    return status;
+}
+
+bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, size_t *loop_count, bat_error *error)
+{
+    const size_t steps[2] = {steps_for(surface->space, 0), steps_for(surface->space, 1)};
+    bat_mesh made = {.vertex_count = (steps[0] + 1) * (steps[1] + 1), .face_count = 2 * steps[0] * steps[1]};
+    made.positions = memory_array(made.vertex_count, 3 * sizeof *made.positions);
+    made.faces = memory_array(made.face_count, 3 * sizeof *made.faces);
+    bat_status status = BAT_OK;
+    if (made.positions == NULL || made.faces == NULL)
+        status = error_memory(error, made.vertex_count * 3 * sizeof *made.positions);
+    if (status == BAT_OK)
+        status = evaluate_grid(surface, steps, &made, error);
+    if (status != BAT_OK)
+    {
+        bat_mesh_free(&made);
+        return status;
+    }
+    fill_faces(steps, made.faces);
+    *mesh = made;
+    *loop_count = 2 * (steps[0] + steps[1]);
+    return BAT_OK;
+}
+
+void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3])
+{
+    size_t kept = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        bool inside = true;
+        for (size_t i = 0; i < 9; i++)
+        {
+            double coordinate = mesh->positions[3 * (size_t)mesh->faces[3 * f + i / 3] + i % 3];
+            inside = inside && coordinate >= low[i % 3] && coordinate <= high[i % 3];
+        }
+        for (size_t corner = 0; inside && corner < 3; corner++)
+            mesh->faces[3 * kept + corner] = mesh->faces[3 * f + corner];
+        kept += inside;
+    }
+    mesh->face_count = kept;
+}
+
+void surface_patch_turn(bat_mesh *mesh, const double eye[3])
+{
+    double facing = 0, seen = 0, volume = 0;
+    const double *origin = mesh->positions;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        double sides[3][3], normal[3];
+        for (int k = 0; k < 3; k++)
+            vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + (size_t)k], origin, sides[k]);
+        vector3_cross(sides[1], sides[2], normal);
+        volume += vector3_dot(sides[0], normal);
+        vector3_subtract(sides[1], sides[0], sides[1]);
+        vector3_subtract(sides[2], sides[0], sides[2]);
+        vector3_cross(sides[1], sides[2], normal);
+        facing += vector3_dot(normal, eye);
+        seen += fabs(vector3_dot(normal, eye));
+    }
+    if ((fabs(facing) > OPEN_SHARE * seen ? facing : volume) >= 0)
+        return;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        uint32_t kept = mesh->faces[3 * f];
+        mesh->faces[3 * f] = mesh->faces[3 * f + 1];
+        mesh->faces[3 * f + 1] = kept;
+    }
+}

@@ -1,0 +1,408 @@
+#include "base/ascending.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/surface_picture.h"
+#include "draw/common/colour_scale.h"
+#include "draw/common/sheet.h"
+#include "draw/common/text.h"
+#include "draw/surface/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define LEAST_WIDTH 60
+#define MOST_WIDTH 4000
+
+/// The first number that is not finite; BAT_NO_INDEX for none.
+static size_t find_not_finite(const double *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(numbers[i]))
+            return i;
+    return BAT_NO_INDEX;
+}
+
+static bat_status check_options(const bat_surface_picture_options *options, bat_error *error)
+{
+    const char *wrong = NULL;
+    if (options->width != 0 && (options->width < LEAST_WIDTH || options->width > MOST_WIDTH))
+        wrong = "panels are 60 to 4000 pixels wide";
+    else if (!(options->largest_error >= 0 && isfinite(options->largest_error)))
+        wrong = "the end of the scale of errors is finite and not below zero";
+    else if (find_not_finite(options->view, 3) != BAT_NO_INDEX || find_not_finite(options->up, 3) != BAT_NO_INDEX)
+        wrong = "the view's directions are finite";
+    if (wrong != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    return BAT_OK;
+}
+
+/// What a row has must fit together.
+static bat_status check_parts(const bat_surface_picture_row *row, size_t index, bat_error *error)
+{
+    const char *wrong = NULL;
+    if (!text_is_valid(row->title))
+        wrong = "has a title that is not UTF-8 without control characters";
+    else if (row->cloud == NULL && row->surface == NULL)
+        wrong = "has neither a cloud nor a surface";
+    else if (row->cloud == NULL && (row->distances != NULL || row->parameters != NULL))
+        wrong = "has distances or parameters but no cloud";
+    else if (row->cloud != NULL && (row->cloud->count == 0 || row->cloud->boundary_count > row->cloud->count))
+        wrong = "has a cloud without points, or with more on the boundary than there are";
+    else if (row->surface != NULL && row->surface->dimension != 3)
+        wrong = "has a surface that is not in space";
+    if (wrong != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "row %zu %s", index, wrong);
+    return BAT_OK;
+}
+
+/// The numbers of a row's points.
+static bat_status check_points(const bat_surface_picture_row *row, size_t index, bat_error *error)
+{
+    size_t count = row->cloud->count, wrong = find_not_finite(row->cloud->points, 3 * count);
+    if (wrong != BAT_NO_INDEX)
+        return error_set(error, BAT_INVALID_POINT, wrong / 3, 0, "row %zu: point %zu is not finite", index, wrong / 3);
+    for (size_t i = 0; row->distances != NULL && i < count; i++)
+        if (!(row->distances[i] >= 0 && isfinite(row->distances[i])))
+            return error_set(error, BAT_INVALID_POINT, i, 0, "row %zu: the distance of point %zu is not a finite length",
+                             index, i);
+    for (size_t i = 0; row->parameters != NULL && i < 2 * count; i++)
+        if (!(row->parameters[i] >= 0 && row->parameters[i] <= 1))
+            return error_set(error, BAT_INVALID_POINT, i / 2, 0,
+                             "row %zu: the parameters of point %zu are not in the unit square", index, i / 2);
+    return BAT_OK;
+}
+
+static bat_status check_surface(const bat_spline_surface *surface, size_t index, bat_error *error)
+{
+    size_t wrong = find_not_finite(surface->control, 3 * bat_hierarchical_space_functions(surface->space));
+    if (wrong != BAT_NO_INDEX)
+        return error_set(error, BAT_INVALID_POINT, wrong / 3, 0, "row %zu: control point %zu is not finite", index,
+                         wrong / 3);
+    return BAT_OK;
+}
+
+/// Whether rows and options can be drawn: what bat_surface_picture_write() returns for those that cannot.
+static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
+                                        const bat_surface_picture_options *options, bat_error *error)
+{
+    bat_status status = check_options(options, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        status = check_parts(&rows[i], i, error);
+        if (status == BAT_OK && rows[i].cloud != NULL)
+            status = check_points(&rows[i], i, error);
+        if (status == BAT_OK && rows[i].surface != NULL)
+            status = check_surface(rows[i].surface, i, error);
+    }
+    return status;
+}
+
+#define USUAL_WIDTH 420
+/// Pixels of a point of paper; in SVG and PDF the images are denser.
+#define PIXELS_PER_POINT 2.0
+#define FINE_PIXELS_PER_POINT 4.0
+/// The greatest and the least height of a panel over its width.
+#define TALLEST 1.35
+#define FLATTEST 0.45
+#define TITLE_ROOM 20.0
+/// The surface is drawn as far as the points' box grown by this share of its longest side.
+#define RUNAWAY_SHARE 0.06
+/// The share of distances within the colour scale.
+#define SCALED_SHARE 0.99
+
+typedef struct surface_scene
+{
+    surface_row *rows;
+    size_t count;
+    surface_panel_kind kinds[SURFACE_PANEL_KINDS]; ///< of the panels that some row has
+    size_t columns;
+    double highest, per_point;
+    double title_room;
+    bool has_errors;
+    legend_item items[1];
+    size_t item_count;
+} surface_scene;
+
+static bool row_has(const bat_surface_picture_row *row, surface_panel_kind kind)
+{
+    switch (kind)
+    {
+    case SURFACE_PANEL_CLOUD:
+        return row->cloud != NULL;
+    case SURFACE_PANEL_PATCH:
+        return row->surface != NULL;
+    case SURFACE_PANEL_ERRORS:
+        return row->distances != NULL;
+    default:
+        return row->parameters != NULL || row->surface != NULL;
+    }
+}
+
+static void describe_cloud(const bat_cloud *cloud, char *caption)
+{
+    if (cloud->boundary_count > 0)
+        (void)snprintf(caption, SURFACE_CAPTION_SIZE, "%zu points, %zu on the boundary", cloud->count,
+                       cloud->boundary_count);
+    else
+        (void)snprintf(caption, SURFACE_CAPTION_SIZE, "%zu points", cloud->count);
+}
+
+static void describe_surface(const bat_hierarchical_space *space, char *caption, char *cells)
+{
+    bat_hierarchical_options options = bat_hierarchical_space_options(space);
+    size_t levels = bat_hierarchical_space_levels(space);
+    (void)snprintf(caption, SURFACE_CAPTION_SIZE, "bidegree (%d, %d), %zu degrees of freedom", options.degree[0],
+                   options.degree[1], bat_hierarchical_space_functions(space));
+    (void)snprintf(cells, SURFACE_CAPTION_SIZE, levels == 1 ? "%zu cells of %zu level" : "%zu cells of %zu levels",
+                   bat_hierarchical_space_cells(space), levels);
+}
+
+static void describe_errors(const double *distances, size_t count, char *caption)
+{
+    double squares = 0, largest = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        squares += distances[i] * distances[i];
+        largest = fmax(largest, distances[i]);
+    }
+    (void)snprintf(caption, SURFACE_CAPTION_SIZE, "mean squared error %.3g, largest %.3g", squares / (double)count, largest);
+}
+
+static void describe_row(surface_row *row)
+{
+    const bat_surface_picture_row *panel = row->panel;
+    if (panel->cloud != NULL)
+        describe_cloud(panel->cloud, row->captions[SURFACE_PANEL_CLOUD]);
+    if (panel->cloud != NULL && panel->distances != NULL)
+        describe_errors(panel->distances, panel->cloud->count, row->captions[SURFACE_PANEL_ERRORS]);
+    if (panel->surface != NULL)
+        describe_surface(panel->surface->space, row->captions[SURFACE_PANEL_PATCH], row->captions[SURFACE_PANEL_PLANE]);
+    else if (panel->parameters != NULL)
+        (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
+}
+
+/// Cut off what of the surface runs away from the points.
+static void cut_runaways(const bat_cloud *cloud, bat_mesh *patch)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, extent = 0;
+    for (size_t i = 0; i < 3 * cloud->count; i++)
+    {
+        low[i % 3] = fmin(low[i % 3], cloud->points[i]);
+        high[i % 3] = fmax(high[i % 3], cloud->points[i]);
+    }
+    for (int c = 0; c < 3; c++)
+        extent = fmax(extent, high[c] - low[c]);
+    for (int c = 0; c < 3; c++)
+    {
+        low[c] -= RUNAWAY_SHARE * extent;
+        high[c] += RUNAWAY_SHARE * extent;
+    }
+    surface_patch_cut(patch, low, high);
+}
+
+/// The view and the frame of a row: the cloud's if its boundary is known, else the surface's.
+static void look_at_row(surface_row *row, size_t loop_count, const bat_surface_picture_options *options)
+{
+    const bat_cloud *cloud = row->panel->cloud;
+    patch_points surface = {row->patch.positions, row->patch.vertex_count, loop_count};
+    patch_points points = {0};
+    if (cloud != NULL)
+        points = (patch_points){cloud->points, cloud->count, cloud->boundary_count};
+    bool by_cloud = cloud != NULL && (points.loop_count > 0 || surface.count == 0);
+    row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
+    if (cloud != NULL)
+        cut_runaways(cloud, &row->patch);
+    surface_patch_turn(&row->patch, row->view.rotation[2]);
+    mesh_frame of_surface = mesh_frame_of(&row->patch, &row->view);
+    mesh_frame of_cloud = surface_frame_of(points.points, points.count, &row->view);
+    row->frame = mesh_frame_join(&of_cloud, &of_surface);
+}
+
+static bat_status make_row(const bat_surface_picture_row *panel, const bat_surface_picture_options *options,
+                           surface_row *row, bat_error *error)
+{
+    size_t loop_count = 0;
+    row->panel = panel;
+    bat_status status = BAT_OK;
+    if (panel->surface != NULL)
+        status = surface_patch_make(panel->surface, &row->patch, &loop_count, error);
+    if (status != BAT_OK)
+        return status;
+    look_at_row(row, loop_count, options);
+    describe_row(row);
+    return BAT_OK;
+}
+
+/// The distance that a share of all points keeps within.
+static bat_status find_highest(const bat_surface_picture_row *rows, size_t count, double *highest, bat_error *error)
+{
+    size_t total = 0;
+    for (size_t r = 0; r < count; r++)
+        total += rows[r].distances != NULL ? rows[r].cloud->count : 0;
+    double *all = memory_array(total, sizeof *all);
+    if (all == NULL)
+        return error_memory(error, total * sizeof *all);
+    size_t copied = 0;
+    for (size_t r = 0; r < count; r++)
+        for (size_t i = 0; rows[r].distances != NULL && i < rows[r].cloud->count; i++)
+            all[copied++] = rows[r].distances[i];
+    qsort(all, total, sizeof *all, ascending);
+    double found = total > 0 ? all[(size_t)(SCALED_SHARE * (double)(total - 1))] : 0;
+    if (total > 0 && !(found > 0))
+        found = all[total - 1];
+    *highest = found > 0 ? found : 1;
+    free(all);
+    return BAT_OK;
+}
+
+static void scene_end(surface_scene *scene)
+{
+    for (size_t r = 0; scene->rows != NULL && r < scene->count; r++)
+        bat_mesh_free(&scene->rows[r].patch);
+    free(scene->rows);
+}
+
+/// Which panels there are, and what explains them.
+static void find_panels(const bat_surface_picture_row *rows, surface_scene *scene)
+{
+    bool has_boundary = false;
+    for (surface_panel_kind kind = SURFACE_PANEL_CLOUD; kind < SURFACE_PANEL_KINDS; kind++)
+    {
+        bool any = false;
+        for (size_t r = 0; r < scene->count; r++)
+            any = any || row_has(&rows[r], kind);
+        if (any)
+            scene->kinds[scene->columns++] = kind;
+    }
+    for (size_t r = 0; r < scene->count; r++)
+    {
+        has_boundary = has_boundary || (rows[r].cloud != NULL && rows[r].cloud->boundary_count > 0);
+        scene->has_errors = scene->has_errors || rows[r].distances != NULL;
+        scene->title_room = text_given(rows[r].title) ? TITLE_ROOM : scene->title_room;
+    }
+    if (has_boundary)
+        legend_add(scene->items, &scene->item_count,
+                   (legend_item){.label = "boundary points", .mark = LEGEND_DOT, .line = {.colour = COLOUR_BOUNDARY_POINT}});
+}
+
+static bat_status scene_begin(const bat_surface_picture_row *rows, size_t count, const bat_surface_picture_options *options,
+                              surface_scene *scene, bat_error *error)
+{
+    *scene = (surface_scene){.rows = calloc(count, sizeof *scene->rows), .count = count, .highest = options->largest_error};
+    if (scene->rows == NULL)
+        return error_memory(error, count * sizeof *scene->rows);
+    find_panels(rows, scene);
+    bat_status status = BAT_OK;
+    if (scene->highest == 0)
+        status = find_highest(rows, count, &scene->highest, error);
+    for (size_t r = 0; r < count && status == BAT_OK; r++)
+        status = make_row(&rows[r], options, &scene->rows[r], error);
+    return status;
+}
+
+static surface_panel_kind kind_at(const surface_scene *scene, size_t index)
+{
+    return scene->kinds[index % scene->columns];
+}
+
+static const surface_row *row_at(const surface_scene *scene, size_t index)
+{
+    return &scene->rows[index / scene->columns];
+}
+
+static double panel_height(const void *context, size_t index, double width)
+{
+    const surface_scene *scene = context;
+    const mesh_frame *frame = &row_at(scene, index)->frame;
+    if (kind_at(scene, index) == SURFACE_PANEL_PLANE)
+        return scene->title_room + surface_plane_height(width);
+    double aspect = (frame->high[1] - frame->low[1]) / fmax(frame->high[0] - frame->low[0], 1e-300);
+    return scene->title_room + width * fmin(fmax(aspect + 2 * FRAME_PADDING, FLATTEST), TALLEST);
+}
+
+static const char *panel_caption(const void *context, size_t index)
+{
+    const surface_scene *scene = context;
+    return row_at(scene, index)->captions[kind_at(scene, index)];
+}
+
+/// The row's title, above its first panel and beyond.
+static void draw_title(const surface_scene *scene, cairo_t *cairo, const char *title, const double box[4])
+{
+    char cut[256];
+    text_use(cairo, TEXT_TITLE, true);
+    style_use_colour(cairo, COLOUR_INK);
+    text_cut(cairo, title, box[2] * (double)scene->columns, cut, sizeof cut);
+    text_draw(cairo, cut, box[0], box[1] + 0.5 * TITLE_ROOM, 0);
+}
+
+static bat_status draw_panel(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
+{
+    const surface_scene *scene = context;
+    const surface_row *row = row_at(scene, index);
+    const double below[4] = {box[0], box[1] + scene->title_room, box[2], box[3] - scene->title_room};
+    if (index % scene->columns == 0 && text_given(row->panel->title))
+        draw_title(scene, cairo, row->panel->title, box);
+    if (!row_has(row->panel, kind_at(scene, index)))
+        return BAT_OK;
+    switch (kind_at(scene, index))
+    {
+    case SURFACE_PANEL_CLOUD:
+        return surface_cloud_draw(row, cairo, below, scene->per_point, error);
+    case SURFACE_PANEL_PATCH:
+        return surface_patch_draw(row, cairo, below, scene->per_point, error);
+    case SURFACE_PANEL_ERRORS:
+        return surface_errors_draw(row, scene->highest, cairo, below, scene->per_point, error);
+    default:
+        return surface_plane_draw(row, cairo, below, scene->per_point, error);
+    }
+}
+
+static void draw_scale(const void *context, cairo_t *cairo, const double box[4])
+{
+    const surface_scene *scene = context;
+    colour_bar_draw(cairo, 0, scene->highest, "distance of points from the surface", box);
+}
+
+static bat_status write_scene(const char *path, const surface_scene *scene, int width, bat_error *error)
+{
+    bat_curve_picture_options page = bat_curve_picture_defaults();
+    page.pixels_per_point = PIXELS_PER_POINT;
+    double panel = (width > 0 ? width : USUAL_WIDTH) / PIXELS_PER_POINT;
+    sheet_content content = {.count = scene->count * scene->columns,
+                             .columns = scene->columns,
+                             .options = &page,
+                             .items = scene->items,
+                             .item_count = scene->item_count,
+                             .natural_width = sheet_width(panel, scene->columns),
+                             .context = scene,
+                             .height = panel_height,
+                             .caption = panel_caption,
+                             .draw = draw_panel,
+                             .footer_height = scene->has_errors ? colour_bar_height() : 0,
+                             .draw_footer = draw_scale};
+    return sheet_write(path, &content, error);
+}
+
+bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
+                                     const bat_surface_picture_options *options, bat_error *error)
+{
+    const bat_surface_picture_options defaults = {0};
+    canvas_format format;
+    if (path == NULL || rows == NULL || count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one row");
+    options = options != NULL ? options : &defaults;
+    bat_status status = canvas_format_of(path, &format, error);
+    if (status == BAT_OK)
+        status = surface_picture_check(rows, count, options, error);
+    if (status != BAT_OK)
+        return status;
+    surface_scene scene;
+    status = scene_begin(rows, count, options, &scene, error);
+    scene.per_point = format == CANVAS_PNG ? PIXELS_PER_POINT : FINE_PIXELS_PER_POINT;
+    if (status == BAT_OK)
+        status = write_scene(path, &scene, options->width, error);
+    scene_end(&scene);
+    return status;
+}

@@ -1,0 +1,179 @@
+#include "draw/surface/scene.h"
+
+#include "linalg/symmetric.h"
+#include "linalg/vector3.h"
+
+#include <math.h>
+
+/// The tangents of the angles by which the eye is above the normal and to the left of it.
+#define ABOVE 0.25
+#define BESIDE 0.36
+/// A patch nearly closes when its mean normal comes from less than this share of what a flat one of its size has.
+#define OPEN_SHARE 0.35
+/// It bulges when its middle is farther from its boundary's than this share of its size.
+#define BULGE_SHARE 0.01
+/// It is deep when that distance is more than this share of its size, and leans when it is so much out of line.
+#define DEEP_SHARE 1.5
+#define LEAN_SHARE 0.15
+
+static bool normalize(double v[3])
+{
+    double length = sqrt(vector3_dot(v, v));
+    for (int c = 0; c < 3 && length > 0; c++)
+        v[c] /= length;
+    return length > 0;
+}
+
+static void mean_of(const double *points, size_t count, double mean[3])
+{
+    double sum[3] = {0};
+    for (size_t i = 0; i < 3 * count; i++)
+        sum[i % 3] += points[i];
+    for (int c = 0; c < 3; c++)
+        mean[c] = sum[c] / (double)(count > 0 ? count : 1);
+}
+
+/// The principal axes of points and their variances, the least first.
+static void principal_axes(const patch_points *patch, const double mean[3], double variances[3], double axes[3][3])
+{
+    double moments[9] = {0}, vectors[9];
+    for (size_t i = 0; i < patch->count; i++)
+    {
+        double from_mean[3];
+        vector3_subtract(patch->points + 3 * i, mean, from_mean);
+        for (int e = 0; e < 9; e++)
+            moments[e] += from_mean[e / 3] * from_mean[e % 3] / (double)patch->count;
+    }
+    symmetric_eigen(3, moments, vectors, SYMMETRIC_BY_NORM);
+    int order[3] = {0, 1, 2};
+    for (int i = 0; i < 2; i++)
+        for (int k = i + 1; k < 3; k++)
+            if (moments[4 * order[k]] < moments[4 * order[i]])
+            {
+                int kept = order[i];
+                order[i] = order[k];
+                order[k] = kept;
+            }
+    for (int i = 0; i < 3; i++)
+    {
+        variances[i] = fmax(moments[4 * order[i]], 0);
+        for (int c = 0; c < 3; c++)
+            axes[i][c] = vectors[3 * order[i] + c];
+    }
+}
+
+/// The integral of the normal over any surface within the loop.
+static void vector_area(const patch_points *patch, const double middle[3], double area[3])
+{
+    area[0] = area[1] = area[2] = 0;
+    for (size_t i = 0; i < patch->loop_count; i++)
+    {
+        double a[3], b[3], product[3];
+        vector3_subtract(patch->points + 3 * i, middle, a);
+        vector3_subtract(patch->points + 3 * ((i + 1) % patch->loop_count), middle, b);
+        vector3_cross(a, b, product);
+        for (int c = 0; c < 3; c++)
+            area[c] += 0.5 * product[c];
+    }
+}
+
+/// The normal that points to the side to which the patch bulges.
+static void face_bulge(const patch_points *patch, const double bulge[3], double size, double normal[3])
+{
+    double outwards = vector3_dot(bulge, normal);
+    int steepest = fabs(normal[0]) > fabs(normal[1]) ? 0 : 1;
+    steepest = fabs(normal[2]) > fabs(normal[steepest]) ? 2 : steepest;
+    bool bulges = patch->loop_count > 0 && fabs(outwards) > BULGE_SHARE * size;
+    bool away = bulges ? outwards < 0 : patch->loop_count == 0 && normal[steepest] < 0;
+    for (int c = 0; c < 3 && away; c++)
+        normal[c] = -normal[c];
+}
+
+/// A patch as deep as a head above its neck is seen from the side to which it leans.
+static void face_lean(const double bulge[3], double size, double normal[3])
+{
+    double deep = vector3_dot(bulge, normal), lean[3];
+    for (int c = 0; c < 3; c++)
+        lean[c] = bulge[c] - deep * normal[c];
+    if (deep < DEEP_SHARE * size || sqrt(vector3_dot(lean, lean)) < LEAN_SHARE * deep || !normalize(lean))
+        return;
+    for (int c = 0; c < 3; c++)
+        normal[c] = lean[c];
+}
+
+/// Where the patch faces.
+static void find_normal(const patch_points *patch, double normal[3])
+{
+    double mean[3], variances[3], axes[3][3], middle[3], bulge[3];
+    mean_of(patch->points, patch->count, mean);
+    principal_axes(patch, mean, variances, axes);
+    mean_of(patch->points, patch->loop_count, middle);
+    vector_area(patch, middle, normal);
+    // A flat rectangle has variances side^2 / 12.
+    double flat = 12 * sqrt(variances[1]) * sqrt(variances[2]);
+    if (sqrt(vector3_dot(normal, normal)) < OPEN_SHARE * flat || !normalize(normal))
+        for (int c = 0; c < 3; c++)
+            normal[c] = axes[0][c];
+    vector3_subtract(mean, middle, bulge);
+    face_bulge(patch, bulge, sqrt(variances[2]), normal);
+    if (patch->loop_count > 0)
+        face_lean(bulge, sqrt(variances[2]), normal);
+}
+
+static bool is_given(const double direction[3])
+{
+    return direction[0] != 0 || direction[1] != 0 || direction[2] != 0;
+}
+
+/// right = up x forward, or another direction across where the two agree.
+static void find_right(const double up[3], const double forward[3], double right[3])
+{
+    vector3_cross(up, forward, right);
+    for (int axis = 0; axis < 3 && sqrt(vector3_dot(right, right)) < 1e-6 * sqrt(vector3_dot(up, up)); axis++)
+    {
+        const double other[3] = {axis == 1, axis == 0, axis == 2};
+        vector3_cross(other, forward, right);
+    }
+    (void)normalize(right);
+}
+
+mesh_view surface_view_of(const patch_points *patch, const double direction[3], const double up[3])
+{
+    double normal[3], right[3], upwards[3], across[3], eye[3];
+    find_normal(patch, normal);
+    bool turned = is_given(direction), faces_z = fabs(normal[2]) > fabs(normal[1]);
+    for (int c = 0; c < 3; c++)
+        upwards[c] = is_given(up) ? up[c] : c == (faces_z ? 1 : 2);
+    (void)normalize(upwards);
+    find_right(upwards, normal, right);
+    vector3_cross(normal, right, across);
+    for (int c = 0; c < 3; c++)
+        eye[c] = turned ? direction[c] : normal[c] + ABOVE * across[c] - BESIDE * right[c];
+    (void)normalize(eye);
+    find_right(upwards, eye, right);
+    vector3_cross(eye, right, across);
+    mesh_view view;
+    for (int c = 0; c < 3; c++)
+    {
+        view.rotation[0][c] = right[c];
+        view.rotation[1][c] = across[c];
+        view.rotation[2][c] = eye[c];
+    }
+    return view;
+}
+
+mesh_frame surface_frame_of(const double *points, size_t count, const mesh_view *view)
+{
+    mesh_frame frame = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+    for (size_t i = 0; i < count; i++)
+    {
+        double turned[3];
+        mesh_view_turn(view, points + 3 * i, turned);
+        for (int c = 0; c < 2; c++)
+        {
+            frame.low[c] = fmin(frame.low[c], turned[c]);
+            frame.high[c] = fmax(frame.high[c], turned[c]);
+        }
+    }
+    return frame;
+}

@@ -1,0 +1,120 @@
+#ifndef IO_COMMON_WORD_SCAN_H
+#define IO_COMMON_WORD_SCAN_H
+
+#include "base/error.h"
+#include "io/common/file_text.h"
+#include "io/common/number_text.h"
+
+#include <string.h>
+
+/// A place in a text of lines with words, where '#' begins a comment that ends with its line. Words are separated by blanks.
+typedef struct mesh_scan
+{
+    const char *at, *end;
+    size_t line; ///< that `at` is in, counted from 1
+} mesh_scan;
+
+static inline mesh_scan mesh_scan_start(const char *text, size_t size)
+{
+    return (mesh_scan){text, text + size, 1};
+}
+
+static inline void scan_skip_blanks(mesh_scan *scan)
+{
+    while (scan->at < scan->end && (*scan->at == ' ' || *scan->at == '\t' || *scan->at == '\r'))
+        scan->at++;
+}
+
+/// Whether a word ends at a place.
+static inline bool scan_word_ends(const mesh_scan *scan, const char *at)
+{
+    return at == scan->end || *at == ' ' || *at == '\n' || *at == '\t' || *at == '\r' || *at == '#';
+}
+
+/// Whether nothing but blanks and a comment is left of the line; goes to the next word otherwise.
+static inline bool scan_line_done(mesh_scan *scan)
+{
+    scan_skip_blanks(scan);
+    return scan->at == scan->end || *scan->at == '\n' || *scan->at == '#';
+}
+
+/// Go to the begin of the next line; false at the end of the text.
+static inline bool scan_next_line(mesh_scan *scan)
+{
+    const char *newline = scan->at < scan->end ? memchr(scan->at, '\n', (size_t)(scan->end - scan->at)) : NULL;
+    scan->at = newline != NULL ? newline + 1 : scan->end;
+    scan->line += newline != NULL;
+    return scan->at < scan->end;
+}
+
+/// Go to the next word, over any number of lines; false at the end of the text.
+static inline bool scan_next_content(mesh_scan *scan)
+{
+    while (scan_line_done(scan))
+        if (!scan_next_line(scan))
+            return false;
+    return true;
+}
+
+/// Read the next word of the line as a number; false, in place, when it is none.
+static inline bool scan_number(mesh_scan *scan, double *value)
+{
+    scan_skip_blanks(scan);
+    const char *end = number_scan(scan->at, scan->end, value);
+    if (end == NULL || !scan_word_ends(scan, end))
+        return false;
+    scan->at = end;
+    return true;
+}
+
+/// Read decimal digits as a number below `limit` <= 2^60; false, in place, when there are none or it is not below.
+static inline bool scan_digits_below(mesh_scan *scan, uint64_t limit, uint64_t *value)
+{
+    uint64_t number = 0;
+    const char *at = scan->at;
+    for (; at < scan->end && *at >= '0' && *at <= '9' && number < limit; at++)
+        number = 10 * number + (unsigned)(*at - '0');
+    if (at == scan->at || number >= limit)
+        return false;
+    scan->at = at;
+    *value = number;
+    return true;
+}
+
+/// Read the next word of the line as a whole number of 0 or more, below `limit` <= 2^60; false, in place, when it is none.
+static inline bool scan_count(mesh_scan *scan, uint64_t limit, uint64_t *value)
+{
+    scan_skip_blanks(scan);
+    const char *begin = scan->at;
+    if (scan_digits_below(scan, limit, value) && scan_word_ends(scan, scan->at))
+        return true;
+    scan->at = begin;
+    return false;
+}
+
+static inline const char *scan_word_end(const mesh_scan *scan)
+{
+    const char *at = scan->at;
+    while (!scan_word_ends(scan, at))
+        at++;
+    return at;
+}
+
+/// Whether the next word of the line is `word`, which is then passed over.
+static inline bool scan_word(mesh_scan *scan, const char *word)
+{
+    scan_skip_blanks(scan);
+    size_t size = (size_t)(scan_word_end(scan) - scan->at);
+    if (size != strlen(word) || memcmp(scan->at, word, size) != 0)
+        return false;
+    scan->at += size;
+    return true;
+}
+
+/// BAT_BAD_FILE for the line's next word, which should be a number: what is wrong with it, or that `what` is missing.
+bat_status scan_number_fault(mesh_scan *scan, size_t index, const char *what, bat_error *error);
+
+/// BAT_BAD_FILE for the line's next word: it `fault`, as in "is not the index of a vertex".
+bat_status scan_word_fault(mesh_scan *scan, size_t index, const char *fault, bat_error *error);
+
+#endif

@@ -1,0 +1,325 @@
+#include "io/curve/antimeridian.h"
+
+/// A crossing of the meridian: one chain ends there and another (or the same) begins, on the other side.
+typedef struct border_crossing
+{
+    int64_t latitude;
+    size_t ending, beginning; ///< the chains
+} border_crossing;
+
+/// The pieces of all rings that cross the meridian, and how they are joined along it. Where the interior touches the
+/// meridian, it does so on both sides between the same latitudes. So the crossings, sorted by latitude, bound it in pairs;
+/// one that is left alone bounds it together with a pole.
+typedef struct border
+{
+    globe_lines chains;
+    border_crossing *crossings; ///< sorted by latitude
+    size_t count;
+    size_t *ending, *beginning; ///< for each chain, the crossing it ends at and the one it begins at
+    bool *used;                 ///< for each chain
+    bool south;                 ///< the interior has the south pole
+    bool odd;                   ///< one crossing is left alone
+} border;
+
+static int compare_crossings(const void *a, const void *b)
+{
+    const border_crossing *p = a, *q = b;
+    if (p->latitude != q->latitude)
+        return p->latitude < q->latitude ? -1 : 1;
+    return (p->ending > q->ending) - (p->ending < q->ending);
+}
+
+/// Whether the smaller side of a ring that goes around the axis has the south pole. The integral of sin(latitude) over the
+/// longitude along an arc, between the tangents t of half the latitudes, is 2 atan(tan(d / 2) (t1 + t2) / (1 + t1 t2)); over
+/// the ring it is positive where the area between the ring and the north pole is below 2 pi.
+static bool encloses_south(const degree_grid *grid, const globe_curve *ring)
+{
+    double turn = 0.0, integral = 0.0;
+    for (size_t i = 0; i < ring->count; i++)
+    {
+        const degree_units a = ring->shown[i], b = ring->shown[i + 1 < ring->count ? i + 1 : 0];
+        int64_t step = b.longitude - a.longitude;
+        if (llabs(step) > grid->half_turn)
+            step += step > 0 ? -2 * grid->half_turn : 2 * grid->half_turn;
+        double angle = (double)step / grid->units_per_radian;
+        double t1 = tan(0.5 * (double)a.latitude / grid->units_per_radian);
+        double t2 = tan(0.5 * (double)b.latitude / grid->units_per_radian);
+        turn += angle;
+        integral += 2.0 * atan2(tan(0.5 * angle) * (t1 + t2), 1.0 + t1 * t2);
+    }
+    double north = turn < 0.0 ? -integral : integral;
+    return north < 0.0 || (north == 0.0 && turn < 0.0);
+}
+
+static bool border_allocate(border *edge)
+{
+    size_t chains = edge->chains.count;
+    edge->count = chains;
+    edge->crossings = memory_array(chains, sizeof *edge->crossings);
+    edge->ending = memory_array(chains, sizeof *edge->ending);
+    edge->beginning = memory_array(chains, sizeof *edge->beginning);
+    edge->used = calloc(chains, sizeof *edge->used);
+    return !edge->chains.failed && edge->crossings != NULL && edge->ending != NULL && edge->beginning != NULL &&
+           edge->used != NULL;
+}
+
+static void border_free(border *edge)
+{
+    globe_lines_free(&edge->chains);
+    free(edge->crossings);
+    free(edge->ending);
+    free(edge->beginning);
+    free(edge->used);
+}
+
+/// Cut the rings into chains, and sort the crossings between them.
+static bool border_begin(const degree_grid *grid, const globe_curve *rings, size_t ring_count, border *edge)
+{
+    for (size_t i = 0; i < ring_count; i++)
+        if (rings[i].cut_count > 0)
+            globe_curve_cut(grid, &rings[i], &edge->chains);
+    if (!border_allocate(edge))
+        return false;
+    size_t first = 0;
+    bool south = false;
+    for (size_t i = 0; i < ring_count; i++)
+    {
+        size_t chains = rings[i].cut_count;
+        for (size_t k = 0; k < chains; k++)
+        {
+            int64_t latitude = edge->chains.positions[edge->chains.ends[first + k] - 1].shown.latitude;
+            edge->crossings[first + k] = (border_crossing){latitude, first + k, first + (k + 1) % chains};
+        }
+        if (chains % 2 == 1)
+        {
+            edge->odd = !edge->odd;
+            south = south || encloses_south(grid, &rings[i]);
+        }
+        first += chains;
+    }
+    edge->south = edge->odd && south;
+    qsort(edge->crossings, edge->count, sizeof *edge->crossings, compare_crossings);
+    for (size_t i = 0; i < edge->count; i++)
+    {
+        edge->ending[edge->crossings[i].ending] = i;
+        edge->beginning[edge->crossings[i].beginning] = i;
+    }
+    return true;
+}
+
+/// The crossing that bounds the interior together with this one; itself when that is a pole.
+static size_t partner(const border *edge, size_t crossing)
+{
+    size_t first = edge->south ? 1 : 0;
+    if (crossing < first)
+        return crossing;
+    size_t other = ((crossing - first) ^ 1) + first;
+    return other < edge->count ? other : crossing;
+}
+
+static globe_position chain_position(const border *edge, size_t chain, bool at_end)
+{
+    return edge->chains.positions[at_end ? edge->chains.ends[chain] - 1 : globe_line_begin(&edge->chains, chain)];
+}
+
+static bool same_place(globe_position a, globe_position b)
+{
+    return a.shown.longitude == b.shown.longitude && a.shown.latitude == b.shown.latitude;
+}
+
+/// Add a position to the ring that begins at `begin`, unless it repeats the last one.
+static void add_to_ring(globe_lines *rings, size_t begin, globe_position position)
+{
+    if (rings->position_count == begin || !same_place(rings->positions[rings->position_count - 1], position))
+        globe_lines_add(rings, position);
+}
+
+static void add_chain(const border *edge, size_t chain, bool backward, size_t begin, globe_lines *rings)
+{
+    size_t chain_begin = globe_line_begin(&edge->chains, chain), chain_end = edge->chains.ends[chain];
+    for (size_t i = chain_begin; i < chain_end; i++)
+        add_to_ring(rings, begin, edge->chains.positions[backward ? chain_begin + chain_end - 1 - i : i]);
+}
+
+/// Go along the meridian from the place where a walk leaves a chain to where it enters the next.
+static void follow_border(const degree_grid *grid, const border *edge, size_t *chain, bool *backward, size_t begin,
+                          globe_lines *rings)
+{
+    globe_position exit = chain_position(edge, *chain, !*backward);
+    size_t crossing = *backward ? edge->beginning[*chain] : edge->ending[*chain];
+    size_t other = partner(edge, crossing);
+    int64_t side = exit.shown.longitude;
+    if (other == crossing)
+    {
+        int64_t pole = edge->south ? -grid->quarter_turn : grid->quarter_turn;
+        add_to_ring(rings, begin, (globe_position){{side, pole}, exit.altitude});
+        add_to_ring(rings, begin, (globe_position){{-side, pole}, exit.altitude});
+        side = -side;
+    }
+    const border_crossing *enter = &edge->crossings[other];
+    bool at_end = chain_position(edge, enter->ending, true).shown.longitude == side;
+    *chain = at_end ? enter->ending : enter->beginning;
+    *backward = at_end;
+}
+
+/// Walk around one part of the interior.
+static void trace_ring(const degree_grid *grid, border *edge, size_t chain, globe_lines *rings)
+{
+    size_t begin = rings->position_count;
+    bool backward = false;
+    while (!edge->used[chain] && !rings->failed)
+    {
+        edge->used[chain] = true;
+        add_chain(edge, chain, backward, begin, rings);
+        follow_border(grid, edge, &chain, &backward, begin, rings);
+    }
+    if (rings->failed || rings->positions == NULL)
+        return;
+    size_t last = rings->position_count - 1;
+    if (last > begin && same_place(rings->positions[begin], rings->positions[last]))
+        rings->position_count--;
+    // A part without area keeps as many positions as a ring must have.
+    while (!rings->failed && rings->position_count - begin < 3)
+        globe_lines_add(rings, rings->positions[begin]);
+    globe_lines_end(rings);
+}
+
+static void add_whole_ring(const globe_curve *ring, globe_lines *rings)
+{
+    for (size_t i = 0; i < ring->count; i++)
+        globe_lines_add(rings, globe_curve_position(ring, i));
+    globe_lines_end(rings);
+}
+
+/// Whether a place lies inside a ring of longitude and latitude.
+static bool ring_holds(const globe_lines *rings, size_t ring, degree_units place)
+{
+    bool inside = false;
+    size_t begin = globe_line_begin(rings, ring), end = rings->ends[ring];
+    double x = (double)place.longitude, y = (double)place.latitude;
+    for (size_t i = begin, j = end - 1; i < end; j = i++)
+    {
+        double xi = (double)rings->positions[i].shown.longitude, yi = (double)rings->positions[i].shown.latitude;
+        double xj = (double)rings->positions[j].shown.longitude, yj = (double)rings->positions[j].shown.latitude;
+        if ((yi > y) != (yj > y) && x < xi + (y - yi) / (yj - yi) * (xj - xi))
+            inside = !inside;
+    }
+    return inside;
+}
+
+/// The least and the greatest longitude and latitude of a ring.
+typedef struct ring_box
+{
+    degree_units low, high;
+} ring_box;
+
+static int64_t lesser(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+static ring_box box_of(const globe_lines *rings, size_t ring)
+{
+    size_t begin = globe_line_begin(rings, ring);
+    ring_box box = {rings->positions[begin].shown, rings->positions[begin].shown};
+    for (size_t i = begin; i < rings->ends[ring]; i++)
+    {
+        degree_units shown = rings->positions[i].shown;
+        box.low = (degree_units){lesser(box.low.longitude, shown.longitude), lesser(box.low.latitude, shown.latitude)};
+        box.high =
+            (degree_units){-lesser(-box.high.longitude, -shown.longitude), -lesser(-box.high.latitude, -shown.latitude)};
+    }
+    return box;
+}
+
+static bool box_holds(const ring_box *box, degree_units place)
+{
+    return box->low.longitude <= place.longitude && place.longitude <= box->high.longitude &&
+           box->low.latitude <= place.latitude && place.latitude <= box->high.latitude;
+}
+
+/// The outer ring that a hole lies in: the first that holds one of its vertices.
+static size_t owner_of(const globe_curve *hole, const globe_lines *outers, const ring_box *boxes)
+{
+    for (size_t i = 0; i < hole->count; i++)
+        for (size_t k = 0; k < outers->count; k++)
+            if (box_holds(&boxes[k], hole->shown[i]) && ring_holds(outers, k, hole->shown[i]))
+                return k;
+    return 0;
+}
+
+/// Find the outer ring of each hole; `outers->count` for one that became part of an outline. Null when out of memory.
+static size_t *find_owners(const globe_lines *outers, const globe_curve *holes, size_t hole_count)
+{
+    size_t *owners = memory_array(hole_count, sizeof *owners);
+    ring_box *boxes = memory_array(outers->count, sizeof *boxes);
+    for (size_t k = 0; boxes != NULL && k < outers->count; k++)
+        boxes[k] = box_of(outers, k);
+    for (size_t i = 0; owners != NULL && boxes != NULL && i < hole_count; i++)
+        owners[i] = holes[i].cut_count > 0 ? outers->count : owner_of(&holes[i], outers, boxes);
+    if (boxes == NULL)
+    {
+        free(owners);
+        return NULL;
+    }
+    free(boxes);
+    return owners;
+}
+
+static void copy_ring(const globe_lines *from, size_t ring, globe_lines *to)
+{
+    for (size_t i = globe_line_begin(from, ring); i < from->ends[ring]; i++)
+        globe_lines_add(to, from->positions[i]);
+    globe_lines_end(to);
+}
+
+/// Put the outer rings and the holes that do not cross the meridian together.
+static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t hole_count, globe_polygons *parts)
+{
+    void *counts = parts->ring_counts;
+    size_t *owners = find_owners(outers, holes, hole_count);
+    bool grown = array_grow(&counts, &parts->capacity, parts->count + outers->count, sizeof *parts->ring_counts);
+    parts->ring_counts = counts;
+    if (!grown || owners == NULL)
+    {
+        free(owners);
+        return false;
+    }
+    for (size_t k = 0; k < outers->count; k++)
+    {
+        size_t rings_before = parts->rings.count;
+        copy_ring(outers, k, &parts->rings);
+        for (size_t i = 0; i < hole_count; i++)
+            if (owners[i] == k)
+                add_whole_ring(&holes[i], &parts->rings);
+        parts->ring_counts[parts->count++] = parts->rings.count - rings_before;
+    }
+    free(owners);
+    return !parts->rings.failed;
+}
+
+bool globe_polygon_cut(const degree_grid *grid, const globe_curve *rings, size_t ring_count, globe_polygons *parts)
+{
+    border edge = {0};
+    globe_lines outers = {0};
+    bool done = border_begin(grid, rings, ring_count, &edge);
+    if (done)
+    {
+        if (rings[0].cut_count == 0)
+            add_whole_ring(&rings[0], &outers);
+        for (size_t chain = 0; chain < edge.count; chain++)
+            if (!edge.used[chain])
+                trace_ring(grid, &edge, chain, &outers);
+        done = !outers.failed && assemble(&outers, rings + 1, ring_count - 1, parts);
+    }
+    globe_lines_free(&outers);
+    border_free(&edge);
+    return done;
+}
+
+void globe_polygons_free(globe_polygons *polygons)
+{
+    globe_lines_free(&polygons->rings);
+    free(polygons->ring_counts);
+    *polygons = (globe_polygons){0};
+}

@@ -1,0 +1,192 @@
+#include "io/curve/builder.h"
+
+#include "base/array_grow.h"
+#include "base/error.h"
+#include "curve/curve_attributes.h"
+#include "curve/point_form.h"
+
+#include <string.h>
+
+static bool doubles_grow(double **values, size_t *capacity, size_t needed)
+{
+    void *array = *values;
+    bool grown = array_grow(&array, capacity, needed, sizeof(double));
+    *values = array;
+    return grown;
+}
+
+double *builder_next(curve_builder *builder, size_t channel_count, double **channels)
+{
+    size_t dim = builder->space.point_dim;
+    size_t count = builder->point_count + 1;
+    size_t point_values, channel_values;
+    if (size_multiply_overflows(count, dim, &point_values) ||
+        size_multiply_overflows(count, channel_count, &channel_values) ||
+        !doubles_grow(&builder->points, &builder->point_capacity, point_values) ||
+        !doubles_grow(&builder->channels, &builder->channel_capacity, channel_values))
+        return NULL;
+    builder->channel_count = channel_count;
+    if (channel_count > 0)
+        *channels = builder->channels + (count - 1) * channel_count;
+    return builder->points + (count - 1) * dim;
+}
+
+const char *builder_admit(curve_builder *builder)
+{
+    size_t dim = builder->space.point_dim;
+    double *point = builder->points + builder->point_count * dim;
+    if (builder->check)
+    {
+        const char *fault = builder->space.fault(&builder->space, point);
+        if (fault != NULL && builder->project)
+        {
+            double coordinates[BAT_SPACE_MAX_DIM];
+            memcpy(coordinates, point, dim * sizeof *point);
+            if (builder->space.project(&builder->space, coordinates, point) == BAT_OK)
+                fault = builder->space.fault(&builder->space, point);
+        }
+        if (fault != NULL)
+            return fault;
+    }
+    builder->point_count++;
+    return NULL;
+}
+
+bool builder_line(curve_builder *builder, size_t line)
+{
+    void *lines = builder->lines;
+    bool grown = array_grow(&lines, &builder->line_capacity, builder->line_count + 1, sizeof *builder->lines);
+    builder->lines = lines;
+    if (grown)
+        builder->lines[builder->line_count++] = line;
+    return grown;
+}
+
+void builder_continue_signs(curve_builder *builder)
+{
+    size_t dim = builder->space.point_dim, place = quaternion_place(&builder->space);
+    for (size_t i = 1; place != BAT_NO_INDEX && i < builder->point_count; i++)
+        quaternion_continue(builder->points + (i - 1) * dim + place, builder->points + i * dim + place);
+}
+
+bool builder_returns(const curve_builder *builder)
+{
+    if (builder->point_count < 2)
+        return false;
+    size_t last = builder->point_count - 1, dim = builder->space.point_dim, channels = builder->channel_count;
+    size_t quaternion = quaternion_place(&builder->space);
+    const double *first_point = builder->points, *last_point = builder->points + last * dim;
+    bool same = true, turned = quaternion != BAT_NO_INDEX;
+    for (size_t i = 0; i < dim; i++)
+    {
+        same = same && first_point[i] == last_point[i];
+        turned = turned && first_point[i] == (i < quaternion ? last_point[i] : -last_point[i]);
+    }
+    for (size_t i = 0; i < channels; i++)
+        if (builder->channels[i] != builder->channels[last * channels + i])
+            return false;
+    return same || turned;
+}
+
+void builder_drop_last(curve_builder *builder)
+{
+    builder->point_count--;
+    if (builder->line_count > 0)
+        builder->line_count--;
+}
+
+/// Take `count` values out of the builder's array: a copy of a few; for many the array itself, so that they are not in
+/// memory twice. Null when out of memory.
+static double *take_doubles(double **values, size_t *capacity, size_t count)
+{
+    enum
+    {
+        MANY = 1 << 16
+    };
+    double *taken;
+    if (count < MANY)
+    {
+        taken = memory_array(count, sizeof *taken);
+        return taken != NULL ? memcpy(taken, *values, count * sizeof *taken) : NULL;
+    }
+    taken = realloc(*values, count * sizeof *taken);
+    if (taken == NULL)
+        taken = *values;
+    *values = NULL;
+    *capacity = 0;
+    return taken;
+}
+
+static bool curves_grow(curve_builder *builder, size_t needed)
+{
+    void *curves = builder->curves;
+    bool grown = array_grow(&curves, &builder->curve_capacity, needed, sizeof *builder->curves);
+    builder->curves = curves;
+    return grown;
+}
+
+bool builder_end_curve(curve_builder *builder, bool closed)
+{
+    if (builder->point_count == 0)
+        return true;
+    bat_curve curve = {.count = builder->point_count, .closed = closed, .channel_count = builder->channel_count};
+    if (!curves_grow(builder, builder->curve_count + 1))
+        return false;
+    curve.points = take_doubles(&builder->points, &builder->point_capacity, curve.count * builder->space.point_dim);
+    if (curve.points != NULL && curve.channel_count > 0)
+        curve.channels = take_doubles(&builder->channels, &builder->channel_capacity, curve.count * curve.channel_count);
+    if (curve.points == NULL || (curve.channel_count > 0 && curve.channels == NULL))
+    {
+        free(curve.points);
+        return false;
+    }
+    builder->curves[builder->curve_count++] = curve;
+    builder->point_count = 0;
+    return true;
+}
+
+bool builder_append(curve_builder *builder, curve_builder *other)
+{
+    if (!curves_grow(builder, builder->curve_count + other->curve_count))
+        return false;
+    if (other->curve_count > 0)
+        memcpy(builder->curves + builder->curve_count, other->curves, other->curve_count * sizeof *other->curves);
+    builder->curve_count += other->curve_count;
+    other->curve_count = 0;
+    return true;
+}
+
+bat_status builder_finish(curve_builder *builder, bat_curve_attributes *attributes, bat_curve_set *set, bat_error *error)
+{
+    bat_space *space = malloc(sizeof *space);
+    if (space == NULL)
+    {
+        attributes_release(attributes);
+        builder_free(builder);
+        return error_memory(error, sizeof *space);
+    }
+    *space = builder->space;
+    for (size_t i = 0; i < builder->curve_count; i++)
+        builder->curves[i].space = space;
+    *set = (bat_curve_set){.space = space,
+                           .curves = builder->curves,
+                           .count = builder->curve_count,
+                           .attributes = attributes,
+                           .lines = builder->lines};
+    builder->curves = NULL;
+    builder->curve_count = 0;
+    builder->lines = NULL;
+    builder_free(builder);
+    return BAT_OK;
+}
+
+void builder_free(curve_builder *builder)
+{
+    for (size_t i = 0; i < builder->curve_count; i++)
+        bat_curve_free(&builder->curves[i]);
+    free(builder->curves);
+    free(builder->points);
+    free(builder->channels);
+    free(builder->lines);
+    *builder = (curve_builder){0};
+}

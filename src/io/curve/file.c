@@ -1,0 +1,257 @@
+#include "batten/curve_file.h"
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "curve/curve_attributes.h"
+#include "io/common/degrees.h"
+#include "io/curve/formats.h"
+
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+bat_status bat_curve_format_by_name(const char *name, bat_curve_format *format, bat_error *error)
+{
+    static const char *const names[] = {[BAT_CURVE_FORMAT_AUTO] = "auto",
+                                        [BAT_CURVE_FORMAT_CSV] = "csv",
+                                        [BAT_CURVE_FORMAT_GEOJSON] = "geojson",
+                                        [BAT_CURVE_FORMAT_OBJ] = "obj",
+                                        [BAT_CURVE_FORMAT_TUM] = "tum"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0)
+        {
+            *format = (bat_curve_format)i;
+            return BAT_OK;
+        }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "there is no format '%s'; the formats are csv, geojson, obj, tum", name);
+}
+
+bat_curve_format bat_curve_format_of_path(const char *path)
+{
+    static const struct
+    {
+        const char *ending;
+        bat_curve_format format;
+    } endings[] = {{".csv", BAT_CURVE_FORMAT_CSV},         {".txt", BAT_CURVE_FORMAT_CSV},
+                   {".geojson", BAT_CURVE_FORMAT_GEOJSON}, {".json", BAT_CURVE_FORMAT_GEOJSON},
+                   {".obj", BAT_CURVE_FORMAT_OBJ},         {".tum", BAT_CURVE_FORMAT_TUM}};
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(dot, endings[i].ending) == 0)
+            return endings[i].format;
+    return BAT_CURVE_FORMAT_AUTO;
+}
+
+/// The format of a text: GeoJSON begins with a brace, OBJ has a statement before any row of numbers, the rest is CSV.
+static bat_curve_format format_of_text(const file_text *text)
+{
+    text_line line = text_line_start(text);
+    while (text_line_next(text, &line))
+    {
+        size_t length = (size_t)(line.end - line.begin);
+        if (length == 0 || *line.begin == '#')
+            continue;
+        if (*line.begin == '{')
+            return BAT_CURVE_FORMAT_GEOJSON;
+        static const char *const statements[] = {"v ", "vn ", "vt ", "l ", "o ", "g ", "s ", "mtllib ", "usemtl "};
+        for (size_t i = 0; i < sizeof statements / sizeof *statements; i++)
+        {
+            size_t size = strlen(statements[i]);
+            if (length > size && memcmp(line.begin, statements[i], size) == 0)
+                return BAT_CURVE_FORMAT_OBJ;
+        }
+        break;
+    }
+    return BAT_CURVE_FORMAT_CSV;
+}
+
+bat_curve_read_options bat_curve_read_defaults(void)
+{
+    return (bat_curve_read_options){.format = BAT_CURVE_FORMAT_AUTO, .closed = -1};
+}
+
+bat_curve_write_options bat_curve_write_defaults(void)
+{
+    return (bat_curve_write_options){.format = BAT_CURVE_FORMAT_AUTO, .precision = 10};
+}
+
+static bool format_exists(bat_curve_format format)
+{
+    return (unsigned)format <= BAT_CURVE_FORMAT_TUM;
+}
+
+static bat_status check_read_options(const bat_curve_read_options *options, bat_error *error)
+{
+    if (!format_exists(options->format))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no format %d", (int)options->format);
+    if (options->closed < -1 || options->closed > 1)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "closed must be -1, 0 or 1, not %d", options->closed);
+    if (!(options->translation_weight >= 0 && isfinite(options->translation_weight)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the weight of translations is %g, not positive",
+                         options->translation_weight);
+    if (options->threads < 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
+    return BAT_OK;
+}
+
+static bat_status read_format(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
+                              bat_curve_set *set, bat_error *error)
+{
+    if (format == BAT_CURVE_FORMAT_AUTO)
+        format = format_of_text(text);
+    if (format == BAT_CURVE_FORMAT_GEOJSON)
+        return geojson_read(text, options, set, error);
+    if (format == BAT_CURVE_FORMAT_OBJ)
+        return obj_read(text, options, set, error);
+    if (format == BAT_CURVE_FORMAT_TUM)
+        return tum_read(text, options, set, error);
+    return csv_read(text, options, set, error);
+}
+
+static bat_status read_text(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
+                            bat_curve_set *set, bat_error *error)
+{
+    bat_status status = read_format(text, format, options, set, error);
+    if (status == BAT_OK && options->translation_weight > 0)
+        set->space->weight = options->translation_weight;
+    return status;
+}
+
+bat_status bat_curve_read(const char *path, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
+{
+    bat_curve_read_options defaults = bat_curve_read_defaults();
+    if (options == NULL)
+        options = &defaults;
+    bat_status status = check_read_options(options, error);
+    if (status != BAT_OK)
+        return status;
+    file_text text;
+    status = file_text_read(path, &text, error);
+    if (status != BAT_OK)
+        return status;
+    bat_curve_format format = options->format == BAT_CURVE_FORMAT_AUTO ? bat_curve_format_of_path(path) : options->format;
+    status = read_text(&text, format, options, set, error);
+    file_text_free(&text);
+    return status;
+}
+
+bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_read_options *options, bat_curve_set *set,
+                                 bat_error *error)
+{
+    bat_curve_read_options defaults = bat_curve_read_defaults();
+    if (options == NULL)
+        options = &defaults;
+    bat_status status = check_read_options(options, error);
+    if (status != BAT_OK)
+        return status;
+    file_text copy;
+    status = file_text_copy(text, size, &copy, error);
+    if (status != BAT_OK)
+        return status;
+    status = read_text(&copy, options->format, options, set, error);
+    file_text_free(&copy);
+    return status;
+}
+
+static bat_status check_write(const bat_curve_set *set, const bat_curve_write_options *options, bat_error *error)
+{
+    if (!format_exists(options->format))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no format %d", (int)options->format);
+    if (options->precision < 0 || options->precision > DEGREE_MAX_DECIMALS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the precision must be 0 to %d decimals, not %d",
+                         DEGREE_MAX_DECIMALS, options->precision);
+    if (options->threads < 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
+    if (set->count == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to write");
+    for (size_t i = 0; i < set->count; i++)
+        if (set->curves[i].count == 0)
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "curve %zu has no points", i);
+    return BAT_OK;
+}
+
+/// The format that the path's ending stands for. A .txt file is what the set was read from, if that was a trajectory.
+static bat_curve_format format_of_output(const char *path, const bat_curve_set *set)
+{
+    bat_curve_format format = bat_curve_format_of_path(path);
+    const char *dot = strrchr(path, '.');
+    bool text = dot != NULL && strcasecmp(dot, ".txt") == 0;
+    return text && set->attributes != NULL && set->attributes->format == BAT_CURVE_FORMAT_TUM ? BAT_CURVE_FORMAT_TUM
+                                                                                              : format;
+}
+
+/// The format to write in: what the options say, else what the path says, else what the set was read from.
+static bat_status choose_format(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
+                                bat_curve_format *format, bat_error *error)
+{
+    *format = options->format;
+    if (*format == BAT_CURVE_FORMAT_AUTO && path != NULL)
+        *format = format_of_output(path, set);
+    if (*format == BAT_CURVE_FORMAT_AUTO && set->attributes != NULL)
+        *format = set->attributes->format;
+    if (*format == BAT_CURVE_FORMAT_AUTO)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "cannot tell what format to write");
+    return BAT_OK;
+}
+
+static bat_status write_format(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
+                               text_sink *sink, bat_error *error)
+{
+    if (format == BAT_CURVE_FORMAT_GEOJSON)
+        return geojson_write(set, options, sink, error);
+    if (format == BAT_CURVE_FORMAT_OBJ)
+        return obj_write(set, options, sink, error);
+    if (format == BAT_CURVE_FORMAT_TUM)
+        return tum_write(set, options, sink, error);
+    return csv_write(set, options, sink, error);
+}
+
+bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
+                           bat_error *error)
+{
+    bat_curve_write_options defaults = bat_curve_write_defaults();
+    if (options == NULL)
+        options = &defaults;
+    bat_curve_format format;
+    bat_status status = check_write(set, options, error);
+    if (status == BAT_OK)
+        status = choose_format(path, set, options, &format, error);
+    if (status != BAT_OK)
+        return status;
+    atomic_file file;
+    status = atomic_file_begin(path, &file, error);
+    if (status != BAT_OK)
+        return status;
+    text_sink sink = {.stream = file.stream};
+    status = write_format(format, set, options, &sink, error);
+    return atomic_file_end(&file, status, error);
+}
+
+bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_write_options *options, char **text,
+                                  size_t *size, bat_error *error)
+{
+    bat_curve_write_options defaults = bat_curve_write_defaults();
+    if (options == NULL)
+        options = &defaults;
+    bat_curve_format format;
+    bat_status status = check_write(set, options, error);
+    if (status == BAT_OK)
+        status = choose_format(NULL, set, options, &format, error);
+    if (status != BAT_OK)
+        return status;
+    text_buffer buffer = {0};
+    text_sink sink = {.buffer = &buffer};
+    status = write_format(format, set, options, &sink, error);
+    text_append(&buffer, "", 1);
+    if (status == BAT_OK && buffer.failed)
+        status = error_memory(error, buffer.size);
+    if (status != BAT_OK)
+    {
+        text_free(&buffer);
+        return status;
+    }
+    *text = buffer.data;
+    *size = buffer.size - 1;
+    return BAT_OK;
+}

@@ -1,0 +1,24 @@
+#ifndef IO_CURVE_FORMATS_H
+#define IO_CURVE_FORMATS_H
+
+#include "batten/curve_file.h"
+#include "io/common/block_writer.h"
+#include "io/common/file_text.h"
+
+/// One reader and one writer a format. Options are complete and valid; sets have curves and every curve has points.
+
+bat_status csv_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
+bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+
+/// The trajectory format of the TUM benchmark: "timestamp tx ty tz qx qy qz qw", in the space rigid.
+bat_status tum_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
+bat_status tum_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+
+bat_status geojson_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
+bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
+                         bat_error *error);
+
+bat_status obj_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
+bat_status obj_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+
+#endif

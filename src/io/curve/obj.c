@@ -1,0 +1,317 @@
+#include "base/array_grow.h"
+#include "base/error.h"
+#include "curve/curve_attributes.h"
+#include "io/common/number_text.h"
+#include "io/curve/builder.h"
+#include "io/curve/formats.h"
+#include "io/curve/rows.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct obj_vertex
+{
+    double x, y, z;
+    size_t line;
+} obj_vertex;
+
+/// An `l` statement: its indices are begin … end - 1 of obj_reader::indices.
+typedef struct obj_element
+{
+    size_t begin, end;
+    size_t line;
+} obj_element;
+
+typedef struct obj_reader
+{
+    obj_vertex *vertices;
+    size_t vertex_count, vertex_capacity;
+    size_t *indices; ///< counted from 0
+    size_t index_count, index_capacity;
+    obj_element *elements;
+    size_t element_count, element_capacity;
+    bool solid; ///< some vertex has a z that is not zero
+} obj_reader;
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/// Go to the next word of a line; false when there is none.
+static bool next_word(const char **at, const char *line_end, const char **word_end)
+{
+    while (*at < line_end && is_blank(**at))
+        (*at)++;
+    *word_end = *at;
+    while (*word_end < line_end && !is_blank(**word_end))
+        (*word_end)++;
+    return *word_end > *at;
+}
+
+static bat_status read_vertex(obj_reader *reader, const text_line *line, const char *at, bat_error *error)
+{
+    enum
+    {
+        MOST_NUMBERS = 7 ///< x y z w, or x y z and a colour
+    };
+    double numbers[MOST_NUMBERS] = {0};
+    const char *end;
+    size_t count = 0;
+    for (; next_word(&at, line->end, &end); at = end)
+    {
+        char excerpt[EXCERPT_SIZE];
+        if (count == MOST_NUMBERS)
+            return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "a vertex has at most 7 numbers");
+        const char *fault = number_read(at, end, &numbers[count++]);
+        if (fault != NULL)
+            return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "'%s' %s",
+                             text_excerpt(excerpt, at, end), fault);
+    }
+    if (count < 2)
+        return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "a vertex needs 2 or 3 numbers");
+    void *vertices = reader->vertices;
+    if (!array_grow(&vertices, &reader->vertex_capacity, reader->vertex_count + 1, sizeof *reader->vertices))
+        return error_memory(error, reader->vertex_count * sizeof *reader->vertices);
+    reader->vertices = vertices;
+    reader->vertices[reader->vertex_count++] = (obj_vertex){numbers[0], numbers[1], numbers[2], line->number};
+    reader->solid = reader->solid || numbers[2] != 0.0;
+    return BAT_OK;
+}
+
+/// Read "i" or "i/t", where i counts from 1 or, when negative, back from the last vertex so far.
+static bool read_index(const obj_reader *reader, const char *at, const char *end, size_t *index)
+{
+    const char *slash = memchr(at, '/', (size_t)(end - at));
+    if (slash != NULL)
+        end = slash;
+    bool negative = at < end && *at == '-';
+    at += negative;
+    if (at == end)
+        return false;
+    size_t value = 0;
+    for (; at < end; at++)
+    {
+        if (*at < '0' || *at > '9' || value > (SIZE_MAX - 9) / 10)
+            return false;
+        value = 10 * value + (size_t)(*at - '0');
+    }
+    if (value == 0 || (negative && value > reader->vertex_count))
+        return false;
+    *index = negative ? reader->vertex_count - value : value - 1;
+    return true;
+}
+
+static bool add_index(obj_reader *reader, size_t index)
+{
+    void *indices = reader->indices;
+    bool grown = array_grow(&indices, &reader->index_capacity, reader->index_count + 1, sizeof *reader->indices);
+    reader->indices = indices;
+    if (grown)
+        reader->indices[reader->index_count++] = index;
+    return grown;
+}
+
+static bat_status read_element(obj_reader *reader, const text_line *line, const char *at, bat_error *error)
+{
+    obj_element element = {reader->index_count, 0, line->number};
+    const char *end;
+    for (; next_word(&at, line->end, &end); at = end)
+    {
+        char excerpt[EXCERPT_SIZE];
+        size_t index;
+        if (!read_index(reader, at, end, &index))
+            return error_set(error, BAT_BAD_FILE, reader->element_count, line->number, "'%s' is not the index of a vertex",
+                             text_excerpt(excerpt, at, end));
+        if (!add_index(reader, index))
+            return error_memory(error, reader->index_count * sizeof index);
+    }
+    element.end = reader->index_count;
+    if (element.end - element.begin < 2)
+        return error_set(error, BAT_BAD_FILE, reader->element_count, line->number, "a line needs at least 2 vertices");
+    void *elements = reader->elements;
+    if (!array_grow(&elements, &reader->element_capacity, reader->element_count + 1, sizeof element))
+        return error_memory(error, reader->element_count * sizeof element);
+    reader->elements = elements;
+    reader->elements[reader->element_count++] = element;
+    return BAT_OK;
+}
+
+static bat_status read_statements(obj_reader *reader, const file_text *text, bat_error *error)
+{
+    text_line line = text_line_start(text);
+    while (text_line_next(text, &line))
+    {
+        bat_status status = BAT_OK;
+        const char *comment = memchr(line.begin, '#', (size_t)(line.end - line.begin));
+        if (comment != NULL)
+            line.end = comment;
+        bool keyword = line.end - line.begin >= 1 && (line.end - line.begin == 1 || is_blank(line.begin[1]));
+        if (keyword && *line.begin == 'v')
+            status = read_vertex(reader, &line, line.begin + 1, error);
+        else if (keyword && *line.begin == 'l')
+            status = read_element(reader, &line, line.begin + 1, error);
+        if (status != BAT_OK)
+            return status;
+    }
+    if (reader->element_count == 0)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are no line elements");
+    return BAT_OK;
+}
+
+static bat_status choose_space(const obj_reader *reader, const bat_curve_read_options *options, bat_space *space,
+                               bat_error *error)
+{
+    const char *name = options->space != NULL ? options->space : reader->solid ? "euclidean" : "plane";
+    bool two = strcmp(name, "plane") == 0 || strcmp(name, "disk") == 0;
+    if (two && reader->solid)
+    {
+        size_t i = 0;
+        while (reader->vertices[i].z == 0.0)
+            i++;
+        return error_set(error, BAT_BAD_FILE, i, reader->vertices[i].line, "a point of the %s has no third coordinate",
+                         name);
+    }
+    return bat_space_by_name(name, two ? 2 : 3, space, error);
+}
+
+static bat_status build_curve(const obj_reader *reader, const obj_element *element, int wanted_closed,
+                              curve_builder *builder, bat_error *error)
+{
+    const size_t *indices = reader->indices;
+    size_t end = element->end;
+    bool returns = indices[element->begin] == indices[end - 1] && end - element->begin > 2;
+    bool closed = wanted_closed < 0 ? returns : wanted_closed > 0;
+    if (closed && returns)
+        end--;
+    for (size_t i = element->begin; i < end; i++)
+    {
+        size_t place = i - element->begin;
+        if (indices[i] >= reader->vertex_count)
+            return error_set(error, BAT_BAD_FILE, place, element->line, "there is no vertex %zu, the file has %zu",
+                             indices[i] + 1, reader->vertex_count);
+        const obj_vertex *vertex = &reader->vertices[indices[i]];
+        double *point = builder_next(builder, 0, NULL);
+        if (point == NULL || !builder_line(builder, vertex->line))
+            return error_memory(error, builder->point_capacity * sizeof *point);
+        const double coordinates[3] = {vertex->x, vertex->y, vertex->z};
+        memcpy(point, coordinates, builder->space.point_dim * sizeof *point);
+        const char *fault = builder_admit(builder);
+        if (fault != NULL)
+            return error_set(error, BAT_BAD_FILE, place, vertex->line, "the point is %s", fault);
+    }
+    return builder_end_curve(builder, closed) ? BAT_OK : error_memory(error, (end - element->begin) * sizeof(double));
+}
+
+static bat_status build_curves(const obj_reader *reader, const bat_curve_read_options *options, curve_builder *builder,
+                               bat_error *error)
+{
+    builder->check = true;
+    builder->project = options->project;
+    bat_status status = choose_space(reader, options, &builder->space, error);
+    for (size_t i = 0; i < reader->element_count && status == BAT_OK; i++)
+        status = build_curve(reader, &reader->elements[i], options->closed, builder, error);
+    return status;
+}
+
+bat_status obj_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
+{
+    obj_reader reader = {0};
+    curve_builder builder = {0};
+    bat_status status = read_statements(&reader, text, error);
+    if (status == BAT_OK)
+        status = build_curves(&reader, options, &builder, error);
+    free(reader.vertices);
+    free(reader.indices);
+    free(reader.elements);
+    bat_curve_attributes *attributes = status == BAT_OK ? attributes_new(BAT_CURVE_FORMAT_OBJ) : NULL;
+    if (status == BAT_OK && attributes == NULL)
+        status = error_memory(error, sizeof *attributes);
+    if (status == BAT_OK)
+        return builder_finish(&builder, attributes, set, error);
+    builder_free(&builder);
+    return status;
+}
+
+static bat_status format_vertices(const void *context, const row_span *span, text_buffer *text, bat_error *error)
+{
+    (void)context;
+    size_t dim = span->curve->space->point_dim;
+    for (size_t i = span->begin; i < span->end; i++)
+    {
+        const double *point = span->curve->points + i * dim;
+        char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 2);
+        if (out == NULL)
+            return BAT_OK; // the sink reports it
+        *out++ = 'v';
+        for (size_t j = 0; j < 3; j++)
+        {
+            double coordinate = j < dim ? point[j] : 0.0;
+            if (!isfinite(coordinate))
+                return row_not_finite(span, i, error);
+            *out++ = ' ';
+            out = number_write(out, coordinate);
+        }
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+    return BAT_OK;
+}
+
+static char *write_index(char *out, size_t index)
+{
+    *out++ = ' ';
+    return number_write_fixed(out, (int64_t)index + 1, 0);
+}
+
+/// `context` is the row of each curve's first point.
+static bat_status format_elements(const void *context, const row_span *span, text_buffer *text, bat_error *error)
+{
+    (void)error;
+    size_t first = ((const size_t *)context)[span->curve_index];
+    if (span->begin == 0)
+        text_append_string(text, "l");
+    for (size_t i = span->begin; i < span->end; i++)
+    {
+        char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+        if (out == NULL)
+            return BAT_OK;
+        text_advance(text, write_index(out, first + i));
+    }
+    if (span->end < span->curve->count)
+        return BAT_OK;
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+    if (out == NULL)
+        return BAT_OK;
+    if (span->curve->closed)
+        out = write_index(out, first);
+    *out++ = '\n';
+    text_advance(text, out);
+    return BAT_OK;
+}
+
+static bat_status check_curves(const bat_curve_set *set, bat_error *error)
+{
+    if (set->space->point_dim != 2 && set->space->point_dim != 3)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "OBJ cannot hold points of %zu coordinates",
+                         set->space->point_dim);
+    for (size_t i = 0; i < set->count; i++)
+        if (set->curves[i].count < 2)
+            return error_set(error, BAT_UNSUPPORTED, i, 0, "OBJ cannot hold curve %zu, which has a single point", i);
+    return BAT_OK;
+}
+
+bat_status obj_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+{
+    row_blocks blocks;
+    bat_status status = check_curves(set, error);
+    if (status == BAT_OK)
+        status = row_blocks_begin(set, &blocks, error);
+    if (status != BAT_OK)
+        return status;
+    status = row_blocks_write(&blocks, sink, options->threads, format_vertices, NULL, error);
+    if (status == BAT_OK)
+        status = row_blocks_write(&blocks, sink, options->threads, format_elements, blocks.first_rows, error);
+    row_blocks_end(&blocks);
+    return status;
+}

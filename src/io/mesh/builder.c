@@ -1,0 +1,338 @@
+#include "io/mesh/builder.h"
+
+#include "base/error.h"
+#include "mesh/triangulate.h"
+
+#include <string.h>
+
+void mesh_builder_free(mesh_builder *builder)
+{
+    free(builder->positions);
+    free(builder->texture);
+    free(builder->channels);
+    for (size_t i = 0; i < builder->channel_count && builder->channel_names != NULL; i++)
+        free(builder->channel_names[i]);
+    free(builder->channel_names);
+    free(builder->corners);
+    free(builder->texture_corners);
+    free(builder->sizes);
+    free(builder->creases);
+    free(builder->marks);
+    *builder = (mesh_builder){0};
+}
+
+/// array_grow() through the address of a pointer of any type.
+static bool grow(void *place, size_t *capacity, size_t needed, size_t size)
+{
+    if (needed <= *capacity)
+        return true;
+    void *array;
+    memcpy(&array, place, sizeof array);
+    bool grown = array_grow(&array, capacity, needed, size);
+    memcpy(place, &array, sizeof array);
+    return grown;
+}
+
+#define GROW(array, capacity, needed) grow((void *)&(array), &(capacity), (needed), sizeof *(array))
+
+double *mesh_builder_vertex(mesh_builder *builder)
+{
+    size_t begin = 3 * builder->vertex_count;
+    if (!GROW(builder->positions, builder->position_capacity, begin + 3))
+        return NULL;
+    builder->vertex_count++;
+    return builder->positions + begin;
+}
+
+double *mesh_builder_texture(mesh_builder *builder)
+{
+    size_t begin = 2 * builder->texture_count;
+    if (!GROW(builder->texture, builder->texture_capacity, begin + 2))
+        return NULL;
+    builder->texture_count++;
+    return builder->texture + begin;
+}
+
+double *mesh_builder_channels(mesh_builder *builder)
+{
+    size_t end = builder->vertex_count * builder->channel_count;
+    if (!GROW(builder->channels, builder->channel_capacity, end))
+        return NULL;
+    return builder->channels + end - builder->channel_count;
+}
+
+bool mesh_builder_name_channels(mesh_builder *builder, const char *const *names, size_t count)
+{
+    builder->channel_names = calloc(count + 1, sizeof *builder->channel_names);
+    if (builder->channel_names == NULL)
+        return false;
+    builder->channel_count = count;
+    for (size_t i = 0; i < count; i++)
+    {
+        builder->channel_names[i] = strdup(names[i]);
+        if (builder->channel_names[i] == NULL)
+            return false;
+    }
+    return true;
+}
+
+bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangles)
+{
+    size_t numbers, values, corners;
+    return !size_multiply_overflows(vertices, 3, &numbers) && !size_multiply_overflows(triangles, 3, &corners) &&
+           !size_multiply_overflows(vertices, builder->channel_count, &values) &&
+           GROW(builder->positions, builder->position_capacity, numbers) &&
+           GROW(builder->channels, builder->channel_capacity, values) &&
+           GROW(builder->corners, builder->corner_capacity, corners) &&
+           GROW(builder->sizes, builder->size_capacity, triangles);
+}
+
+/// Note a corner's texture coordinate. The first one makes the array, in which the corners before have none.
+static bool add_texture_corner(mesh_builder *builder, uint32_t texture)
+{
+    bool first = builder->texture_corner_capacity == 0;
+    if (first && texture == BAT_MESH_NONE)
+        return true;
+    size_t at = builder->corner_count;
+    if (!GROW(builder->texture_corners, builder->texture_corner_capacity, at + 1))
+        return false;
+    if (first)
+        memset(builder->texture_corners, 0xff, at * sizeof *builder->texture_corners);
+    builder->texture_corners[at] = texture;
+    return true;
+}
+
+bool mesh_builder_corner(mesh_builder *builder, uint32_t vertex, uint32_t texture)
+{
+    if (!GROW(builder->corners, builder->corner_capacity, builder->corner_count + 1) ||
+        !add_texture_corner(builder, texture))
+        return false;
+    builder->corners[builder->corner_count++] = vertex;
+    return true;
+}
+
+bool mesh_builder_end_face(mesh_builder *builder, uint32_t size)
+{
+    if (!GROW(builder->sizes, builder->size_capacity, builder->face_count + 1))
+        return false;
+    builder->sizes[builder->face_count++] = size;
+    return true;
+}
+
+bool mesh_builder_crease(mesh_builder *builder, bat_mesh_crease crease)
+{
+    if (!GROW(builder->creases, builder->crease_capacity, builder->crease_count + 1))
+        return false;
+    builder->creases[builder->crease_count++] = crease;
+    return true;
+}
+
+bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark)
+{
+    if (!GROW(builder->marks, builder->mark_capacity, builder->mark_count + 1))
+        return false;
+    builder->marks[builder->mark_count++] = mark;
+    return true;
+}
+
+/// Every face has three corners or may be cut, and names what exists.
+static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat_error *error)
+{
+    size_t begin = 0;
+    for (size_t f = 0; f < builder->face_count; f++)
+    {
+        size_t size = builder->sizes[f];
+        if (size < 3)
+            return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners, fewer than 3", f, size);
+        if (size > 3 && !triangulate)
+            return error_set(error, BAT_BAD_FILE, f, 0,
+                             "face %zu has %zu corners; the option `triangulate` cuts it in triangles", f, size);
+        for (size_t i = begin; i < begin + size; i++)
+        {
+            if (builder->corners[i] >= builder->vertex_count)
+                return error_set(error, BAT_BAD_FILE, f, 0, "face %zu names vertex %u, counted from 0, but there are %zu", f,
+                                 builder->corners[i], builder->vertex_count);
+            if (builder->texture_corners != NULL && builder->texture_corners[i] >= builder->texture_count &&
+                builder->texture_corners[i] != BAT_MESH_NONE)
+                return error_set(error, BAT_BAD_FILE, f, 0,
+                                 "face %zu names texture coordinate %u, counted from 0, but there are %zu", f,
+                                 builder->texture_corners[i], builder->texture_count);
+        }
+        begin += size;
+    }
+    return BAT_OK;
+}
+
+/// Let corners without texture coordinates, where others have some, name (0, 0).
+static bool complete_texture(mesh_builder *builder)
+{
+    if (builder->texture_corners == NULL)
+        return true;
+    uint32_t origin = BAT_MESH_NONE;
+    for (size_t i = 0; i < builder->corner_count; i++)
+    {
+        if (builder->texture_corners[i] != BAT_MESH_NONE)
+            continue;
+        if (origin == BAT_MESH_NONE)
+        {
+            origin = (uint32_t)builder->texture_count;
+            double *zero = mesh_builder_texture(builder);
+            if (zero == NULL)
+                return false;
+            zero[0] = zero[1] = 0.0;
+        }
+        builder->texture_corners[i] = origin;
+    }
+    return true;
+}
+
+/// The corners of triangles, beside those of the polygons they are cut from.
+typedef struct triangle_cutter
+{
+    const mesh_builder *builder;
+    uint32_t *faces, *texture_faces;
+    uint32_t *places; ///< of one polygon's triangles
+    polygon_room room;
+} triangle_cutter;
+
+/// Cut one polygon, whose corners begin at `begin`, into the triangles from `triangle` on.
+static bat_status cut_polygon(triangle_cutter *cutter, size_t face, size_t begin, size_t triangle, bat_error *error)
+{
+    const mesh_builder *builder = cutter->builder;
+    size_t size = builder->sizes[face];
+    bat_status status =
+        polygon_triangulate(builder->positions, builder->corners + begin, size, cutter->places, &cutter->room);
+    if (status == BAT_TOO_LARGE)
+        return error_set(error, status, face, 0, "face %zu is not convex and has %zu corners, more than %d", face, size,
+                         POLYGON_MOST_EARS);
+    if (status != BAT_OK)
+        return error_memory(error, 3 * size * sizeof(uint32_t));
+    for (size_t i = 0; i < 3 * (size - 2); i++)
+    {
+        size_t corner = begin + cutter->places[i];
+        cutter->faces[3 * triangle + i] = builder->corners[corner];
+        if (cutter->texture_faces != NULL)
+            cutter->texture_faces[3 * triangle + i] = builder->texture_corners[corner];
+    }
+    return BAT_OK;
+}
+
+static bat_status cut_all(triangle_cutter *cutter, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    size_t begin = 0, triangle = 0;
+    for (size_t f = 0; f < cutter->builder->face_count && status == BAT_OK; f++)
+    {
+        size_t size = cutter->builder->sizes[f];
+        status = cut_polygon(cutter, f, begin, triangle, error);
+        begin += size;
+        triangle += size - 2;
+    }
+    return status;
+}
+
+/// Replace the builder's polygons by `triangle_count` triangles. `sizes` keeps saying what the polygons were.
+static bat_status cut_polygons(mesh_builder *builder, size_t triangle_count, bat_error *error)
+{
+    uint32_t largest = 0;
+    for (size_t f = 0; f < builder->face_count; f++)
+        largest = builder->sizes[f] > largest ? builder->sizes[f] : largest;
+    size_t corners = 3 * triangle_count;
+    bool textured = builder->texture_corners != NULL;
+    triangle_cutter cutter = {.builder = builder,
+                              .faces = memory_array(corners, sizeof *cutter.faces),
+                              .texture_faces = textured ? memory_array(corners, sizeof *cutter.texture_faces) : NULL,
+                              .places = memory_array(3 * (size_t)largest, sizeof *cutter.places)};
+    bat_status status = BAT_OK;
+    if (cutter.faces == NULL || cutter.places == NULL || (textured && cutter.texture_faces == NULL))
+        status = error_memory(error, corners * sizeof *cutter.faces);
+    if (status == BAT_OK)
+        status = cut_all(&cutter, error);
+    free(cutter.places);
+    polygon_room_free(&cutter.room);
+    if (status != BAT_OK)
+    {
+        free(cutter.faces);
+        free(cutter.texture_faces);
+        return status;
+    }
+    free(builder->corners);
+    free(builder->texture_corners);
+    builder->corners = cutter.faces;
+    builder->texture_corners = cutter.texture_faces;
+    builder->corner_count = corners;
+    return BAT_OK;
+}
+
+/// No triangle has a vertex twice; the face of the file that it was cut from is at fault.
+static bat_status check_triangles(const mesh_builder *builder, bat_error *error)
+{
+    const uint32_t *corner = builder->corners;
+    for (size_t f = 0; f < builder->face_count; f++)
+        for (size_t i = 2; i < builder->sizes[f]; i++, corner += 3)
+            if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+                return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has vertex %u, counted from 0, twice", f,
+                                 corner[0] == corner[1] ? corner[0] : corner[2]);
+    return BAT_OK;
+}
+
+static bat_status prepare(mesh_builder *builder, const bat_mesh_read_options *options, bat_error *error)
+{
+    if (builder->face_count == 0 && !builder->faceless)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no faces");
+    bat_status status = check_faces(builder, options->triangulate, error);
+    size_t triangle_count = builder->corner_count - 2 * builder->face_count;
+    if (status == BAT_OK && (triangle_count > BAT_MESH_MAX_FACES || builder->vertex_count >= BAT_MESH_NONE))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
+                         BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
+    if (status == BAT_OK && !complete_texture(builder))
+        status = error_memory(error, builder->texture_capacity * sizeof(double));
+    if (status == BAT_OK && triangle_count > builder->face_count)
+        status = cut_polygons(builder, triangle_count, error);
+    if (status == BAT_OK && !options->keep_degenerate)
+        status = check_triangles(builder, error);
+    return status;
+}
+
+/// Give back the room that is not needed.
+static void *trim(void *array, size_t count, size_t size)
+{
+    void *trimmed = count > 0 ? realloc(array, count * size) : NULL;
+    if (count == 0)
+        free(array);
+    return trimmed != NULL || count == 0 ? trimmed : array;
+}
+
+bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = prepare(builder, options, error);
+    if (status != BAT_OK)
+    {
+        mesh_builder_free(builder);
+        return status;
+    }
+    bool textured = builder->texture_corners != NULL;
+    size_t corners = builder->corner_count, vertices = builder->vertex_count;
+    size_t texture_count = textured ? builder->texture_count : 0;
+    *mesh = (bat_mesh){
+        .positions = trim(builder->positions, 3 * vertices, sizeof(double)),
+        .faces = trim(builder->corners, corners, sizeof(uint32_t)),
+        .vertex_count = vertices,
+        .face_count = corners / 3,
+        .texture = trim(builder->texture, 2 * texture_count, sizeof(double)),
+        .texture_faces = trim(builder->texture_corners, textured ? corners : 0, sizeof(uint32_t)),
+        .texture_count = texture_count,
+        .channels = trim(builder->channels, vertices * builder->channel_count, sizeof(double)),
+        .channel_names = builder->channel_count > 0 ? builder->channel_names : NULL,
+        .channel_count = builder->channel_count,
+        .creases = trim(builder->creases, builder->crease_count, sizeof *builder->creases),
+        .crease_count = builder->crease_count,
+        .corners = trim(builder->marks, builder->mark_count, sizeof *builder->marks),
+        .corner_count = builder->mark_count,
+    };
+    free(builder->sizes);
+    if (builder->channel_count == 0)
+        free(builder->channel_names);
+    *builder = (mesh_builder){0};
+    return BAT_OK;
+}

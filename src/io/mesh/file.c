@@ -1,0 +1,255 @@
+#include "batten/mesh_file.h"
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/mesh/formats.h"
+
+#include <strings.h>
+
+const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
+
+bat_status bat_mesh_format_by_name(const char *name, bat_mesh_format *format, bat_error *error)
+{
+    static const char *const names[] = {[BAT_MESH_FORMAT_AUTO] = "auto",
+                                        [BAT_MESH_FORMAT_OBJ] = "obj",
+                                        [BAT_MESH_FORMAT_PLY] = "ply",
+                                        [BAT_MESH_FORMAT_OFF] = "off",
+                                        [BAT_MESH_FORMAT_STL] = "stl"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0)
+        {
+            *format = (bat_mesh_format)i;
+            return BAT_OK;
+        }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "there is no mesh format '%s'; the formats are obj, ply, off, stl", name);
+}
+
+bat_mesh_format bat_mesh_format_of_path(const char *path)
+{
+    static const char *const endings[] = {[BAT_MESH_FORMAT_OBJ] = ".obj",
+                                          [BAT_MESH_FORMAT_PLY] = ".ply",
+                                          [BAT_MESH_FORMAT_OFF] = ".off",
+                                          [BAT_MESH_FORMAT_STL] = ".stl"};
+    const char *dot = strrchr(path, '.');
+    for (size_t i = BAT_MESH_FORMAT_OBJ; dot != NULL && i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(dot, endings[i]) == 0)
+            return (bat_mesh_format)i;
+    return BAT_MESH_FORMAT_AUTO;
+}
+
+size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
+{
+    size_t count = 0;
+    for (; count < MESH_COLOURS; count++)
+    {
+        size_t i = 0;
+        while (i < mesh->channel_count && strcmp(mesh->channel_names[i], mesh_colour_names[count]) != 0)
+            i++;
+        if (i == mesh->channel_count)
+            break;
+        places[count] = i;
+    }
+    return count >= MESH_COLOURS - 1 ? count : 0;
+}
+
+bool mesh_texture_by_vertex(const bat_mesh *mesh)
+{
+    return mesh->texture_faces != NULL && mesh->texture_count == mesh->vertex_count &&
+           memcmp(mesh->texture_faces, mesh->faces, 3 * mesh->face_count * sizeof *mesh->faces) == 0;
+}
+
+enum
+{
+    ROWS_PER_BLOCK = 1 << 14
+};
+
+typedef struct row_job
+{
+    const bat_mesh *mesh;
+    size_t count;
+    mesh_row_format *format;
+    const void *context;
+} row_job;
+
+static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
+{
+    (void)error; // the sink reports a lack of memory
+    const row_job *job = context;
+    size_t begin = block * ROWS_PER_BLOCK, left = job->count - begin;
+    job->format(job->mesh, job->context, begin, begin + (left < ROWS_PER_BLOCK ? left : ROWS_PER_BLOCK), text);
+    return BAT_OK;
+}
+
+bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,
+                           text_sink *sink, bat_error *error)
+{
+    row_job job = {mesh, count, format, context};
+    return blocks_write(sink, count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0), threads, format_block, &job, error);
+}
+
+bat_mesh_read_options bat_mesh_read_defaults(void)
+{
+    return (bat_mesh_read_options){.format = BAT_MESH_FORMAT_AUTO};
+}
+
+bat_mesh_write_options bat_mesh_write_defaults(void)
+{
+    return (bat_mesh_write_options){.format = BAT_MESH_FORMAT_AUTO, .encoding = BAT_MESH_ENCODING_BINARY};
+}
+
+static bat_status check_format(bat_mesh_format format, bat_error *error)
+{
+    if ((unsigned)format <= BAT_MESH_FORMAT_STL)
+        return BAT_OK;
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no mesh format %d", (int)format);
+}
+
+/// The format of a text. OBJ has no mark at its begin: whatever has no other's is taken for it.
+static bat_mesh_format format_of_text(const file_text *text)
+{
+    if (mesh_ply_resembles(text))
+        return BAT_MESH_FORMAT_PLY;
+    if (mesh_off_resembles(text))
+        return BAT_MESH_FORMAT_OFF;
+    return mesh_stl_resembles(text) ? BAT_MESH_FORMAT_STL : BAT_MESH_FORMAT_OBJ;
+}
+
+static bat_status read_format(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
+                              bat_mesh *mesh, bat_error *error)
+{
+    if (format == BAT_MESH_FORMAT_AUTO)
+        format = format_of_text(text);
+    if (format == BAT_MESH_FORMAT_PLY)
+        return mesh_ply_read(text, options, mesh, error);
+    if (format == BAT_MESH_FORMAT_OFF)
+        return mesh_off_read(text, options, mesh, error);
+    if (format == BAT_MESH_FORMAT_STL)
+        return mesh_stl_read(text, options, mesh, error);
+    return mesh_obj_read(text, options, mesh, error);
+}
+
+/// Read a mesh, and repair it where that is asked for.
+static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
+                            bat_mesh *mesh, bat_error *error)
+{
+    bat_mesh_read_options lenient = *options;
+    bat_mesh_repair_report report = {0};
+    bat_mesh broken;
+    lenient.keep_degenerate = options->keep_degenerate || options->repair;
+    bat_status status = read_format(text, format, &lenient, options->repair ? &broken : mesh, error);
+    if (status == BAT_OK && options->repair)
+    {
+        status = bat_mesh_repair(&broken, &report, mesh, error);
+        bat_mesh_free(&broken);
+    }
+    if (status == BAT_OK && options->repairs != NULL)
+        *options->repairs = report;
+    return status;
+}
+
+bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    bat_mesh_read_options defaults = bat_mesh_read_defaults();
+    if (options == NULL)
+        options = &defaults;
+    file_text text;
+    bat_status status = check_format(options->format, error);
+    if (status == BAT_OK)
+        status = file_text_read(path, &text, error);
+    if (status != BAT_OK)
+        return status;
+    bat_mesh_format format = options->format == BAT_MESH_FORMAT_AUTO ? bat_mesh_format_of_path(path) : options->format;
+    status = read_text(&text, format, options, mesh, error);
+    file_text_free(&text);
+    return status;
+}
+
+bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                bat_error *error)
+{
+    bat_mesh_read_options defaults = bat_mesh_read_defaults();
+    if (options == NULL)
+        options = &defaults;
+    file_text text;
+    bat_status status = check_format(options->format, error);
+    if (status == BAT_OK)
+        status = file_text_copy(bytes, size, &text, error);
+    if (status != BAT_OK)
+        return status;
+    status = read_text(&text, options->format, options, mesh, error);
+    file_text_free(&text);
+    return status;
+}
+
+static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, const bat_mesh_write_options *options,
+                              bat_error *error)
+{
+    bat_status status = check_format(format, error);
+    if (status != BAT_OK)
+        return status;
+    if (format == BAT_MESH_FORMAT_AUTO)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "cannot tell what format to write; the endings are .obj, .ply, .off, .stl");
+    if ((unsigned)options->encoding > BAT_MESH_ENCODING_TEXT)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no encoding %d", (int)options->encoding);
+    if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY is written with the greater bytes first");
+    if (options->threads < 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
+    return bat_mesh_check(mesh, error);
+}
+
+static bat_status write_format(bat_mesh_format format, const bat_mesh *mesh, const bat_mesh_write_options *options,
+                               text_sink *sink, bat_error *error)
+{
+    if (format == BAT_MESH_FORMAT_PLY)
+        return mesh_ply_write(mesh, options, sink, error);
+    if (format == BAT_MESH_FORMAT_OFF)
+        return mesh_off_write(mesh, options, sink, error);
+    if (format == BAT_MESH_FORMAT_STL)
+        return mesh_stl_write(mesh, options, sink, error);
+    return mesh_obj_write(mesh, options, sink, error);
+}
+
+bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options, bat_error *error)
+{
+    bat_mesh_write_options defaults = bat_mesh_write_defaults();
+    if (options == NULL)
+        options = &defaults;
+    bat_mesh_format format = options->format == BAT_MESH_FORMAT_AUTO ? bat_mesh_format_of_path(path) : options->format;
+    atomic_file file;
+    bat_status status = check_write(mesh, format, options, error);
+    if (status == BAT_OK)
+        status = atomic_file_begin(path, &file, error);
+    if (status != BAT_OK)
+        return status;
+    text_sink sink = {.stream = file.stream};
+    status = write_format(format, mesh, options, &sink, error);
+    return atomic_file_end(&file, status, error);
+}
+
+bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes, size_t *size,
+                                 bat_error *error)
+{
+    bat_mesh_write_options defaults = bat_mesh_write_defaults();
+    if (options == NULL)
+        options = &defaults;
+    bat_status status = check_write(mesh, options->format, options, error);
+    if (status != BAT_OK)
+        return status;
+    text_buffer buffer = {0};
+    text_sink sink = {.buffer = &buffer};
+    status = write_format(options->format, mesh, options, &sink, error);
+    text_append(&buffer, "", 1);
+    if (status == BAT_OK && buffer.failed)
+        status = error_memory(error, buffer.size);
+    if (status != BAT_OK)
+    {
+        text_free(&buffer);
+        return status;
+    }
+    *bytes = buffer.data;
+    *size = buffer.size - 1;
+    return BAT_OK;
+}

@@ -1,0 +1,431 @@
+#include "io/common/number_text.h"
+#include "io/common/word_scan.h"
+#include "io/mesh/builder.h"
+#include "io/mesh/formats.h"
+
+#include <math.h>
+
+typedef struct obj_reader
+{
+    mesh_builder builder;
+    mesh_scan scan;
+    size_t colours; ///< that every vertex has
+} obj_reader;
+
+static bat_status no_memory(const obj_reader *reader, bat_error *error)
+{
+    return error_memory(error, reader->builder.position_capacity * sizeof(double));
+}
+
+/// BAT_BAD_FILE at the line being read, about the vertex or face of this index.
+static bat_status fault(const obj_reader *reader, size_t index, const char *text, bat_error *error)
+{
+    return error_set(error, BAT_BAD_FILE, index, reader->scan.line, "%s", text);
+}
+
+/// Read the line's numbers, from `least` to `most` of them.
+static bat_status read_numbers(obj_reader *reader, size_t index, size_t least, size_t most, double *numbers, size_t *count,
+                               const char *what, bat_error *error)
+{
+    for (*count = 0; !scan_line_done(&reader->scan); ++*count)
+    {
+        if (*count == most)
+            return fault(reader, index, what, error);
+        if (!scan_number(&reader->scan, &numbers[*count]))
+            return scan_number_fault(&reader->scan, index, what, error);
+    }
+    return *count < least ? fault(reader, index, what, error) : BAT_OK;
+}
+
+/// `v x y z`, `v x y z w`, and with a colour `v x y z r g b` or, as MeshLab writes, `v x y z r g b a`.
+static bat_status read_vertex(obj_reader *reader, bat_error *error)
+{
+    enum
+    {
+        MOST_NUMBERS = 7
+    };
+    static const char expected[] = "a vertex has 3 coordinates, and beside them a weight or a colour of 3 or 4 numbers";
+    mesh_builder *builder = &reader->builder;
+    size_t count, index = builder->vertex_count;
+    double numbers[MOST_NUMBERS];
+    bat_status status = read_numbers(reader, index, 3, MOST_NUMBERS, numbers, &count, expected, error);
+    if (status != BAT_OK)
+        return status;
+    if (count == 5)
+        return fault(reader, index, expected, error);
+    size_t colours = count > 5 ? count - 3 : 0;
+    if (index == 0 && colours > 0)
+    {
+        reader->colours = colours;
+        if (!mesh_builder_name_channels(builder, mesh_colour_names, colours))
+            return no_memory(reader, error);
+    }
+    if (colours != reader->colours)
+        return fault(reader, index, "the vertex has not as many colour values as those before it", error);
+    double *position = mesh_builder_vertex(builder);
+    if (position == NULL)
+        return no_memory(reader, error);
+    memcpy(position, numbers, 3 * sizeof *position);
+    if (colours == 0)
+        return BAT_OK;
+    double *channels = mesh_builder_channels(builder);
+    if (channels == NULL)
+        return no_memory(reader, error);
+    memcpy(channels, numbers + 3, colours * sizeof *channels);
+    return BAT_OK;
+}
+
+/// `vt u [v [w]]`; w is dropped.
+static bat_status read_texture(obj_reader *reader, bat_error *error)
+{
+    size_t count, index = reader->builder.texture_count;
+    double numbers[3] = {0};
+    bat_status status = read_numbers(reader, index, 1, 3, numbers, &count, "a texture coordinate has 1 to 3 numbers", error);
+    if (status != BAT_OK)
+        return status;
+    double *texture = mesh_builder_texture(&reader->builder);
+    if (texture == NULL)
+        return no_memory(reader, error);
+    texture[0] = numbers[0];
+    texture[1] = numbers[1];
+    return BAT_OK;
+}
+
+/// Read an index that counts from 1 or, when negative, back from the last of `count`. Null, or what is wrong.
+static const char *read_index(mesh_scan *scan, size_t count, uint32_t *index)
+{
+    bool negative = scan->at < scan->end && *scan->at == '-';
+    uint64_t value;
+    scan->at += negative;
+    if (!scan_digits_below(scan, BAT_MESH_NONE, &value))
+        return "is not v, v/vt, v//vn or v/vt/vn";
+    if (value == 0)
+        return "has an index of 0, but they count from 1";
+    if (negative && value > count)
+        return "reaches back beyond the first";
+    *index = (uint32_t)(negative ? count - value : value - 1);
+    return NULL;
+}
+
+static bool passes_slash(mesh_scan *scan)
+{
+    bool slash = scan->at < scan->end && *scan->at == '/';
+    scan->at += slash;
+    return slash;
+}
+
+/// Read `v`, `v/vt`, `v//vn` or `v/vt/vn`. Normals are dropped. Null, or what is wrong.
+static const char *read_corner(obj_reader *reader, uint32_t *vertex, uint32_t *texture)
+{
+    mesh_scan *scan = &reader->scan;
+    uint32_t normal;
+    *texture = BAT_MESH_NONE;
+    const char *wrong = read_index(scan, reader->builder.vertex_count, vertex);
+    if (wrong == NULL && passes_slash(scan))
+    {
+        bool skips = passes_slash(scan);
+        if (!skips)
+            wrong = read_index(scan, reader->builder.texture_count, texture);
+        if (wrong == NULL && (skips || passes_slash(scan)))
+            wrong = read_index(scan, BAT_MESH_NONE, &normal);
+    }
+    if (wrong == NULL && !scan_word_ends(scan, scan->at))
+        wrong = "is not v, v/vt, v//vn or v/vt/vn";
+    return wrong;
+}
+
+static bat_status read_face(obj_reader *reader, bat_error *error)
+{
+    mesh_builder *builder = &reader->builder;
+    size_t size = 0, index = builder->face_count;
+    bool textured = false;
+    for (; !scan_line_done(&reader->scan); size++)
+    {
+        uint32_t vertex, texture;
+        const char *begin = reader->scan.at, *wrong = read_corner(reader, &vertex, &texture);
+        if (wrong == NULL && size > 0 && textured != (texture != BAT_MESH_NONE))
+            wrong = "has a texture coordinate where the corner before has none, or none where that has one";
+        if (wrong != NULL)
+        {
+            reader->scan.at = begin;
+            return scan_word_fault(&reader->scan, index, wrong, error);
+        }
+        textured = texture != BAT_MESH_NONE;
+        if (!mesh_builder_corner(builder, vertex, texture))
+            return no_memory(reader, error);
+    }
+    if (size < 3)
+        return fault(reader, index, "a face needs at least 3 corners", error);
+    if (size >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, index, reader->scan.line, "the face has too many corners");
+    return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : no_memory(reader, error);
+}
+
+/// The counts of a tag, `integers/floats/strings`; false when there are none.
+static bool read_counts(mesh_scan *scan, uint64_t counts[3])
+{
+    static const uint64_t most = UINT32_MAX;
+    scan_skip_blanks(scan);
+    return scan_digits_below(scan, most, &counts[0]) && passes_slash(scan) && scan_digits_below(scan, most, &counts[1]) &&
+           passes_slash(scan) && scan_digits_below(scan, most, &counts[2]) && scan_word_ends(scan, scan->at);
+}
+
+/// Read a tag's next vertex, which counts from 0 and was given before.
+static bat_status read_vertex_number(obj_reader *reader, mesh_scan *scan, uint32_t *vertex, bat_error *error)
+{
+    uint64_t value;
+    if (!scan_count(scan, reader->builder.vertex_count, &value))
+        return scan_word_fault(scan, BAT_NO_INDEX, "is not the number, from 0, of a vertex above", error);
+    *vertex = (uint32_t)value;
+    return BAT_OK;
+}
+
+/// Read the creases or corners of a tag whose counts are right.
+static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t counts[3], bat_error *error)
+{
+    mesh_builder *builder = &reader->builder;
+    mesh_scan values = reader->scan; // sharpnesses follow after all vertices
+    uint64_t step = crease ? 2 : 1;
+    uint32_t vertices[2] = {0};
+    double sharpness = 0.0;
+    bat_status status = BAT_OK;
+    for (uint64_t i = 0; i < counts[0] && status == BAT_OK; i++)
+        status = read_vertex_number(reader, &values, vertices, error);
+    for (uint64_t i = 0; i < counts[0] / step && status == BAT_OK; i++)
+    {
+        for (uint64_t k = 0; k < step && status == BAT_OK; k++)
+            status = read_vertex_number(reader, &reader->scan, &vertices[k], error);
+        mesh_scan value = values;
+        if (i < counts[1] && (!scan_number(&values, &sharpness) || sharpness < 0))
+            return scan_word_fault(&value, BAT_NO_INDEX, "is not a sharpness of 0 or more", error);
+        if (crease && vertices[0] == vertices[1])
+            return fault(reader, BAT_NO_INDEX, "a crease joins a vertex with itself", error);
+        bool added = crease ? mesh_builder_crease(builder, (bat_mesh_crease){vertices[0], vertices[1], sharpness})
+                            : mesh_builder_mark(builder, (bat_mesh_corner){vertices[0], sharpness});
+        if (!added)
+            return no_memory(reader, error);
+    }
+    reader->scan = values;
+    return status;
+}
+
+/// OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, whose vertices count from 0. One tag
+/// may hold several, with one sharpness or as many.
+static bat_status read_tag(obj_reader *reader, bat_error *error)
+{
+    uint64_t counts[3];
+    bool crease = scan_word(&reader->scan, "crease");
+    if (!crease && !scan_word(&reader->scan, "corner"))
+        return BAT_OK;
+    uint64_t step = crease ? 2 : 1;
+    if (!read_counts(&reader->scan, counts) || counts[0] == 0 || counts[0] % step != 0 ||
+        (counts[1] != 1 && counts[1] != counts[0] / step) || counts[2] != 0)
+        return fault(reader, BAT_NO_INDEX,
+                     crease ? "a crease is 'crease 2/1/0', two vertices and a sharpness"
+                            : "a corner is 'corner 1/1/0', a vertex and a sharpness",
+                     error);
+    bat_status status = read_marks(reader, crease, counts, error);
+    if (status == BAT_OK && !scan_line_done(&reader->scan))
+        status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "is more than the tag's counts say", error);
+    return status;
+}
+
+static bat_status read_statement(obj_reader *reader, bat_error *error)
+{
+    mesh_scan *scan = &reader->scan;
+    if (scan_line_done(scan))
+        return BAT_OK;
+    const char *word = scan->at;
+    if (scan_word_ends(scan, word + 1))
+    {
+        scan->at++;
+        if (*word == 'v')
+            return read_vertex(reader, error);
+        if (*word == 'f')
+            return read_face(reader, error);
+        if (*word == 't')
+            return read_tag(reader, error);
+    }
+    else if (word[0] == 'v' && word[1] == 't' && scan_word_ends(scan, word + 2))
+    {
+        scan->at += 2;
+        return read_texture(reader, error);
+    }
+    return BAT_OK;
+}
+
+/// The line of a face, found by counting; faces whose corners are wrong are rare.
+static size_t line_of_face(const file_text *text, size_t face)
+{
+    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    do
+    {
+        if (scan_word(&scan, "f") && face-- == 0)
+            break;
+    } while (scan_next_line(&scan));
+    return scan.line;
+}
+
+static bat_status read_obj(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                           bat_error *error)
+{
+    obj_reader reader = {.builder.faceless = faceless, .scan = mesh_scan_start(text->data, text->size)};
+    bat_status status;
+    do
+        status = read_statement(&reader, error);
+    while (status == BAT_OK && scan_next_line(&reader.scan));
+    if (status != BAT_OK)
+    {
+        mesh_builder_free(&reader.builder);
+        return status;
+    }
+    bat_error found = {.index = BAT_NO_INDEX};
+    status = mesh_builder_finish(&reader.builder, options, mesh, &found);
+    if (status != BAT_OK && found.index != BAT_NO_INDEX)
+        found.line = line_of_face(text, found.index);
+    if (status != BAT_OK && error != NULL)
+        *error = found;
+    return status;
+}
+
+bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    return read_obj(text, options, false, mesh, error);
+}
+
+bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                bat_error *error)
+{
+    return read_obj(text, options, true, mesh, error);
+}
+
+/// Blanks and numbers.
+static char *write_numbers(char *out, const double *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        *out++ = ' ';
+        out = number_write(out, numbers[i]);
+    }
+    return out;
+}
+
+/// A sharpness that a file can hold.
+static double finite_sharpness(double sharpness)
+{
+    return isfinite(sharpness) ? sharpness : BAT_MESH_SHARP;
+}
+
+/// The colours' places among the channels.
+typedef struct obj_colours
+{
+    size_t places[MESH_COLOURS];
+    size_t count;
+} obj_colours;
+
+static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    const obj_colours *colours = context;
+    for (size_t v = begin; v < end; v++)
+    {
+        char *out = text_reserve(text, (3 + MESH_COLOURS) * (NUMBER_TEXT_SIZE + 1) + 2);
+        if (out == NULL)
+            return;
+        *out++ = 'v';
+        out = write_numbers(out, mesh->positions + 3 * v, 3);
+        for (size_t i = 0; i < colours->count; i++)
+            out = write_numbers(out, mesh->channels + v * mesh->channel_count + colours->places[i], 1);
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+static void format_texture(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    for (size_t i = begin; i < end; i++)
+    {
+        char *out = text_reserve(text, 2 * (NUMBER_TEXT_SIZE + 1) + 3);
+        if (out == NULL)
+            return;
+        *out++ = 'v';
+        *out++ = 't';
+        out = write_numbers(out, mesh->texture + 2 * i, 2);
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    for (size_t f = begin; f < end; f++)
+    {
+        char *out = text_reserve(text, 6 * NUMBER_TEXT_SIZE);
+        if (out == NULL)
+            return;
+        *out++ = 'f';
+        for (size_t h = 3 * f; h < 3 * f + 3; h++)
+        {
+            *out++ = ' ';
+            out = number_write_fixed(out, (int64_t)mesh->faces[h] + 1, 0);
+            if (mesh->texture_faces == NULL)
+                continue;
+            *out++ = '/';
+            out = number_write_fixed(out, (int64_t)mesh->texture_faces[h] + 1, 0);
+        }
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+static void format_creases(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    for (size_t i = begin; i < end; i++)
+    {
+        text_append_string(text, "t crease 2/1/0");
+        char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 1);
+        if (out == NULL)
+            return;
+        const double numbers[] = {mesh->creases[i].a, mesh->creases[i].b, finite_sharpness(mesh->creases[i].sharpness)};
+        out = write_numbers(out, numbers, 3);
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+static void format_corners(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    for (size_t i = begin; i < end; i++)
+    {
+        text_append_string(text, "t corner 1/1/0");
+        char *out = text_reserve(text, 2 * (NUMBER_TEXT_SIZE + 1) + 1);
+        if (out == NULL)
+            return;
+        const double numbers[] = {mesh->corners[i].vertex, finite_sharpness(mesh->corners[i].sharpness)};
+        out = write_numbers(out, numbers, 2);
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+{
+    obj_colours colours;
+    colours.count = mesh_colours(mesh, colours.places);
+    const struct
+    {
+        size_t count;
+        mesh_row_format *format;
+    } parts[] = {{mesh->vertex_count, format_vertices},
+                 {mesh->texture_faces != NULL ? mesh->texture_count : 0, format_texture},
+                 {mesh->face_count, format_faces},
+                 {mesh->crease_count, format_creases},
+                 {mesh->corner_count, format_corners}};
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
+        status = mesh_rows_write(mesh, parts[i].count, parts[i].format, &colours, options->threads, sink, error);
+    return status;
+}

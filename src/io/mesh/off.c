@@ -1,0 +1,347 @@
+#include "base/error.h"
+#include "io/common/number_text.h"
+#include "io/common/word_scan.h"
+#include "io/mesh/builder.h"
+#include "io/mesh/formats.h"
+
+enum
+{
+    COORDINATES = 3,
+    MOST_NUMBERS = 3 + 3 + 4 + 2 ///< position, normal, colour, texture
+};
+
+typedef struct off_reader
+{
+    mesh_builder builder;
+    mesh_scan scan;
+    bool textured, coloured, with_normals; ///< what the header word says vertices have
+    size_t colours;                        ///< numbers of a colour, 3 or 4; 0 before the first vertex
+    size_t vertices, faces;                ///< what the counts say
+} off_reader;
+
+static bat_status no_memory(const off_reader *reader, bat_error *error)
+{
+    return error_memory(error, reader->builder.position_capacity * sizeof(double));
+}
+
+static bool passes(mesh_scan *scan, const char *letters)
+{
+    size_t size = strlen(letters);
+    bool there = (size_t)(scan->end - scan->at) >= size && memcmp(scan->at, letters, size) == 0;
+    scan->at += there ? size : 0;
+    return there;
+}
+
+/// The header word [ST][C][N]OFF.
+static bool read_header_word(off_reader *reader)
+{
+    mesh_scan *scan = &reader->scan;
+    if (!scan_next_content(scan))
+        return false;
+    reader->textured = passes(scan, "ST");
+    reader->coloured = passes(scan, "C");
+    reader->with_normals = passes(scan, "N");
+    return passes(scan, "OFF") && scan_word_ends(scan, scan->at);
+}
+
+bool mesh_off_resembles(const file_text *text)
+{
+    off_reader reader = {.scan = mesh_scan_start(text->data, text->size)};
+    return read_header_word(&reader);
+}
+
+/// The number of vertices or faces. Each takes a line, so that a count in a short file is a lie.
+static bat_status read_count(off_reader *reader, const char *what, size_t *count, bat_error *error)
+{
+    mesh_scan *scan = &reader->scan;
+    uint64_t value;
+    if (!scan_count(scan, BAT_MESH_NONE, &value))
+        return scan_word_fault(scan, BAT_NO_INDEX, what, error);
+    *count = (size_t)value;
+    return BAT_OK;
+}
+
+static bat_status read_header(off_reader *reader, bat_error *error)
+{
+    enum
+    {
+        SHORTEST_LINE = 6 ///< of a vertex or a face, with its end
+    };
+    mesh_scan *scan = &reader->scan;
+    if (!read_header_word(reader))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
+                         "the file does not begin with OFF, COFF, NOFF, CNOFF, STOFF or their like");
+    if (scan_word(scan, "BINARY"))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, scan->line, "binary OFF is not read");
+    if (!scan_next_content(scan))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the counts of vertices and faces are missing");
+    bat_status status = read_count(reader, "is not the number of vertices", &reader->vertices, error);
+    if (status == BAT_OK)
+        status = read_count(reader, "is not the number of faces", &reader->faces, error);
+    size_t edges;
+    if (status == BAT_OK && !scan_line_done(scan))
+        status = read_count(reader, "is not the number of edges", &edges, error);
+    if (status == BAT_OK && !scan_line_done(scan))
+        status = scan_word_fault(scan, BAT_NO_INDEX, "follows the counts of vertices, faces and edges", error);
+    size_t most = (size_t)(scan->end - scan->at) / SHORTEST_LINE + 1;
+    if (status == BAT_OK && (reader->vertices > most || reader->faces > most - reader->vertices + 1))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
+                         "the file is too short for %zu vertices and %zu faces", reader->vertices, reader->faces);
+    if (status == BAT_OK && !mesh_builder_reserve(&reader->builder, reader->vertices, reader->faces))
+        status = no_memory(reader, error);
+    return status;
+}
+
+/// Sort out a vertex's numbers: x y z, the normal (dropped), the colour, the texture coordinate.
+static bat_status take_vertex(off_reader *reader, const double *numbers, size_t count, bat_error *error)
+{
+    mesh_builder *builder = &reader->builder;
+    size_t index = builder->vertex_count, before_colour = reader->with_normals ? 2 * COORDINATES : COORDINATES;
+    size_t texture = reader->textured ? 2 : 0;
+    if (reader->coloured && index == 0)
+    {
+        reader->colours = count == before_colour + texture + 3 ? 3 : 4;
+        if (!mesh_builder_name_channels(builder, mesh_colour_names, reader->colours))
+            return no_memory(reader, error);
+    }
+    size_t expected = before_colour + reader->colours + texture;
+    if (count != expected)
+        return error_set(error, BAT_BAD_FILE, index, reader->scan.line, "vertex %zu has %zu numbers instead of %zu", index,
+                         count, expected);
+    double *position = mesh_builder_vertex(builder);
+    double *colour = reader->coloured ? mesh_builder_channels(builder) : NULL;
+    double *place = reader->textured ? mesh_builder_texture(builder) : NULL;
+    if (position == NULL || (reader->coloured && colour == NULL) || (reader->textured && place == NULL))
+        return no_memory(reader, error);
+    memcpy(position, numbers, COORDINATES * sizeof *numbers);
+    if (reader->coloured)
+        memcpy(colour, numbers + before_colour, reader->colours * sizeof *numbers);
+    if (reader->textured)
+        memcpy(place, numbers + before_colour + reader->colours, 2 * sizeof *numbers);
+    return BAT_OK;
+}
+
+static bat_status read_vertex(off_reader *reader, bat_error *error)
+{
+    mesh_scan *scan = &reader->scan;
+    size_t count = 0, index = reader->builder.vertex_count;
+    double numbers[MOST_NUMBERS];
+    if (!scan_next_content(scan))
+        return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends at vertex %zu of %zu", index,
+                         reader->vertices);
+    for (; !scan_line_done(scan); count++)
+    {
+        if (count == MOST_NUMBERS)
+            return error_set(error, BAT_BAD_FILE, index, scan->line, "vertex %zu has more than %d numbers", index,
+                             MOST_NUMBERS);
+        if (!scan_number(scan, &numbers[count]))
+            return scan_number_fault(scan, index, "a number is missing", error);
+    }
+    return take_vertex(reader, numbers, count, error);
+}
+
+/// Pass over a face's colour, 0 to 4 numbers.
+static bat_status skip_colour(off_reader *reader, bat_error *error)
+{
+    enum
+    {
+        MOST_COLOURS = 4
+    };
+    mesh_scan *scan = &reader->scan;
+    size_t index = reader->builder.face_count;
+    double colour;
+    for (int count = 0; !scan_line_done(scan); count++)
+    {
+        if (count == MOST_COLOURS)
+            return scan_word_fault(scan, index, "follows the face's corners and colour", error);
+        if (!scan_number(scan, &colour))
+            return scan_number_fault(scan, index, "a number is missing", error);
+    }
+    return BAT_OK;
+}
+
+static bat_status read_face(off_reader *reader, bat_error *error)
+{
+    mesh_scan *scan = &reader->scan;
+    mesh_builder *builder = &reader->builder;
+    size_t index = builder->face_count;
+    uint64_t size, vertex;
+    if (!scan_next_content(scan))
+        return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends at face %zu of %zu", index, reader->faces);
+    if (!scan_count(scan, BAT_MESH_NONE, &size))
+        return scan_word_fault(scan, index, "is not the number of a face's corners", error);
+    for (uint64_t i = 0; i < size; i++)
+    {
+        if (scan_line_done(scan))
+            return error_set(error, BAT_BAD_FILE, index, scan->line, "face %zu has %zu of its %zu corners", index, (size_t)i,
+                             (size_t)size);
+        if (!scan_count(scan, reader->vertices, &vertex))
+            return scan_word_fault(scan, index, "is not the number, from 0, of a vertex", error);
+        if (!mesh_builder_corner(builder, (uint32_t)vertex, reader->textured ? (uint32_t)vertex : BAT_MESH_NONE))
+            return no_memory(reader, error);
+    }
+    bat_status status = skip_colour(reader, error);
+    if (status != BAT_OK)
+        return status;
+    return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : no_memory(reader, error);
+}
+
+/// Colours are 0 to 1, or 0 to 255 where any is greater than 1.
+static void scale_colours(mesh_builder *builder)
+{
+    static const double whole = 255.0;
+    size_t count = builder->vertex_count * builder->channel_count;
+    bool bytes = false;
+    for (size_t i = 0; i < count; i++)
+        bytes = bytes || builder->channels[i] > 1.0;
+    for (size_t i = 0; bytes && i < count; i++)
+        builder->channels[i] /= whole;
+}
+
+static bat_status read_elements(off_reader *reader, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < reader->vertices && status == BAT_OK; i++)
+        status = read_vertex(reader, error);
+    for (size_t i = 0; i < reader->faces && status == BAT_OK; i++)
+        status = read_face(reader, error);
+    if (status == BAT_OK && scan_next_content(&reader->scan))
+        status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "follows the last face", error);
+    return status;
+}
+
+/// The line of a face: as many lines with content follow the vertices.
+static size_t line_of_face(off_reader *reader, const file_text *text, size_t face)
+{
+    reader->scan = mesh_scan_start(text->data, text->size);
+    bat_error ignored;
+    mesh_builder_free(&reader->builder);
+    if (read_header(reader, &ignored) != BAT_OK)
+        return 0;
+    for (size_t i = 0; i < reader->vertices + face + 1 && scan_next_content(&reader->scan); i++)
+        if (i < reader->vertices + face)
+            (void)scan_next_line(&reader->scan);
+    mesh_builder_free(&reader->builder);
+    return reader->scan.line;
+}
+
+bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    off_reader reader = {.scan = mesh_scan_start(text->data, text->size)};
+    bat_status status = read_header(&reader, error);
+    if (status == BAT_OK)
+        status = read_elements(&reader, error);
+    if (status != BAT_OK)
+    {
+        mesh_builder_free(&reader.builder);
+        return status;
+    }
+    scale_colours(&reader.builder);
+    bat_error found = {.index = BAT_NO_INDEX};
+    status = mesh_builder_finish(&reader.builder, options, mesh, &found);
+    if (status != BAT_OK && found.index != BAT_NO_INDEX)
+        found.line = line_of_face(&reader, text, found.index);
+    if (status != BAT_OK && error != NULL)
+        *error = found;
+    return status;
+}
+
+/// What is written beside positions and faces.
+typedef struct off_parts
+{
+    size_t colour_places[MESH_COLOURS];
+    size_t colours;
+    bool textured;
+} off_parts;
+
+static char *write_number(char *out, double number)
+{
+    *out++ = ' ';
+    return number_write(out, number);
+}
+
+static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    const off_parts *parts = context;
+    for (size_t v = begin; v < end; v++)
+    {
+        char *out = text_reserve(text, (5 + MESH_COLOURS) * (NUMBER_TEXT_SIZE + 1));
+        if (out == NULL)
+            return;
+        const double *position = mesh->positions + 3 * v;
+        out = number_write(out, position[0]);
+        out = write_number(write_number(out, position[1]), position[2]);
+        for (size_t i = 0; i < parts->colours; i++)
+            out = write_number(out, mesh->channels[v * mesh->channel_count + parts->colour_places[i]]);
+        if (parts->textured)
+            out = write_number(write_number(out, mesh->texture[2 * v]), mesh->texture[2 * v + 1]);
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    for (size_t f = begin; f < end; f++)
+    {
+        char *out = text_reserve(text, 4 * NUMBER_TEXT_SIZE);
+        if (out == NULL)
+            return;
+        *out++ = '3';
+        for (size_t h = 3 * f; h < 3 * f + 3; h++)
+        {
+            *out++ = ' ';
+            out = number_write_fixed(out, mesh->faces[h], 0);
+        }
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+/// Colours above 1 would be read as 0 to 255.
+static bat_status check_colours(const bat_mesh *mesh, const off_parts *parts, bat_error *error)
+{
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+        for (size_t i = 0; i < parts->colours; i++)
+        {
+            double value = mesh->channels[v * mesh->channel_count + parts->colour_places[i]];
+            if (value > 1.0)
+                return error_set(error, BAT_UNSUPPORTED, v, 0, "OFF cannot hold the colour %g of vertex %zu, above 1", value,
+                                 v);
+        }
+    return BAT_OK;
+}
+
+static void format_header(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)begin;
+    (void)end;
+    const off_parts *parts = context;
+    text_append_string(text, parts->textured ? "ST" : "");
+    text_append_string(text, parts->colours > 0 ? "COFF\n" : "OFF\n");
+    char *out = text_reserve(text, 3 * NUMBER_TEXT_SIZE);
+    if (out == NULL)
+        return;
+    out = number_write_fixed(out, (int64_t)mesh->vertex_count, 0);
+    *out++ = ' ';
+    out = number_write_fixed(out, (int64_t)mesh->face_count, 0);
+    *out++ = ' ';
+    *out++ = '0';
+    *out++ = '\n';
+    text_advance(text, out);
+}
+
+bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+{
+    off_parts parts = {.textured = mesh_texture_by_vertex(mesh)};
+    parts.colours = mesh_colours(mesh, parts.colour_places);
+    bat_status status = check_colours(mesh, &parts, error);
+    if (status == BAT_OK)
+        status = mesh_rows_write(mesh, 1, format_header, &parts, 1, sink, error);
+    if (status == BAT_OK)
+        status = mesh_rows_write(mesh, mesh->vertex_count, format_vertices, &parts, options->threads, sink, error);
+    if (status == BAT_OK)
+        status = mesh_rows_write(mesh, mesh->face_count, format_faces, NULL, options->threads, sink, error);
+    return status;
+}

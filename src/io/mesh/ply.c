@@ -1,0 +1,277 @@
+#include "io/mesh/ply.h"
+
+#include <math.h>
+
+const char *const ply_texture_names[PLY_TEXTURE_NAMES][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
+
+void ply_header_free(ply_header *header)
+{
+    for (size_t i = 0; i < header->element_count; i++)
+        free(header->elements[i].properties);
+    free(header->elements);
+    *header = (ply_header){0};
+}
+
+const ply_element *ply_header_find(const ply_header *header, const char *name)
+{
+    for (size_t i = 0; i < header->element_count; i++)
+        if (ply_name_is(header->elements[i].name, name))
+            return &header->elements[i];
+    return NULL;
+}
+
+size_t ply_property_find(const ply_element *element, const char *name)
+{
+    size_t i = 0;
+    while (i < element->property_count && !ply_name_is(element->properties[i].name, name))
+        i++;
+    return i;
+}
+
+/// The line's next word; empty when there is none.
+static ply_name next_name(mesh_scan *scan)
+{
+    scan_skip_blanks(scan);
+    ply_name name = {scan->at, (size_t)(scan_word_end(scan) - scan->at)};
+    scan->at += name.size;
+    return name;
+}
+
+static bat_status read_encoding(mesh_scan *scan, ply_header *header, bat_error *error)
+{
+    static const char *const names[] = {
+        [PLY_TEXT] = "ascii", [PLY_LITTLE_ENDIAN] = "binary_little_endian", [PLY_BIG_ENDIAN] = "binary_big_endian"};
+    if (!scan_word(scan, "format"))
+        return scan_word_fault(scan, BAT_NO_INDEX, "stands where 'format' is expected", error);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (scan_word(scan, names[i]))
+        {
+            header->encoding = (ply_encoding)i;
+            if (scan_word(scan, "1.0"))
+                return BAT_OK;
+            return scan_word_fault(scan, BAT_NO_INDEX, "is not version 1.0 of PLY", error);
+        }
+    return scan_word_fault(scan, BAT_NO_INDEX, "is not ascii, binary_little_endian or binary_big_endian", error);
+}
+
+static bat_status read_type(mesh_scan *scan, ply_type *type, bat_error *error)
+{
+    static const char *const names[PLY_TYPE_COUNT][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                                         {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                                         {"float", "float32"}, {"double", "float64"}};
+    for (int i = 0; i < PLY_TYPE_COUNT; i++)
+        if (scan_word(scan, names[i][0]) || scan_word(scan, names[i][1]))
+        {
+            *type = (ply_type)i;
+            return BAT_OK;
+        }
+    return scan_word_fault(scan, BAT_NO_INDEX, "is not a type of numbers", error);
+}
+
+static bat_status read_element(mesh_scan *scan, ply_header *header, bat_error *error)
+{
+    ply_element element = {.name = next_name(scan)};
+    uint64_t count;
+    if (element.name.size == 0)
+        return scan_word_fault(scan, BAT_NO_INDEX, "stands where the element's name is expected", error);
+    if (!scan_count(scan, (uint64_t)1 << 60, &count))
+        return scan_word_fault(scan, BAT_NO_INDEX, "is not the number of elements", error);
+    for (size_t i = 0; i < header->element_count; i++)
+        if (header->elements[i].name.size == element.name.size &&
+            memcmp(header->elements[i].name.begin, element.name.begin, element.name.size) == 0)
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the element's name is used already");
+    element.count = (size_t)count;
+    void *elements = header->elements;
+    if (!array_grow(&elements, &header->element_capacity, header->element_count + 1, sizeof element))
+        return error_memory(error, header->element_count * sizeof element);
+    header->elements = elements;
+    header->elements[header->element_count++] = element;
+    return BAT_OK;
+}
+
+static bat_status add_property(ply_element *element, ply_property property, const mesh_scan *scan, bat_error *error)
+{
+    for (size_t i = 0; i < element->property_count; i++)
+        if (element->properties[i].name.size == property.name.size &&
+            memcmp(element->properties[i].name.begin, property.name.begin, property.name.size) == 0)
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the property's name is used already");
+    void *properties = element->properties;
+    if (!array_grow(&properties, &element->property_capacity, element->property_count + 1, sizeof property))
+        return error_memory(error, element->property_count * sizeof property);
+    element->properties = properties;
+    element->properties[element->property_count++] = property;
+    return BAT_OK;
+}
+
+static bat_status read_property(mesh_scan *scan, ply_header *header, bat_error *error)
+{
+    if (header->element_count == 0)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the property belongs to no element");
+    ply_property property = {.list = scan_word(scan, "list")};
+    bat_status status = BAT_OK;
+    if (property.list)
+        status = read_type(scan, &property.count_type, error);
+    if (status == BAT_OK && property.list && property.count_type >= PLY_FLOAT32)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "a list's length must be a whole number");
+    if (status == BAT_OK)
+        status = read_type(scan, &property.type, error);
+    if (status != BAT_OK)
+        return status;
+    property.name = next_name(scan);
+    if (property.name.size == 0)
+        return scan_word_fault(scan, BAT_NO_INDEX, "stands where the property's name is expected", error);
+    return add_property(&header->elements[header->element_count - 1], property, scan, error);
+}
+
+/// Read a line of the header after the format; `done` when it was the last.
+static bat_status read_line(mesh_scan *scan, ply_header *header, bool *done, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    if (scan_word(scan, "comment") || scan_word(scan, "obj_info"))
+        return BAT_OK;
+    if (scan_word(scan, "end_header"))
+        *done = true;
+    else if (scan_word(scan, "element"))
+        status = read_element(scan, header, error);
+    else if (scan_word(scan, "property"))
+        status = read_property(scan, header, error);
+    else
+        return scan_word_fault(scan, BAT_NO_INDEX, "is not comment, obj_info, element, property or end_header", error);
+    if (status == BAT_OK && !scan_line_done(scan))
+        return scan_word_fault(scan, BAT_NO_INDEX, "is too much on this line of the header", error);
+    return status;
+}
+
+bat_status ply_header_read(mesh_scan *scan, ply_header *header, bat_error *error)
+{
+    *header = (ply_header){0};
+    if (!scan_word(scan, "ply") || !scan_line_done(scan))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "the file does not begin with a line 'ply'");
+    bat_status status;
+    do
+    {
+        if (!scan_next_line(scan))
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the file ends in its header");
+    } while (scan_word(scan, "comment") || scan_word(scan, "obj_info"));
+    status = read_encoding(scan, header, error);
+    for (bool done = false; status == BAT_OK && !done;)
+    {
+        if (!scan_next_line(scan))
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the file ends in its header");
+        status = read_line(scan, header, &done, error);
+    }
+    if (status == BAT_OK)
+        (void)scan_next_line(scan);
+    return status;
+}
+
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+static const bool machine_is_big_endian = true;
+#else
+static const bool machine_is_big_endian = false;
+#endif
+
+/// The bytes of a number as one integer.
+static uint64_t gather(const char *bytes, size_t size, bool big_endian)
+{
+    bool swap = big_endian != machine_is_big_endian;
+    uint16_t two;
+    uint32_t four;
+    uint64_t eight;
+    switch (size)
+    {
+    case sizeof two:
+        memcpy(&two, bytes, sizeof two);
+        return swap ? __builtin_bswap16(two) : two;
+    case sizeof four:
+        memcpy(&four, bytes, sizeof four);
+        return swap ? __builtin_bswap32(four) : four;
+    case sizeof eight:
+        memcpy(&eight, bytes, sizeof eight);
+        return swap ? __builtin_bswap64(eight) : eight;
+    default:
+        return (unsigned char)*bytes;
+    }
+}
+
+static double float_of(uint64_t bits)
+{
+    uint32_t low = (uint32_t)bits;
+    float value;
+    memcpy(&value, &low, sizeof value);
+    return value;
+}
+
+static double double_of(uint64_t bits)
+{
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static double number_of(ply_type type, uint64_t bits)
+{
+    switch (type)
+    {
+    case PLY_INT8:
+        return (int8_t)bits;
+    case PLY_INT16:
+        return (int16_t)bits;
+    case PLY_INT32:
+        return (int32_t)bits;
+    case PLY_FLOAT32:
+        return float_of(bits);
+    case PLY_FLOAT64:
+        return double_of(bits);
+    default:
+        return (double)bits;
+    }
+}
+
+/// Whether a number that was read as text is one of its type.
+static bool fits_type(ply_type type, double value)
+{
+    static const double least[] = {INT8_MIN, 0, INT16_MIN, 0, INT32_MIN, 0};
+    static const double most[] = {INT8_MAX, UINT8_MAX, INT16_MAX, UINT16_MAX, INT32_MAX, UINT32_MAX};
+    return type >= PLY_FLOAT32 || (value == floor(value) && value >= least[type] && value <= most[type]);
+}
+
+static bool read_word(ply_source *source, ply_type type, double *value)
+{
+    mesh_scan scan = source->scan;
+    if (!scan_number(&scan, value) || !fits_type(type, *value))
+        return false;
+    source->scan = scan;
+    return true;
+}
+
+bool ply_number(ply_source *source, ply_type type, double *value)
+{
+    if (source->encoding == PLY_TEXT)
+        return read_word(source, type, value);
+    size_t size = ply_type_size(type);
+    if ((size_t)(source->scan.end - source->scan.at) < size)
+        return false;
+    double number = number_of(type, gather(source->scan.at, size, source->encoding == PLY_BIG_ENDIAN));
+    if (!isfinite(number))
+        return false;
+    *value = number;
+    source->scan.at += size;
+    return true;
+}
+
+bool ply_skip(ply_source *source, ply_type type, size_t count)
+{
+    size_t left = (size_t)(source->scan.end - source->scan.at);
+    if (source->encoding != PLY_TEXT)
+    {
+        bool enough = count <= left / ply_type_size(type);
+        source->scan.at += enough ? count * ply_type_size(type) : 0;
+        return enough;
+    }
+    double ignored;
+    for (size_t i = 0; i < count; i++)
+        if (!read_word(source, type, &ignored))
+            return false;
+    return true;
+}

@@ -1,0 +1,100 @@
+#ifndef IO_MESH_PLY_H
+#define IO_MESH_PLY_H
+
+#include "base/array_grow.h"
+#include "io/common/word_scan.h"
+
+/// What the header of a PLY file says (Turk, "The PLY Polygon File Format", 1994).
+
+typedef enum ply_encoding
+{
+    PLY_TEXT,
+    PLY_LITTLE_ENDIAN,
+    PLY_BIG_ENDIAN
+} ply_encoding;
+
+typedef enum ply_type
+{
+    PLY_INT8,
+    PLY_UINT8,
+    PLY_INT16,
+    PLY_UINT16,
+    PLY_INT32,
+    PLY_UINT32,
+    PLY_FLOAT32,
+    PLY_FLOAT64,
+    PLY_TYPE_COUNT
+} ply_type;
+
+static inline size_t ply_type_size(ply_type type)
+{
+    static const unsigned char sizes[PLY_TYPE_COUNT] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return sizes[type];
+}
+
+/// A word of the header, in the text of the file.
+typedef struct ply_name
+{
+    const char *begin;
+    size_t size;
+} ply_name;
+
+static inline bool ply_name_is(ply_name name, const char *word)
+{
+    return name.size == strlen(word) && memcmp(name.begin, word, name.size) == 0;
+}
+
+typedef struct ply_property
+{
+    ply_name name;
+    ply_type type; ///< of the number, or of a list's members
+    bool list;
+    ply_type count_type; ///< of a list's length
+} ply_property;
+
+typedef struct ply_element
+{
+    ply_name name;
+    size_t count;
+    ply_property *properties;
+    size_t property_count, property_capacity;
+} ply_element;
+
+typedef struct ply_header
+{
+    ply_encoding encoding;
+    ply_element *elements;
+    size_t element_count, element_capacity;
+} ply_header;
+
+/// Read the header; `scan` is at the begin of the file and goes to the begin of the data.
+/// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED or BAT_NO_MEMORY; in any case release the header with ply_header_free()
+bat_status ply_header_read(mesh_scan *scan, ply_header *header, bat_error *error);
+void ply_header_free(ply_header *header);
+
+/// An element by name; null when there is none.
+const ply_element *ply_header_find(const ply_header *header, const char *name);
+/// The place of a property in an element; property_count when there is none.
+size_t ply_property_find(const ply_element *element, const char *name);
+
+/// Pairs of names that stand for a vertex's texture coordinates.
+enum
+{
+    PLY_TEXTURE_NAMES = 3
+};
+extern const char *const ply_texture_names[PLY_TEXTURE_NAMES][2];
+
+/// Where numbers are read from: lines of words, or bytes.
+typedef struct ply_source
+{
+    ply_encoding encoding;
+    mesh_scan scan; ///< `at` is the next byte in any encoding
+} ply_source;
+
+/// Read the next number; false when it is missing, is none, is not finite or, in text, is not of its type.
+bool ply_number(ply_source *source, ply_type type, double *value);
+
+/// Pass over `count` numbers; false when there are not as many.
+bool ply_skip(ply_source *source, ply_type type, size_t count);
+
+#endif

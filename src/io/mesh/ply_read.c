@@ -1,0 +1,493 @@
+#include "io/mesh/builder.h"
+#include "io/mesh/formats.h"
+#include "io/mesh/ply.h"
+#include "mesh/point_table.h"
+
+/// Where a vertex's number goes.
+typedef struct ply_place
+{
+    size_t column; ///< of the row below, or NO_COLUMN
+    double scale;  ///< what it is divided by
+} ply_place;
+
+#define NO_COLUMN SIZE_MAX
+
+/// The columns of a vertex: its position, its texture coordinate, then its channels.
+enum
+{
+    TEXTURE_COLUMN = 3,
+    CHANNEL_COLUMN = 5
+};
+
+typedef struct ply_reader
+{
+    ply_header header;
+    ply_source source;
+    mesh_builder builder;
+    size_t vertices; ///< what the header says
+    ply_place *places;
+    double *row;
+    bool textured;        ///< vertices have texture coordinates
+    size_t corners_at;    ///< places of a face's lists among its properties
+    size_t texture_at;    ///< property_count when there is none
+    mesh_scan first_face; ///< where faces begin
+    uint32_t *face;       ///< the corners of the face that is being read
+    size_t face_capacity;
+    double *texture_keys; ///< a vertex and its texture coordinate, for each one in the builder
+    size_t texture_key_capacity;
+    point_table texture_table;
+} ply_reader;
+
+static void reader_free(ply_reader *reader)
+{
+    ply_header_free(&reader->header);
+    mesh_builder_free(&reader->builder);
+    point_table_free(&reader->texture_table);
+    free(reader->places);
+    free(reader->row);
+    free(reader->face);
+    free(reader->texture_keys);
+}
+
+static bat_status no_memory(const ply_reader *reader, bat_error *error)
+{
+    return error_memory(error, reader->builder.position_capacity * sizeof(double));
+}
+
+static size_t line_of(const ply_reader *reader)
+{
+    return reader->source.encoding == PLY_TEXT ? reader->source.scan.line : 0;
+}
+
+bool mesh_ply_resembles(const file_text *text)
+{
+    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    return scan_word(&scan, "ply") && scan_line_done(&scan);
+}
+
+/// BAT_BAD_FILE for a number that could not be read, of a row of an element.
+static bat_status number_fault(ply_reader *reader, const ply_element *element, size_t row, const ply_property *property,
+                               bat_error *error)
+{
+    char name[EXCERPT_SIZE], kind[EXCERPT_SIZE], word[EXCERPT_SIZE];
+    mesh_scan *scan = &reader->source.scan;
+    (void)text_excerpt(name, property->name.begin, property->name.begin + property->name.size);
+    (void)text_excerpt(kind, element->name.begin, element->name.begin + element->name.size);
+    bool text = reader->source.encoding == PLY_TEXT;
+    if (text ? scan_line_done(scan) : (size_t)(scan->end - scan->at) < ply_type_size(property->type))
+        return error_set(error, BAT_BAD_FILE, row, line_of(reader), "%s %zu ends before its '%s'", kind, row, name);
+    if (!text)
+        return error_set(error, BAT_BAD_FILE, row, 0, "'%s' of %s %zu is not finite, or longer than the file", name, kind,
+                         row);
+    return error_set(error, BAT_BAD_FILE, row, line_of(reader), "'%s' cannot be the '%s' of %s %zu",
+                     text_excerpt(word, scan->at, scan_word_end(scan)), name, kind, row);
+}
+
+/// Go to the row's line, in text.
+static bat_status begin_row(ply_reader *reader, const ply_element *element, size_t row, bat_error *error)
+{
+    char kind[EXCERPT_SIZE];
+    if (reader->source.encoding != PLY_TEXT || scan_next_content(&reader->source.scan))
+        return BAT_OK;
+    return error_set(error, BAT_BAD_FILE, row, line_of(reader), "the file ends at %s %zu of %zu",
+                     text_excerpt(kind, element->name.begin, element->name.begin + element->name.size), row, element->count);
+}
+
+static bat_status end_row(ply_reader *reader, size_t row, bat_error *error)
+{
+    if (reader->source.encoding != PLY_TEXT || scan_line_done(&reader->source.scan))
+        return BAT_OK;
+    return scan_word_fault(&reader->source.scan, row, "is too much on this line", error);
+}
+
+/// The length of a list; false when it cannot be read or is negative.
+static bool read_length(ply_source *source, const ply_property *property, size_t *length)
+{
+    double value;
+    if (!ply_number(source, property->count_type, &value) || value < 0)
+        return false;
+    *length = (size_t)value;
+    return true;
+}
+
+static bat_status skip_property(ply_reader *reader, const ply_element *element, size_t row, const ply_property *property,
+                                bat_error *error)
+{
+    size_t length = 1;
+    if ((property->list && !read_length(&reader->source, property, &length)) ||
+        !ply_skip(&reader->source, property->type, length))
+        return number_fault(reader, element, row, property, error);
+    return BAT_OK;
+}
+
+/// Pass over all rows of an element.
+static bat_status skip_element(ply_reader *reader, const ply_element *element, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t row = 0; row < element->count && element->property_count > 0 && status == BAT_OK; row++)
+    {
+        status = begin_row(reader, element, row, error);
+        for (size_t i = 0; i < element->property_count && status == BAT_OK; i++)
+            status = skip_property(reader, element, row, &element->properties[i], error);
+        if (status == BAT_OK)
+            status = end_row(reader, row, error);
+    }
+    return status;
+}
+
+/// What a colour of a type is divided by to be between 0 and 1.
+static double colour_scale(const ply_property *property)
+{
+    for (size_t i = 0; i < MESH_COLOURS; i++)
+        if (ply_name_is(property->name, mesh_colour_names[i]))
+            return property->type == PLY_UINT8 ? UINT8_MAX : property->type == PLY_UINT16 ? UINT16_MAX : 1.0;
+    return 1.0;
+}
+
+/// Give a property of the vertices, if it is there and no list, its column.
+static bool place_property(ply_reader *reader, const ply_element *vertex, const char *name, size_t column)
+{
+    size_t i = ply_property_find(vertex, name);
+    if (i == vertex->property_count || vertex->properties[i].list)
+        return false;
+    reader->places[i].column = column;
+    return true;
+}
+
+/// The first pair of texture coordinates that is complete.
+static void place_texture(ply_reader *reader, const ply_element *vertex)
+{
+    for (size_t i = 0; i < PLY_TEXTURE_NAMES && !reader->textured; i++)
+    {
+        const char *const *names = ply_texture_names[i];
+        size_t u = ply_property_find(vertex, names[0]), v = ply_property_find(vertex, names[1]);
+        reader->textured = u < vertex->property_count && v < vertex->property_count && !vertex->properties[u].list &&
+                           !vertex->properties[v].list;
+        if (reader->textured)
+        {
+            (void)place_property(reader, vertex, names[0], TEXTURE_COLUMN);
+            (void)place_property(reader, vertex, names[1], TEXTURE_COLUMN + 1);
+        }
+    }
+}
+
+/// The numbers that have no place yet become channels. Normals follow from the mesh and are dropped; lists are passed over.
+static bat_status place_channels(ply_reader *reader, const ply_element *vertex, bat_error *error)
+{
+    static const char *const normals[] = {"nx", "ny", "nz"};
+    char **names = calloc(vertex->property_count, sizeof *names);
+    bool made = names != NULL;
+    size_t count = 0;
+    for (size_t i = 0; i < vertex->property_count && made; i++)
+    {
+        const ply_property *property = &vertex->properties[i];
+        bool normal = false;
+        for (size_t k = 0; k < 3; k++)
+            normal = normal || ply_name_is(property->name, normals[k]);
+        if (property->list || normal || reader->places[i].column != NO_COLUMN)
+            continue;
+        names[count] = strndup(property->name.begin, property->name.size);
+        made = names[count] != NULL;
+        reader->places[i] = (ply_place){CHANNEL_COLUMN + count, colour_scale(property)};
+        count += made;
+    }
+    made = made && (count == 0 || mesh_builder_name_channels(&reader->builder, (const char *const *)names, count));
+    for (size_t i = 0; i < count; i++)
+        free(names[i]);
+    free(names);
+    return made ? BAT_OK : no_memory(reader, error);
+}
+
+static bat_status place_columns(ply_reader *reader, const ply_element *vertex, bool texture_by_corner, bat_error *error)
+{
+    static const char *const coordinates[] = {"x", "y", "z"};
+    reader->places = memory_array(vertex->property_count, sizeof *reader->places);
+    reader->row = memory_array(CHANNEL_COLUMN + vertex->property_count, sizeof *reader->row);
+    if (reader->places == NULL || reader->row == NULL)
+        return no_memory(reader, error);
+    for (size_t i = 0; i < vertex->property_count; i++)
+        reader->places[i] = (ply_place){NO_COLUMN, 1.0};
+    for (size_t k = 0; k < 3; k++)
+        if (!place_property(reader, vertex, coordinates[k], k))
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "vertices have no property '%s'", coordinates[k]);
+    if (!texture_by_corner)
+        place_texture(reader, vertex);
+    return place_channels(reader, vertex, error);
+}
+
+/// Find the lists that make faces.
+static bat_status plan_faces(ply_reader *reader, const ply_element *face, bat_error *error)
+{
+    size_t count = face->property_count;
+    reader->corners_at = ply_property_find(face, "vertex_indices");
+    if (reader->corners_at == count)
+        reader->corners_at = ply_property_find(face, "vertex_index");
+    if (reader->corners_at == count || !face->properties[reader->corners_at].list)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "faces have no list 'vertex_indices' or 'vertex_index'");
+    if (face->properties[reader->corners_at].type >= PLY_FLOAT32)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the indices of vertices must be whole numbers");
+    reader->texture_at = ply_property_find(face, "texcoord");
+    if (reader->texture_at < count && !face->properties[reader->texture_at].list)
+        reader->texture_at = count;
+    return BAT_OK;
+}
+
+/// Find out what the header offers, before the data.
+static bat_status plan(ply_reader *reader, bat_error *error)
+{
+    const ply_element *vertex = ply_header_find(&reader->header, "vertex");
+    const ply_element *face = ply_header_find(&reader->header, "face");
+    bool bare = reader->builder.faceless && (face == NULL || face->count == 0);
+    if (vertex == NULL || (face == NULL && !bare))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the header has no element '%s'",
+                         vertex == NULL ? "vertex" : "face");
+    bat_status status = bare ? BAT_OK : plan_faces(reader, face, error);
+    if (status != BAT_OK)
+        return status;
+    if (vertex->count >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the file has more than %zu vertices",
+                         (size_t)BAT_MESH_NONE);
+    reader->vertices = vertex->count;
+    return place_columns(reader, vertex, !bare && reader->texture_at < face->property_count, error);
+}
+
+static bat_status store_vertex(ply_reader *reader, bat_error *error)
+{
+    mesh_builder *builder = &reader->builder;
+    double *position = mesh_builder_vertex(builder);
+    double *texture = reader->textured ? mesh_builder_texture(builder) : NULL;
+    double *channels = builder->channel_count > 0 ? mesh_builder_channels(builder) : NULL;
+    if (position == NULL || (reader->textured && texture == NULL) || (builder->channel_count > 0 && channels == NULL))
+        return no_memory(reader, error);
+    memcpy(position, reader->row, 3 * sizeof *position);
+    if (texture != NULL)
+        memcpy(texture, reader->row + TEXTURE_COLUMN, 2 * sizeof *texture);
+    if (channels != NULL)
+        memcpy(channels, reader->row + CHANNEL_COLUMN, builder->channel_count * sizeof *channels);
+    return BAT_OK;
+}
+
+static bat_status read_vertices(ply_reader *reader, const ply_element *element, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t row = 0; row < element->count && status == BAT_OK; row++)
+    {
+        status = begin_row(reader, element, row, error);
+        for (size_t i = 0; i < element->property_count && status == BAT_OK; i++)
+        {
+            const ply_property *property = &element->properties[i];
+            const ply_place *place = &reader->places[i];
+            double value;
+            if (place->column == NO_COLUMN)
+                status = skip_property(reader, element, row, property, error);
+            else if (ply_number(&reader->source, property->type, &value))
+                reader->row[place->column] = value / place->scale;
+            else
+                status = number_fault(reader, element, row, property, error);
+        }
+        if (status == BAT_OK)
+            status = end_row(reader, row, error);
+        if (status == BAT_OK)
+            status = store_vertex(reader, error);
+    }
+    return status;
+}
+
+/// Read a face's corners into reader->face.
+static bat_status read_corners(ply_reader *reader, const ply_element *element, size_t row, size_t *size, bat_error *error)
+{
+    const ply_property *property = &element->properties[reader->corners_at];
+    if (!read_length(&reader->source, property, size))
+        return number_fault(reader, element, row, property, error);
+    for (size_t i = 0; i < *size; i++)
+    {
+        double vertex;
+        void *face = reader->face;
+        if (!ply_number(&reader->source, property->type, &vertex))
+            return number_fault(reader, element, row, property, error);
+        if (!(vertex >= 0 && vertex < (double)reader->vertices))
+            return error_set(error, BAT_BAD_FILE, row, line_of(reader), "face %zu names vertex %.0f, but there are %zu", row,
+                             vertex, reader->vertices);
+        if (!array_grow(&face, &reader->face_capacity, i + 1, sizeof *reader->face))
+            return no_memory(reader, error);
+        reader->face = face;
+        reader->face[i] = (uint32_t)vertex;
+    }
+    return BAT_OK;
+}
+
+/// The number of a texture coordinate: the one that the vertex has already, or a new one. BAT_MESH_NONE when out of memory.
+static uint32_t number_texture(ply_reader *reader, uint32_t vertex, const double place[2])
+{
+    const double key[3] = {vertex, place[0], place[1]};
+    uint32_t found = point_table_find(&reader->texture_table, key);
+    if (found != BAT_MESH_NONE)
+        return found;
+    size_t count = reader->builder.texture_count;
+    void *keys = reader->texture_keys;
+    double *texture = count < BAT_MESH_NONE - 1 ? mesh_builder_texture(&reader->builder) : NULL;
+    if (texture == NULL || !array_grow(&keys, &reader->texture_key_capacity, 3 * count + 3, sizeof(double)))
+        return BAT_MESH_NONE;
+    reader->texture_keys = keys;
+    reader->texture_table.points = keys;
+    memcpy(reader->texture_keys + 3 * count, key, sizeof key);
+    memcpy(texture, place, 2 * sizeof *texture);
+    return point_table_add(&reader->texture_table, (uint32_t)count) ? (uint32_t)count : BAT_MESH_NONE;
+}
+
+/// Read the texture coordinates at the corners of a face, or the empty list, and add the corners.
+static bat_status read_texture(ply_reader *reader, const ply_element *element, size_t row, mesh_scan place, size_t size,
+                               bat_error *error)
+{
+    const ply_property *property = &element->properties[reader->texture_at];
+    mesh_scan after = reader->source.scan;
+    size_t length;
+    reader->source.scan = place;
+    if (!read_length(&reader->source, property, &length))
+        return number_fault(reader, element, row, property, error);
+    if (length != 0 && length != 2 * size)
+        return error_set(error, BAT_BAD_FILE, row, line_of(reader), "face %zu has %zu corners, but %zu texture numbers", row,
+                         size, length);
+    for (size_t i = 0; i < size; i++)
+    {
+        double texture[2];
+        uint32_t number = BAT_MESH_NONE;
+        for (int k = 0; k < 2 && length > 0; k++)
+            if (!ply_number(&reader->source, property->type, &texture[k]))
+                return number_fault(reader, element, row, property, error);
+        if (length > 0)
+            number = number_texture(reader, reader->face[i], texture);
+        if ((length > 0 && number == BAT_MESH_NONE) || !mesh_builder_corner(&reader->builder, reader->face[i], number))
+            return no_memory(reader, error);
+    }
+    reader->source.scan = after;
+    return BAT_OK;
+}
+
+/// Add the corners of a face whose texture coordinates are its vertices', if any.
+static bat_status add_corners(ply_reader *reader, size_t size, bat_error *error)
+{
+    for (size_t i = 0; i < size; i++)
+        if (!mesh_builder_corner(&reader->builder, reader->face[i], reader->textured ? reader->face[i] : BAT_MESH_NONE))
+            return no_memory(reader, error);
+    return BAT_OK;
+}
+
+static bat_status read_face(ply_reader *reader, const ply_element *element, size_t row, bat_error *error)
+{
+    size_t size = 0;
+    mesh_scan texture_place = {0};
+    bat_status status = begin_row(reader, element, row, error);
+    for (size_t i = 0; i < element->property_count && status == BAT_OK; i++)
+    {
+        if (i == reader->texture_at)
+            texture_place = reader->source.scan;
+        if (i == reader->corners_at)
+            status = read_corners(reader, element, row, &size, error);
+        else
+            status = skip_property(reader, element, row, &element->properties[i], error);
+    }
+    if (status == BAT_OK)
+        status = end_row(reader, row, error);
+    if (status != BAT_OK)
+        return status;
+    if (reader->texture_at < element->property_count)
+        status = read_texture(reader, element, row, texture_place, size, error);
+    else
+        status = add_corners(reader, size, error);
+    if (status == BAT_OK && !mesh_builder_end_face(&reader->builder, (uint32_t)size))
+        status = no_memory(reader, error);
+    return status;
+}
+
+static bat_status read_faces(ply_reader *reader, const ply_element *element, bat_error *error)
+{
+    reader->first_face = reader->source.scan;
+    bat_status status = BAT_OK;
+    for (size_t row = 0; row < element->count && status == BAT_OK; row++)
+        status = read_face(reader, element, row, error);
+    return status;
+}
+
+/// The fewest bytes that a row of an element can take.
+static size_t least_size(const ply_element *element, ply_encoding encoding)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < element->property_count; i++)
+    {
+        const ply_property *property = &element->properties[i];
+        size += encoding == PLY_TEXT ? 2 : ply_type_size(property->list ? property->count_type : property->type);
+    }
+    return size;
+}
+
+static bat_status read_element(ply_reader *reader, const ply_element *element, bat_error *error)
+{
+    char kind[EXCERPT_SIZE];
+    size_t left = (size_t)(reader->source.scan.end - reader->source.scan.at) + 1,
+           row = least_size(element, reader->source.encoding);
+    if (row > 0 && element->count > left / row)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file is too short for its %zu elements '%s'",
+                         element->count, text_excerpt(kind, element->name.begin, element->name.begin + element->name.size));
+    bool vertex = ply_name_is(element->name, "vertex"), face = ply_name_is(element->name, "face");
+    if ((vertex && !mesh_builder_reserve(&reader->builder, element->count, 0)) ||
+        (face && !mesh_builder_reserve(&reader->builder, 0, element->count)))
+        return no_memory(reader, error);
+    if (vertex)
+        return read_vertices(reader, element, error);
+    return face ? read_faces(reader, element, error) : skip_element(reader, element, error);
+}
+
+static bat_status read_all(ply_reader *reader, bat_error *error)
+{
+    bat_status status = ply_header_read(&reader->source.scan, &reader->header, error);
+    reader->source.encoding = reader->header.encoding;
+    if (status == BAT_OK)
+        status = plan(reader, error);
+    for (size_t i = 0; i < reader->header.element_count && status == BAT_OK; i++)
+        status = read_element(reader, &reader->header.elements[i], error);
+    if (status != BAT_OK)
+        return status;
+    if (reader->source.encoding == PLY_TEXT ? scan_next_content(&reader->source.scan)
+                                            : reader->source.scan.at < reader->source.scan.end)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line_of(reader), "something follows the last element");
+    return BAT_OK;
+}
+
+/// The line of a face of a text file: so many lines with content come before it.
+static size_t line_of_face(const ply_reader *reader, size_t face)
+{
+    mesh_scan scan = reader->first_face;
+    while (scan_next_content(&scan) && face-- > 0)
+        (void)scan_next_line(&scan);
+    return scan.line;
+}
+
+static bat_status read_ply(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                           bat_error *error)
+{
+    ply_reader reader = {.builder.faceless = faceless, .source.scan = mesh_scan_start(text->data, text->size)};
+    bat_status status = read_all(&reader, error);
+    if (status == BAT_OK)
+    {
+        bat_error found = {.index = BAT_NO_INDEX};
+        status = mesh_builder_finish(&reader.builder, options, mesh, &found);
+        if (status != BAT_OK && reader.source.encoding == PLY_TEXT && found.index != BAT_NO_INDEX)
+            found.line = line_of_face(&reader, found.index);
+        if (status != BAT_OK && error != NULL)
+            *error = found;
+    }
+    reader_free(&reader);
+    return status;
+}
+
+bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    return read_ply(text, options, false, mesh, error);
+}
+
+bat_status mesh_ply_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
+                                bat_error *error)
+{
+    return read_ply(text, options, true, mesh, error);
+}

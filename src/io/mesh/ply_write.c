@@ -1,0 +1,223 @@
+#include "base/error.h"
+#include "io/mesh/formats.h"
+#include "io/mesh/ply.h"
+
+#include <math.h>
+
+/// What is written, and how.
+typedef struct ply_plan
+{
+    bool *bytes; ///< of every channel: it is a colour whose values are all multiples of 1/255
+    bool texture_by_vertex, texture_by_corner;
+    bool text, big_endian;
+} ply_plan;
+
+/// Whether a channel is a colour that bytes hold exactly.
+static bool is_byte_colour(const bat_mesh *mesh, size_t channel)
+{
+    bool colour = false;
+    for (size_t i = 0; i < MESH_COLOURS; i++)
+        colour = colour || strcmp(mesh->channel_names[channel], mesh_colour_names[i]) == 0;
+    for (size_t v = 0; v < mesh->vertex_count && colour; v++)
+    {
+        double value = mesh->channels[v * mesh->channel_count + channel];
+        colour = value >= 0 && value <= 1 && !signbit(value) && round(value * UINT8_MAX) / UINT8_MAX == value;
+    }
+    return colour;
+}
+
+/// Whether a name can be a property's, and would be read as a channel's.
+static bool is_channel_name(const char *name)
+{
+    static const char *const taken[] = {"x", "y", "z", "nx", "ny", "nz"};
+    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++)
+        if (strcmp(name, taken[i]) == 0)
+            return false;
+    for (const char *at = name; *at != '\0'; at++)
+        if (*at <= ' ' || *at == '#' || *at > '~')
+            return false;
+    return *name != '\0';
+}
+
+static bool has_channel(const bat_mesh *mesh, const char *name, size_t before)
+{
+    for (size_t i = 0; i < before; i++)
+        if (strcmp(mesh->channel_names[i], name) == 0)
+            return true;
+    return false;
+}
+
+static bat_status check_names(const bat_mesh *mesh, const ply_plan *plan, bat_error *error)
+{
+    size_t count = mesh->channel_count;
+    for (size_t i = 0; i < count; i++)
+    {
+        const char *name = mesh->channel_names[i];
+        char excerpt[EXCERPT_SIZE];
+        bool texture = plan->texture_by_vertex &&
+                       (strcmp(name, ply_texture_names[0][0]) == 0 || strcmp(name, ply_texture_names[0][1]) == 0);
+        if (!is_channel_name(name) || texture || has_channel(mesh, name, i))
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                             "PLY cannot hold a channel named '%s' beside the others",
+                             text_excerpt(excerpt, name, name + strlen(name)));
+    }
+    for (size_t i = 0; i < PLY_TEXTURE_NAMES && !plan->texture_by_vertex && !plan->texture_by_corner; i++)
+        if (has_channel(mesh, ply_texture_names[i][0], count) && has_channel(mesh, ply_texture_names[i][1], count))
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                             "PLY would make a texture coordinate of the channels '%s' and '%s'", ply_texture_names[i][0],
+                             ply_texture_names[i][1]);
+    return BAT_OK;
+}
+
+static void append_number(text_buffer *text, const char *before, double number, const char *after)
+{
+    text_append_string(text, before);
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+    if (out != NULL)
+        text_advance(text, number_write(out, number));
+    text_append_string(text, after);
+}
+
+static const char *index_type(const bat_mesh *mesh)
+{
+    return mesh->vertex_count > INT32_MAX ? "uint" : "int";
+}
+
+static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_sink *sink, bat_error *error)
+{
+    text_buffer text = {0};
+    text_append_string(&text, "ply\nformat ");
+    text_append_string(&text, plan->text ? "ascii" : plan->big_endian ? "binary_big_endian" : "binary_little_endian");
+    append_number(&text, " 1.0\nelement vertex ", (double)mesh->vertex_count,
+                  "\nproperty double x\nproperty double y\nproperty double z\n");
+    if (plan->texture_by_vertex)
+        text_append_string(&text, "property double s\nproperty double t\n");
+    for (size_t i = 0; i < mesh->channel_count; i++)
+    {
+        text_append_string(&text, plan->bytes[i] ? "property uchar " : "property double ");
+        text_append_string(&text, mesh->channel_names[i]);
+        text_append_string(&text, "\n");
+    }
+    append_number(&text, "element face ", (double)mesh->face_count, "\nproperty list uchar ");
+    text_append_string(&text, index_type(mesh));
+    text_append_string(&text, " vertex_indices\n");
+    if (plan->texture_by_corner)
+        text_append_string(&text, "property list uchar double texcoord\n");
+    text_append_string(&text, "end_header\n");
+    bat_status status = sink_write(sink, &text, error);
+    text_free(&text);
+    return status;
+}
+
+/// Put the `size` lowest bytes of an integer.
+static char *put_bytes(char *out, uint64_t bits, int size, bool big_endian)
+{
+    for (int i = 0; i < size; i++)
+        *out++ = (char)(bits >> 8 * (big_endian ? size - 1 - i : i) & 0xff);
+    return out;
+}
+
+static char *put_double(char *out, double value, const ply_plan *plan)
+{
+    uint64_t bits;
+    if (plan->text)
+    {
+        out = number_write(out, value);
+        *out++ = ' ';
+        return out;
+    }
+    memcpy(&bits, &value, sizeof bits);
+    return put_bytes(out, bits, sizeof bits, plan->big_endian);
+}
+
+static char *put_integer(char *out, uint32_t value, int size, const ply_plan *plan)
+{
+    if (!plan->text)
+        return put_bytes(out, value, size, plan->big_endian);
+    out = number_write_fixed(out, value, 0);
+    *out++ = ' ';
+    return out;
+}
+
+/// In text, a newline in place of the last blank.
+static char *end_row(char *out, const ply_plan *plan)
+{
+    if (plan->text)
+        out[-1] = '\n';
+    return out;
+}
+
+static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    enum
+    {
+        MOST_NUMBERS = 5
+    };
+    const ply_plan *plan = context;
+    for (size_t v = begin; v < end; v++)
+    {
+        char *out = text_reserve(text, (MOST_NUMBERS + mesh->channel_count) * (NUMBER_TEXT_SIZE + 1));
+        if (out == NULL)
+            return;
+        for (size_t k = 0; k < 3; k++)
+            out = put_double(out, mesh->positions[3 * v + k], plan);
+        for (size_t k = 0; k < 2 && plan->texture_by_vertex; k++)
+            out = put_double(out, mesh->texture[2 * v + k], plan);
+        for (size_t i = 0; i < mesh->channel_count; i++)
+        {
+            double value = mesh->channels[v * mesh->channel_count + i];
+            out = plan->bytes[i] ? put_integer(out, (uint32_t)round(value * UINT8_MAX), 1, plan)
+                                 : put_double(out, value, plan);
+        }
+        text_advance(text, end_row(out, plan));
+    }
+}
+
+static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    enum
+    {
+        MOST_NUMBERS = 11,
+        CORNERS = 3,
+        INDEX_SIZE = 4
+    };
+    const ply_plan *plan = context;
+    for (size_t f = begin; f < end; f++)
+    {
+        char *out = text_reserve(text, MOST_NUMBERS * (NUMBER_TEXT_SIZE + 1));
+        if (out == NULL)
+            return;
+        out = put_integer(out, CORNERS, 1, plan);
+        for (size_t h = 3 * f; h < 3 * f + CORNERS; h++)
+            out = put_integer(out, mesh->faces[h], INDEX_SIZE, plan);
+        if (plan->texture_by_corner)
+            out = put_integer(out, 2 * CORNERS, 1, plan);
+        for (size_t h = 3 * f; h < 3 * f + CORNERS && plan->texture_by_corner; h++)
+            for (size_t k = 0; k < 2; k++)
+                out = put_double(out, mesh->texture[2 * (size_t)mesh->texture_faces[h] + k], plan);
+        text_advance(text, end_row(out, plan));
+    }
+}
+
+bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+{
+    ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh),
+                     .text = options->encoding == BAT_MESH_ENCODING_TEXT,
+                     .big_endian = options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN};
+    plan.texture_by_corner = mesh->texture_faces != NULL && !plan.texture_by_vertex;
+    bat_status status = check_names(mesh, &plan, error);
+    if (status != BAT_OK)
+        return status;
+    plan.bytes = memory_array(mesh->channel_count, sizeof *plan.bytes);
+    if (plan.bytes == NULL)
+        return error_memory(error, mesh->channel_count);
+    for (size_t i = 0; i < mesh->channel_count; i++)
+        plan.bytes[i] = is_byte_colour(mesh, i);
+    status = write_header(mesh, &plan, sink, error);
+    if (status == BAT_OK)
+        status = mesh_rows_write(mesh, mesh->vertex_count, format_vertices, &plan, options->threads, sink, error);
+    if (status == BAT_OK)
+        status = mesh_rows_write(mesh, mesh->face_count, format_faces, &plan, options->threads, sink, error);
+    free(plan.bytes);
+    return status;
+}

@@ -1,0 +1,368 @@
+#include "base/error.h"
+#include "io/common/number_text.h"
+#include "io/common/word_scan.h"
+#include "io/mesh/builder.h"
+#include "io/mesh/formats.h"
+#include "mesh/point_table.h"
+
+#include <float.h>
+#include <math.h>
+#include <strings.h>
+
+enum
+{
+    HEADER_SIZE = 80,
+    COUNT_SIZE = 4,
+    NORMAL_SIZE = 12,
+    TRIANGLE_SIZE = 50 ///< a normal, three vertices, two bytes of attributes
+};
+
+/// Triangles without neighbours, while their corners of equal coordinates become one vertex.
+typedef struct stl_reader
+{
+    mesh_builder builder;
+    point_table table; ///< of the builder's positions
+} stl_reader;
+
+static bat_status no_memory(const stl_reader *reader, bat_error *error)
+{
+    return error_memory(error, reader->builder.position_capacity * sizeof(double));
+}
+
+static bool add_corner(stl_reader *reader, const double point[3])
+{
+    mesh_builder *builder = &reader->builder;
+    reader->table.points = builder->positions;
+    uint32_t vertex = point_table_find(&reader->table, point);
+    if (vertex == BAT_MESH_NONE)
+    {
+        if (builder->vertex_count >= BAT_MESH_NONE - 1)
+            return false;
+        vertex = (uint32_t)builder->vertex_count;
+        double *position = mesh_builder_vertex(builder);
+        if (position == NULL)
+            return false;
+        memcpy(position, point, 3 * sizeof *position);
+        reader->table.points = builder->positions;
+        if (!point_table_add(&reader->table, vertex))
+            return false;
+    }
+    return mesh_builder_corner(builder, vertex, BAT_MESH_NONE);
+}
+
+static uint32_t little_endian(const char *bytes)
+{
+    const unsigned char *b = (const unsigned char *)bytes;
+    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+static double little_float(const char *bytes)
+{
+    uint32_t bits = little_endian(bytes);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/// Whether the size is exactly what the count of a binary file says. Text files begin with "solid", but so do some binary
+/// ones.
+static bool is_binary(const file_text *text)
+{
+    return text->size >= HEADER_SIZE + COUNT_SIZE &&
+           (uint64_t)little_endian(text->data + HEADER_SIZE) * TRIANGLE_SIZE == text->size - HEADER_SIZE - COUNT_SIZE;
+}
+
+/// The next word of the line, in either case.
+static bool passes_word(mesh_scan *scan, const char *word)
+{
+    scan_skip_blanks(scan);
+    size_t size = (size_t)(scan_word_end(scan) - scan->at);
+    if (size != strlen(word) || strncasecmp(scan->at, word, size) != 0)
+        return false;
+    scan->at += size;
+    return true;
+}
+
+static bool begins_as_text(const file_text *text)
+{
+    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    return scan_next_content(&scan) && passes_word(&scan, "solid");
+}
+
+bool mesh_stl_resembles(const file_text *text)
+{
+    return is_binary(text) || begins_as_text(text);
+}
+
+static bat_status read_binary_triangle(stl_reader *reader, const char *bytes, size_t index, bat_error *error)
+{
+    for (size_t c = 0; c < 3; c++)
+    {
+        double point[3];
+        for (size_t k = 0; k < 3; k++)
+        {
+            point[k] = little_float(bytes + NORMAL_SIZE + 4 * (3 * c + k));
+            if (!isfinite(point[k]))
+                return error_set(error, BAT_BAD_FILE, index, 0, "a corner of triangle %zu is not finite", index);
+        }
+        if (!add_corner(reader, point))
+            return no_memory(reader, error);
+    }
+    return mesh_builder_end_face(&reader->builder, 3) ? BAT_OK : no_memory(reader, error);
+}
+
+static bat_status read_binary(stl_reader *reader, const file_text *text, bat_error *error)
+{
+    if (text->size < HEADER_SIZE + COUNT_SIZE)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
+                         "the file neither begins with 'solid' nor holds the 84 bytes that binary STL begins with");
+    size_t count = little_endian(text->data + HEADER_SIZE), data = text->size - HEADER_SIZE - COUNT_SIZE;
+    if (!is_binary(text))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
+                         "the file says that it has %zu triangles, but holds %zu bytes, enough for %zu%s", count, data,
+                         data / TRIANGLE_SIZE, data % TRIANGLE_SIZE > 0 ? " and a part" : "");
+    // Closed meshes have half as many vertices as faces.
+    if (!mesh_builder_reserve(&reader->builder, count / 2, count) || !point_table_reserve(&reader->table, count / 2))
+        return no_memory(reader, error);
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        status = read_binary_triangle(reader, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, i, error);
+    return status;
+}
+
+/// Go to the next line with content, which must begin with these words.
+static bat_status expect(mesh_scan *scan, size_t index, const char *first, const char *second, bat_error *error)
+{
+    if (!scan_next_content(scan))
+        return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends where '%s' is expected", first);
+    if (passes_word(scan, first) && (second == NULL || passes_word(scan, second)))
+        return BAT_OK;
+    char excerpt[EXCERPT_SIZE];
+    scan_skip_blanks(scan);
+    return error_set(error, BAT_BAD_FILE, index, scan->line, "'%s' stands where '%s%s%s' is expected",
+                     text_excerpt(excerpt, scan->at, scan_word_end(scan)), first, second != NULL ? " " : "",
+                     second != NULL ? second : "");
+}
+
+static bat_status read_text_vertex(stl_reader *reader, mesh_scan *scan, bat_error *error)
+{
+    static const char three[] = "a vertex has 3 coordinates";
+    size_t index = reader->builder.face_count;
+    bat_status status = expect(scan, index, "vertex", NULL, error);
+    if (status != BAT_OK)
+        return status;
+    double point[3];
+    for (int k = 0; k < 3; k++)
+        if (!scan_number(scan, &point[k]))
+            return scan_number_fault(scan, index, three, error);
+    if (!scan_line_done(scan))
+        return error_set(error, BAT_BAD_FILE, index, scan->line, "%s", three);
+    return add_corner(reader, point) ? BAT_OK : no_memory(reader, error);
+}
+
+/// A facet, after its first word. Its normal follows from its corners, and is passed over.
+static bat_status read_text_facet(stl_reader *reader, mesh_scan *scan, bat_error *error)
+{
+    size_t index = reader->builder.face_count;
+    (void)scan_next_line(scan);
+    bat_status status = expect(scan, index, "outer", "loop", error);
+    for (int c = 0; c < 3 && status == BAT_OK; c++)
+        status = read_text_vertex(reader, scan, error);
+    if (status == BAT_OK)
+        status = expect(scan, index, "endloop", NULL, error);
+    if (status == BAT_OK)
+        status = expect(scan, index, "endfacet", NULL, error);
+    if (status == BAT_OK && !mesh_builder_end_face(&reader->builder, 3))
+        status = no_memory(reader, error);
+    return status;
+}
+
+/// One or more solids of facets. Names are passed over.
+static bat_status read_text(stl_reader *reader, const file_text *text, bat_error *error)
+{
+    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    bat_status status = BAT_OK;
+    while (status == BAT_OK && scan_next_content(&scan))
+    {
+        status = expect(&scan, BAT_NO_INDEX, "solid", NULL, error);
+        (void)scan_next_line(&scan);
+        while (status == BAT_OK && scan_next_content(&scan) && passes_word(&scan, "facet"))
+            status = read_text_facet(reader, &scan, error);
+        if (status == BAT_OK)
+            status = expect(&scan, BAT_NO_INDEX, "endsolid", NULL, error);
+        (void)scan_next_line(&scan);
+    }
+    return status;
+}
+
+/// The line of a text file's facet, found by counting.
+static size_t line_of_facet(const file_text *text, size_t facet)
+{
+    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    do
+    {
+        if (passes_word(&scan, "facet") && facet-- == 0)
+            break;
+    } while (scan_next_line(&scan));
+    return scan.line;
+}
+
+bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    stl_reader reader = {0};
+    bool binary = is_binary(text) || !begins_as_text(text);
+    bat_status status = binary ? read_binary(&reader, text, error) : read_text(&reader, text, error);
+    point_table_free(&reader.table);
+    if (status != BAT_OK)
+    {
+        mesh_builder_free(&reader.builder);
+        return status;
+    }
+    bat_error found = {.index = BAT_NO_INDEX};
+    status = mesh_builder_finish(&reader.builder, options, mesh, &found);
+    if (status != BAT_OK && !binary && found.index != BAT_NO_INDEX)
+        found.line = line_of_facet(text, found.index);
+    if (status != BAT_OK && error != NULL)
+        *error = found;
+    return status;
+}
+
+/// The unit normal of a face, all zero where it has none. Edges are scaled first, so that their products stay in range.
+static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
+{
+    const double *p[3];
+    double edges[2][3], largest = 0.0;
+    for (int c = 0; c < 3; c++)
+        p[c] = mesh->positions + 3 * (size_t)mesh->faces[3 * face + (size_t)c];
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++)
+        {
+            edges[i][k] = p[i + 1][k] / 2 - p[0][k] / 2;
+            largest = fmax(largest, fabs(edges[i][k]));
+        }
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++)
+            edges[i][k] = largest > 0 ? edges[i][k] / largest : 0.0;
+    const double *a = edges[0], *b = edges[1];
+    normal[0] = a[1] * b[2] - a[2] * b[1];
+    normal[1] = a[2] * b[0] - a[0] * b[2];
+    normal[2] = a[0] * b[1] - a[1] * b[0];
+    double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    for (int k = 0; k < 3; k++)
+        normal[k] = length > 0 ? normal[k] / length + 0.0 : 0.0;
+}
+
+static char *put_bytes(char *out, uint32_t bits)
+{
+    for (int i = 0; i < 4; i++)
+        *out++ = (char)(bits >> 8 * i & 0xff);
+    return out;
+}
+
+static char *put_floats(char *out, const double values[3])
+{
+    for (int k = 0; k < 3; k++)
+    {
+        float value = (float)values[k];
+        uint32_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        out = put_bytes(out, bits);
+    }
+    return out;
+}
+
+static void format_binary(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    for (size_t f = begin; f < end; f++)
+    {
+        char *out = text_reserve(text, TRIANGLE_SIZE);
+        double normal[3];
+        if (out == NULL)
+            return;
+        face_normal(mesh, f, normal);
+        out = put_floats(out, normal);
+        for (size_t h = 3 * f; h < 3 * f + 3; h++)
+            out = put_floats(out, mesh->positions + 3 * (size_t)mesh->faces[h]);
+        *out++ = 0;
+        *out++ = 0;
+        text_advance(text, out);
+    }
+}
+
+static void append_numbers(text_buffer *text, const char *words, const double numbers[3])
+{
+    text_append_string(text, words);
+    char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 1);
+    if (out == NULL)
+        return;
+    for (int k = 0; k < 3; k++)
+    {
+        *out++ = ' ';
+        out = number_write(out, numbers[k]);
+    }
+    *out++ = '\n';
+    text_advance(text, out);
+}
+
+static void format_text(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    for (size_t f = begin; f < end; f++)
+    {
+        double normal[3];
+        face_normal(mesh, f, normal);
+        append_numbers(text, "facet normal", normal);
+        text_append_string(text, "outer loop\n");
+        for (size_t h = 3 * f; h < 3 * f + 3; h++)
+            append_numbers(text, "vertex", mesh->positions + 3 * (size_t)mesh->faces[h]);
+        text_append_string(text, "endloop\nendfacet\n");
+    }
+}
+
+/// Single precision must hold every coordinate.
+static bat_status check_range(const bat_mesh *mesh, bat_error *error)
+{
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
+        if (!isfinite((float)mesh->positions[i]))
+            return error_set(error, BAT_UNSUPPORTED, i / 3, 0, "binary STL cannot hold the coordinate %g of vertex %zu",
+                             mesh->positions[i], i / 3);
+    return BAT_OK;
+}
+
+static bat_status write_binary(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink,
+                               bat_error *error)
+{
+    char header[HEADER_SIZE + 4] = "binary STL";
+    (void)put_bytes(header + HEADER_SIZE, (uint32_t)mesh->face_count);
+    text_buffer text = {0};
+    bat_status status = check_range(mesh, error);
+    if (status == BAT_OK)
+    {
+        text_append(&text, header, sizeof header);
+        status = sink_write(sink, &text, error);
+    }
+    text_free(&text);
+    if (status == BAT_OK)
+        status = mesh_rows_write(mesh, mesh->face_count, format_binary, NULL, options->threads, sink, error);
+    return status;
+}
+
+static bat_status write_line(text_sink *sink, const char *line, bat_error *error)
+{
+    text_buffer text = {0};
+    text_append_string(&text, line);
+    bat_status status = sink_write(sink, &text, error);
+    text_free(&text);
+    return status;
+}
+
+bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+{
+    if (options->encoding != BAT_MESH_ENCODING_TEXT)
+        return write_binary(mesh, options, sink, error);
+    bat_status status = write_line(sink, "solid mesh\n", error);
+    if (status == BAT_OK)
+        status = mesh_rows_write(mesh, mesh->face_count, format_text, NULL, options->threads, sink, error);
+    return status == BAT_OK ? write_line(sink, "endsolid mesh\n", error) : status;
+}

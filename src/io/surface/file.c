@@ -1,0 +1,144 @@
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "io/surface/formats.h"
+
+#include <math.h>
+#include <strings.h>
+
+bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error)
+{
+    static const char *const names[] = {[BAT_SURFACE_FORMAT_XML] = "xml",
+                                        [BAT_SURFACE_FORMAT_STEP] = "step",
+                                        [BAT_SURFACE_FORMAT_VTK] = "vtk",
+                                        [BAT_SURFACE_FORMAT_OBJ] = "obj",
+                                        [BAT_SURFACE_FORMAT_JSON] = "json"};
+    for (size_t i = BAT_SURFACE_FORMAT_XML; i < sizeof names / sizeof *names; i++)
+        if (strcmp(name, names[i]) == 0)
+        {
+            *format = (bat_surface_format)i;
+            return BAT_OK;
+        }
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "there is no surface format '%s'; the formats are xml, step, vtk, obj, json", name);
+}
+
+bat_surface_format bat_surface_format_of_path(const char *path)
+{
+    static const struct
+    {
+        const char *ending;
+        bat_surface_format format;
+    } endings[] = {{".xml", BAT_SURFACE_FORMAT_XML}, {".step", BAT_SURFACE_FORMAT_STEP}, {".stp", BAT_SURFACE_FORMAT_STEP},
+                   {".vtk", BAT_SURFACE_FORMAT_VTK}, {".obj", BAT_SURFACE_FORMAT_OBJ},   {".json", BAT_SURFACE_FORMAT_JSON}};
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
+        if (strcasecmp(dot, endings[i].ending) == 0)
+            return endings[i].format;
+    return BAT_SURFACE_FORMAT_AUTO;
+}
+
+static bat_status check_options(const bat_surface_write_options *options, bat_error *error)
+{
+    enum
+    {
+        MOST_SAMPLES = 1024
+    };
+    if (options->samples > MOST_SAMPLES)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu samples of a cell are more than %d",
+                         options->samples, MOST_SAMPLES);
+    if (options->point_count > 0 && options->points == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are data points without their positions");
+    for (size_t i = 0; i < options->point_count; i++)
+    {
+        const double *point = options->points + 3 * i;
+        if (!isfinite(point[0]) || !isfinite(point[1]) || !isfinite(point[2]) ||
+            (options->errors != NULL && !isfinite(options->errors[i])))
+            return error_set(error, BAT_INVALID_POINT, i, 0, "data point %zu is not finite", i);
+    }
+    return BAT_OK;
+}
+
+bat_status surface_check(const bat_spline_surface *surface, bat_surface_format format,
+                         const bat_surface_write_options *options, bat_error *error)
+{
+    if ((unsigned)format > BAT_SURFACE_FORMAT_JSON)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no surface format %d", (int)format);
+    if (format == BAT_SURFACE_FORMAT_AUTO)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "cannot tell what format to write; the endings are .xml, .step, .stp, .vtk, .obj, .json");
+    if (surface->space == NULL || surface->control == NULL || surface->dimension == 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the surface is empty");
+    if (surface->dimension != 3 && format != BAT_SURFACE_FORMAT_XML && format != BAT_SURFACE_FORMAT_JSON)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "a surface of dimension %zu can be written as XML and JSON only", surface->dimension);
+    size_t functions = bat_hierarchical_space_functions(surface->space);
+    for (size_t i = 0; i < functions * surface->dimension; i++)
+        if (!isfinite(surface->control[i]))
+            return error_set(error, BAT_INVALID_POINT, i / surface->dimension, 0, "control point %zu is not finite",
+                             i / surface->dimension);
+    return check_options(options, error);
+}
+
+bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_format format,
+                              const bat_surface_write_options *options, text_sink *sink, bat_error *error)
+{
+    switch (format)
+    {
+    case BAT_SURFACE_FORMAT_XML:
+        return surface_xml_write(surface, sink, error);
+    case BAT_SURFACE_FORMAT_STEP:
+        return surface_step_write(surface, sink, error);
+    case BAT_SURFACE_FORMAT_VTK:
+        return surface_vtk_write(surface, options, sink, error);
+    case BAT_SURFACE_FORMAT_OBJ:
+        return surface_obj_write(surface, options, sink, error);
+    case BAT_SURFACE_FORMAT_JSON:
+        return surface_json_write(surface, sink, error);
+    case BAT_SURFACE_FORMAT_AUTO:
+        break;
+    }
+    return BAT_INVALID_ARGUMENT;
+}
+
+bat_status bat_surface_write(const char *path, const bat_spline_surface *surface, const bat_surface_write_options *options,
+                             bat_error *error)
+{
+    const bat_surface_write_options defaults = {0};
+    if (options == NULL)
+        options = &defaults;
+    bat_surface_format format =
+        options->format == BAT_SURFACE_FORMAT_AUTO ? bat_surface_format_of_path(path) : options->format;
+    atomic_file file;
+    bat_status status = surface_check(surface, format, options, error);
+    if (status == BAT_OK)
+        status = atomic_file_begin(path, &file, error);
+    if (status != BAT_OK)
+        return status;
+    text_sink sink = {.stream = file.stream};
+    status = surface_write_text(surface, format, options, &sink, error);
+    return atomic_file_end(&file, status, error);
+}
+
+bat_status surface_read_text(const file_text *text, bat_spline_surface *surface, bat_error *error)
+{
+    static const char step[] = "ISO-10303-21";
+    size_t blanks = strspn(text->data, " \t\r\n");
+    if (text->data[blanks] == '<')
+        return surface_xml_read(text, surface, error);
+    if (text->data[blanks] == '{')
+        return surface_json_read(text, surface, error);
+    if (strncmp(text->data + blanks, step, sizeof step - 1) == 0)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "surfaces are written as STEP, but not read");
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "this is neither XML of G+Smo nor JSON");
+}
+
+bat_status bat_surface_read(const char *path, bat_spline_surface *surface, bat_error *error)
+{
+    file_text text;
+    bat_status status = file_text_read(path, &text, error);
+    if (status != BAT_OK)
+        return status;
+    status = surface_read_text(&text, surface, error);
+    file_text_free(&text);
+    return status;
+}

@@ -1,0 +1,358 @@
+#include "io/common/json.h"
+#include "base/error.h"
+#include "base/json_parse.h"
+#include "base/memory.h"
+#include "io/common/number_text.h"
+#include "io/surface/formats.h"
+#include "io/surface/space.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/// A file while it is read.
+typedef struct json_file
+{
+    const file_text *text;
+    json_t *root;
+    bat_error *error;
+} json_file;
+
+/// Before the value of a member of the file; at the end of the text where it cannot be found.
+static json_scanner before_value(const json_file *file, const char *member)
+{
+    json_scanner scan = {file->text->data, file->text->data + file->text->size}, key;
+    (void)json_scan_take(&scan, '{');
+    while (json_scan_key(&scan, &key))
+    {
+        json_scan_blanks(&scan);
+        if (json_scan_is(&key, member))
+            return scan;
+        if (!json_scan_value(&scan) || !json_scan_take(&scan, ','))
+            break;
+    }
+    scan.at = scan.end;
+    return scan;
+}
+
+/// Go behind an element of an array, to the begin of the next.
+static void next_element(json_scanner *scan)
+{
+    if (json_scan_value(scan) && json_scan_take(scan, ','))
+        json_scan_blanks(scan);
+}
+
+/// The line on which a member of the file begins, or one of its elements; 0 where it cannot be found.
+static size_t line_of(const json_file *file, const char *member, size_t element)
+{
+    json_scanner scan = before_value(file, member);
+    if (element != BAT_NO_INDEX && json_scan_take(&scan, '['))
+    {
+        json_scan_blanks(&scan);
+        for (size_t i = 0; i < element; i++)
+            next_element(&scan);
+    }
+    return scan.at < scan.end ? 1 + json_scan_newlines(file->text->data, scan.at) : 0;
+}
+
+static bat_status bad_member(const json_file *file, const char *member, const char *what)
+{
+    return error_set(file->error, BAT_BAD_FILE, BAT_NO_INDEX, line_of(file, member, BAT_NO_INDEX), "\"%s\" %s", member,
+                     what);
+}
+
+static bat_status bad_element(const json_file *file, const char *member, size_t element, const char *what)
+{
+    return error_set(file->error, BAT_BAD_FILE, element, line_of(file, member, element), "element %zu of \"%s\" %s", element,
+                     member, what);
+}
+
+/// A whole number of 0 to `most`.
+static bool whole(const json_t *value, uint64_t most, uint64_t *number)
+{
+    json_int_t integer = json_integer_value(value);
+    *number = (uint64_t)integer;
+    return json_is_integer(value) && integer >= 0 && *number <= most;
+}
+
+/// An array of `count` whole numbers.
+static bool whole_row(const json_t *row, size_t count, uint64_t *numbers)
+{
+    bool right = json_is_array(row) && json_array_size(row) == count;
+    for (size_t i = 0; i < count && right; i++)
+        right = whole(json_array_get(row, i), UINT32_MAX, &numbers[i]);
+    return right;
+}
+
+static bat_status check_format(const json_file *file)
+{
+    const char *format = json_string_value(json_object_get(file->root, "format"));
+    uint64_t version;
+    if (format == NULL || strcmp(format, "batten surface") != 0)
+        return bad_member(file, "format", "is not \"batten surface\"");
+    if (!whole(json_object_get(file->root, "version"), UINT32_MAX, &version) || version != 1)
+        return error_set(file->error, BAT_UNSUPPORTED, BAT_NO_INDEX, line_of(file, "version", BAT_NO_INDEX),
+                         "only \"version\" 1 is read");
+    return BAT_OK;
+}
+
+static bat_status read_options(const json_file *file, bat_hierarchical_options *options)
+{
+    uint64_t degree[2], spans[2], admissible = 0;
+    *options = bat_hierarchical_defaults();
+    if (!whole_row(json_object_get(file->root, "degree"), 2, degree) || degree[0] < 1 || degree[1] < 1 ||
+        degree[0] > BAT_SPLINE_MAX_DEGREE || degree[1] > BAT_SPLINE_MAX_DEGREE)
+        return bad_member(file, "degree", "is not two whole numbers of 1 to 15");
+    if (!whole_row(json_object_get(file->root, "spans"), 2, spans) || spans[0] < 1 || spans[1] < 1)
+        return bad_member(file, "spans", "is not two whole numbers of at least 1");
+    const json_t *truncated = json_object_get(file->root, "truncated");
+    if (truncated != NULL && !json_is_boolean(truncated))
+        return bad_member(file, "truncated", "is neither true nor false");
+    const json_t *class = json_object_get(file->root, "admissible");
+    if (class != NULL && (!whole(class, BAT_HIERARCHICAL_MAX_LEVELS, &admissible) || admissible == 1))
+        return bad_member(file, "admissible", "is neither 0 nor a whole number of 2 to 20");
+    for (int d = 0; d < 2; d++)
+    {
+        options->degree[d] = (int)degree[d];
+        options->spans[d] = (size_t)spans[d];
+    }
+    options->truncated = truncated == NULL || json_is_true(truncated);
+    options->admissible = (int)admissible;
+    return BAT_OK;
+}
+
+static bat_status read_boxes(const json_file *file, surface_box **boxes, size_t *count)
+{
+    const json_t *rows = json_object_get(file->root, "boxes");
+    if (!json_is_array(rows))
+        return bad_member(file, "boxes", "is not an array");
+    *count = json_array_size(rows);
+    *boxes = memory_array(*count, sizeof **boxes);
+    if (*boxes == NULL)
+        return error_memory(file->error, *count * sizeof **boxes);
+    json_scanner scan = before_value(file, "boxes");
+    const char *seen = file->text->data;
+    size_t line = 1;
+    (void)json_scan_take(&scan, '[');
+    json_scan_blanks(&scan);
+    for (size_t i = 0; i < *count; i++)
+    {
+        uint64_t numbers[5];
+        line += json_scan_newlines(seen, scan.at);
+        seen = scan.at;
+        next_element(&scan);
+        if (!whole_row(json_array_get(rows, i), 5, numbers))
+            return bad_element(file, "boxes", i, "is not five whole numbers: level, low u and v, high u and v");
+        (*boxes)[i] = (surface_box){numbers[0], {numbers[1], numbers[2]}, {numbers[3], numbers[4]}, line};
+    }
+    return BAT_OK;
+}
+
+static bat_status read_point(const json_file *file, size_t index, size_t dimension, double *point)
+{
+    const json_t *row = json_array_get(json_object_get(file->root, "control"), index);
+    if (!json_is_array(row) || json_array_size(row) != dimension)
+        return bad_element(file, "control", index, "does not have as many coordinates as \"dimension\" says");
+    for (size_t c = 0; c < dimension; c++)
+    {
+        const json_t *number = json_array_get(row, c);
+        if (!json_is_number(number))
+            return bad_element(file, "control", index, "holds something that is no number");
+        point[c] = json_number_value(number);
+    }
+    return BAT_OK;
+}
+
+/// Where each row of "control" belongs: `places` receives the numbers of its functions.
+static bat_status read_places(const json_file *file, const bat_hierarchical_space *space, size_t *places)
+{
+    size_t count = bat_hierarchical_space_functions(space);
+    const json_t *rows = json_object_get(file->root, "functions");
+    if (rows != NULL && json_array_size(rows) != count)
+        return bad_member(file, "functions", "is not an array of as many functions as there are control points");
+    bool *taken = calloc(count, sizeof *taken);
+    if (taken == NULL)
+        return error_memory(file->error, count * sizeof *taken);
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        uint64_t numbers[3];
+        places[i] = i;
+        if (rows == NULL)
+            continue;
+        if (!whole_row(json_array_get(rows, i), 3, numbers))
+            status = bad_element(file, "functions", i, "is not three whole numbers: level, i, j");
+        else
+        {
+            const bat_spline_function function = {(uint32_t)numbers[0], (uint32_t)numbers[1], (uint32_t)numbers[2]};
+            places[i] = bat_hierarchical_space_find(space, function);
+            if (places[i] == BAT_NO_INDEX || taken[places[i]])
+                status = bad_element(file, "functions", i, "is not in the basis, or there twice");
+            else
+                taken[places[i]] = true;
+        }
+    }
+    free(taken);
+    return status;
+}
+
+static bat_status read_control(const json_file *file, bat_spline_surface *surface)
+{
+    size_t count = bat_hierarchical_space_functions(surface->space), numbers;
+    if (size_multiply_overflows(count, surface->dimension, &numbers))
+        return bad_member(file, "dimension", "is too large");
+    size_t *places = memory_array(count, sizeof *places);
+    surface->control = memory_array(numbers, sizeof *surface->control);
+    bat_status status = BAT_OK;
+    if (places == NULL || surface->control == NULL)
+        status = error_memory(file->error, numbers * sizeof *surface->control);
+    if (status == BAT_OK)
+        status = read_places(file, surface->space, places);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        status = read_point(file, i, surface->dimension, surface->control + places[i] * surface->dimension);
+    free(places);
+    return status;
+}
+
+static bat_status read_surface(const json_file *file, bat_spline_surface *surface)
+{
+    bat_hierarchical_options options;
+    surface_box *boxes = NULL;
+    size_t box_count = 0;
+    uint64_t dimension;
+    bat_status status = check_format(file);
+    if (status == BAT_OK)
+        status = read_options(file, &options);
+    if (status == BAT_OK && (!whole(json_object_get(file->root, "dimension"), UINT32_MAX, &dimension) || dimension == 0))
+        status = bad_member(file, "dimension", "is not a whole number of at least 1");
+    const json_t *control = json_object_get(file->root, "control");
+    if (status == BAT_OK && !json_is_array(control))
+        status = bad_member(file, "control", "is not an array");
+    if (status == BAT_OK)
+        status = read_boxes(file, &boxes, &box_count);
+    if (status == BAT_OK)
+        status = surface_space_make(&options, boxes, box_count, line_of(file, "control", BAT_NO_INDEX),
+                                    json_array_size(control), &surface->space, file->error);
+    free(boxes);
+    if (status != BAT_OK)
+        return status;
+    surface->dimension = (size_t)dimension;
+    // The first row says how much the whole takes, before it is taken.
+    if (json_array_size(json_array_get(control, 0)) != surface->dimension)
+        return bad_element(file, "control", 0, "does not have as many coordinates as \"dimension\" says");
+    return read_control(file, surface);
+}
+
+bat_status surface_json_read(const file_text *text, bat_spline_surface *surface, bat_error *error)
+{
+    json_file file = {.text = text, .error = error};
+    bat_spline_surface made = {0};
+    bat_status status = json_parse(text->data, text->size, 0, 1, &file.root, error);
+    if (status != BAT_OK)
+        return status;
+    status = json_is_object(file.root) ? read_surface(&file, &made)
+                                       : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "this is not a JSON object");
+    json_decref(file.root);
+    if (status == BAT_OK)
+        *surface = made;
+    else
+        bat_spline_surface_free(&made);
+    return status;
+}
+
+/// JSON readers take "-0" for a whole number, which has no sign.
+static void append_number(text_buffer *text, double value)
+{
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE + 2);
+    if (out == NULL)
+        return;
+    text_advance(text, number_write(out, value));
+    if (value == 0 && signbit(value))
+        text_append_string(text, ".0");
+}
+
+/// What ends a row of an array of rows.
+static const char *row_end(size_t row, size_t rows)
+{
+    return row + 1 < rows ? "],\n" : "]\n";
+}
+
+static void append_head(text_buffer *text, const bat_spline_surface *surface)
+{
+    bat_hierarchical_options options = bat_hierarchical_space_options(surface->space);
+    char head[512];
+    (void)snprintf(head, sizeof head,
+                   "{\n\"format\": \"batten surface\",\n\"version\": 1,\n\"degree\": [%d, %d],\n\"spans\": [%zu, %zu],\n"
+                   "\"truncated\": %s,\n\"admissible\": %d,\n\"dimension\": %zu,\n",
+                   options.degree[0], options.degree[1], options.spans[0], options.spans[1],
+                   options.truncated ? "true" : "false", options.admissible, surface->dimension);
+    text_append_string(text, head);
+}
+
+static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *space, bat_error *error)
+{
+    bat_spline_box *boxes = NULL;
+    size_t count = 0;
+    bat_status status = bat_hierarchical_space_regions(space, &boxes, &count, error);
+    if (status != BAT_OK)
+        return status;
+    text_append_string(text, "\"boxes\": [\n");
+    for (size_t i = 0; i < count; i++)
+    {
+        char row[128];
+        (void)snprintf(row, sizeof row, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", boxes[i].level,
+                       boxes[i].low[0], boxes[i].low[1], boxes[i].high[0], boxes[i].high[1], row_end(i, count));
+        text_append_string(text, row);
+    }
+    text_append_string(text, "],\n");
+    free(boxes);
+    return BAT_OK;
+}
+
+static void append_functions(text_buffer *text, const bat_hierarchical_space *space)
+{
+    size_t count = bat_hierarchical_space_functions(space);
+    text_append_string(text, "\"functions\": [\n");
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_spline_function function = bat_hierarchical_space_function(space, i);
+        char row[64];
+        (void)snprintf(row, sizeof row, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", function.level, function.i, function.j,
+                       row_end(i, count));
+        text_append_string(text, row);
+    }
+    text_append_string(text, "],\n");
+}
+
+static void append_control(text_buffer *text, const bat_spline_surface *surface)
+{
+    size_t count = bat_hierarchical_space_functions(surface->space);
+    const double *number = surface->control;
+    text_append_string(text, "\"control\": [\n");
+    for (size_t i = 0; i < count; i++)
+    {
+        text_append_string(text, "[");
+        for (size_t c = 0; c < surface->dimension; c++)
+        {
+            if (c > 0)
+                text_append_string(text, ", ");
+            append_number(text, *number++);
+        }
+        text_append_string(text, row_end(i, count));
+    }
+    text_append_string(text, "]\n}\n");
+}
+
+bat_status surface_json_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error)
+{
+    text_buffer text = {0};
+    append_head(&text, surface);
+    bat_status status = append_boxes(&text, surface->space, error);
+    append_functions(&text, surface->space);
+    append_control(&text, surface);
+    if (status == BAT_OK)
+        status = sink_write(sink, &text, error);
+    text_free(&text);
+    return status;
+}

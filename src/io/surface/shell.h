@@ -1,0 +1,50 @@
+#ifndef IO_SURFACE_SHELL_H
+#define IO_SURFACE_SHELL_H
+
+#include "batten/base.h"
+
+/// @file
+/// How rectangles that cover a square without overlap meet: vertices, edges between neighbouring vertices, and loops of
+/// edges.
+
+/// A rectangle on a lattice.
+typedef struct shell_face
+{
+    uint64_t low[2], high[2];
+} shell_face;
+
+/// A straight piece of a border between two vertices, with none between.
+typedef struct shell_edge
+{
+    uint32_t from, to;  ///< vertices, in the direction of rising u or v
+    uint32_t direction; ///< 0: along u; 1: along v
+    uint32_t faces[2];  ///< the second is SHELL_NONE on the square's border
+    uint32_t sides[2];  ///< which side of the face it lies on: 0 v = low, 1 u = high, 2 v = high, 3 u = low
+} shell_edge;
+
+#define SHELL_NONE UINT32_MAX
+
+/// An edge in the loop of a face.
+typedef struct shell_use
+{
+    uint32_t edge;
+    bool backward; ///< against its direction
+} shell_use;
+
+/// Release it with shell_free().
+typedef struct surface_shell
+{
+    size_t vertex_count;
+    uint64_t *vertices; ///< vertex_count x 2: every corner of a face once, by v and then u
+    size_t edge_count;
+    shell_edge *edges;
+    size_t face_count;
+    size_t *loops;   ///< face_count + 1: where each face's loop begins
+    shell_use *uses; ///< counter-clockwise from the lower left corner
+} surface_shell;
+
+/// @return BAT_OK; BAT_TOO_LARGE beyond 2^29 faces; BAT_NO_MEMORY
+bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shell, bat_error *error);
+void shell_free(surface_shell *shell);
+
+#endif

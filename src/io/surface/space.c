@@ -1,0 +1,182 @@
+#include "io/surface/space.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bat_status check_box(const bat_hierarchical_options *options, const surface_box *box, bat_error *error)
+{
+    if (box->level >= BAT_HIERARCHICAL_MAX_LEVELS)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, box->line, "the box is of level %llu, above %d",
+                         (unsigned long long)box->level, BAT_HIERARCHICAL_MAX_LEVELS - 1);
+    for (int d = 0; d < 2; d++)
+    {
+        uint64_t cells = surface_level_cells(options, box->level, d);
+        if (cells > UINT32_MAX)
+            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, box->line, "the grid of level %llu has 2^32 cells or more",
+                             (unsigned long long)box->level);
+        if (box->low[d] >= box->high[d] || box->high[d] > cells)
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
+                             "the box from %llu to %llu holds no cells or leaves the %llu of its level",
+                             (unsigned long long)box->low[d], (unsigned long long)box->high[d], (unsigned long long)cells);
+    }
+    return BAT_OK;
+}
+
+/// Files hold at least one number for each function, so that the space that a short file describes is small. A box of w x h
+/// cells brings at least (w - degree) x (h - degree) functions; thin ones may bring none, whence the room.
+static bat_status check_cells(const surface_box *boxes, size_t count, size_t functions, bat_error *error)
+{
+    enum
+    {
+        CELLS_A_FUNCTION = 64,
+        ROOM = 1 << 20
+    };
+    double cells = 0, most = (double)ROOM + (double)CELLS_A_FUNCTION * (double)functions;
+    for (size_t i = 0; i < count; i++)
+    {
+        const surface_box *box = &boxes[i];
+        cells += (double)(box->high[0] - box->low[0]) * (double)(box->high[1] - box->low[1]);
+        if (cells > most)
+            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, box->line,
+                             "the boxes up to here have %.0f cells, too many for %zu coefficients", cells, functions);
+    }
+    return BAT_OK;
+}
+
+/// The cells of level `shift` levels below each box's own, as boxes to refine; boxes of level 0 say nothing.
+static size_t boxes_to_refine(const surface_box *boxes, size_t count, unsigned shift, bat_spline_box *refine)
+{
+    size_t made = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        const surface_box *box = &boxes[i];
+        if (box->level == 0)
+            continue;
+        bat_spline_box *to = &refine[made++];
+        to->level = (uint32_t)box->level - 1;
+        for (int d = 0; d < 2; d++)
+        {
+            to->low[d] = (uint32_t)(box->low[d] >> shift);
+            to->high[d] = (uint32_t)((box->high[d] + shift) >> shift);
+        }
+    }
+    return made;
+}
+
+static bat_status make_refined(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
+                               unsigned shift, bat_hierarchical_space **space, bat_error *error)
+{
+    bat_spline_box *refine = memory_array(count, sizeof *refine);
+    if (refine == NULL)
+        return error_memory(error, count * sizeof *refine);
+    size_t made = boxes_to_refine(boxes, count, shift, refine);
+    bat_hierarchical_space *refined = NULL;
+    bat_status status = bat_hierarchical_space_make(options, &refined, error);
+    if (status == BAT_OK && made > 0)
+        status = bat_hierarchical_space_refine(refined, refine, made, error);
+    free(refine);
+    if (status == BAT_OK)
+        *space = refined;
+    else
+        bat_hierarchical_space_free(refined);
+    return status;
+}
+
+/// The number of cells in the region of each level, counted in the level's own grid times 4^-shift.
+static bat_status region_sizes(const bat_hierarchical_space *space, unsigned shift,
+                               uint64_t sizes[BAT_HIERARCHICAL_MAX_LEVELS + 1], bat_error *error)
+{
+    bat_spline_box *regions = NULL;
+    size_t count = 0;
+    bat_status status = bat_hierarchical_space_regions(space, &regions, &count, error);
+    if (status != BAT_OK)
+        return status;
+    memset(sizes, 0, (BAT_HIERARCHICAL_MAX_LEVELS + 1) * sizeof *sizes);
+    for (size_t i = 0; i < count; i++)
+        sizes[regions[i].level] +=
+            (uint64_t)(regions[i].high[0] - regions[i].low[0]) * (uint64_t)(regions[i].high[1] - regions[i].low[1]);
+    for (size_t i = 0; i <= BAT_HIERARCHICAL_MAX_LEVELS; i++)
+        sizes[i] >>= 2 * shift;
+    free(regions);
+    return BAT_OK;
+}
+
+/// Whether a box ends in the midst of a cell of the level before.
+static bool is_odd(const surface_box *box)
+{
+    return box->level > 0 && ((box->low[0] | box->low[1] | box->high[0] | box->high[1]) & 1) != 0;
+}
+
+static bool any_odd(const surface_box *boxes, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (is_odd(&boxes[i]))
+            return true;
+    return false;
+}
+
+static bat_status unfilled(const surface_box *boxes, size_t count, size_t level, bat_error *error)
+{
+    size_t i = 0;
+    while (i < count && !(boxes[i].level >= level && is_odd(&boxes[i])))
+        i++;
+    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, i < count ? boxes[i].line : 0,
+                     "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
+}
+
+/// Where a box ends in the midst of a cell of the level before, that cell was taken whole. A space of twice the spans has
+/// the box's own cells one level lower and takes it as it is: the regions of both agree if other boxes fill the cell.
+static bat_status check_filled(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
+                               const bat_hierarchical_space *space, bat_error *error)
+{
+    bat_hierarchical_options exact = {.degree = {1, 1}, .spans = {2 * options->spans[0], 2 * options->spans[1]}};
+    bat_hierarchical_space *doubled = NULL;
+    uint64_t sizes[BAT_HIERARCHICAL_MAX_LEVELS + 1], exact_sizes[BAT_HIERARCHICAL_MAX_LEVELS + 1];
+    bat_status status = make_refined(&exact, boxes, count, 0, &doubled, error);
+    if (status == BAT_OK)
+        status = region_sizes(space, 0, sizes, error);
+    if (status == BAT_OK)
+        status = region_sizes(doubled, 1, exact_sizes, error);
+    bat_hierarchical_space_free(doubled);
+    for (size_t level = 1; level <= BAT_HIERARCHICAL_MAX_LEVELS && status == BAT_OK; level++)
+        if (sizes[level] != exact_sizes[level])
+            status = unfilled(boxes, count, level, error);
+    return status;
+}
+
+static bat_status check_size(const bat_hierarchical_options *options, size_t line, size_t functions, bat_error *error)
+{
+    double least = 1; // no refinement has fewer functions than level 0
+    for (int d = 0; d < 2; d++)
+        least *= (double)options->spans[d] + options->degree[d];
+    if (least <= (double)functions)
+        return BAT_OK;
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line,
+                     "there are %zu control points, fewer than the %.0f functions of level 0", functions, least);
+}
+
+bat_status surface_space_make(const bat_hierarchical_options *options, const surface_box *boxes, size_t count, size_t line,
+                              size_t functions, bat_hierarchical_space **space, bat_error *error)
+{
+    bat_status status = check_size(options, line, functions, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        status = check_box(options, &boxes[i], error);
+    if (status == BAT_OK)
+        status = check_cells(boxes, count, functions, error);
+    bat_hierarchical_space *made = NULL;
+    if (status == BAT_OK)
+        status = make_refined(options, boxes, count, 1, &made, error);
+    if (status == BAT_OK && any_odd(boxes, count))
+        status = check_filled(options, boxes, count, made, error);
+    if (status == BAT_OK && bat_hierarchical_space_functions(made) != functions)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "there are %zu control points, but %zu functions",
+                           functions, bat_hierarchical_space_functions(made));
+    if (status == BAT_OK)
+        *space = made;
+    else
+        bat_hierarchical_space_free(made);
+    return status;
+}

@@ -1,0 +1,234 @@
+#include "io/common/block_writer.h"
+#include "io/common/number_text.h"
+#include "io/surface/formats.h"
+#include "io/surface/tessellate.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+/// @file
+/// Texts of many rows of numbers, formatted on all threads.
+
+/// Append the text of a row, with its end.
+typedef void row_text(const void *context, size_t row, text_buffer *text);
+
+enum
+{
+    ROWS_PER_BLOCK = 1 << 12
+};
+
+typedef struct rows_job
+{
+    size_t count;
+    row_text *append;
+    const void *context;
+} rows_job;
+
+static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
+{
+    (void)error; // the sink reports a lack of memory
+    const rows_job *job = context;
+    size_t begin = block * ROWS_PER_BLOCK, left = job->count - begin;
+    size_t end = begin + (left < ROWS_PER_BLOCK ? left : ROWS_PER_BLOCK);
+    for (size_t row = begin; row < end; row++)
+        job->append(job->context, row, text);
+    return BAT_OK;
+}
+
+static bat_status rows_write(text_sink *sink, size_t count, row_text *append, const void *context, bat_error *error)
+{
+    const rows_job job = {count, append, context};
+    return blocks_write(sink, count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0), 0, format_block, &job, error);
+}
+
+/// Append numbers with blanks between them and the end of the line.
+static void rows_append_numbers(text_buffer *text, const double *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        char *out = text_reserve(text, NUMBER_TEXT_SIZE + 1);
+        if (out == NULL)
+            return;
+        out = number_write(out, numbers[i]);
+        *out++ = i + 1 < count ? ' ' : '\n';
+        text_advance(text, out);
+    }
+}
+
+/// Write the text of a format of printf() that holds no floating-point numbers, which would be written as the locale has
+/// them.
+__attribute__((format(printf, 3, 4))) static bat_status rows_heading(text_sink *sink, bat_error *error, const char *format,
+                                                                     ...)
+{
+    char line[256];
+    text_buffer text = {0};
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    text_append_string(&text, line);
+    bat_status status = sink_write(sink, &text, error);
+    text_free(&text);
+    return status;
+}
+
+/// Statements of a keyword and numbers.
+typedef struct obj_rows
+{
+    const char *keyword; ///< with the blank behind it
+    const double *numbers;
+    size_t width;
+} obj_rows;
+
+static void append_row(const void *context, size_t row, text_buffer *text)
+{
+    const obj_rows *rows = context;
+    text_append_string(text, rows->keyword);
+    rows_append_numbers(text, rows->numbers + row * rows->width, rows->width);
+}
+
+static void append_triangle(const void *context, size_t row, text_buffer *text)
+{
+    const surface_tessellation *tessellation = context;
+    char *out = text_reserve(text, 9 * (NUMBER_TEXT_SIZE + 1) + 2);
+    if (out == NULL)
+        return;
+    *out++ = 'f';
+    for (size_t h = 3 * row; h < 3 * row + 3; h++)
+        for (int use = 0; use < 3; use++)
+        {
+            *out++ = use == 0 ? ' ' : '/';
+            out = number_write_fixed(out, (int64_t)tessellation->triangles[h] + 1, 0);
+        }
+    *out++ = '\n';
+    text_advance(text, out);
+}
+
+bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
+                             bat_error *error)
+{
+    surface_tessellation tessellation;
+    bat_status status = surface_tessellate(surface, options->samples, &tessellation, error);
+    if (status != BAT_OK)
+        return status;
+    const obj_rows rows[] = {
+        {"v ", tessellation.positions, 3}, {"vt ", tessellation.parameters, 2}, {"vn ", tessellation.normals, 3}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows && status == BAT_OK; i++)
+        status = rows_write(sink, tessellation.vertex_count, append_row, &rows[i], error);
+    if (status == BAT_OK)
+        status = rows_write(sink, tessellation.triangle_count, append_triangle, &tessellation, error);
+    tessellation_free(&tessellation);
+    return status;
+}
+
+/// What is written: the surface's vertices and quads, and the data points behind the vertices but, as VTK wants it, before
+/// the quads.
+typedef struct vtk_content
+{
+    const surface_tessellation *surface;
+    const bat_surface_write_options *options;
+} vtk_content;
+
+static void append_point(const void *context, size_t row, text_buffer *text)
+{
+    const vtk_content *content = context;
+    size_t vertices = content->surface->grid_count;
+    rows_append_numbers(
+        text, row < vertices ? content->surface->positions + 3 * row : content->options->points + 3 * (row - vertices), 3);
+}
+
+static void append_counted(text_buffer *text, const uint64_t *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        char *out = text_reserve(text, NUMBER_TEXT_SIZE + 1);
+        if (out == NULL)
+            return;
+        out = number_write_fixed(out, (int64_t)numbers[i], 0);
+        *out++ = i + 1 < count ? ' ' : '\n';
+        text_advance(text, out);
+    }
+}
+
+static void append_data_vertex(const void *context, size_t row, text_buffer *text)
+{
+    const vtk_content *content = context;
+    const uint64_t cell[] = {1, content->surface->grid_count + row};
+    append_counted(text, cell, 2);
+}
+
+static void append_quad(const void *context, size_t row, text_buffer *text)
+{
+    const vtk_content *content = context;
+    const uint32_t *quad = content->surface->quads + 4 * row;
+    const uint64_t cell[] = {4, quad[0], quad[1], quad[2], quad[3]};
+    append_counted(text, cell, 5);
+}
+
+/// The level of a quad's cell; -1 for a data point.
+static void append_level(const void *context, size_t row, text_buffer *text)
+{
+    const vtk_content *content = context;
+    size_t points = content->options->point_count;
+    const uint64_t level = row < points ? 0 : content->surface->levels[row - points];
+    if (row < points)
+        text_append_string(text, "-1\n");
+    else
+        append_counted(text, &level, 1);
+}
+
+/// The error of a data point; 0 on the surface.
+static void append_error(const void *context, size_t row, text_buffer *text)
+{
+    const vtk_content *content = context;
+    size_t vertices = content->surface->grid_count;
+    static const double none = 0;
+    rows_append_numbers(text, row < vertices ? &none : content->options->errors + (row - vertices), 1);
+}
+
+static bat_status write_geometry(const vtk_content *content, text_sink *sink, bat_error *error)
+{
+    size_t points = content->options->point_count, quads = content->surface->quad_count;
+    size_t all = content->surface->grid_count + points;
+    bat_status status = rows_heading(
+        sink, error, "# vtk DataFile Version 3.0\nbatten surface\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n", all);
+    if (status == BAT_OK)
+        status = rows_write(sink, all, append_point, content, error);
+    if (status == BAT_OK && points > 0)
+        status = rows_heading(sink, error, "VERTICES %zu %zu\n", points, 2 * points);
+    if (status == BAT_OK)
+        status = rows_write(sink, points, append_data_vertex, content, error);
+    if (status == BAT_OK)
+        status = rows_heading(sink, error, "POLYGONS %zu %zu\n", quads, 5 * quads);
+    if (status == BAT_OK)
+        status = rows_write(sink, quads, append_quad, content, error);
+    return status;
+}
+
+static bat_status write_fields(const vtk_content *content, text_sink *sink, bat_error *error)
+{
+    size_t points = content->options->point_count, cells = points + content->surface->quad_count;
+    size_t all = content->surface->grid_count + points;
+    bat_status status = rows_heading(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
+    if (status == BAT_OK)
+        status = rows_write(sink, cells, append_level, content, error);
+    if (status != BAT_OK || points == 0 || content->options->errors == NULL)
+        return status;
+    status = rows_heading(sink, error, "POINT_DATA %zu\nSCALARS error double 1\nLOOKUP_TABLE default\n", all);
+    return status == BAT_OK ? rows_write(sink, all, append_error, content, error) : status;
+}
+
+bat_status surface_vtk_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
+                             bat_error *error)
+{
+    surface_tessellation tessellation;
+    bat_status status = surface_tessellate(surface, options->samples, &tessellation, error);
+    if (status != BAT_OK)
+        return status;
+    const vtk_content content = {&tessellation, options};
+    status = write_geometry(&content, sink, error);
+    if (status == BAT_OK)
+        status = write_fields(&content, sink, error);
+    tessellation_free(&tessellation);
+    return status;
+}

@@ -1,0 +1,535 @@
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "io/common/file_text.h"
+#include "io/common/number_text.h"
+#include "base/text_buffer.h"
+#include "io/surface/formats.h"
+#include "io/surface/space.h"
+
+#include <expat.h>
+#include <math.h>
+#include <stdlib.h>
+
+/// @file
+/// The elements of a G+Smo file that say a surface, with their numbers as they stand there.
+
+/// Numbers between two tags.
+typedef struct xml_numbers
+{
+    double *values;
+    size_t count;
+    size_t line; ///< of the first; 0 when the element was not there
+} xml_numbers;
+
+/// A geometry of two parameters.
+typedef struct xml_surface
+{
+    bool hierarchical, truncated;
+    size_t line; ///< where it begins
+    int degree[2];
+    xml_numbers knots[2];
+    size_t directions; ///< how many knot vectors there are so far
+    surface_box *boxes;
+    size_t box_count, box_capacity;
+    size_t dimension;
+    xml_numbers control;
+} xml_surface;
+
+static void xml_surface_free(xml_surface *surface)
+{
+    free(surface->knots[0].values);
+    free(surface->knots[1].values);
+    free(surface->boxes);
+    free(surface->control.values);
+    *surface = (xml_surface){0};
+}
+
+/// The elements of a surface. What is no part of one is passed over with all that it holds.
+typedef enum xml_element
+{
+    XML_OUTSIDE,
+    XML_ROOT,       ///< <xml>
+    XML_OTHER,      ///< not ours
+    XML_GEOMETRY,   ///< <Geometry>
+    XML_HIERARCHY,  ///< <Basis> of a hierarchical basis
+    XML_TENSOR,     ///< <Basis> of a tensor-product basis
+    XML_UNIVARIATE, ///< <Basis> of one direction
+    XML_KNOTS,      ///< <KnotVector>
+    XML_BOX,        ///< <box>
+    XML_CONTROL     ///< <coefs>
+} xml_element;
+
+enum
+{
+    MOST_DEPTH = 64
+};
+
+typedef struct xml_state
+{
+    XML_Parser parser;
+    xml_surface *surface;
+    xml_element open[MOST_DEPTH + 1];
+    size_t depth;
+    text_buffer content; ///< of the open element of numbers
+    size_t content_line;
+    size_t other_line; ///< of a geometry that is not read
+    char other_type[EXCERPT_SIZE];
+    bat_status status;
+    bat_error *error;
+} xml_state;
+
+static size_t current_line(const xml_state *state)
+{
+    return (size_t)XML_GetCurrentLineNumber(state->parser);
+}
+
+static void stop(xml_state *state, bat_status status)
+{
+    state->status = status;
+    (void)XML_StopParser(state->parser, XML_FALSE);
+}
+
+/// Fail at the line where the parser is.
+#define FAIL(state, status, ...)                                                                                            \
+    stop(state, error_set((state)->error, status, BAT_NO_INDEX, current_line(state), __VA_ARGS__))
+
+static const char *attribute(const XML_Char **attributes, const char *name)
+{
+    for (; attributes[0] != NULL; attributes += 2)
+        if (strcmp(attributes[0], name) == 0)
+            return attributes[1];
+    return NULL;
+}
+
+/// A whole number that is the value of an attribute, at most `most`.
+static bool whole_attribute(xml_state *state, const XML_Char **attributes, const char *name, size_t most, size_t *value)
+{
+    const char *text = attribute(attributes, name);
+    size_t number = 0, digits = 0;
+    for (; text != NULL && text[digits] >= '0' && text[digits] <= '9' && number <= most; digits++)
+        number = 10 * number + (size_t)(text[digits] - '0');
+    if (digits == 0 || text[digits] != '\0' || number > most)
+    {
+        FAIL(state, BAT_BAD_FILE, "the attribute '%s' is missing or not a whole number up to %zu", name, most);
+        return false;
+    }
+    *value = number;
+    return true;
+}
+
+static bool type_is(const XML_Char **attributes, const char *type)
+{
+    const char *value = attribute(attributes, "type");
+    return value != NULL && strcmp(value, type) == 0;
+}
+
+/// A geometry of a type that is not read may stand beside one that is.
+static xml_element pass_over(xml_state *state, const XML_Char **attributes)
+{
+    if (state->other_line == 0)
+    {
+        const char *type = attribute(attributes, "type");
+        type = type != NULL ? type : "";
+        (void)text_excerpt(state->other_type, type, type + strlen(type));
+        state->other_line = current_line(state);
+    }
+    return XML_OTHER;
+}
+
+static xml_element begin_geometry(xml_state *state, const XML_Char **attributes)
+{
+    xml_surface *surface = state->surface;
+    bool truncated = type_is(attributes, "THBSpline2"), plain = type_is(attributes, "HBSpline2");
+    if (!truncated && !plain && !type_is(attributes, "TensorBSpline2"))
+        return pass_over(state, attributes);
+    if (surface->line > 0)
+        FAIL(state, BAT_UNSUPPORTED, "this is a second surface; files of one are read");
+    surface->hierarchical = truncated || plain;
+    surface->truncated = !plain;
+    surface->line = current_line(state);
+    return XML_GEOMETRY;
+}
+
+static xml_element begin_box(xml_state *state, const XML_Char **attributes)
+{
+    xml_surface *surface = state->surface;
+    void *boxes = surface->boxes;
+    size_t level;
+    if (!whole_attribute(state, attributes, "level", UINT32_MAX, &level))
+        return XML_OTHER;
+    if (!array_grow(&boxes, &surface->box_capacity, surface->box_count + 1, sizeof *surface->boxes))
+    {
+        stop(state, error_memory(state->error, surface->box_count * sizeof *surface->boxes));
+        return XML_OTHER;
+    }
+    surface->boxes = boxes;
+    surface->boxes[surface->box_count] = (surface_box){.level = level, .line = current_line(state)};
+    return XML_BOX;
+}
+
+/// Numbers other than in plain text and in our order.
+static bool is_plain(xml_state *state, const XML_Char **attributes)
+{
+    const char *format = attribute(attributes, "format"), *order = attribute(attributes, "order");
+    if ((format == NULL || strcmp(format, "ASCII") == 0 || strcmp(format, "ascii") == 0) && order == NULL)
+        return true;
+    FAIL(state, BAT_UNSUPPORTED, "only numbers in ASCII, point after point, are read");
+    return false;
+}
+
+static xml_element begin_knots(xml_state *state, const XML_Char **attributes)
+{
+    xml_surface *surface = state->surface;
+    size_t degree;
+    if (surface->directions == 2)
+        FAIL(state, BAT_BAD_FILE, "a surface has two knot vectors; this is a third");
+    else if (whole_attribute(state, attributes, "degree", BAT_SPLINE_MAX_DEGREE, &degree) && is_plain(state, attributes))
+    {
+        surface->degree[surface->directions] = (int)degree;
+        return XML_KNOTS;
+    }
+    return XML_OTHER;
+}
+
+static xml_element begin_control(xml_state *state, const XML_Char **attributes)
+{
+    xml_surface *surface = state->surface;
+    if (surface->control.line > 0)
+        FAIL(state, BAT_BAD_FILE, "the surface has coefficients already");
+    else if (whole_attribute(state, attributes, "geoDim", UINT32_MAX, &surface->dimension) && is_plain(state, attributes))
+        return XML_CONTROL;
+    return XML_OTHER;
+}
+
+static xml_element begin_hierarchy(xml_state *state, const XML_Char **attributes)
+{
+    const char *manual = attribute(attributes, "manualLevels");
+    if (manual == NULL || strcmp(manual, "true") != 0)
+        return XML_HIERARCHY;
+    FAIL(state, BAT_UNSUPPORTED, "levels with knots of their own are not read, only those of halved spans");
+    return XML_OTHER;
+}
+
+/// What an element is, by its name, its type and where it stands.
+static xml_element begin_element(xml_state *state, const char *name, const XML_Char **attributes)
+{
+    const xml_surface *surface = state->surface;
+    bool basis = strcmp(name, "Basis") == 0;
+    switch (state->open[state->depth])
+    {
+    case XML_OUTSIDE:
+        if (strcmp(name, "xml") == 0)
+            return XML_ROOT;
+        break;
+    case XML_ROOT:
+        return strcmp(name, "Geometry") == 0 ? begin_geometry(state, attributes) : XML_OTHER;
+    case XML_GEOMETRY:
+        if (strcmp(name, "coefs") == 0)
+            return begin_control(state, attributes);
+        if (basis && surface->hierarchical && type_is(attributes, surface->truncated ? "THBSplineBasis2" : "HBSplineBasis2"))
+            return begin_hierarchy(state, attributes);
+        if (basis && !surface->hierarchical && type_is(attributes, "TensorBSplineBasis2"))
+            return XML_TENSOR;
+        break;
+    case XML_HIERARCHY:
+        if (basis && type_is(attributes, "TensorBSplineBasis2"))
+            return XML_TENSOR;
+        if (strcmp(name, "box") == 0)
+            return begin_box(state, attributes);
+        break;
+    case XML_TENSOR:
+        if (basis && type_is(attributes, "BSplineBasis"))
+            return XML_UNIVARIATE;
+        break;
+    case XML_UNIVARIATE:
+        if (strcmp(name, "KnotVector") == 0)
+            return begin_knots(state, attributes);
+        break;
+    case XML_OTHER:
+        return XML_OTHER;
+    case XML_KNOTS:
+    case XML_BOX:
+    case XML_CONTROL:
+        break;
+    }
+    char excerpt[EXCERPT_SIZE];
+    FAIL(state, BAT_UNSUPPORTED, "an element <%s> of this type is not known in this place",
+         text_excerpt(excerpt, name, name + strlen(name)));
+    return XML_OTHER;
+}
+
+static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char **attributes)
+{
+    xml_state *state = context;
+    if (state->status != BAT_OK)
+        return;
+    if (state->depth == MOST_DEPTH)
+    {
+        FAIL(state, BAT_BAD_FILE, "elements are nested more than %d deep", MOST_DEPTH);
+        return;
+    }
+    xml_element element = begin_element(state, name, attributes);
+    state->open[++state->depth] = element;
+    state->content.size = 0;
+    state->content_line = current_line(state);
+    if (state->status == BAT_OK && text_reserve(&state->content, 0) == NULL)
+        stop(state, error_memory(state->error, state->content.size));
+}
+
+static bool holds_numbers(xml_element element)
+{
+    return element == XML_KNOTS || element == XML_BOX || element == XML_CONTROL;
+}
+
+static void XMLCALL on_text(void *context, const XML_Char *text, int size)
+{
+    xml_state *state = context;
+    if (state->status != BAT_OK || !holds_numbers(state->open[state->depth]))
+        return;
+    if (state->content.size == 0)
+        state->content_line = current_line(state);
+    text_append(&state->content, text, (size_t)size);
+    if (state->content.failed)
+        stop(state, error_memory(state->error, state->content.size));
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+static bat_status bad_number(const xml_state *state, const char *begin, const char *at, const char *end)
+{
+    size_t line = state->content_line;
+    for (const char *c = begin; c < at; c++)
+        line += *c == '\n';
+    const char *word_end = at;
+    while (word_end < end && !is_blank(*word_end))
+        word_end++;
+    char excerpt[EXCERPT_SIZE];
+    return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a number",
+                     text_excerpt(excerpt, at, word_end));
+}
+
+/// Read the open element's content.
+static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
+{
+    const char *at = state->content.data, *begin = at, *end = at + state->content.size;
+    void *values = NULL;
+    size_t count = 0, capacity = 0;
+    bat_status status = BAT_OK;
+    while (status == BAT_OK)
+    {
+        while (at < end && is_blank(*at))
+            at++;
+        if (at == end)
+            break;
+        double value;
+        const char *after = number_scan(at, end, &value);
+        if (after == NULL || (after < end && !is_blank(*after)))
+            status = bad_number(state, begin, at, end);
+        else if (!array_grow(&values, &capacity, count + 1, sizeof value))
+            status = error_memory(state->error, (count + 1) * sizeof value);
+        else
+        {
+            ((double *)values)[count++] = value;
+            at = after;
+        }
+    }
+    *numbers = (xml_numbers){values, count, state->content_line};
+    return status;
+}
+
+/// The four whole numbers of a box.
+static bat_status read_box(const xml_state *state, surface_box *box)
+{
+    xml_numbers numbers;
+    bat_status status = read_numbers(state, &numbers);
+    bool whole = numbers.count == 4;
+    for (size_t i = 0; i < 4 && whole; i++)
+        whole = numbers.values[i] >= 0 && numbers.values[i] <= UINT32_MAX &&
+                numbers.values[i] == (double)(uint32_t)numbers.values[i];
+    if (status == BAT_OK && !whole)
+        status = error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
+                           "a box is four whole numbers: where it begins and ends in each direction");
+    for (size_t d = 0; d < 2 && status == BAT_OK; d++)
+    {
+        box->low[d] = (uint64_t)numbers.values[d];
+        box->high[d] = (uint64_t)numbers.values[2 + d];
+    }
+    free(numbers.values);
+    return status;
+}
+
+static void XMLCALL on_end(void *context, const XML_Char *name)
+{
+    (void)name; // the parser sees that it is the open one's
+    xml_state *state = context;
+    if (state->status != BAT_OK)
+        return;
+    xml_surface *surface = state->surface;
+    bat_status status = BAT_OK;
+    switch (state->open[state->depth])
+    {
+    case XML_KNOTS:
+        status = read_numbers(state, &surface->knots[surface->directions++]);
+        break;
+    case XML_BOX:
+        status = read_box(state, &surface->boxes[surface->box_count++]);
+        break;
+    case XML_CONTROL:
+        status = read_numbers(state, &surface->control);
+        break;
+    default:
+        break;
+    }
+    state->depth--;
+    if (status != BAT_OK)
+        stop(state, status);
+}
+
+/// Entities can blow up a text without bound, and no file of G+Smo has any.
+static void XMLCALL on_document_type(void *context, const XML_Char *name, const XML_Char *system,
+                                     const XML_Char *public_name, int internal)
+{
+    (void)name, (void)system, (void)public_name, (void)internal;
+    xml_state *state = context;
+    FAIL(state, BAT_UNSUPPORTED, "document types are not read");
+}
+
+/// Hand the text to the parser in pieces whose size it can count.
+static void parse_pieces(xml_state *state, const file_text *text)
+{
+    enum
+    {
+        PIECE = 1 << 24
+    };
+    size_t at = 0;
+    enum XML_Status parsed = XML_STATUS_OK;
+    bool last = false;
+    while (!last && parsed == XML_STATUS_OK)
+    {
+        size_t left = text->size - at, size = left < PIECE ? left : PIECE;
+        last = size == left;
+        parsed = XML_Parse(state->parser, text->data + at, (int)size, last);
+        at += size;
+    }
+    if (state->status != BAT_OK || parsed == XML_STATUS_OK)
+        return;
+    enum XML_Error code = XML_GetErrorCode(state->parser);
+    state->status = code == XML_ERROR_NO_MEMORY ? error_memory(state->error, text->size)
+                                                : error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, current_line(state),
+                                                            "%s", XML_ErrorString(code));
+}
+
+/// See that a file held a surface, whole.
+static bat_status check_whole(const xml_state *state)
+{
+    const xml_surface *surface = state->surface;
+    if (surface->line == 0 && state->other_line > 0)
+        return error_set(state->error, BAT_UNSUPPORTED, BAT_NO_INDEX, state->other_line,
+                         "a geometry of type '%s' is not read; THBSpline2, HBSpline2 and TensorBSpline2 are",
+                         state->other_type);
+    if (surface->line == 0)
+        return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no element <Geometry>");
+    if (surface->directions < 2)
+        return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks a <KnotVector>");
+    if (surface->control.line == 0)
+        return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks <coefs>");
+    return BAT_OK;
+}
+
+/// @return BAT_OK with all elements there; BAT_BAD_FILE or BAT_UNSUPPORTED with the line; BAT_NO_MEMORY. Release `surface`
+///         in any case
+static bat_status xml_surface_parse(const file_text *text, xml_surface *surface, bat_error *error)
+{
+    *surface = (xml_surface){0};
+    xml_state state = {.surface = surface, .error = error};
+    state.parser = XML_ParserCreate(NULL);
+    if (state.parser == NULL)
+        return error_memory(error, sizeof state);
+    XML_SetUserData(state.parser, &state);
+    XML_SetElementHandler(state.parser, on_begin, on_end);
+    XML_SetCharacterDataHandler(state.parser, on_text);
+    XML_SetStartDoctypeDeclHandler(state.parser, on_document_type);
+    parse_pieces(&state, text);
+    bat_status status = state.status == BAT_OK ? check_whole(&state) : state.status;
+    XML_ParserFree(state.parser);
+    text_free(&state.content);
+    return status;
+}
+
+/// How far a knot may be from its place, as a share of the domain: G+Smo writes knots with six digits.
+static const double knot_digits = 1e-6;
+/// The same as a share of a span.
+static const double span_share = 0.01;
+
+/// Whether a range of knots has one value.
+static bool all_equal(const double *knots, size_t count)
+{
+    for (size_t i = 1; i < count; i++)
+        if (knots[i] != knots[0])
+            return false;
+    return true;
+}
+
+/// The number of spans of a clamped uniform knot vector; 0 where it is none.
+static size_t uniform_spans(const xml_numbers *knots, size_t degree)
+{
+    size_t clamped = degree + 1;
+    if (knots->count < 2 * clamped || !all_equal(knots->values, clamped) ||
+        !all_equal(knots->values + knots->count - clamped, clamped))
+        return 0;
+    const double *breaks = knots->values + degree;
+    size_t spans = knots->count - 2 * clamped + 1;
+    double length = breaks[spans] - breaks[0], step = length / (double)spans;
+    double tolerance = fmin(knot_digits * length, span_share * step);
+    if (!(length > 0) || !isfinite(length))
+        return 0;
+    for (size_t i = 1; i < spans; i++)
+        if (!(fabs(breaks[i] - (breaks[0] + (double)i * step)) <= tolerance))
+            return 0;
+    return spans;
+}
+
+static bat_status read_options(const xml_surface *from, bat_hierarchical_options *options, bat_error *error)
+{
+    *options = bat_hierarchical_defaults();
+    options->truncated = from->truncated;
+    for (int d = 0; d < 2; d++)
+    {
+        const xml_numbers *knots = &from->knots[d];
+        if (from->degree[d] < 1)
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, knots->line, "splines of degree 0 are not read");
+        options->degree[d] = from->degree[d];
+        options->spans[d] = uniform_spans(knots, (size_t)from->degree[d]);
+        if (options->spans[d] == 0 || options->spans[d] > UINT32_MAX)
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, knots->line,
+                             "only uniform knots are read, with %d equal ones at either end", from->degree[d] + 1);
+    }
+    return BAT_OK;
+}
+
+bat_status surface_xml_read(const file_text *text, bat_spline_surface *surface, bat_error *error)
+{
+    xml_surface from;
+    bat_hierarchical_options options;
+    bat_hierarchical_space *space = NULL;
+    bat_status status = xml_surface_parse(text, &from, error);
+    if (status == BAT_OK)
+        status = read_options(&from, &options, error);
+    if (status == BAT_OK && (from.dimension == 0 || from.control.count % from.dimension != 0))
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, from.control.line,
+                           "%zu numbers are not points of %zu coordinates", from.control.count, from.dimension);
+    if (status == BAT_OK)
+        status = surface_space_make(&options, from.boxes, from.box_count, from.control.line,
+                                    from.control.count / from.dimension, &space, error);
+    if (status == BAT_OK)
+    {
+        *surface = (bat_spline_surface){.space = space, .control = from.control.values, .dimension = from.dimension};
+        from.control.values = NULL;
+    }
+    xml_surface_free(&from);
+    return status;
+}
