@@ -9,7 +9,7 @@
 #include <string.h>
 
 /// The least cosine between the normals of a face before and after a change.
-#define LEAST_COSINE 0.2
+#define MIN_COSINE 0.2
 
 void edit_mesh_free(edit_mesh *edit)
 {
@@ -84,7 +84,7 @@ edit_corner edit_corner_of(const edit_mesh *edit, uint32_t vertex)
         bool known = false;
         for (size_t i = 0; i < corner.mark_count; i++)
             known = known || corner.marks[i] == mark;
-        if (!known && corner.mark_count < EDIT_MOST_MARKS)
+        if (!known && corner.mark_count < EDIT_MAX_MARKS)
             corner.marks[corner.mark_count++] = mark;
         corner.feature_count += edit_is_feature(edit, h);
         h = edit_turn(edit, h);
@@ -110,7 +110,7 @@ void edit_normal(const edit_mesh *edit, size_t face, double normal[3])
 /// Whether normals, of any length, look the same way. One without length, of a face that had collapsed, looks every way.
 static bool agree(const double *before, const double *after)
 {
-    return vector3_dot(before, after) >= LEAST_COSINE * sqrt(vector3_dot(before, before) * vector3_dot(after, after));
+    return vector3_dot(before, after) >= MIN_COSINE * sqrt(vector3_dot(before, before) * vector3_dot(after, after));
 }
 
 /// Whether a face keeps looking its way when one of its vertices moves.

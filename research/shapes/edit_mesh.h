@@ -54,13 +54,13 @@ size_t edit_valence(const edit_mesh *edit, uint32_t vertex);
 
 enum
 {
-    EDIT_MOST_MARKS = 4
+    EDIT_MAX_MARKS = 4
 };
 
 /// What meets at a vertex.
 typedef struct edit_corner
 {
-    size_t marks[EDIT_MOST_MARKS]; ///< up to four different ones
+    size_t marks[EDIT_MAX_MARKS]; ///< up to four different ones
     size_t mark_count;
     size_t feature_count; ///< of the edges: 0 on a surface, 2 along a feature, else where features end or meet
 } edit_corner;

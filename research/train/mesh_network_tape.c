@@ -590,7 +590,7 @@ static learn_array *evaluate(learn_tape *tape, mesh_module module, const tape_fl
 void mesh_network_refine(learn_tape *tape, mesh_network_form form, const mesh_levels *levels, learn_array *positions,
                          learn_array **states)
 {
-    flap_view view = {.fixed = form.fixed_frames, .relative = form.relative};
+    flap_frame_options view = {.fixed = form.fixed_frames, .relative = form.relative};
     learn_array *state = form.no_differences ? positions : tape_flap_differences(tape, &levels->level[0], positions);
     tape_flap_local local = tape_flap_localize(tape, &levels->level[0], view, state, form.no_differences ? 0 : 1);
     state = tape_flap_move(tape, &local, evaluate(tape, MESH_MODULE_INIT, &local, state), state);

@@ -7,7 +7,7 @@
 enum
 {
     /// Numbers in the velocities that files can hold.
-    MOST_VELOCITIES = 6
+    MAX_VELOCITIES = 6
 };
 
 /// A field of a row.
@@ -32,7 +32,7 @@ bool csv_columns_use_form(csv_columns *columns, const point_form *form);
 typedef struct motion_channels
 {
     size_t time; ///< BAT_NO_INDEX without times
-    size_t velocity[MOST_VELOCITIES];
+    size_t velocity[MAX_VELOCITIES];
     size_t velocity_count; ///< 0 without velocities
 } motion_channels;
 

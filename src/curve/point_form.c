@@ -130,17 +130,17 @@ const point_form *point_form_find(const char *space, const column_names *columns
 static const point_form *nearest_form(const char *space, const column_names *columns, const char **missing)
 {
     const point_form *nearest = NULL;
-    size_t most = 0;
+    size_t max_found = 0;
     for (size_t i = 0; i < FORM_COUNT; i++)
     {
         const char *absent;
         if (strcmp(FORMS[i].space, space) != 0)
             continue;
         size_t found = count_found(columns, FORMS[i].names, &absent);
-        if (nearest != NULL && found <= most)
+        if (nearest != NULL && found <= max_found)
             continue;
         nearest = &FORMS[i];
-        most = found;
+        max_found = found;
         *missing = absent;
     }
     return nearest;

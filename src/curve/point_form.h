@@ -19,7 +19,7 @@ typedef enum rotation_form
 enum
 {
     /// Columns of a point in any form.
-    MOST_FORM_COLUMNS = 12
+    MAX_FORM_COLUMNS = 12
 };
 
 /// One way to write the points of a space.

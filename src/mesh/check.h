@@ -4,6 +4,6 @@
 #include "batten/mesh.h"
 
 /// bat_mesh_check(), but faces may have the same vertex twice.
-bat_status mesh_check_but_degenerate(const bat_mesh *mesh, bat_error *error);
+bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error);
 
 #endif

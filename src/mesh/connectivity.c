@@ -58,16 +58,16 @@ static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uin
     for (uint32_t h = 0; h < count; h++)
     {
         uint32_t a = faces[h], b = end_of(faces, h);
-        bool a_is_poorer = faces_at[a] != faces_at[b] ? faces_at[a] < faces_at[b] : a < b;
-        uint32_t poor = a_is_poorer ? a : b, rich = a_is_poorer ? b : a;
+        bool a_is_low = faces_at[a] != faces_at[b] ? faces_at[a] < faces_at[b] : a < b;
+        uint32_t low = a_is_low ? a : b, high = a_is_low ? b : a;
         twin[h] = BAT_MESH_NONE;
-        uint32_t other = head[poor];
-        while (other != BAT_MESH_NONE && faces[other] != rich && end_of(faces, other) != rich)
+        uint32_t other = head[low];
+        while (other != BAT_MESH_NONE && faces[other] != high && end_of(faces, other) != high)
             other = chain[other];
         if (other == BAT_MESH_NONE)
         {
-            chain[h] = head[poor];
-            head[poor] = h;
+            chain[h] = head[low];
+            head[low] = h;
             continue;
         }
         if (twin[other] != BAT_MESH_NONE)

@@ -143,7 +143,7 @@ static bat_status check_marks(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-bat_status mesh_check_but_degenerate(const bat_mesh *mesh, bat_error *error)
+bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = check_faces(mesh, error);
     if (status == BAT_OK)
@@ -153,6 +153,6 @@ bat_status mesh_check_but_degenerate(const bat_mesh *mesh, bat_error *error)
 
 bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
 {
-    bat_status status = mesh_check_but_degenerate(mesh, error);
+    bat_status status = mesh_check_except_degenerate(mesh, error);
     return status == BAT_OK ? check_degenerate(mesh, error) : status;
 }

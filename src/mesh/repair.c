@@ -52,17 +52,17 @@ static void sort_by(const uint32_t *items, size_t count, uint32_t (*key)(const r
 }
 
 /// The corner of a face with its least vertex.
-static uint32_t least_corner(const repair_work *work, uint32_t face)
+static uint32_t smallest_corner(const repair_work *work, uint32_t face)
 {
     const uint32_t *corner = work->faces + 3 * (size_t)face;
-    uint32_t least = corner[1] < corner[0] ? 1 : 0;
-    return corner[2] < corner[least] ? 2 : least;
+    uint32_t smallest = corner[1] < corner[0] ? 1 : 0;
+    return corner[2] < corner[smallest] ? 2 : smallest;
 }
 
 /// The vertex of a face that comes `steps` corners after its least one.
 static uint32_t cyclic_vertex(const repair_work *work, uint32_t face, uint32_t steps)
 {
-    return work->faces[3 * (size_t)face + (least_corner(work, face) + steps) % 3];
+    return work->faces[3 * (size_t)face + (smallest_corner(work, face) + steps) % 3];
 }
 
 static uint32_t first_vertex(const repair_work *work, uint32_t face)
@@ -191,41 +191,41 @@ static bool repair_join_faces(repair_work *work, bat_mesh_repair_report *report)
 /// How a face is turned, while a piece is walked through.
 enum
 {
-    UNSEEN,
-    AS_IT_IS,
+    UNVISITED,
+    UNTURNED,
     TURNED
 };
 
 /// Walk through the piece of a face and say of each face how it must be turned to run as the first. The faces are appended
 /// to `queue`; returns its new length.
-static size_t walk_piece(const repair_work *work, uint32_t first, unsigned char *turn, uint32_t *queue, size_t begin)
+static size_t propagate_turns(const repair_work *work, uint32_t first, unsigned char *turn, uint32_t *queue, size_t begin)
 {
     size_t end = begin;
-    turn[first] = AS_IT_IS;
+    turn[first] = UNTURNED;
     queue[end++] = first;
     for (size_t i = begin; i < end; i++)
         for (uint32_t h = 3 * queue[i]; h < 3 * queue[i] + 3; h++)
         {
             uint32_t twin = work->twin[h];
-            if (twin == BAT_MESH_NONE || turn[twin / 3] != UNSEEN)
+            if (twin == BAT_MESH_NONE || turn[twin / 3] != UNVISITED)
                 continue;
             bool against = work->faces[twin] == work->faces[h];
             unsigned char here = turn[queue[i]];
-            turn[twin / 3] = against ? (unsigned char)(AS_IT_IS + TURNED - here) : here;
+            turn[twin / 3] = against ? (unsigned char)(UNTURNED + TURNED - here) : here;
             queue[end++] = twin / 3;
         }
     return end;
 }
 
 /// Turn the lesser part of a piece.
-static void settle_piece(const uint32_t *piece, size_t count, unsigned char *turn)
+static void turn_minority(const uint32_t *piece, size_t count, unsigned char *turn)
 {
     size_t turned = 0;
     for (size_t i = 0; i < count; i++)
         turned += turn[piece[i]] == TURNED;
     bool other = turned > count - turned;
     for (size_t i = 0; i < count && other; i++)
-        turn[piece[i]] = (unsigned char)(AS_IT_IS + TURNED - turn[piece[i]]);
+        turn[piece[i]] = (unsigned char)(UNTURNED + TURNED - turn[piece[i]]);
 }
 
 /// Where a half-edge is after its face was turned by exchanging corners 1 and 2.
@@ -270,10 +270,10 @@ static bool repair_orient_faces(repair_work *work, bat_mesh_repair_report *repor
     size_t begin = 0;
     for (uint32_t f = 0; f < work->face_count; f++)
     {
-        if (turn[f] != UNSEEN)
+        if (turn[f] != UNVISITED)
             continue;
-        size_t end = walk_piece(work, f, turn, queue, begin);
-        settle_piece(queue + begin, end - begin, turn);
+        size_t end = propagate_turns(work, f, turn, queue, begin);
+        turn_minority(queue + begin, end - begin, turn);
         begin = end;
     }
     turn_faces(work, turn, report);
@@ -581,7 +581,7 @@ bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *repor
 {
     bat_mesh_repair_report done = {0};
     repair_work work = {0};
-    bat_status status = mesh_check_but_degenerate(broken, error);
+    bat_status status = mesh_check_except_degenerate(broken, error);
     if (status != BAT_OK)
         return status;
     bool room = work_begin(broken, &work) && repair_drop_faces(&work, &done);

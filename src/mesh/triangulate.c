@@ -17,10 +17,10 @@ typedef struct outline
     double normal[3];
 } outline;
 
-void polygon_room_free(polygon_room *room)
+void polygon_workspace_free(polygon_workspace *workspace)
 {
-    free(room->numbers);
-    *room = (polygon_room){0};
+    free(workspace->numbers);
+    *workspace = (polygon_workspace){0};
 }
 
 /// Corner `i` as seen from corner 0.
@@ -39,7 +39,7 @@ typedef struct corner_triangle
     double squares; ///< the sum of the squares of its sides
 } corner_triangle;
 
-static corner_triangle look_at(const outline *polygon, size_t i, size_t j, size_t k)
+static corner_triangle triangle_at(const outline *polygon, size_t i, size_t j, size_t k)
 {
     double a[3], b[3], c[3], ab[3], ac[3], bc[3], normal[3];
     corner_at(polygon, i, a);
@@ -97,7 +97,7 @@ static void put_fan(uint32_t *out, size_t count)
 }
 
 /// The worse of two triangles: its area for the squares of its sides, which is greatest for an equilateral one.
-static double worse_quality(corner_triangle a, corner_triangle b)
+static double min_quality(corner_triangle a, corner_triangle b)
 {
     double first = a.squares > 0 ? a.area / a.squares : 0.0, second = b.squares > 0 ? b.area / b.squares : 0.0;
     return fmin(first, second);
@@ -105,8 +105,8 @@ static double worse_quality(corner_triangle a, corner_triangle b)
 
 static void cut_quad(const outline *quad, uint32_t *out)
 {
-    double even = worse_quality(look_at(quad, 0, 1, 2), look_at(quad, 0, 2, 3));
-    double odd = worse_quality(look_at(quad, 1, 2, 3), look_at(quad, 1, 3, 0));
+    double even = min_quality(triangle_at(quad, 0, 1, 2), triangle_at(quad, 0, 2, 3));
+    double odd = min_quality(triangle_at(quad, 1, 2, 3), triangle_at(quad, 1, 3, 0));
     size_t begin = odd > even ? 1 : 0;
     put_triangle(&out, begin, begin + 1, begin + 2);
     put_triangle(&out, begin, begin + 2, (begin + 3) % 4);
@@ -116,7 +116,7 @@ static bool is_convex(const outline *polygon)
 {
     size_t count = polygon->count;
     for (size_t i = 0; i < count; i++)
-        if (!(look_at(polygon, i, (i + 1) % count, (i + 2) % count).area > 0))
+        if (!(triangle_at(polygon, i, (i + 1) % count, (i + 2) % count).area > 0))
             return false;
     return true;
 }
@@ -143,11 +143,11 @@ static bool is_ear(const ear_ring *ring, uint32_t b)
 {
     const outline *polygon = ring->polygon;
     uint32_t a = ring->previous[b], c = ring->next[b];
-    if (!(look_at(polygon, a, b, c).area > 0))
+    if (!(triangle_at(polygon, a, b, c).area > 0))
         return false;
     for (uint32_t i = ring->next[c]; i != a; i = ring->next[i])
-        if (look_at(polygon, a, b, i).area >= 0 && look_at(polygon, b, c, i).area >= 0 &&
-            look_at(polygon, c, a, i).area >= 0 && !same_place(polygon, i, a) && !same_place(polygon, i, b) &&
+        if (triangle_at(polygon, a, b, i).area >= 0 && triangle_at(polygon, b, c, i).area >= 0 &&
+            triangle_at(polygon, c, a, i).area >= 0 && !same_place(polygon, i, a) && !same_place(polygon, i, b) &&
             !same_place(polygon, i, c))
             return false;
     return true;
@@ -181,7 +181,7 @@ static void cut_ears(const ear_ring *ring, uint32_t *out)
 }
 
 bat_status polygon_triangulate(const double *positions, const uint32_t *corners, size_t count, uint32_t *triangles,
-                               polygon_room *room)
+                               polygon_workspace *workspace)
 {
     outline polygon = outline_of(positions, corners, count);
     if (count == 4)
@@ -194,17 +194,17 @@ bat_status polygon_triangulate(const double *positions, const uint32_t *corners,
         put_fan(triangles, count);
         return BAT_OK;
     }
-    if (count > POLYGON_MOST_EARS)
+    if (count > POLYGON_MAX_EARS)
         return BAT_TOO_LARGE;
-    if (3 * count > room->capacity)
+    if (3 * count > workspace->capacity)
     {
-        polygon_room_free(room);
-        room->numbers = memory_array(3 * count, sizeof *room->numbers);
-        if (room->numbers == NULL)
+        polygon_workspace_free(workspace);
+        workspace->numbers = memory_array(3 * count, sizeof *workspace->numbers);
+        if (workspace->numbers == NULL)
             return BAT_NO_MEMORY;
-        room->capacity = 3 * count;
+        workspace->capacity = 3 * count;
     }
-    ear_ring ring = {&polygon, room->numbers, room->numbers + count, room->numbers + 2 * count};
+    ear_ring ring = {&polygon, workspace->numbers, workspace->numbers + count, workspace->numbers + 2 * count};
     cut_ears(&ring, triangles);
     return BAT_OK;
 }

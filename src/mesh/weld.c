@@ -62,7 +62,7 @@ bat_status bat_mesh_weld(const bat_mesh *mesh, double distance, size_t *merged, 
 {
     if (!(distance >= 0) || !isfinite(distance))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the distance of welding is %g", distance);
-    bat_status status = mesh_check_but_degenerate(mesh, error);
+    bat_status status = mesh_check_except_degenerate(mesh, error);
     if (status != BAT_OK)
         return status;
     size_t count = mesh->vertex_count, kept_count = 0;

@@ -103,7 +103,7 @@ static bat_status take_velocities(const bat_curve *curve, const point_form *form
     const bat_space *space = keys->space;
     for (size_t i = 0; i < keys->count; i++)
     {
-        double velocity[MOST_VELOCITIES];
+        double velocity[MAX_VELOCITIES];
         for (size_t j = 0; j < channels->velocity_count; j++)
             velocity[j] = curve->channels[i * curve->channel_count + channels->velocity[j]];
         if (!point_form_tangent(form, space, keys->points + i * space->point_dim, velocity,
@@ -262,8 +262,8 @@ static bool name_columns(const bat_curve_set *set, const point_form *form, const
     static const char *const degrees[] = {"lon", "lat", NULL}, *const none[] = {NULL};
     bool globe = set->attributes != NULL && set->attributes->csv.degrees;
     const char *const *points = globe ? degrees : form->names, *const *velocities = globe ? none : form->velocities;
-    csv_field fields[1 + MOST_FORM_COLUMNS + MOST_VELOCITIES];
-    const char *names[1 + MOST_FORM_COLUMNS + MOST_VELOCITIES];
+    csv_field fields[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
+    const char *names[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
     size_t count = 0;
     if (wanted->time != BAT_NO_INDEX)
         names[count++] = "time";
@@ -316,7 +316,7 @@ static bat_status fill_channels(const bat_hermite_curve *smooth, const result_co
     const motion_channels *places = &columns->channels;
     for (size_t i = 0; i < curve->count; i++)
     {
-        double *row = curve->channels + i * curve->channel_count, velocity[MOST_VELOCITIES];
+        double *row = curve->channels + i * curve->channel_count, velocity[MAX_VELOCITIES];
         if (places->time != BAT_NO_INDEX)
             row[places->time] = smooth->times[i];
         if (places->velocity_count > 0 && !point_form_velocity(columns->form, space, smooth->points + i * space->point_dim,

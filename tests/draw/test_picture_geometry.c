@@ -172,7 +172,7 @@ static void globe_is_cut_at_the_limb(void **state)
     (void)state;
     const double corners[] = {1.0, 0.0, 0.0, -0.6, 0.8, 0.0, -0.48, -0.36, 0.8};
     draw_view view = unit_view(VIEW_GLOBE, &sphere);
-    view_face(&view, 0.3, 0.2);
+    view_set_globe(&view, 0.3, 0.2);
     for (int side = VIEW_FRONT; side <= VIEW_BACK; side++)
     {
         recording log = {0};
@@ -222,7 +222,7 @@ static void globe_halves_a_great_circle(void **state)
         set_direction(circle.points + 3 * i, 2.0 * PI * ((double)i + 0.37) / 360.0, 0.0);
     }
     draw_view view = unit_view(VIEW_GLOBE, &sphere);
-    view_face(&view, 1.0, 0.5);
+    view_set_globe(&view, 1.0, 0.5);
     for (int side = VIEW_FRONT; side <= VIEW_BACK; side++)
     {
         recording log = {0};
@@ -363,7 +363,7 @@ static void automatic_view_finds_the_middle(void **state)
     {
         bat_curve circle = make_curve(&sphere, 500, true);
         draw_view view = unit_view(VIEW_GLOBE, &sphere);
-        view_face(&view, longitudes[i], latitudes[i]);
+        view_set_globe(&view, longitudes[i], latitudes[i]);
         for (size_t k = 0; k < circle.count; k++)
         {
             double angle = 2.0 * PI * (double)k / (double)circle.count;
@@ -473,7 +473,7 @@ static void comb_of_a_line_is_flat(void **state)
     }
     comb teeth;
     assert_int_equal(comb_make(&line, &teeth, NULL), BAT_OK);
-    assert_true(teeth.count <= COMB_MOST && teeth.count > COMB_MOST / 2);
+    assert_true(teeth.count <= COMB_MAX_POINTS && teeth.count > COMB_MAX_POINTS / 2);
     double scale;
     assert_int_equal(comb_natural_scale(&teeth, 1.0, 2.0, &scale, NULL), BAT_OK);
     assert_true(isinf(scale));

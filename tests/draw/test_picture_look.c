@@ -90,7 +90,7 @@ static void frames_hold_the_box_of_solid_curves(void **state)
     }
     assert_true(frame->box_low[0] == low && frame->box_high[0] == high);
     draw_view view = {.kind = VIEW_FLAT, .space = VIEW_SOLID, .point_dim = 3};
-    view_face_solid(&view);
+    view_set_solid(&view);
     for (unsigned corner = 0; corner < 8; corner++)
     {
         double point[3];

@@ -458,7 +458,7 @@ static void test_quadrics(void **state)
     // The planes go through the centre; seen from elsewhere, the centre lies at -meet.
     quadric moved = quadric_moved(&sum, (const double[3]){-meet[0], -meet[1], -meet[2]});
     double least[3], at[3] = {1, 1, 1}, expected = 0;
-    assert_true(quadric_least(&moved, 0, least));
+    assert_true(quadric_minimize(&moved, 0, least));
     for (int i = 0; i < 3; i++)
     {
         check_near(least[i], meet[i], 1e-12);

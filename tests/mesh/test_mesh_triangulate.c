@@ -44,10 +44,10 @@ static double area_of(const drawing *polygon, size_t i, size_t j, size_t k)
 /// areas add up, too, the triangles do not overlap.
 static void check_cut(drawing *polygon, double tolerance)
 {
-    polygon_room room = {0};
-    assert_int_equal(polygon_triangulate(polygon->positions, polygon->corners, polygon->count, polygon->triangles, &room),
-                     BAT_OK);
-    polygon_room_free(&room);
+    polygon_workspace workspace = {0};
+    assert_int_equal(
+        polygon_triangulate(polygon->positions, polygon->corners, polygon->count, polygon->triangles, &workspace), BAT_OK);
+    polygon_workspace_free(&workspace);
     double outline = 0, sum = 0;
     for (size_t i = 0; i + 2 < polygon->count; i++)
         outline += area_of(polygon, 0, i + 1, i + 2);
@@ -162,7 +162,7 @@ static void test_any_scale_and_plane(void **state)
     {
         drawing moved = polygon;
         uint32_t triangles[9];
-        polygon_room room = {0};
+        polygon_workspace workspace = {0};
         for (size_t v = 0; v < 5; v++)
         {
             const double *p = polygon.positions + 3 * v;
@@ -170,9 +170,9 @@ static void test_any_scale_and_plane(void **state)
             moved.positions[3 * v + 1] = scales[i] * (p[1] / 2 + 1);
             moved.positions[3 * v + 2] = -scales[i] * p[0];
         }
-        assert_int_equal(polygon_triangulate(moved.positions, moved.corners, 5, triangles, &room), BAT_OK);
+        assert_int_equal(polygon_triangulate(moved.positions, moved.corners, 5, triangles, &workspace), BAT_OK);
         assert_memory_equal(triangles, polygon.triangles, sizeof triangles);
-        polygon_room_free(&room);
+        polygon_workspace_free(&workspace);
     }
 }
 
@@ -188,23 +188,23 @@ static void test_crossed_and_flat_outlines(void **state)
     for (size_t i = 0; i < 4; i++)
     {
         drawing polygon;
-        polygon_room room = {0};
+        polygon_workspace workspace = {0};
         bool seen[6] = {false};
         draw(&polygon, outlines[i], counts[i]);
-        assert_int_equal(polygon_triangulate(polygon.positions, polygon.corners, counts[i], polygon.triangles, &room),
+        assert_int_equal(polygon_triangulate(polygon.positions, polygon.corners, counts[i], polygon.triangles, &workspace),
                          BAT_OK);
         for (size_t k = 0; k < 3 * (counts[i] - 2); k++)
             seen[polygon.triangles[k]] = true;
         for (size_t k = 0; k < counts[i]; k++)
             assert_true(seen[k]);
-        polygon_room_free(&room);
+        polygon_workspace_free(&workspace);
     }
 }
 
 static void test_too_many_ears(void **state)
 {
     (void)state;
-    size_t count = POLYGON_MOST_EARS + 1;
+    size_t count = POLYGON_MAX_EARS + 1;
     double *positions = calloc(count, 3 * sizeof *positions);
     uint32_t *corners = malloc(count * sizeof *corners), *triangles = malloc(3 * count * sizeof *triangles);
     for (size_t i = 0; i < count; i++)
@@ -214,9 +214,9 @@ static void test_too_many_ears(void **state)
         positions[3 * i] = radius * cos(angle);
         positions[3 * i + 1] = radius * sin(angle);
     }
-    polygon_room room = {0};
-    assert_int_equal(polygon_triangulate(positions, corners, count, triangles, &room), BAT_TOO_LARGE);
-    polygon_room_free(&room);
+    polygon_workspace workspace = {0};
+    assert_int_equal(polygon_triangulate(positions, corners, count, triangles, &workspace), BAT_TOO_LARGE);
+    polygon_workspace_free(&workspace);
     free(positions);
     free(corners);
     free(triangles);

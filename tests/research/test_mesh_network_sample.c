@@ -93,7 +93,7 @@ typedef struct experiment
     mesh_levels levels;
     learn_parameters parameters; ///< the network's, and the positions behind
     mesh_network_form form;
-    flap_view view;
+    flap_frame_options view;
 } experiment;
 
 typedef learn_array *measure(learn_tape *tape, const experiment *e);
@@ -200,7 +200,7 @@ static void derivatives_go_through_frames_and_lengths(void **state)
             for (int relative = 0; relative < 2; relative++)
             {
                 experiment e = make_experiment(missing, (mesh_network_form){0}, 3 + missing);
-                e.view = (flap_view){.fixed = fixed == 1, .relative = relative == 1};
+                e.view = (flap_frame_options){.fixed = fixed == 1, .relative = relative == 1};
                 check_derivatives(&e, measure_sight, SIZE_MAX / 2);
                 experiment_free(&e);
             }

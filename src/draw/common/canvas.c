@@ -193,7 +193,7 @@ bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, 
     }
     cairo_scale(canvas->cairo, scale, scale);
     use_exact_text(canvas->cairo);
-    style_use_colour(canvas->cairo, COLOUR_PAPER);
+    style_use_colour(canvas->cairo, COLOUR_BACKGROUND);
     cairo_paint(canvas->cairo);
     return BAT_OK;
 }

@@ -90,12 +90,12 @@ void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label,
     if (text_given(label) && label_width > gap)
     {
         char cut[256];
-        style_use_colour(cairo, COLOUR_INK);
+        style_use_colour(cairo, COLOUR_FOREGROUND);
         text_cut(cairo, label, label_width - gap, cut, sizeof cut);
         text_draw_middle(cairo, cut, x - gap, y + 0.5 * BAR_HEIGHT, 1.0);
     }
     text_use(cairo, TEXT_TICK, false);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
+    style_use_colour(cairo, COLOUR_MUTED);
     text_draw_middle(cairo, scale_text, x + BAR_WIDTH + gap, y + 0.5 * BAR_HEIGHT, 0.0);
     for (size_t i = 0; i < ticks.count; i++)
     {
@@ -104,7 +104,7 @@ void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label,
         cairo_line_to(cairo, at, y + BAR_HEIGHT + 2.0);
         style_use_line(cairo, (line_style){.colour = COLOUR_FRAME, .width = LINE_FRAME});
         cairo_stroke(cairo);
-        style_use_colour(cairo, COLOUR_SOFT_INK);
+        style_use_colour(cairo, COLOUR_MUTED);
         if (ticks.labelled[i])
             tick_draw(cairo, &ticks, i, at, y + BAR_HEIGHT + 7.5, 0.5);
     }

@@ -15,7 +15,7 @@ static const double TURN = 6.28318530717958647693;
 void legend_ring(cairo_t *cairo, double x, double y, double radius, draw_colour colour)
 {
     cairo_arc(cairo, x, y, radius, 0.0, TURN);
-    style_use_colour(cairo, COLOUR_PAPER);
+    style_use_colour(cairo, COLOUR_BACKGROUND);
     cairo_fill_preserve(cairo);
     style_use_line(cairo, (line_style){colour, fmin(0.9, 0.6 * radius), 0.0, 0.0});
     cairo_stroke(cairo);
@@ -24,7 +24,7 @@ void legend_ring(cairo_t *cairo, double x, double y, double radius, draw_colour 
 void legend_dot(cairo_t *cairo, double x, double y, double radius, draw_colour colour)
 {
     cairo_arc(cairo, x, y, radius + 0.6, 0.0, TURN);
-    style_use_colour(cairo, COLOUR_PAPER);
+    style_use_colour(cairo, COLOUR_BACKGROUND);
     cairo_fill(cairo);
     cairo_arc(cairo, x, y, radius, 0.0, TURN);
     style_use_colour(cairo, colour);
@@ -35,7 +35,7 @@ void legend_fill_bars(cairo_t *cairo, draw_colour colour)
 {
     cairo_set_source_rgba(cairo, colour.red, colour.green, colour.blue, 0.45);
     cairo_fill_preserve(cairo);
-    style_use_line(cairo, (line_style){style_mix(colour, COLOUR_PAPER, 0.9), LINE_GRID, 0.0, 0.0});
+    style_use_line(cairo, (line_style){style_mix(colour, COLOUR_BACKGROUND, 0.9), LINE_GRID, 0.0, 0.0});
     cairo_set_line_join(cairo, CAIRO_LINE_JOIN_MITER);
     cairo_stroke(cairo);
 }
@@ -135,7 +135,7 @@ static void draw_item(cairo_t *cairo, const legend_item *item, double x, double 
     char label[512];
     draw_sample(cairo, item, x, y);
     text_use(cairo, TEXT_LEGEND, false);
-    style_use_colour(cairo, COLOUR_INK);
+    style_use_colour(cairo, COLOUR_FOREGROUND);
     text_cut(cairo, item->label, 1.001 * (width - SAMPLE - SAMPLE_GAP), label, sizeof label);
     text_draw_middle(cairo, label, x + SAMPLE + SAMPLE_GAP, y, 0.0);
 }

@@ -13,7 +13,7 @@
 #define TITLE_SPACE 24.0
 #define CAPTION_SPACE 17.0
 #define LEGEND_GAP 9.0
-#define LEAST_BOX 10.0
+#define MIN_BOX 10.0
 #define LARGEST_SIDE 10000.0
 
 typedef struct layout
@@ -35,7 +35,7 @@ double sheet_width(double box_width, size_t columns)
 
 static double row_height(const sheet_content *content, size_t row, double width)
 {
-    double height = LEAST_BOX;
+    double height = MIN_BOX;
     for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
     {
         height = fmax(height, content->height(content->context, i, width));
@@ -71,7 +71,7 @@ static bat_status check_room(const layout *plan, double fixed, bat_error *error)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the picture would be %.0f points high; 10000 is the most",
                          plan->height);
     }
-    if (plan->box_width < LEAST_BOX || plan->height < fixed + LEAST_BOX * (double)plan->rows)
+    if (plan->box_width < MIN_BOX || plan->height < fixed + MIN_BOX * (double)plan->rows)
     {
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "a picture of %.0f by %.0f points has no room for its panels, titles and legend", plan->width,
@@ -140,7 +140,7 @@ static bat_status draw_row(const sheet_content *content, cairo_t *cairo, const l
         const char *caption = content->caption(content->context, i);
         if (text_given(caption))
         {
-            style_use_colour(cairo, COLOUR_INK);
+            style_use_colour(cairo, COLOUR_FOREGROUND);
             text_draw_fitted(cairo, caption, TEXT_CAPTION, false, x + 0.5 * plan->box_width,
                              y + plan->heights[row] + CAPTION_SPACE - 4.0, plan->box_width);
         }
@@ -153,7 +153,7 @@ static bat_status draw_sheet(const sheet_content *content, cairo_t *cairo, const
     double y = MARGIN + plan->title;
     if (plan->title > 0.0)
     {
-        style_use_colour(cairo, COLOUR_INK);
+        style_use_colour(cairo, COLOUR_FOREGROUND);
         text_draw_fitted(cairo, content->options->title, TEXT_TITLE, true, 0.5 * plan->width, MARGIN + 10.0,
                          plan->width - 2.0 * MARGIN);
     }

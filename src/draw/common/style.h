@@ -22,9 +22,9 @@ typedef struct line_style
     double gap;  ///< length between two dashes
 } line_style;
 
-static const draw_colour COLOUR_PAPER = {1.0, 1.0, 1.0};
-static const draw_colour COLOUR_INK = {0.16, 0.18, 0.21};
-static const draw_colour COLOUR_SOFT_INK = {0.38, 0.41, 0.45};
+static const draw_colour COLOUR_BACKGROUND = {1.0, 1.0, 1.0};
+static const draw_colour COLOUR_FOREGROUND = {0.16, 0.18, 0.21};
+static const draw_colour COLOUR_MUTED = {0.38, 0.41, 0.45};
 static const draw_colour COLOUR_FRAME = {0.55, 0.58, 0.62};
 static const draw_colour COLOUR_CONTROL = {0.40, 0.48, 0.58};
 static const draw_colour COLOUR_TRUTH = {0.68, 0.69, 0.71};

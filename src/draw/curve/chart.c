@@ -11,7 +11,7 @@
 /// Height over width.
 #define ASPECT 0.68
 /// Width that a chart needs for its numbers.
-#define LEAST_WIDTH 180.0
+#define MIN_WIDTH 180.0
 
 bat_chart bat_chart_defaults(void)
 {
@@ -48,16 +48,16 @@ static bat_status content_draw(const void *context, cairo_t *cairo, size_t index
 /// The labelled series of all charts, each look once. Release the items with free().
 static bat_status collect_legend(const chart_set *set, size_t charts, legend_item **items, size_t *count, bat_error *error)
 {
-    size_t most = 0;
+    size_t max_count = 0;
     for (size_t i = 0; i < charts; i++)
     {
-        most += set->charts[i].series_count;
+        max_count += set->charts[i].series_count;
     }
     *count = 0;
-    *items = memory_array(most, sizeof **items);
+    *items = memory_array(max_count, sizeof **items);
     if (*items == NULL)
     {
-        return error_memory(error, most * sizeof **items);
+        return error_memory(error, max_count * sizeof **items);
     }
     for (size_t i = 0; i < charts && set->options->legend; i++)
     {
@@ -92,7 +92,7 @@ static bat_status write_set(const char *path, chart_set *set, size_t count, bat_
     bat_status status = collect_legend(set, count, &items, &item_count, error);
     if (status == BAT_OK)
     {
-        size_t columns = scene_columns(set->options, count, LEAST_WIDTH);
+        size_t columns = scene_columns(set->options, count, MIN_WIDTH);
         sheet_content content = {.count = count,
                                  .columns = columns,
                                  .options = set->options,

@@ -32,22 +32,22 @@ static void translate(const double *w, const double *z, double *result)
 
 /// The unit tangent vector at p towards q.
 /// @return the distance from p to q; 0 with a zero vector when they coincide
-static double direction_to(const comb *teeth, const double *p, const double *q, double *direction)
+static double direction_to(const comb *segments, const double *p, const double *q, double *direction)
 {
-    size_t n = teeth->point_dim;
-    if (teeth->space == VIEW_DISK)
+    size_t n = segments->point_dim;
+    if (segments->space == VIEW_DISK)
     {
         double back[2] = {-p[0], -p[1]};
         translate(back, q, direction);
     }
     else
     {
-        double square = teeth->space == VIEW_SPHERE ? dot(p, p, n) : 1.0;
+        double square = segments->space == VIEW_SPHERE ? dot(p, p, n) : 1.0;
         for (size_t k = 0; k < n; k++)
         {
             direction[k] = q[k] - p[k];
         }
-        double radial = teeth->space == VIEW_SPHERE ? dot(direction, p, n) / square : 0.0;
+        double radial = segments->space == VIEW_SPHERE ? dot(direction, p, n) / square : 0.0;
         for (size_t k = 0; k < n && radial != 0.0; k++)
         {
             direction[k] -= radial * p[k];
@@ -58,22 +58,22 @@ static double direction_to(const comb *teeth, const double *p, const double *q, 
     {
         direction[k] = length > 0.0 ? direction[k] / length : 0.0;
     }
-    if (teeth->space == VIEW_SPHERE)
+    if (segments->space == VIEW_SPHERE)
     {
         return atan2(length, dot(p, q, n));
     }
-    return teeth->space == VIEW_DISK ? 2.0 * atanh(fmin(length, 1.0 - 1e-16)) : length;
+    return segments->space == VIEW_DISK ? 2.0 * atanh(fmin(length, 1.0 - 1e-16)) : length;
 }
 
 /// Minus the curvature vector of the polyline before, p, after at p. With the unit tangent vectors a towards `before` and b
 /// towards `after`, the exterior angle is that between -a and b, and the curvature vector has the direction of a + b.
-static void set_vector(const comb *teeth, const double *before, const double *p, const double *after, double *scratch,
+static void set_vector(const comb *segments, const double *before, const double *p, const double *after, double *scratch,
                        double *vector)
 {
-    size_t n = teeth->point_dim;
+    size_t n = segments->point_dim;
     double *a = scratch;
     double *b = scratch + n;
-    double mean = 0.5 * (direction_to(teeth, p, before, a) + direction_to(teeth, p, after, b));
+    double mean = 0.5 * (direction_to(segments, p, before, a) + direction_to(segments, p, after, b));
     double sum = 0.0;
     double difference = 0.0;
     for (size_t k = 0; k < n; k++)
@@ -89,23 +89,23 @@ static void set_vector(const comb *teeth, const double *before, const double *p,
     }
 }
 
-static void set_vectors(comb *teeth, double *scratch)
+static void set_vectors(comb *segments, double *scratch)
 {
-    size_t n = teeth->point_dim;
-    memset(teeth->vectors, 0, teeth->count * n * sizeof(double));
-    for (size_t i = teeth->closed ? 0 : 1; i + (teeth->closed ? 0 : 1) < teeth->count && teeth->count >= 3; i++)
+    size_t n = segments->point_dim;
+    memset(segments->vectors, 0, segments->count * n * sizeof(double));
+    for (size_t i = segments->closed ? 0 : 1; i + (segments->closed ? 0 : 1) < segments->count && segments->count >= 3; i++)
     {
-        size_t before = i > 0 ? i - 1 : teeth->count - 1;
-        size_t after = i + 1 < teeth->count ? i + 1 : 0;
-        set_vector(teeth, teeth->points + before * n, teeth->points + i * n, teeth->points + after * n, scratch,
-                   teeth->vectors + i * n);
+        size_t before = i > 0 ? i - 1 : segments->count - 1;
+        size_t after = i + 1 < segments->count ? i + 1 : 0;
+        set_vector(segments, segments->points + before * n, segments->points + i * n, segments->points + after * n, scratch,
+                   segments->vectors + i * n);
     }
 }
 
-bat_status comb_make(const bat_curve *curve, comb *teeth, bat_error *error)
+bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error)
 {
     size_t n = curve->space->point_dim;
-    size_t stride = (curve->count + COMB_MOST - 1) / COMB_MOST;
+    size_t stride = (curve->count + COMB_MAX_POINTS - 1) / COMB_MAX_POINTS;
     size_t count = (curve->count + stride - 1) / stride;
     comb made = {.space = view_space_of(curve->space), .point_dim = n, .count = count, .closed = curve->closed};
     made.points = memory_array(count * n, sizeof(double));
@@ -123,52 +123,52 @@ bat_status comb_make(const bat_curve *curve, comb *teeth, bat_error *error)
     }
     set_vectors(&made, scratch);
     free(scratch);
-    *teeth = made;
+    *segments = made;
     return BAT_OK;
 }
 
-void comb_free(comb *teeth)
+void comb_free(comb *segments)
 {
-    free(teeth->points);
-    free(teeth->vectors);
-    *teeth = (comb){0};
+    free(segments->points);
+    free(segments->vectors);
+    *segments = (comb){0};
 }
 
-bat_status comb_natural_scale(const comb *teeth, double usual, double longest, double *scale, bat_error *error)
+bat_status comb_natural_scale(const comb *segments, double usual, double longest, double *scale, bat_error *error)
 {
-    size_t n = teeth->point_dim;
-    double *sizes = memory_array(teeth->count, sizeof(double));
+    size_t n = segments->point_dim;
+    double *sizes = memory_array(segments->count, sizeof(double));
     if (sizes == NULL)
     {
-        return error_memory(error, teeth->count * sizeof(double));
+        return error_memory(error, segments->count * sizeof(double));
     }
-    for (size_t i = 0; i < teeth->count; i++)
+    for (size_t i = 0; i < segments->count; i++)
     {
-        sizes[i] = sqrt(dot(teeth->vectors + i * n, teeth->vectors + i * n, n));
+        sizes[i] = sqrt(dot(segments->vectors + i * n, segments->vectors + i * n, n));
     }
-    qsort(sizes, teeth->count, sizeof(double), ascending);
-    double large = sizes[(size_t)(0.95 * (double)(teeth->count - 1))];
-    double largest = sizes[teeth->count - 1];
+    qsort(sizes, segments->count, sizeof(double), ascending);
+    double large = sizes[(size_t)(0.95 * (double)(segments->count - 1))];
+    double largest = sizes[segments->count - 1];
     free(sizes);
     *scale = largest > 0.0 ? fmin(usual / large, longest / largest) : INFINITY;
     return BAT_OK;
 }
 
-void comb_tip(const comb *teeth, size_t index, double scale, double *tip)
+void comb_tip(const comb *segments, size_t index, double scale, double *tip)
 {
-    size_t n = teeth->point_dim;
-    const double *p = teeth->points + index * n;
-    const double *vector = teeth->vectors + index * n;
+    size_t n = segments->point_dim;
+    const double *p = segments->points + index * n;
+    const double *vector = segments->vectors + index * n;
     double length = sqrt(dot(vector, vector, n));
     double reach = scale * length;
     double along = length > 0.0 ? scale : 0.0;
     double stay = 1.0;
-    if (teeth->space == VIEW_SPHERE && length > 0.0)
+    if (segments->space == VIEW_SPHERE && length > 0.0)
     {
         stay = cos(reach);
         along = sin(reach) / length;
     }
-    if (teeth->space == VIEW_DISK && length > 0.0)
+    if (segments->space == VIEW_DISK && length > 0.0)
     {
         stay = 0.0;
         along = tanh(0.5 * reach) / length;
@@ -177,7 +177,7 @@ void comb_tip(const comb *teeth, size_t index, double scale, double *tip)
     {
         tip[k] = stay * p[k] + along * vector[k];
     }
-    if (teeth->space == VIEW_DISK && length > 0.0)
+    if (segments->space == VIEW_DISK && length > 0.0)
     {
         translate(p, tip, tip);
     }
@@ -188,88 +188,89 @@ void comb_tip(const comb *teeth, size_t index, double scale, double *tip)
 #define TIP_SPACING 6.6
 
 /// The teeth from vertex `first` to before `end`, with the tips of all vertices.
-typedef struct tooth_row
+typedef struct segment_row
 {
-    const comb *teeth;
+    const comb *segments;
     const double *tips;
     size_t first, end;
-} tooth_row;
+} segment_row;
 
 /// A tooth on paper.
-typedef struct paper_tooth
+typedef struct comb_segment
 {
     double foot_x, foot_y;
     double tip_x, tip_y;
-} paper_tooth;
+} comb_segment;
 
-static paper_tooth place_tooth(const draw_view *view, const tooth_row *row, size_t index)
+static comb_segment place_segment(const draw_view *view, const segment_row *row, size_t index)
 {
-    size_t n = row->teeth->point_dim;
-    paper_tooth placed;
-    view_place(view, row->teeth->points + index * n, &placed.foot_x, &placed.foot_y);
+    size_t n = row->segments->point_dim;
+    comb_segment placed;
+    view_place(view, row->segments->points + index * n, &placed.foot_x, &placed.foot_y);
     view_place(view, row->tips + index * n, &placed.tip_x, &placed.tip_y);
     return placed;
 }
 
 /// Whether there is too little room for tooth `a` beside tooth `b`.
-static bool crowded(const paper_tooth *a, const paper_tooth *b)
+static bool crowded(const comb_segment *a, const comb_segment *b)
 {
     return hypot(a->foot_x - b->foot_x, a->foot_y - b->foot_y) < FOOT_SPACING &&
            hypot(a->tip_x - b->tip_x, a->tip_y - b->tip_y) < TIP_SPACING;
 }
 
 /// Draw as many teeth as have room, the first always.
-static bat_status draw_teeth(cairo_t *cairo, const draw_view *view, const tooth_row *row, line_style line, bat_error *error)
+static bat_status draw_segments(cairo_t *cairo, const draw_view *view, const segment_row *row, line_style line,
+                                bat_error *error)
 {
-    size_t n = row->teeth->point_dim;
-    double *tooth = memory_array(2 * n, sizeof(double));
-    if (tooth == NULL)
+    size_t n = row->segments->point_dim;
+    double *segment = memory_array(2 * n, sizeof(double));
+    if (segment == NULL)
     {
         return error_memory(error, 2 * n * sizeof(double));
     }
     bat_status status = BAT_OK;
-    paper_tooth last = {0};
+    comb_segment last = {0};
     for (size_t i = row->first; i < row->end && status == BAT_OK; i++)
     {
-        paper_tooth placed = place_tooth(view, row, i);
+        comb_segment placed = place_segment(view, row, i);
         if (i == row->first || !crowded(&placed, &last))
         {
-            memcpy(tooth, row->teeth->points + i * n, n * sizeof(double));
-            memcpy(tooth + n, row->tips + i * n, n * sizeof(double));
-            drawn_line drawn = {view, tooth, 2, false, VIEW_FRONT};
+            memcpy(segment, row->segments->points + i * n, n * sizeof(double));
+            memcpy(segment + n, row->tips + i * n, n * sizeof(double));
+            drawn_line drawn = {view, segment, 2, false, VIEW_FRONT};
             status = stroke_line(cairo, &drawn, line, error);
             last = placed;
         }
     }
-    free(tooth);
+    free(segment);
     return status;
 }
 
-bat_status comb_lines_draw(cairo_t *cairo, const draw_view *view, const comb *teeth, double scale, draw_colour colour,
+bat_status comb_lines_draw(cairo_t *cairo, const draw_view *view, const comb *segments, double scale, draw_colour colour,
                            bat_error *error)
 {
-    size_t n = teeth->point_dim;
-    size_t margin = teeth->closed ? 0 : 1;
-    if (teeth->count < 3)
+    size_t n = segments->point_dim;
+    size_t margin = segments->closed ? 0 : 1;
+    if (segments->count < 3)
     {
         return BAT_OK;
     }
-    double *tips = memory_array(teeth->count * n, sizeof(double));
+    double *tips = memory_array(segments->count * n, sizeof(double));
     if (tips == NULL)
     {
-        return error_memory(error, teeth->count * n * sizeof(double));
+        return error_memory(error, segments->count * n * sizeof(double));
     }
-    for (size_t i = 0; i < teeth->count; i++)
+    for (size_t i = 0; i < segments->count; i++)
     {
-        comb_tip(teeth, i, scale, tips + i * n);
+        comb_tip(segments, i, scale, tips + i * n);
     }
-    tooth_row row = {teeth, tips, margin, teeth->count - margin};
-    line_style thin = {style_mix(colour, COLOUR_PAPER, 0.4), LINE_COMB, 0.0, 0.0};
-    line_style envelope = {style_mix(colour, COLOUR_PAPER, 0.6), LINE_ENVELOPE, 0.0, 0.0};
-    bat_status status = draw_teeth(cairo, view, &row, thin, error);
+    segment_row row = {segments, tips, margin, segments->count - margin};
+    line_style thin = {style_mix(colour, COLOUR_BACKGROUND, 0.4), LINE_COMB, 0.0, 0.0};
+    line_style envelope = {style_mix(colour, COLOUR_BACKGROUND, 0.6), LINE_ENVELOPE, 0.0, 0.0};
+    bat_status status = draw_segments(cairo, view, &row, thin, error);
     if (status == BAT_OK)
     {
-        drawn_line drawn = {view, tips + row.first * n, row.end - row.first, teeth->closed, VIEW_FRONT};
+        drawn_line drawn = {view, tips + row.first * n, row.end - row.first, segments->closed, VIEW_FRONT};
         status = stroke_line(cairo, &drawn, envelope, error);
     }
     free(tips);

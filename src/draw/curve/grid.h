@@ -10,7 +10,7 @@
 /// What lies under the curves and around them: graticules, tilings, axes.
 
 /// The ball of a globe with its soft light.
-void grid_globe_ball(cairo_t *cairo, const draw_view *view);
+void grid_globe_sphere(cairo_t *cairo, const draw_view *view);
 /// The meridians and parallels of the front, every 15 or 30 degrees, the equator and the zero meridian stronger.
 void grid_globe_lines(cairo_t *cairo, const draw_view *view);
 /// The limb, with or without latitudes beside it and the middle's coordinates below.
@@ -28,7 +28,7 @@ void grid_map_clip(cairo_t *cairo, const draw_view *view);
 
 /// The disk's paper and, with `lines`, the geodesics of the tiling by right-angled pentagons, four around a vertex.
 void grid_disk(cairo_t *cairo, const draw_view *view, bool lines);
-void grid_disk_rim(cairo_t *cairo, const draw_view *view);
+void grid_disk_circle(cairo_t *cairo, const draw_view *view);
 
 /// Light lines at round numbers with their labels on the left and below, within the box (x, y, width, height) on paper.
 void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame, const double box[4]);

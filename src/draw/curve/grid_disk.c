@@ -10,7 +10,7 @@ static const double TURN = 6.28318530717958647693;
 /// these. A geodesic is kept as its unit normal n in Minkowski space, x x' + y y' - t t' = 1, t > 0: in the disk it is the
 /// arc of the circle with centre (x, y) / t and radius 1 / t.
 #define SIDES 5
-#define MOST_GEODESICS 2048
+#define MAX_GEODESICS 2048
 #define SMALLEST_RADIUS 0.045
 
 typedef struct geodesic
@@ -20,7 +20,7 @@ typedef struct geodesic
 
 typedef struct tiling
 {
-    geodesic geodesics[MOST_GEODESICS];
+    geodesic geodesics[MAX_GEODESICS];
     int count;
 } tiling;
 
@@ -58,7 +58,7 @@ static void make_tiling(tiling *made)
     }
     for (int i = 0; i < made->count; i++)
     {
-        for (int side = 0; side < SIDES && made->count < MOST_GEODESICS; side++)
+        for (int side = 0; side < SIDES && made->count < MAX_GEODESICS; side++)
         {
             geodesic image = reflect(made->geodesics[i], made->geodesics[side]);
             if (image.t * SMALLEST_RADIUS <= 1.0 && is_new(made, image))
@@ -100,7 +100,7 @@ void grid_disk(cairo_t *cairo, const draw_view *view, bool lines)
     cairo_stroke(cairo);
 }
 
-void grid_disk_rim(cairo_t *cairo, const draw_view *view)
+void grid_disk_circle(cairo_t *cairo, const draw_view *view)
 {
     cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, TURN);
     style_use_line(cairo, (line_style){COLOUR_FRAME, 1.2 * LINE_FRAME, 0.0, 0.0});

@@ -81,7 +81,7 @@ static void plane_labels(cairo_t *cairo, const draw_view *view, const tick_list 
     double right = box[0] + box[2];
     double bottom = box[1] + box[3];
     text_use(cairo, TEXT_TICK, false);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
+    style_use_colour(cairo, COLOUR_MUTED);
     double every = fmax(1.0, ceil((widest(cairo, across) + 5.0) / (view->scale * across->step)));
     for (size_t i = 0; i < across->count; i++)
     {
@@ -180,7 +180,7 @@ void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
     style_use_line(cairo, (line_style){COLOUR_STRONG_GRID, LINE_FRAME, 0.0, 0.0});
     cairo_stroke(cairo);
     text_use(cairo, TEXT_LEGEND, false);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
+    style_use_colour(cairo, COLOUR_MUTED);
     axis_name(cairo, view, frame, 0, 0, 1);
     axis_name(cairo, view, frame, 1, 1, 3);
     axis_name(cairo, view, frame, 2, 0, 4);

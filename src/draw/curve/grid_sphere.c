@@ -12,7 +12,7 @@ static const double TURN = 6.28318530717958647693;
 /// The radius from which a globe has lines every 15 degrees.
 #define FINE_RADIUS 110.0
 
-void grid_globe_ball(cairo_t *cairo, const draw_view *view)
+void grid_globe_sphere(cairo_t *cairo, const draw_view *view)
 {
     double x = view->origin_x;
     double y = view->origin_y;
@@ -88,7 +88,7 @@ static void degree_label(double degrees, const char *positive, const char *negat
 static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
 {
     text_use(cairo, TEXT_TICK, false);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
+    style_use_colour(cairo, COLOUR_MUTED);
     for (int degrees = -60; degrees <= 60; degrees += 30)
     {
         double v = sin(degrees * DEGREE) / cos(latitude);
@@ -120,7 +120,7 @@ static void middle_label(cairo_t *cairo, const draw_view *view, const scene_fram
     if (size >= TEXT_SMALLEST)
     {
         text_use(cairo, size, false);
-        style_use_colour(cairo, COLOUR_SOFT_INK);
+        style_use_colour(cairo, COLOUR_MUTED);
         text_draw(cairo, label, view->origin_x + edge, view->origin_y + radius, 1.0);
     }
 }
@@ -167,7 +167,7 @@ static void map_graticule(cairo_t *cairo, const draw_view *view)
 static void map_labels(cairo_t *cairo, const draw_view *view)
 {
     text_use(cairo, TEXT_TICK, false);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
+    style_use_colour(cairo, COLOUR_MUTED);
     double left = view_x(view, -TURN / 2.0) - 4.0;
     double bottom = view_y(view, -TURN / 4.0) + 10.0;
     double spacing = 30.0 * DEGREE * view->scale;

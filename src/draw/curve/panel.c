@@ -109,11 +109,11 @@ static draw_view make_view(const scene_panel *panel, view_kind kind)
     draw_view view = {.kind = kind, .space = panel->space, .point_dim = panel->point_dim, .tolerance = STROKE_TOLERANCE};
     if (kind == VIEW_GLOBE)
     {
-        view_face(&view, panel->frame.longitude, panel->frame.latitude);
+        view_set_globe(&view, panel->frame.longitude, panel->frame.latitude);
     }
     if (panel->space == VIEW_SOLID)
     {
-        view_face_solid(&view);
+        view_set_solid(&view);
     }
     return view;
 }
@@ -161,9 +161,9 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_p
 {
     const bat_curve *curve = panel->drawn->layers[index].curve;
     line_style line = layer_line(panel->drawn, index);
-    if (panel->drawn == &panel->stand.panel && panel->stand.lines[index].width > 0.0)
+    if (panel->drawn == &panel->proxied.panel && panel->proxied.lines[index].width > 0.0)
     {
-        line = panel->stand.lines[index];
+        line = panel->proxied.lines[index];
     }
     line = side == VIEW_BACK ? behind(line) : line;
     double x;
@@ -321,7 +321,7 @@ static bat_status draw_disk(cairo_t *cairo, const scene_panel *panel, const bat_
     insets around = {ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN, ALPHA_BOUNDARY_MARGIN};
     fit(&view, box, around, (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
     grid_disk(cairo, &view, options->grid);
-    grid_disk_rim(cairo, &view);
+    grid_disk_circle(cairo, &view);
     return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
 }
 
@@ -330,7 +330,7 @@ static bat_status draw_globe(cairo_t *cairo, const scene_panel *panel, const bat
 {
     draw_view view = make_view(panel, VIEW_GLOBE);
     fit(&view, box, globe_insets(options), (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
-    grid_globe_ball(cairo, &view);
+    grid_globe_sphere(cairo, &view);
     bat_status status = draw_layers(cairo, &view, panel, options, VIEW_BACK, error);
     if (options->grid)
     {
@@ -376,7 +376,7 @@ static bat_status draw_tensors(cairo_t *cairo, const scene_panel *panel, const d
 {
     draw_view view = make_view(panel, VIEW_FLAT);
     insets around = {FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN, FLAT_MARGIN};
-    view_face_solid(&view);
+    view_set_solid(&view);
     fit(&view, box, around, panel->frame.low, panel->frame.high);
     return tensor_row_draw(cairo, &view, panel, error);
 }

@@ -26,8 +26,8 @@ bat_curve_picture_options bat_curve_picture_defaults(void)
 /// The share of its usual width that a sheet needs: less where all panels are taller than they may be.
 static double narrowing(const scene *made)
 {
-    const double least = 0.55;
-    double share = made->options->width > 0.0 ? 1.0 : least;
+    const double min_share = 0.55;
+    double share = made->options->width > 0.0 ? 1.0 : min_share;
     for (size_t i = 0; i < made->count; i++)
     {
         const scene_panel *panel = &made->panels[i];
@@ -58,16 +58,16 @@ static bat_status content_draw(const void *context, cairo_t *cairo, size_t index
 /// The labelled layers of all panels, each look once. Release the items with free().
 static bat_status collect_legend(const scene *made, legend_item **items, size_t *count, bat_error *error)
 {
-    size_t most = 0;
+    size_t max_count = 0;
     for (size_t i = 0; i < made->count; i++)
     {
-        most += made->panels[i].source->layer_count;
+        max_count += made->panels[i].source->layer_count;
     }
     *count = 0;
-    *items = memory_array(most, sizeof **items);
+    *items = memory_array(max_count, sizeof **items);
     if (*items == NULL)
     {
-        return error_memory(error, most * sizeof **items);
+        return error_memory(error, max_count * sizeof **items);
     }
     for (size_t i = 0; i < made->count && made->options->legend; i++)
     {

@@ -120,7 +120,7 @@ static void draw_tick_labels(cairo_t *cairo, const plot_axis *x, const plot_axis
                              const tick_list *upwards)
 {
     text_use(cairo, TEXT_TICK, false);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
+    style_use_colour(cairo, COLOUR_MUTED);
     double taken = -INFINITY;
     for (size_t i = 0; i < across->count; i++)
     {
@@ -148,7 +148,7 @@ static void draw_axis_names(cairo_t *cairo, const bat_chart *chart, const plot_a
                             const double box[4])
 {
     char text[AXIS_TEXT_SIZE];
-    style_use_colour(cairo, COLOUR_INK);
+    style_use_colour(cairo, COLOUR_FOREGROUND);
     axis_text(x, chart->x_label, text, sizeof text);
     text_draw_fitted(cairo, text, TEXT_LEGEND, false, 0.5 * (x->start + x->end), box[1] + box[3] - 4.0, x->end - x->start);
     axis_text(y, chart->y_label, text, sizeof text);

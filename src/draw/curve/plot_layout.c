@@ -103,7 +103,7 @@ static void include_series(const bat_chart_series *series, plot_axis *x, plot_ax
 }
 
 /// Pad a range found from the numbers and put the caller's ends in place. With `grounded`, an end at 0 stays there.
-static bool settle(plot_axis *axis, double low, double high, bool grounded)
+static bool finish_range(plot_axis *axis, double low, double high, bool grounded)
 {
     double range = axis->high - axis->low;
     double room = range > 0.0 ? PADDING * range : fmax(0.1 * fabs(axis->low), 0.5);
@@ -141,7 +141,7 @@ bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot
         include_series(&chart->series[i], x, y);
         bars = bars || chart->series[i].mark == BAT_CHART_BARS;
     }
-    if (!settle(x, chart->x_low, chart->x_high, false) || !settle(y, chart->y_low, chart->y_high, bars))
+    if (!finish_range(x, chart->x_low, chart->x_high, false) || !finish_range(y, chart->y_low, chart->y_high, bars))
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "chart %zu: the range of an axis is empty or not positive",
                          index);
@@ -259,15 +259,15 @@ static void place_label(cairo_t *cairo, obstacles *around, const point_label *po
 {
     double width = text_width(cairo, point->text);
     rectangle best = candidate(point->x, point->y, width, TEXT_TICK, 0);
-    double least = cost(around, point, &best);
+    double min_cost = cost(around, point, &best);
     int chosen = 0;
-    for (int choice = 1; choice < RINGS * DIRECTIONS && least > 1e-9; choice++)
+    for (int choice = 1; choice < RINGS * DIRECTIONS && min_cost > 1e-9; choice++)
     {
         rectangle label = candidate(point->x, point->y, width, TEXT_TICK, choice);
         double price = cost(around, point, &label);
-        if (price < least)
+        if (price < min_cost)
         {
-            least = price;
+            min_cost = price;
             best = label;
             chosen = choice;
         }
@@ -276,7 +276,7 @@ static void place_label(cairo_t *cairo, obstacles *around, const point_label *po
     {
         draw_leader(cairo, point->x, point->y, &best);
     }
-    style_use_colour(cairo, COLOUR_INK);
+    style_use_colour(cairo, COLOUR_FOREGROUND);
     text_draw_middle(cairo, point->text, best.x, best.y + 0.5 * best.height, 0.0);
     around->taken[around->count++] = best;
 }
@@ -311,18 +311,18 @@ static int compare(const void *a, const void *b)
 
 bat_status plot_draw_labels(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y, bat_error *error)
 {
-    size_t most = 0;
+    size_t max_count = 0;
     for (size_t s = 0; s < chart->series_count; s++)
     {
-        most += chart->series[s].point_labels != NULL ? chart->series[s].count : 0;
+        max_count += chart->series[s].point_labels != NULL ? chart->series[s].count : 0;
     }
-    point_label *points = memory_array(most, sizeof *points);
-    rectangle *taken = memory_array(2 * most, sizeof *taken);
+    point_label *points = memory_array(max_count, sizeof *points);
+    rectangle *taken = memory_array(2 * max_count, sizeof *taken);
     if (points == NULL || taken == NULL)
     {
         free(points);
         free(taken);
-        return error_memory(error, 2 * most * sizeof *taken);
+        return error_memory(error, 2 * max_count * sizeof *taken);
     }
     obstacles around = {.plot = {x->start, y->end, x->end - x->start, y->start - y->end}, .taken = taken};
     around.dots = around.count = collect(chart, x, y, points);

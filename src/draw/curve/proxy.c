@@ -11,8 +11,8 @@
 #include <string.h>
 
 /// Frames of a control polygon, and along the path of a rigid motion; of more points, as many of them evenly chosen.
-#define MOST_FRAMES 32
-#define MOST_CURVES (3 + 3 * MOST_FRAMES)
+#define MAX_FRAMES 32
+#define MAX_CURVES (3 + 3 * MAX_FRAMES)
 /// The longest step, in radians, along a geodesic of rotations, whose columns do not follow great circles.
 #define COLUMN_STEP 0.05
 /// The axes of a rigid motion's frames over the diagonal of the box of all paths.
@@ -37,7 +37,7 @@ static bat_status add_curve(proxy *made, size_t count, bool closed, bat_curve_pi
 
 static size_t frames_of(const bat_curve *curve)
 {
-    return curve->count < MOST_FRAMES ? curve->count : MOST_FRAMES;
+    return curve->count < MAX_FRAMES ? curve->count : MAX_FRAMES;
 }
 
 /// The index of the point that has frame `k`.
@@ -110,7 +110,7 @@ static bat_status fill_columns(proxy *made, const bat_curve *curve, bat_error *e
 static line_style column_line(bat_curve_layer_role role, draw_colour colour, size_t c)
 {
     static const double shades[3] = {1.0, 0.72, 0.48};
-    draw_colour shade = style_mix(colour, COLOUR_PAPER, shades[c]);
+    draw_colour shade = style_mix(colour, COLOUR_BACKGROUND, shades[c]);
     if (role == BAT_CURVE_LAYER_CONTROL)
     {
         return (line_style){shade, LINE_CONTROL, 3.0, 2.2};
@@ -144,7 +144,7 @@ static bat_status add_triangles(proxy *made, const bat_curve *curve, bat_error *
     bat_status status = BAT_OK;
     for (size_t k = 0; k < frames_of(curve) && status == BAT_OK; k++)
     {
-        line_style line = {style_mix(COLOUR_CONTROL, COLOUR_PAPER, 0.6), 0.6, 0.0, 0.0};
+        line_style line = {style_mix(COLOUR_CONTROL, COLOUR_BACKGROUND, 0.6), 0.6, 0.0, 0.0};
         status = add_curve(made, 3, true, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_CONTROL}, line, error);
         for (size_t c = 0; c < 3 && status == BAT_OK; c++)
         {
@@ -229,7 +229,7 @@ static bat_status add_axes(proxy *made, const bat_curve *curve, double length, b
     for (size_t k = 0; k < 3 * frames_of(curve) && status == BAT_OK; k++)
     {
         const double *point = curve->points + 7 * frame_index(curve, k / 3);
-        draw_colour colour = style_mix(style_palette(colours[k % 3]), COLOUR_PAPER, given ? 1.0 : 0.55);
+        draw_colour colour = style_mix(style_palette(colours[k % 3]), COLOUR_BACKGROUND, given ? 1.0 : 0.55);
         line_style line = {colour, given ? 1.7 : 0.7, 0.0, 0.0};
         status =
             add_curve(made, 2, false, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_CURVE, .colour = 1}, line, error);
@@ -313,15 +313,15 @@ static bat_status add_all(proxy *made, const bat_curve_picture_panel *panel, con
 bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
                       bat_error *error)
 {
-    size_t most = panel->layer_count * MOST_CURVES;
+    size_t max_count = panel->layer_count * MAX_CURVES;
     *made = (proxy){0};
-    made->curves = memory_array(most, sizeof *made->curves);
-    made->layers = memory_array(most, sizeof *made->layers);
-    made->lines = memory_array(most, sizeof *made->lines);
+    made->curves = memory_array(max_count, sizeof *made->curves);
+    made->layers = memory_array(max_count, sizeof *made->layers);
+    made->lines = memory_array(max_count, sizeof *made->lines);
     if (made->curves == NULL || made->layers == NULL || made->lines == NULL)
     {
         proxy_free(made);
-        return error_memory(error, most * (sizeof *made->curves + sizeof *made->layers + sizeof *made->lines));
+        return error_memory(error, max_count * (sizeof *made->curves + sizeof *made->layers + sizeof *made->lines));
     }
     bat_status status = add_all(made, panel, options, error);
     for (size_t i = 0; i < made->count; i++)

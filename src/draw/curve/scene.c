@@ -10,9 +10,9 @@
 #include <string.h>
 
 #define LARGEST_SIDE 10000.0
-#define MOST_COLUMNS 5
+#define MAX_COLUMNS 5
 /// Width that a panel needs for its details to show.
-#define LEAST_PANEL 100.0
+#define MIN_PANEL 100.0
 
 bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options)
 {
@@ -29,18 +29,18 @@ int scene_colour(const bat_curve_picture_panel *panel, size_t index)
     return panel->layers[index].colour > 0 ? panel->layers[index].colour : place;
 }
 
-size_t scene_columns(const bat_curve_picture_options *options, size_t count, double least)
+size_t scene_columns(const bat_curve_picture_options *options, size_t count, double min_width)
 {
     if (options->columns > 0)
     {
         return options->columns < count ? options->columns : count;
     }
-    size_t most = MOST_COLUMNS;
+    size_t max_columns = MAX_COLUMNS;
     if (options->width > 0.0)
     {
-        most = (size_t)fmin(fmax(options->width / least, 1.0), MOST_COLUMNS);
+        max_columns = (size_t)fmin(fmax(options->width / min_width, 1.0), MAX_COLUMNS);
     }
-    size_t rows = (count + most - 1) / most;
+    size_t rows = (count + max_columns - 1) / max_columns;
     return (count + rows - 1) / rows;
 }
 
@@ -210,7 +210,7 @@ static void sharing(const scene *made, size_t index, size_t *first, size_t *end)
 static void include_curves(scene_frame *frame, const scene *made, const scene_panel *panel)
 {
     draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
-    view_face_solid(&view);
+    view_set_solid(&view);
     for (size_t i = 0; i < panel->drawn->layer_count; i++)
     {
         const bat_curve_picture_layer *layer = &panel->drawn->layers[i];
@@ -228,7 +228,7 @@ static void include_curves(scene_frame *frame, const scene *made, const scene_pa
 }
 
 /// The lengths of usual and longest teeth in the unit of the space.
-static void tooth_lengths(const scene_frame *frame, view_space space, double *usual, double *longest)
+static void comb_lengths(const scene_frame *frame, view_space space, double *usual, double *longest)
 {
     double extent = hypot(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
     bool flat = space == VIEW_PLANE || space == VIEW_SOLID;
@@ -240,7 +240,7 @@ static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_
 {
     double usual;
     double longest;
-    tooth_lengths(frame, panel->space, &usual, &longest);
+    comb_lengths(frame, panel->space, &usual, &longest);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
     {
@@ -257,7 +257,7 @@ static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_
 static void include_combs(scene_frame *frame, const scene_panel *panel, double *tip)
 {
     draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
-    view_face_solid(&view);
+    view_set_solid(&view);
     for (size_t i = 0; i < panel->drawn->layer_count; i++)
     {
         for (size_t k = 0; k < panel->combs[i].count; k++)
@@ -336,10 +336,10 @@ static bat_status frame_globe(scene_frame *frame, const scene *made, size_t firs
 static void widen(scene_frame *frame)
 {
     double extent = fmax(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
-    double least = extent > 0.0 ? 0.1 * extent : fmax(1e-3 * fmax(fabs(frame->low[0]), fabs(frame->low[1])), 1e-12);
+    double min_width = extent > 0.0 ? 0.1 * extent : fmax(1e-3 * fmax(fabs(frame->low[0]), fabs(frame->low[1])), 1e-12);
     for (int k = 0; k < 2; k++)
     {
-        double lack = fmax(0.0, least - (frame->high[k] - frame->low[k]));
+        double lack = fmax(0.0, min_width - (frame->high[k] - frame->low[k]));
         frame->low[k] -= 0.5 * lack;
         frame->high[k] += 0.5 * lack;
     }
@@ -393,13 +393,13 @@ static bat_status choose_drawn(scene_panel *panel, const bat_curve_picture_optio
     panel->drawn = panel->source;
     if (view_space_of(space) > VIEW_TENSOR)
     {
-        bat_status status = proxy_make(panel->source, options, &panel->stand, error);
+        bat_status status = proxy_make(panel->source, options, &panel->proxied, error);
         if (status != BAT_OK)
         {
             return status;
         }
-        panel->drawn = &panel->stand.panel;
-        space = &panel->stand.space;
+        panel->drawn = &panel->proxied.panel;
+        space = &panel->proxied.space;
     }
     panel->space = view_space_of(space);
     panel->point_dim = space->point_dim;
@@ -439,7 +439,7 @@ bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const
     {
         return status;
     }
-    *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, LEAST_PANEL)};
+    *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, MIN_PANEL)};
     made->rows = (count + made->columns - 1) / made->columns;
     made->panels = calloc(count, sizeof *made->panels);
     if (made->panels == NULL)
@@ -463,7 +463,7 @@ void scene_free(scene *made)
             comb_free(&made->panels[i].combs[k]);
         }
         free(made->panels[i].combs);
-        proxy_free(&made->panels[i].stand);
+        proxy_free(&made->panels[i].proxied);
     }
     free(made->panels);
     *made = (scene){0};

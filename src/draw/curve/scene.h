@@ -25,7 +25,7 @@ typedef struct scene_panel
 {
     const bat_curve_picture_panel *source;
     const bat_curve_picture_panel *drawn; ///< the source, or what stands in for it
-    proxy stand;                          ///< all zero where the source itself is drawn
+    proxy proxied;                        ///< all zero where the source itself is drawn
     view_space space;                     ///< of what is drawn
     size_t point_dim;
     comb *combs; ///< one a drawn layer, empty but for curves; null without combs
@@ -49,8 +49,8 @@ void scene_free(scene *made);
 /// Check what pictures and charts share: size, resolution, title.
 bat_status scene_check_options(const bat_curve_picture_options *options, bat_error *error);
 /// The number of panels in a row for `count` panels: when the caller leaves it open, up to five, but of a prescribed width
-/// every one gets at least `least`.
-size_t scene_columns(const bat_curve_picture_options *options, size_t count, double least);
+/// every one gets at least `min_width`.
+size_t scene_columns(const bat_curve_picture_options *options, size_t count, double min_width);
 
 /// Whether anything of a layer is drawn.
 bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options);

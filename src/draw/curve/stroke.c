@@ -103,38 +103,38 @@ void coverage_trace(const coverage_map *map, cairo_t *cairo)
 #define MANY_POINTS 30000
 
 /// A sink for cairo's current path that counts and measures, and gives up after MANY_POINTS.
-typedef struct careful_pen
+typedef struct bounded_sink
 {
     cairo_t *cairo;
     size_t count;
     double low_x, low_y, high_x, high_y;
-} careful_pen;
+} bounded_sink;
 
 /// @return whether the point is to be drawn
-static bool pen_measures(careful_pen *pen, double x, double y)
+static bool sink_accepts(bounded_sink *sink, double x, double y)
 {
-    pen->low_x = fmin(pen->low_x, x);
-    pen->low_y = fmin(pen->low_y, y);
-    pen->high_x = fmax(pen->high_x, x);
-    pen->high_y = fmax(pen->high_y, y);
-    return ++pen->count <= MANY_POINTS;
+    sink->low_x = fmin(sink->low_x, x);
+    sink->low_y = fmin(sink->low_y, y);
+    sink->high_x = fmax(sink->high_x, x);
+    sink->high_y = fmax(sink->high_y, y);
+    return ++sink->count <= MANY_POINTS;
 }
 
-static void pen_move(void *context, double x, double y)
+static void sink_move(void *context, double x, double y)
 {
-    careful_pen *pen = context;
-    if (pen_measures(pen, x, y))
+    bounded_sink *sink = context;
+    if (sink_accepts(sink, x, y))
     {
-        cairo_move_to(pen->cairo, x, y);
+        cairo_move_to(sink->cairo, x, y);
     }
 }
 
-static void pen_line(void *context, double x, double y)
+static void sink_line(void *context, double x, double y)
 {
-    careful_pen *pen = context;
-    if (pen_measures(pen, x, y))
+    bounded_sink *sink = context;
+    if (sink_accepts(sink, x, y))
     {
-        cairo_line_to(pen->cairo, x, y);
+        cairo_line_to(sink->cairo, x, y);
     }
 }
 
@@ -147,13 +147,13 @@ static void trace(const drawn_line *drawn, path_sink sink)
 bat_status stroke_line(cairo_t *cairo, const drawn_line *drawn, line_style line, bat_error *error)
 {
     bat_status status = BAT_OK;
-    careful_pen pen = {cairo, 0, INFINITY, INFINITY, -INFINITY, -INFINITY};
-    trace(drawn, (path_sink){pen_move, pen_line, &pen});
-    if (pen.count > MANY_POINTS)
+    bounded_sink sink = {cairo, 0, INFINITY, INFINITY, -INFINITY, -INFINITY};
+    trace(drawn, (path_sink){sink_move, sink_line, &sink});
+    if (sink.count > MANY_POINTS)
     {
         coverage_map map;
         cairo_new_path(cairo);
-        status = coverage_begin(pen.low_x, pen.low_y, pen.high_x, pen.high_y, &map, error);
+        status = coverage_begin(sink.low_x, sink.low_y, sink.high_x, sink.high_y, &map, error);
         if (status != BAT_OK)
         {
             return status;

@@ -10,7 +10,7 @@
 static const double TURN = 6.28318530717958647693;
 
 /// The most tensors in a row.
-#define MOST_COLUMNS 13
+#define MAX_COLUMNS 13
 /// From the middle of a tensor to that of the next, in units of the largest semi-axis: across and between rows.
 #define COLUMN_SPACING 2.15
 #define ROW_SPACING 2.3
@@ -82,7 +82,7 @@ bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel 
     for (size_t i = 0; i < panel->layer_count; i++)
     {
         const bat_curve *curve = panel->layers[i].curve;
-        size_t columns = curve->count < MOST_COLUMNS ? curve->count : MOST_COLUMNS;
+        size_t columns = curve->count < MAX_COLUMNS ? curve->count : MAX_COLUMNS;
         frame->tensor_columns = columns > frame->tensor_columns ? columns : frame->tensor_columns;
         for (size_t k = 0; k < columns; k++)
         {
@@ -142,7 +142,7 @@ static draw_colour shade_of(const bat_curve_picture_panel *panel, size_t layer, 
     switch (panel->layers[layer].role)
     {
     case BAT_CURVE_LAYER_CONTROL:
-        return style_mix(COLOUR_CONTROL, COLOUR_PAPER, 0.75);
+        return style_mix(COLOUR_CONTROL, COLOUR_BACKGROUND, 0.75);
     case BAT_CURVE_LAYER_TRUTH:
         return COLOUR_TRUTH;
     default:
@@ -154,8 +154,8 @@ static draw_colour shade_of(const bat_curve_picture_panel *panel, size_t layer, 
 static void fill_outline(cairo_t *cairo, const double root[3], double scale, double x, double y, draw_colour colour)
 {
     cairo_matrix_t to_paper = {scale * root[0], -scale * root[1], scale * root[1], -scale * root[2], x, y};
-    draw_colour light = style_mix(colour, COLOUR_PAPER, 0.45);
-    draw_colour dark = style_mix(colour, COLOUR_INK, 0.85);
+    draw_colour light = style_mix(colour, COLOUR_BACKGROUND, 0.45);
+    draw_colour dark = style_mix(colour, COLOUR_FOREGROUND, 0.85);
     cairo_pattern_t *ball = cairo_pattern_create_radial(-0.35, 0.4, 0.0, 0.0, 0.0, 1.0);
     cairo_pattern_add_color_stop_rgb(ball, 0.0, light.red, light.green, light.blue);
     cairo_pattern_add_color_stop_rgb(ball, 0.6, colour.red, colour.green, colour.blue);
@@ -213,7 +213,7 @@ static void draw_ellipsoid(cairo_t *cairo, const ellipsoid *drawn, bool given, d
                            draw_colour colour)
 {
     double root[3];
-    draw_colour rim = given ? COLOUR_INK : style_mix(colour, COLOUR_INK, 0.6);
+    draw_colour rim = given ? COLOUR_FOREGROUND : style_mix(colour, COLOUR_FOREGROUND, 0.6);
     outline_of(drawn, root);
     fill_outline(cairo, root, scale, x, y, colour);
     style_use_line(cairo, (line_style){rim, given ? 1.3 : 0.7, 0.0, 0.0});

@@ -87,7 +87,7 @@ view_space view_space_of(const bat_space *space)
     return VIEW_NOTHING;
 }
 
-void view_face(draw_view *view, double longitude, double latitude)
+void view_set_globe(draw_view *view, double longitude, double latitude)
 {
     double sine = sin(longitude);
     double cosine = cos(longitude);
@@ -97,11 +97,11 @@ void view_face(draw_view *view, double longitude, double latitude)
     memcpy(view->rotation, rows, sizeof rows);
 }
 
-void view_face_solid(draw_view *view)
+void view_set_solid(draw_view *view)
 {
     const double azimuth = -1.0821;  // -62 degrees: x runs to the right, y to the right and into the depth
     const double elevation = 0.3840; // 22 degrees
-    view_face(view, azimuth, elevation);
+    view_set_globe(view, azimuth, elevation);
 }
 
 bool view_project(const draw_view *view, const double *point, double *u, double *v)

@@ -54,9 +54,9 @@ typedef struct draw_view
 view_space view_space_of(const bat_space *space);
 
 /// The rotation of a globe whose middle is at `longitude` and `latitude`.
-void view_face(draw_view *view, double longitude, double latitude);
+void view_set_globe(draw_view *view, double longitude, double latitude);
 /// The fixed rotation for R^3: x to the right, y into the depth, z upwards, seen from above.
-void view_face_solid(draw_view *view);
+void view_set_solid(draw_view *view);
 
 /// (u, v) of a point.
 /// @return whether the point is on the front; always true where there is no back

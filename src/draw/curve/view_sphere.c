@@ -293,14 +293,14 @@ static void oblique_direction(globe_moments *moments, double *direction)
 
 void view_automatic(const bat_curve *const *curves, size_t count, double *longitude, double *latitude)
 {
-    const double telling = 0.3; // share of the length; below, the curve surrounds the sphere rather than lies on one side
+    const double min_share = 0.3; // share of the length; below, the curve surrounds the sphere rather than lies on one side
     globe_moments moments = {0};
     for (size_t i = 0; i < count; i++)
     {
         add_curve(&moments, curves[i]);
     }
     double direction[3] = {moments.mean[0], moments.mean[1], moments.mean[2]};
-    if (hypot(hypot(direction[0], direction[1]), direction[2]) < telling * moments.weight)
+    if (hypot(hypot(direction[0], direction[1]), direction[2]) < min_share * moments.weight)
     {
         oblique_direction(&moments, direction);
     }

@@ -19,7 +19,7 @@
 #define FLATTEST 0.45
 /// The width of wires in points.
 #define WIRE_WIDTH 0.42
-#define MOST_SAMPLES ((double)(1 << 28))
+#define MAX_SAMPLES ((double)(1 << 28))
 #define LARGEST_SIDE 10000.0
 
 bat_mesh_picture_options bat_mesh_picture_defaults(void)
@@ -45,9 +45,9 @@ typedef struct mesh_scene
     double value_low, value_high;
 } mesh_scene;
 
-static bool is_angle(double angle, double most)
+static bool is_angle(double angle, double limit)
 {
-    return isnan(angle) || fabs(angle) <= most;
+    return isnan(angle) || fabs(angle) <= limit;
 }
 
 static bat_status check_options(const bat_mesh_picture_options *options, bat_error *error)
@@ -187,7 +187,7 @@ static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_b
                         .value_high = made->value_high,
                         .wires = panel->wires,
                         .flat = panel->flat,
-                        .hollows = options->hollows,
+                        .occlusion = options->hollows,
                         .boundaries = options->boundaries,
                         .placing = placing,
                         .line = WIRE_WIDTH * place->per_point,
@@ -205,7 +205,7 @@ static bat_status panel_draw_mesh(const void *context, cairo_t *cairo, size_t in
 {
     const mesh_scene *made = context;
     pixel_box place = pixel_box_align(cairo, made->options->pixels_per_point, box);
-    if ((double)place.columns * (double)place.rows * SHADE_SAMPLES * SHADE_SAMPLES > MOST_SAMPLES)
+    if ((double)place.columns * (double)place.rows * SHADE_SAMPLES * SHADE_SAMPLES > MAX_SAMPLES)
         return error_set(error, BAT_TOO_LARGE, index, 0, "panel %zu would have %zu by %zu pixels; give fewer pixels a point",
                          index, place.columns, place.rows);
     shade_task task = panel_task(made, index, &place);

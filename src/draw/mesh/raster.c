@@ -33,7 +33,7 @@ static bool sample_range(double low, double high, size_t from, size_t to, size_t
     return true;
 }
 
-static double least(double a, double b, double c)
+static double smallest(double a, double b, double c)
 {
     double ab = a < b ? a : b;
     return ab < c ? ab : c;
@@ -51,8 +51,8 @@ static void draw_face(mesh_raster *raster, const uint32_t *corners, uint32_t fac
     const double *a = raster->places + 3 * (size_t)corners[0], *b = raster->places + 3 * (size_t)corners[1];
     const double *c = raster->places + 3 * (size_t)corners[2];
     size_t top, bottom, left, right;
-    if (!sample_range(least(a[1], b[1], c[1]), greatest(a[1], b[1], c[1]), from, to, &top, &bottom) ||
-        !sample_range(least(a[0], b[0], c[0]), greatest(a[0], b[0], c[0]), 0, raster->columns, &left, &right))
+    if (!sample_range(smallest(a[1], b[1], c[1]), greatest(a[1], b[1], c[1]), from, to, &top, &bottom) ||
+        !sample_range(smallest(a[0], b[0], c[0]), greatest(a[0], b[0], c[0]), 0, raster->columns, &left, &right))
         return;
     double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     if (area == 0)

@@ -17,13 +17,13 @@
 
 /// What is seen at the pixels of a picture: depths in pixels towards the eye, -HUGE_VALF where there is nothing; unit
 /// normals, x to the right, y upwards, z to the eye.
-typedef struct hollow_picture
+typedef struct occlusion_picture
 {
     size_t columns, rows;
     const float *depths;
     const float (*normals)[3];
     double reach; ///< pixels: what is farther away takes no light
-} hollow_picture;
+} occlusion_picture;
 
 /// Directions change from pixel to pixel in tiles of TILE x TILE, which a mean over as many evens out.
 #define TILE 4
@@ -51,7 +51,7 @@ static void spread_taps(tap_list *taps)
 
 /// How much one place above the surface's plane takes away: the more, the steeper it is seen, and nothing from beyond the
 /// reach.
-static double shadow_of(const hollow_picture *picture, size_t here, size_t there, double across, double down)
+static double shadow_of(const occlusion_picture *picture, size_t here, size_t there, double across, double down)
 {
     double depth = picture->depths[there];
     if (depth == -HUGE_VAL)
@@ -64,7 +64,7 @@ static double shadow_of(const hollow_picture *picture, size_t here, size_t there
     return nearness >= 1.6 ? 0 : fmax(height - 0.08, 0) * fmin(1, (1.6 - nearness) / 0.6);
 }
 
-static double light_at(const hollow_picture *picture, const tap_list *taps, size_t column, size_t row)
+static double light_at(const occlusion_picture *picture, const tap_list *taps, size_t column, size_t row)
 {
     size_t here = row * picture->columns + column;
     double shadow = 0;
@@ -82,7 +82,7 @@ static double light_at(const hollow_picture *picture, const tap_list *taps, size
 }
 
 /// The mean over a tile of those pixels that lie about as deep.
-static float smooth_at(const hollow_picture *picture, const float *rough, size_t column, size_t row)
+static float smooth_at(const occlusion_picture *picture, const float *rough, size_t column, size_t row)
 {
     size_t here = row * picture->columns + column;
     double sum = 0, weight = 0;
@@ -102,7 +102,7 @@ static float smooth_at(const hollow_picture *picture, const float *rough, size_t
 /// the surface's own plane as horizon).
 /// @param light receives columns x rows shares
 /// @return BAT_OK or BAT_NO_MEMORY
-static bat_status hollow_light(const hollow_picture *picture, int threads, float *light, bat_error *error)
+static bat_status ambient_occlusion(const occlusion_picture *picture, int threads, float *light, bat_error *error)
 {
     tap_list taps;
     spread_taps(&taps);
@@ -115,15 +115,15 @@ static bat_status hollow_light(const hollow_picture *picture, int threads, float
     for (size_t row = 0; row < rows; row++)
         for (size_t column = 0; column < columns; column++)
         {
-            bool seen = picture->depths[row * columns + column] != -HUGE_VALF;
-            rough[row * columns + column] = seen ? (float)light_at(picture, &taps, column, row) : 1;
+            bool visible = picture->depths[row * columns + column] != -HUGE_VALF;
+            rough[row * columns + column] = visible ? (float)light_at(picture, &taps, column, row) : 1;
         }
 #pragma omp parallel for num_threads(count) schedule(static)
     for (size_t row = 0; row < rows; row++)
         for (size_t column = 0; column < columns; column++)
         {
-            bool seen = picture->depths[row * columns + column] != -HUGE_VALF;
-            light[row * columns + column] = seen ? smooth_at(picture, rough, column, row) : 1;
+            bool visible = picture->depths[row * columns + column] != -HUGE_VALF;
+            light[row * columns + column] = visible ? smooth_at(picture, rough, column, row) : 1;
         }
     free(rough);
     return BAT_OK;
@@ -140,7 +140,7 @@ static const draw_colour BOUNDARY = {0.02, 0.33, 0.62};
 /// Boundaries are so many times as wide as wires.
 #define BOUNDARY_WIDENING 2.6
 /// Hollows reach so far, as a share of the picture's greater side.
-#define HOLLOW_REACH 0.055
+#define OCCLUSION_REACH 0.055
 
 /// Wires fade where faces are so small, in pixels, that they would cover everything.
 #define WIRE_FADES_FROM 9.0
@@ -162,13 +162,13 @@ static draw_colour linear_colour(draw_colour encoded)
 }
 
 /// What a sample shows.
-typedef struct glimpse
+typedef struct visible_point
 {
     uint32_t face;
     double share[3];  ///< of the corners
     double normal[3]; ///< to the right, upwards, to the eye; towards the eye
     bool behind;      ///< the face's back is seen
-} glimpse;
+} visible_point;
 
 static void normalize(double v[3])
 {
@@ -178,30 +178,30 @@ static void normalize(double v[3])
 }
 
 /// Look at the face of sample (x, y).
-static glimpse look(const shading *s, size_t x, size_t y)
+static visible_point visible_at(const shading *s, size_t x, size_t y)
 {
-    glimpse seen = {.face = s->raster.faces[y * s->raster.columns + x]};
-    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)seen.face;
-    mesh_raster_locate(&s->raster, corners, (double)x + 0.5, (double)y + 0.5, seen.share);
+    visible_point visible = {.face = s->raster.faces[y * s->raster.columns + x]};
+    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)visible.face;
+    mesh_raster_locate(&s->raster, corners, (double)x + 0.5, (double)y + 0.5, visible.share);
     const double *a = s->raster.places + 3 * (size_t)corners[0], *b = s->raster.places + 3 * (size_t)corners[1];
     const double *c = s->raster.places + 3 * (size_t)corners[2];
     // y runs downwards: what turns counter-clockwise in space turns clockwise here.
-    seen.behind = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0;
+    visible.behind = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0;
     double mean[3] = {0, 0, 0};
     for (size_t corner = 0; corner < 3; corner++)
     {
         // Faces seen from their edge have shares of any size.
-        seen.share[corner] = fmin(fmax(seen.share[corner], 0), 1);
-        const float *normal = s->surface.normals[3 * (size_t)seen.face + corner];
+        visible.share[corner] = fmin(fmax(visible.share[corner], 0), 1);
+        const float *normal = s->surface.normals[3 * (size_t)visible.face + corner];
         for (int i = 0; i < 3; i++)
-            mean[i] += seen.share[corner] * normal[i];
+            mean[i] += visible.share[corner] * normal[i];
     }
-    mesh_view_turn(s->task->placing.view, mean, seen.normal);
+    mesh_view_turn(s->task->placing.view, mean, visible.normal);
     for (int i = 0; i < 3; i++)
-        seen.normal[i] = seen.behind ? -seen.normal[i] : seen.normal[i];
-    seen.normal[2] = fmax(seen.normal[2], 0);
-    normalize(seen.normal);
-    return seen;
+        visible.normal[i] = visible.behind ? -visible.normal[i] : visible.normal[i];
+    visible.normal[2] = fmax(visible.normal[2], 0);
+    normalize(visible.normal);
+    return visible;
 }
 
 /// A smooth 0 … 1 between low and high.
@@ -211,15 +211,15 @@ static double ramp(double low, double high, double x)
     return t * t * (3 - 2 * t);
 }
 
-static draw_colour base_colour(const shading *s, const glimpse *seen)
+static draw_colour base_colour(const shading *s, const visible_point *visible)
 {
     const shade_task *task = s->task;
     if (task->values == NULL)
-        return seen->behind ? s->inside : s->clay;
-    const uint32_t *corners = task->mesh->faces + 3 * (size_t)seen->face;
+        return visible->behind ? s->inside : s->clay;
+    const uint32_t *corners = task->mesh->faces + 3 * (size_t)visible->face;
     double value = 0;
     for (int c = 0; c < 3; c++)
-        value += seen->share[c] * task->values[corners[c]];
+        value += visible->share[c] * task->values[corners[c]];
     if (isnan(value))
         return s->no_value;
     return colour_scale_at((value - task->value_low) / (task->value_high - task->value_low));
@@ -245,9 +245,9 @@ static double shine(const double normal[3])
 }
 
 /// How much of a sample the edges of its face cover.
-static double cover_edges(const shading *s, const glimpse *seen, double width)
+static double cover_edges(const shading *s, const visible_point *visible, double width)
 {
-    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)seen->face;
+    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)visible->face;
     double nearest = HUGE_VAL;
     const double *at[3];
     for (int c = 0; c < 3; c++)
@@ -257,16 +257,16 @@ static double cover_edges(const shading *s, const glimpse *seen, double width)
     {
         int next = (c + 1) % 3, opposite = (c + 2) % 3;
         double length = hypot(at[next][0] - at[c][0], at[next][1] - at[c][1]);
-        nearest = fmin(nearest, seen->share[opposite] * area / fmax(length, 1e-9));
+        nearest = fmin(nearest, visible->share[opposite] * area / fmax(length, 1e-9));
     }
     double half = 0.5 * width * SHADE_SAMPLES;
     return 1 - ramp(half - 0.6, half + 0.6, nearest);
 }
 
 /// The opacity of a face's wires: less where it is small.
-static double wire_opacity(const shading *s, const glimpse *seen)
+static double wire_opacity(const shading *s, const visible_point *visible)
 {
-    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)seen->face;
+    const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)visible->face;
     double longest = 0;
     for (int c = 0; c < 3; c++)
     {
@@ -286,14 +286,14 @@ static draw_colour lay_over(draw_colour below, draw_colour above, double share)
 static draw_colour sample_colour(const shading *s, size_t x, size_t y, double open)
 {
     const shade_task *task = s->task;
-    glimpse seen = look(s, x, y);
-    draw_colour base = base_colour(s, &seen);
+    visible_point visible = visible_at(s, x, y);
+    draw_colour base = base_colour(s, &visible);
     bool clay = task->values == NULL;
-    double light = illuminate(seen.normal, open), glow = clay && !seen.behind ? shine(seen.normal) : 0;
+    double light = illuminate(visible.normal, open), glow = clay && !visible.behind ? shine(visible.normal) : 0;
     light = clay ? light : 0.38 + 0.66 * light;
     draw_colour colour = {base.red * light + glow, base.green * light + glow, base.blue * light + glow};
     if (task->wires)
-        colour = lay_over(colour, s->wire, wire_opacity(s, &seen) * cover_edges(s, &seen, task->line));
+        colour = lay_over(colour, s->wire, wire_opacity(s, &visible) * cover_edges(s, &visible, task->line));
     return colour;
 }
 
@@ -330,7 +330,7 @@ static uint32_t shade_pixel(const shading *s, size_t column, size_t row)
 }
 
 /// What the middle samples of all pixels show, for the hollows.
-static void look_around(const shading *s, float *depths, float (*normals)[3])
+static void sample_middles(const shading *s, float *depths, float (*normals)[3])
 {
     const shade_task *task = s->task;
     for (size_t row = 0; row < task->rows; row++)
@@ -341,13 +341,13 @@ static void look_around(const shading *s, float *depths, float (*normals)[3])
             depths[pixel] = s->raster.depths[sample] / SHADE_SAMPLES;
             if (s->raster.faces[sample] == RASTER_NO_FACE)
                 continue;
-            glimpse seen = look(s, x, y);
+            visible_point visible = visible_at(s, x, y);
             for (int c = 0; c < 3; c++)
-                normals[pixel][c] = (float)seen.normal[c];
+                normals[pixel][c] = (float)visible.normal[c];
         }
 }
 
-static bat_status find_hollows(shading *s, bat_error *error)
+static bat_status find_occlusion(shading *s, bat_error *error)
 {
     const shade_task *task = s->task;
     size_t count = task->columns * task->rows;
@@ -359,13 +359,13 @@ static bat_status find_hollows(shading *s, bat_error *error)
         status = error_memory(error, count * sizeof *normals);
     if (status == BAT_OK)
     {
-        look_around(s, depths, normals);
-        hollow_picture picture = {.columns = task->columns,
-                                  .rows = task->rows,
-                                  .depths = depths,
-                                  .normals = (const float(*)[3])normals,
-                                  .reach = fmax(HOLLOW_REACH * fmax((double)task->columns, (double)task->rows), 2)};
-        status = hollow_light(&picture, task->threads, s->light, error);
+        sample_middles(s, depths, normals);
+        occlusion_picture picture = {.columns = task->columns,
+                                     .rows = task->rows,
+                                     .depths = depths,
+                                     .normals = (const float(*)[3])normals,
+                                     .reach = fmax(OCCLUSION_REACH * fmax((double)task->columns, (double)task->rows), 2)};
+        status = ambient_occlusion(&picture, task->threads, s->light, error);
     }
     free(depths);
     free(normals);
@@ -416,8 +416,8 @@ bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stri
     if (status == BAT_OK)
         status = mesh_raster_make(task->mesh, &placing, SHADE_SAMPLES * task->columns, SHADE_SAMPLES * task->rows,
                                   task->threads, &s.raster, error);
-    if (status == BAT_OK && task->hollows)
-        status = find_hollows(&s, error);
+    if (status == BAT_OK && task->occlusion)
+        status = find_occlusion(&s, error);
     if (status == BAT_OK && task->boundaries)
         status = draw_boundaries(&s, error);
     if (status == BAT_OK)

@@ -14,7 +14,7 @@ typedef struct shade_task
     const bat_mesh *mesh;
     const double *values; ///< of the vertices, or null
     double value_low, value_high;
-    bool wires, flat, hollows, boundaries;
+    bool wires, flat, occlusion, boundaries;
     mesh_placing placing; ///< in pixels
     double line;          ///< the width of wires in pixels
     size_t columns, rows; ///< of pixels

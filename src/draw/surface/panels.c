@@ -127,7 +127,7 @@ static void draw_cloud(const panel_image *task, const image_dot *dots, const dep
         double behind = *depth_at(cells, &dots[k]) - dots[k].rank;
         double faded = fmin(fmax((behind - slack) / (BEHIND_FADE * side), 0), 1);
         draw_colour colour = inside ? style_mix(COLOUR_NEAR, COLOUR_FAR, near) : COLOUR_BOUNDARY_POINT;
-        colour = style_mix(colour, COLOUR_PAPER, 1 - (1 - BEHIND_STRENGTH) * faded);
+        colour = style_mix(colour, COLOUR_BACKGROUND, 1 - (1 - BEHIND_STRENGTH) * faded);
         dot_draw(image, dots[k].x, dots[k].y, inside ? radius : BOUNDARY_POINT_GROWTH * radius, colour);
     }
 }
@@ -166,7 +166,7 @@ static bat_status paint_patch(const void *context, unsigned char *pixels, size_t
     shade_task shade = {.mesh = &task->row->patch,
                         .values = task->blank,
                         .value_high = 1,
-                        .hollows = true,
+                        .occlusion = true,
                         .boundaries = task->blank == NULL,
                         .placing = task->placing,
                         .line = BOUNDARY_LINE * task->per_point,

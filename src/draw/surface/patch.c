@@ -8,8 +8,8 @@
 #include <stdlib.h>
 
 /// Steps of the grid along a side, at least and at most.
-#define LEAST_STEPS ((size_t)96)
-#define MOST_STEPS ((size_t)320)
+#define MIN_STEPS ((size_t)96)
+#define MAX_STEPS ((size_t)320)
 
 /// So many steps take a cell of the finest level where there is room.
 #define STEPS_OF_CELL ((size_t)3)
@@ -20,10 +20,10 @@
 static size_t steps_for(const bat_hierarchical_space *space, int direction)
 {
     size_t cells = bat_hierarchical_space_options(space).spans[direction];
-    for (size_t level = 1; level < bat_hierarchical_space_levels(space) && cells < MOST_STEPS; level++)
+    for (size_t level = 1; level < bat_hierarchical_space_levels(space) && cells < MAX_STEPS; level++)
         cells *= 2;
-    size_t steps = cells < MOST_STEPS ? STEPS_OF_CELL * cells : MOST_STEPS;
-    return steps < LEAST_STEPS ? LEAST_STEPS : steps > MOST_STEPS ? MOST_STEPS : steps;
+    size_t steps = cells < MAX_STEPS ? STEPS_OF_CELL * cells : MAX_STEPS;
+    return steps < MIN_STEPS ? MIN_STEPS : steps > MAX_STEPS ? MAX_STEPS : steps;
 }
 
 /// The number of the vertex in column i and row j of a grid with so many steps.

@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define LEAST_WIDTH 60
-#define MOST_WIDTH 4000
+#define MIN_WIDTH 60
+#define MAX_WIDTH 4000
 
 /// The first number that is not finite; BAT_NO_INDEX for none.
 static size_t find_not_finite(const double *numbers, size_t count)
@@ -26,7 +26,7 @@ static size_t find_not_finite(const double *numbers, size_t count)
 static bat_status check_options(const bat_surface_picture_options *options, bat_error *error)
 {
     const char *wrong = NULL;
-    if (options->width != 0 && (options->width < LEAST_WIDTH || options->width > MOST_WIDTH))
+    if (options->width != 0 && (options->width < MIN_WIDTH || options->width > MAX_WIDTH))
         wrong = "panels are 60 to 4000 pixels wide";
     else if (!(options->largest_error >= 0 && isfinite(options->largest_error)))
         wrong = "the end of the scale of errors is finite and not below zero";
@@ -107,7 +107,7 @@ static bat_status surface_picture_check(const bat_surface_picture_row *rows, siz
 #define FLATTEST 0.45
 #define TITLE_ROOM 20.0
 /// The surface is drawn as far as the points' box grown by this share of its longest side.
-#define RUNAWAY_SHARE 0.06
+#define BEYOND_SHARE 0.06
 /// The share of distances within the colour scale.
 #define SCALED_SHARE 0.99
 
@@ -183,7 +183,7 @@ static void describe_row(surface_row *row)
 }
 
 /// Cut off what of the surface runs away from the points.
-static void cut_runaways(const bat_cloud *cloud, bat_mesh *patch)
+static void cut_beyond_points(const bat_cloud *cloud, bat_mesh *patch)
 {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, extent = 0;
     for (size_t i = 0; i < 3 * cloud->count; i++)
@@ -195,14 +195,14 @@ static void cut_runaways(const bat_cloud *cloud, bat_mesh *patch)
         extent = fmax(extent, high[c] - low[c]);
     for (int c = 0; c < 3; c++)
     {
-        low[c] -= RUNAWAY_SHARE * extent;
-        high[c] += RUNAWAY_SHARE * extent;
+        low[c] -= BEYOND_SHARE * extent;
+        high[c] += BEYOND_SHARE * extent;
     }
     surface_patch_cut(patch, low, high);
 }
 
 /// The view and the frame of a row: the cloud's if its boundary is known, else the surface's.
-static void look_at_row(surface_row *row, size_t loop_count, const bat_surface_picture_options *options)
+static void choose_view(surface_row *row, size_t loop_count, const bat_surface_picture_options *options)
 {
     const bat_cloud *cloud = row->panel->cloud;
     patch_points surface = {row->patch.positions, row->patch.vertex_count, loop_count};
@@ -212,7 +212,7 @@ static void look_at_row(surface_row *row, size_t loop_count, const bat_surface_p
     bool by_cloud = cloud != NULL && (points.loop_count > 0 || surface.count == 0);
     row->view = surface_view_of(by_cloud ? &points : &surface, options->view, options->up);
     if (cloud != NULL)
-        cut_runaways(cloud, &row->patch);
+        cut_beyond_points(cloud, &row->patch);
     surface_patch_turn(&row->patch, row->view.rotation[2]);
     mesh_frame of_surface = mesh_frame_of(&row->patch, &row->view);
     mesh_frame of_cloud = surface_frame_of(points.points, points.count, &row->view);
@@ -229,7 +229,7 @@ static bat_status make_row(const bat_surface_picture_row *panel, const bat_surfa
         status = surface_patch_make(panel->surface, &row->patch, &loop_count, error);
     if (status != BAT_OK)
         return status;
-    look_at_row(row, loop_count, options);
+    choose_view(row, loop_count, options);
     describe_row(row);
     return BAT_OK;
 }
@@ -332,7 +332,7 @@ static void draw_title(const surface_scene *scene, cairo_t *cairo, const char *t
 {
     char cut[256];
     text_use(cairo, TEXT_TITLE, true);
-    style_use_colour(cairo, COLOUR_INK);
+    style_use_colour(cairo, COLOUR_FOREGROUND);
     text_cut(cairo, title, box[2] * (double)scene->columns, cut, sizeof cut);
     text_draw(cairo, cut, box[0], box[1] + 0.5 * TITLE_ROOM, 0);
 }

@@ -10,13 +10,13 @@
 
 /// Dots cover about this share of where they lie, within these radii in points.
 #define COVERAGE 0.42
-#define LEAST_RADIUS 0.34
-#define MOST_RADIUS 1.7
+#define MIN_RADIUS 0.34
+#define MAX_RADIUS 1.7
 
 double dot_radius(double area, size_t count, double per_point)
 {
     double radius = sqrt(COVERAGE * area / (3.14159265358979323846 * (double)(count > 0 ? count : 1)));
-    return fmin(fmax(radius, LEAST_RADIUS * per_point), MOST_RADIUS * per_point);
+    return fmin(fmax(radius, MIN_RADIUS * per_point), MAX_RADIUS * per_point);
 }
 
 static int compare_dots(const void *a, const void *b)
@@ -141,7 +141,7 @@ static void draw_cells(const bat_hierarchical_space *space, cairo_t *cairo, cons
         cairo_line_to(cairo, left, bottom);
         cairo_line_to(cairo, square[0] + square[2] * high[0], bottom);
     }
-    style_use_line(cairo, (line_style){.colour = COLOUR_INK, .width = CELL_WIDTH});
+    style_use_line(cairo, (line_style){.colour = COLOUR_FOREGROUND, .width = CELL_WIDTH});
     cairo_stroke(cairo);
 }
 
@@ -149,10 +149,10 @@ static void draw_frame(cairo_t *cairo, const double square[3])
 {
     double left = square[0], right = left + square[2], top = square[1], bottom = top + square[2];
     cairo_rectangle(cairo, left, top, square[2], square[2]);
-    style_use_line(cairo, (line_style){.colour = COLOUR_INK, .width = LINE_FRAME});
+    style_use_line(cairo, (line_style){.colour = COLOUR_FOREGROUND, .width = LINE_FRAME});
     cairo_stroke(cairo);
     text_use(cairo, TEXT_TICK, false);
-    style_use_colour(cairo, COLOUR_SOFT_INK);
+    style_use_colour(cairo, COLOUR_MUTED);
     const char *const names[2][3] = {{"0", "u", "1"}, {"0", "v", "1"}};
     for (int i = 0; i < 3; i++)
     {

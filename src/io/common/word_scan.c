@@ -1,6 +1,6 @@
 #include "io/common/word_scan.h"
 
-bat_status scan_word_fault(mesh_scan *scan, size_t index, const char *fault, bat_error *error)
+bat_status scan_word_fault(word_scan *scan, size_t index, const char *fault, bat_error *error)
 {
     char excerpt[EXCERPT_SIZE];
     scan_skip_blanks(scan);
@@ -8,7 +8,7 @@ bat_status scan_word_fault(mesh_scan *scan, size_t index, const char *fault, bat
                      fault);
 }
 
-bat_status scan_number_fault(mesh_scan *scan, size_t index, const char *what, bat_error *error)
+bat_status scan_number_fault(word_scan *scan, size_t index, const char *what, bat_error *error)
 {
     double value;
     if (scan_line_done(scan))

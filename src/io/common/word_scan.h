@@ -8,38 +8,38 @@
 #include <string.h>
 
 /// A place in a text of lines with words, where '#' begins a comment that ends with its line. Words are separated by blanks.
-typedef struct mesh_scan
+typedef struct word_scan
 {
     const char *at, *end;
     size_t line; ///< that `at` is in, counted from 1
-} mesh_scan;
+} word_scan;
 
-static inline mesh_scan mesh_scan_start(const char *text, size_t size)
+static inline word_scan word_scan_start(const char *text, size_t size)
 {
-    return (mesh_scan){text, text + size, 1};
+    return (word_scan){text, text + size, 1};
 }
 
-static inline void scan_skip_blanks(mesh_scan *scan)
+static inline void scan_skip_blanks(word_scan *scan)
 {
     while (scan->at < scan->end && (*scan->at == ' ' || *scan->at == '\t' || *scan->at == '\r'))
         scan->at++;
 }
 
 /// Whether a word ends at a place.
-static inline bool scan_word_ends(const mesh_scan *scan, const char *at)
+static inline bool scan_word_ends(const word_scan *scan, const char *at)
 {
     return at == scan->end || *at == ' ' || *at == '\n' || *at == '\t' || *at == '\r' || *at == '#';
 }
 
 /// Whether nothing but blanks and a comment is left of the line; goes to the next word otherwise.
-static inline bool scan_line_done(mesh_scan *scan)
+static inline bool scan_line_done(word_scan *scan)
 {
     scan_skip_blanks(scan);
     return scan->at == scan->end || *scan->at == '\n' || *scan->at == '#';
 }
 
 /// Go to the begin of the next line; false at the end of the text.
-static inline bool scan_next_line(mesh_scan *scan)
+static inline bool scan_next_line(word_scan *scan)
 {
     const char *newline = scan->at < scan->end ? memchr(scan->at, '\n', (size_t)(scan->end - scan->at)) : NULL;
     scan->at = newline != NULL ? newline + 1 : scan->end;
@@ -48,7 +48,7 @@ static inline bool scan_next_line(mesh_scan *scan)
 }
 
 /// Go to the next word, over any number of lines; false at the end of the text.
-static inline bool scan_next_content(mesh_scan *scan)
+static inline bool scan_next_content(word_scan *scan)
 {
     while (scan_line_done(scan))
         if (!scan_next_line(scan))
@@ -57,7 +57,7 @@ static inline bool scan_next_content(mesh_scan *scan)
 }
 
 /// Read the next word of the line as a number; false, in place, when it is none.
-static inline bool scan_number(mesh_scan *scan, double *value)
+static inline bool scan_number(word_scan *scan, double *value)
 {
     scan_skip_blanks(scan);
     const char *end = number_scan(scan->at, scan->end, value);
@@ -68,7 +68,7 @@ static inline bool scan_number(mesh_scan *scan, double *value)
 }
 
 /// Read decimal digits as a number below `limit` <= 2^60; false, in place, when there are none or it is not below.
-static inline bool scan_digits_below(mesh_scan *scan, uint64_t limit, uint64_t *value)
+static inline bool scan_digits_below(word_scan *scan, uint64_t limit, uint64_t *value)
 {
     uint64_t number = 0;
     const char *at = scan->at;
@@ -82,7 +82,7 @@ static inline bool scan_digits_below(mesh_scan *scan, uint64_t limit, uint64_t *
 }
 
 /// Read the next word of the line as a whole number of 0 or more, below `limit` <= 2^60; false, in place, when it is none.
-static inline bool scan_count(mesh_scan *scan, uint64_t limit, uint64_t *value)
+static inline bool scan_count(word_scan *scan, uint64_t limit, uint64_t *value)
 {
     scan_skip_blanks(scan);
     const char *begin = scan->at;
@@ -92,7 +92,7 @@ static inline bool scan_count(mesh_scan *scan, uint64_t limit, uint64_t *value)
     return false;
 }
 
-static inline const char *scan_word_end(const mesh_scan *scan)
+static inline const char *scan_word_end(const word_scan *scan)
 {
     const char *at = scan->at;
     while (!scan_word_ends(scan, at))
@@ -101,7 +101,7 @@ static inline const char *scan_word_end(const mesh_scan *scan)
 }
 
 /// Whether the next word of the line is `word`, which is then passed over.
-static inline bool scan_word(mesh_scan *scan, const char *word)
+static inline bool scan_word(word_scan *scan, const char *word)
 {
     scan_skip_blanks(scan);
     size_t size = (size_t)(scan_word_end(scan) - scan->at);
@@ -112,9 +112,9 @@ static inline bool scan_word(mesh_scan *scan, const char *word)
 }
 
 /// BAT_BAD_FILE for the line's next word, which should be a number: what is wrong with it, or that `what` is missing.
-bat_status scan_number_fault(mesh_scan *scan, size_t index, const char *what, bat_error *error);
+bat_status scan_number_fault(word_scan *scan, size_t index, const char *what, bat_error *error);
 
 /// BAT_BAD_FILE for the line's next word: it `fault`, as in "is not the index of a vertex".
-bat_status scan_word_fault(mesh_scan *scan, size_t index, const char *fault, bat_error *error);
+bat_status scan_word_fault(word_scan *scan, size_t index, const char *fault, bat_error *error);
 
 #endif

@@ -54,7 +54,7 @@ static bool on_meridian(const degree_grid *grid, degree_units shown)
 }
 
 /// Give a vertex on the meridian or a pole the side or the longitude of its neighbour.
-static void settle(const degree_grid *grid, degree_units *shown, degree_units neighbour)
+static void assign_longitude(const degree_grid *grid, degree_units *shown, degree_units neighbour)
 {
     if (on_pole(grid, *shown))
         shown->longitude = neighbour.longitude;
@@ -71,7 +71,7 @@ static size_t first_ordinary(const degree_grid *grid, const globe_curve *curve)
     return first;
 }
 
-static void settle_all(const degree_grid *grid, const globe_curve *curve)
+static void assign_longitudes(const degree_grid *grid, const globe_curve *curve)
 {
     degree_units *shown = curve->shown;
     size_t count = curve->count;
@@ -79,17 +79,17 @@ static void settle_all(const degree_grid *grid, const globe_curve *curve)
     if (first == count)
     {
         for (size_t i = 0; i < count; i++)
-            settle(grid, &shown[i], (degree_units){0});
+            assign_longitude(grid, &shown[i], (degree_units){0});
         return;
     }
     for (size_t i = first + 1; i < count; i++)
-        settle(grid, &shown[i], shown[i - 1]);
+        assign_longitude(grid, &shown[i], shown[i - 1]);
     if (curve->closed)
         for (size_t i = 0; i < first; i++)
-            settle(grid, &shown[i], shown[i == 0 ? count - 1 : i - 1]);
+            assign_longitude(grid, &shown[i], shown[i == 0 ? count - 1 : i - 1]);
     else
         for (size_t i = first; i > 0; i--)
-            settle(grid, &shown[i - 1], shown[i]);
+            assign_longitude(grid, &shown[i - 1], shown[i]);
 }
 
 static size_t next_vertex(const globe_curve *curve, size_t index)
@@ -120,7 +120,7 @@ bool globe_curve_show(const degree_grid *grid, globe_curve *curve)
         special = special || on_pole(grid, curve->shown[i]) || on_meridian(grid, curve->shown[i]);
     }
     if (special)
-        settle_all(grid, curve);
+        assign_longitudes(grid, curve);
     curve->cut_count = 0;
     for (size_t i = 0; i < edge_count(curve); i++)
         curve->cut_count += crosses(grid, curve, i);

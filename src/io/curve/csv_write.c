@@ -109,7 +109,7 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
         const double *channels = channel_count > 0 ? curve->channels + i * channel_count : NULL;
         if (!all_finite(point, dim) || !all_finite(channels, channel_count))
             return row_not_finite(span, i, error);
-        double written[MOST_FORM_COLUMNS];
+        double written[MAX_FORM_COLUMNS];
         if (layout->form != NULL)
             point_form_write(layout->form, point, written);
         const double *numbers = layout->form != NULL ? written : point;

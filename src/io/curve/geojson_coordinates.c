@@ -17,7 +17,7 @@ static void describe(char *text, size_t size, const char *what, size_t index)
         (void)snprintf(text + used, size - used, "%s%s %zu", used > 0 ? ", " : "", what, index);
 }
 
-bat_status geojson_bad(geojson_reader *reader, const char *format, ...)
+bat_status geojson_fault(geojson_reader *reader, const char *format, ...)
 {
     char where[120] = "", what[160];
     va_list arguments;
@@ -40,7 +40,7 @@ bat_status geojson_no_memory(geojson_reader *reader)
 
 static bat_status bad_position(geojson_reader *reader)
 {
-    return geojson_bad(reader, "a position must be an array of 2 or 3 numbers");
+    return geojson_fault(reader, "a position must be an array of 2 or 3 numbers");
 }
 
 static bool is_of_number(char c)
@@ -57,7 +57,7 @@ static bat_status read_number(geojson_reader *reader, json_scanner *scan, double
     if (scan->at == begin)
         return bad_position(reader);
     const char *fault = number_read(begin, scan->at, number);
-    return fault == NULL ? BAT_OK : geojson_bad(reader, "a number %s", fault);
+    return fault == NULL ? BAT_OK : geojson_fault(reader, "a number %s", fault);
 }
 
 /// Put a position's numbers behind the points of the current curve.
@@ -69,7 +69,7 @@ static bat_status add_point(geojson_reader *reader, const double *numbers, size_
         return geojson_no_memory(reader);
     const char *fault = reader->degrees ? degrees_fault(numbers[0], numbers[1]) : NULL;
     if (fault != NULL)
-        return geojson_bad(reader, "%s", fault);
+        return geojson_fault(reader, "%s", fault);
     if (reader->degrees)
         degrees_to_point(numbers[0], numbers[1], point);
     else
@@ -77,7 +77,7 @@ static bat_status add_point(geojson_reader *reader, const double *numbers, size_
     if (count == 3)
         *altitude = numbers[2];
     fault = builder_admit(&reader->builder);
-    return fault == NULL ? BAT_OK : geojson_bad(reader, "the point is %s", fault);
+    return fault == NULL ? BAT_OK : geojson_fault(reader, "the point is %s", fault);
 }
 
 static bat_status read_position(geojson_reader *reader, json_scanner *scan)
@@ -99,7 +99,7 @@ static bat_status read_position(geojson_reader *reader, json_scanner *scan)
     if (reader->number_count == 0)
         reader->number_count = count;
     if (count != reader->number_count)
-        return geojson_bad(reader, "some positions of the geometry have an altitude and others not");
+        return geojson_fault(reader, "some positions of the geometry have an altitude and others not");
     return add_point(reader, numbers, count);
 }
 
@@ -113,7 +113,7 @@ static bat_status read_part(geojson_reader *reader, json_scanner *scan)
     };
     size_t count = 0, fewest = reader->rings ? RING_POSITIONS : LINE_POSITIONS;
     if (!json_scan_take(scan, '['))
-        return geojson_bad(reader, "the positions must be an array");
+        return geojson_fault(reader, "the positions must be an array");
     for (; json_scan_element(scan, count); count++)
     {
         reader->place.position = count;
@@ -123,10 +123,10 @@ static bat_status read_part(geojson_reader *reader, json_scanner *scan)
     }
     reader->place.position = NOWHERE;
     if (count < fewest)
-        return geojson_bad(reader, "a %s needs at least %zu positions", reader->rings ? "ring" : "line", fewest);
+        return geojson_fault(reader, "a %s needs at least %zu positions", reader->rings ? "ring" : "line", fewest);
     bool returns = builder_returns(&reader->builder);
     if (reader->rings && !returns)
-        return geojson_bad(reader, "the last position of a ring must repeat the first");
+        return geojson_fault(reader, "the last position of a ring must repeat the first");
     bool closed = reader->rings || (reader->closed < 0 ? returns && count >= RING_POSITIONS : reader->closed > 0);
     if (closed && returns)
         builder_drop_last(&reader->builder);
@@ -137,7 +137,7 @@ static bat_status read_parts(geojson_reader *reader, json_scanner *scan, size_t 
 {
     *count = 0;
     if (!json_scan_take(scan, '[') || json_scan_at(scan, ']'))
-        return geojson_bad(reader, "the coordinates must be an array of arrays of positions");
+        return geojson_fault(reader, "the coordinates must be an array of arrays of positions");
     for (; json_scan_element(scan, *count); (*count)++)
     {
         reader->place.part = *count;

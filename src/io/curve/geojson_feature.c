@@ -13,12 +13,12 @@ enum
     DEEPEST_GEOMETRY = 8 ///< collections in collections beyond it are for the parser
 };
 
-typedef struct lifting
+typedef struct extractor
 {
     json_scanner scan;
     const char *copied; ///< the text before it is in lift->text
-    geojson_lift *lift;
-} lifting;
+    geojson_extraction *extraction;
+} extractor;
 
 /// The type of the object that begins here, with its quotes; empty when there is none.
 static json_scanner find_type(json_scanner scan)
@@ -50,10 +50,10 @@ static bool has_escape(const json_scanner *string)
 }
 
 /// Put the next number in the place of an array, and go on behind it. One without numbers or with anything else stays.
-static bool lift_array(lifting *job)
+static bool extract_array(extractor *job)
 {
-    geojson_lift *lift = job->lift;
-    void *arrays = lift->arrays;
+    geojson_extraction *extraction = job->extraction;
+    void *arrays = extraction->arrays;
     const char *begin = job->scan.at;
     json_scanner ahead = {begin + 1, job->scan.end};
     if (json_scan_at(&ahead, ']'))
@@ -61,38 +61,38 @@ static bool lift_array(lifting *job)
     ahead.at = begin;
     if (!json_scan_numbers(&ahead, DEEPEST_ARRAY))
         return json_scan_value(&job->scan);
-    bool grown = array_grow(&arrays, &lift->capacity, lift->count + 1, sizeof *lift->arrays);
-    lift->arrays = arrays;
+    bool grown = array_grow(&arrays, &extraction->capacity, extraction->count + 1, sizeof *extraction->arrays);
+    extraction->arrays = arrays;
     if (!grown)
         return false;
-    text_append(&lift->text, job->copied, (size_t)(begin - job->copied));
+    text_append(&extraction->text, job->copied, (size_t)(begin - job->copied));
     size_t newlines = json_scan_newlines(begin, ahead.at);
-    char *out = text_reserve(&lift->text, NUMBER_TEXT_SIZE + newlines);
+    char *out = text_reserve(&extraction->text, NUMBER_TEXT_SIZE + newlines);
     if (out == NULL)
         return false;
     *out++ = '[';
-    out = number_write_fixed(out, (int64_t)lift->count, 0);
+    out = number_write_fixed(out, (int64_t)extraction->count, 0);
     memset(out, '\n', newlines);
     out[newlines] = ']';
-    text_advance(&lift->text, out + newlines + 1);
-    lift->arrays[lift->count++] = begin;
+    text_advance(&extraction->text, out + newlines + 1);
+    extraction->arrays[extraction->count++] = begin;
     job->copied = job->scan.at = ahead.at;
     return true;
 }
 
-static bool lift_object(lifting *job, size_t depth);
+static bool extract_object(extractor *job, size_t depth);
 
-static bool lift_objects(lifting *job, size_t depth)
+static bool extract_objects(extractor *job, size_t depth)
 {
     (void)json_scan_take(&job->scan, '[');
     for (size_t i = 0; json_scan_element(&job->scan, i); i++)
-        if (!(json_scan_at(&job->scan, '{') ? lift_object(job, depth) : json_scan_value(&job->scan)))
+        if (!(json_scan_at(&job->scan, '{') ? extract_object(job, depth) : json_scan_value(&job->scan)))
             return false;
     return true;
 }
 
 /// Lift what the members of an object of this type hold. False where only the parser can tell what is what.
-static bool lift_object(lifting *job, size_t depth)
+static bool extract_object(extractor *job, size_t depth)
 {
     json_scanner *scan = &job->scan, key;
     const json_scanner type = find_type(*scan);
@@ -103,17 +103,17 @@ static bool lift_object(lifting *job, size_t depth)
     {
         if (!json_scan_key(scan, &key) || has_escape(&key))
             return false;
-        bool lifted;
+        bool extracted;
         if (json_scan_is(&key, "geometry") && json_scan_is(&type, "\"Feature\"") && json_scan_at(scan, '{'))
-            lifted = lift_object(job, depth + 1);
+            extracted = extract_object(job, depth + 1);
         else if (json_scan_is(&key, "geometries") && json_scan_is(&type, "\"GeometryCollection\"") &&
                  json_scan_at(scan, '['))
-            lifted = lift_objects(job, depth + 1);
+            extracted = extract_objects(job, depth + 1);
         else if (json_scan_is(&key, "coordinates") && is_curves(&type) && json_scan_at(scan, '['))
-            lifted = lift_array(job);
+            extracted = extract_array(job);
         else
-            lifted = json_scan_value(scan);
-        if (!lifted)
+            extracted = json_scan_value(scan);
+        if (!extracted)
             return false;
     } while (json_scan_take(scan, ','));
     return json_scan_take(scan, '}');
@@ -122,22 +122,22 @@ static bool lift_object(lifting *job, size_t depth)
 /// Lift the coordinates out. Afterwards an array of a single whole number is such a reference, wherever a geometry of lines
 /// or polygons has it for coordinates. False when nothing could be lifted: because of unusual spelling, wrong syntax or want
 /// of memory, or because there are no lines; parse the original text then.
-static bool lift_text(geojson_lift *lift, const char *begin, const char *end)
+static bool extract_text(geojson_extraction *extraction, const char *begin, const char *end)
 {
-    lifting job = {{begin, end}, begin, lift};
-    lift->text.size = 0;
-    lift->count = 0;
-    if (!json_scan_at(&job.scan, '{') || !lift_object(&job, 0) || lift->count == 0)
+    extractor job = {{begin, end}, begin, extraction};
+    extraction->text.size = 0;
+    extraction->count = 0;
+    if (!json_scan_at(&job.scan, '{') || !extract_object(&job, 0) || extraction->count == 0)
         return false;
-    text_append(&lift->text, job.copied, (size_t)(end - job.copied));
-    return !lift->text.failed;
+    text_append(&extraction->text, job.copied, (size_t)(end - job.copied));
+    return !extraction->text.failed;
 }
 
-void geojson_lift_free(geojson_lift *lift)
+void geojson_extraction_free(geojson_extraction *extraction)
 {
-    text_free(&lift->text);
-    free(lift->arrays);
-    *lift = (geojson_lift){0};
+    text_free(&extraction->text);
+    free(extraction->arrays);
+    *extraction = (geojson_extraction){0};
 }
 
 typedef enum geometry_kind
@@ -171,9 +171,9 @@ static geometry_kind kind_of(const json_t *geometry)
 static bat_status read_coordinates(geojson_reader *reader, curve_kind kind, const json_t *coordinates)
 {
     const json_t *number = json_array_get(coordinates, 0);
-    if (reader->lifted && json_array_size(coordinates) == 1 && json_is_integer(number))
+    if (reader->extracted && json_array_size(coordinates) == 1 && json_is_integer(number))
     {
-        json_scanner scan = {reader->lift.arrays[json_integer_value(number)], reader->text_end};
+        json_scanner scan = {reader->extraction.arrays[json_integer_value(number)], reader->text_end};
         return geojson_read_coordinates(reader, kind, &scan);
     }
     text_buffer text = {0};
@@ -192,7 +192,7 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
     geojson_feature *feature = &document->features[document->feature_count - 1];
     const json_t *coordinates = json_object_get(geometry, "coordinates");
     if (!json_is_array(coordinates))
-        return geojson_bad(reader, "the geometry has no array of coordinates");
+        return geojson_fault(reader, "the geometry has no array of coordinates");
     if (json_array_size(coordinates) == 0)
         return BAT_OK;
     geojson_geometry taken = {.curve = reader->builder.curve_count - feature->curve,
@@ -216,15 +216,15 @@ static bat_status read_geometry(geojson_reader *reader, json_t *geometry)
 {
     geometry_kind kind = kind_of(geometry);
     if (kind == KIND_UNKNOWN)
-        return geojson_bad(reader, json_is_object(geometry) ? "the geometry has no type that GeoJSON knows"
-                                                            : "the geometry must be an object");
+        return geojson_fault(reader, json_is_object(geometry) ? "the geometry has no type that GeoJSON knows"
+                                                              : "the geometry must be an object");
     if (kind == KIND_OTHER)
         return BAT_OK;
     if (kind != KIND_COLLECTION)
         return take_geometry(reader, kind, geometry);
     const json_t *members = json_object_get(geometry, "geometries");
     if (!json_is_array(members))
-        return geojson_bad(reader, "a GeometryCollection needs an array of geometries");
+        return geojson_fault(reader, "a GeometryCollection needs an array of geometries");
     bat_status status = BAT_OK;
     size_t outer = reader->place.geometry;
     for (size_t i = 0; i < json_array_size(members) && status == BAT_OK; i++)
@@ -261,10 +261,10 @@ bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_
                                  .geometry = document->geometry_count,
                                  .polygon = document->polygon_count};
     if (!bare_geometry && !geojson_has_type(tree, "Feature"))
-        return geojson_bad(reader, "it must be an object of the type Feature");
+        return geojson_fault(reader, "it must be an object of the type Feature");
     json_t *geometry = bare_geometry ? tree : json_object_get(tree, "geometry");
     if (geometry == NULL)
-        return geojson_bad(reader, "the feature has no geometry");
+        return geojson_fault(reader, "the feature has no geometry");
     bat_status status = json_is_null(geometry) ? BAT_OK : read_geometry(reader, geometry);
     feature->curve_count = reader->builder.curve_count - feature->curve;
     feature->geometry_count = document->geometry_count - feature->geometry;
@@ -275,10 +275,10 @@ bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_
 json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end, size_t first_line)
 {
     json_t *tree = NULL;
-    reader->lifted = lift_text(&reader->lift, begin, end);
+    reader->extracted = extract_text(&reader->extraction, begin, end);
     reader->text_end = end;
-    const char *text = reader->lifted ? reader->lift.text.data : begin;
-    size_t size = reader->lifted ? reader->lift.text.size : (size_t)(end - begin);
+    const char *text = reader->extracted ? reader->extraction.text.data : begin;
+    size_t size = reader->extracted ? reader->extraction.text.size : (size_t)(end - begin);
     (void)json_parse(text, size, JSON_ALLOW_NUL, first_line, &tree, reader->error);
     return tree;
 }
@@ -297,5 +297,5 @@ void geojson_reader_free(geojson_reader *reader)
 {
     builder_free(&reader->builder);
     geojson_document_free(&reader->document);
-    geojson_lift_free(&reader->lift);
+    geojson_extraction_free(&reader->extraction);
 }

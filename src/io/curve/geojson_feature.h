@@ -17,12 +17,12 @@ typedef struct geojson_place
 /// The text of a feature, or of a geometry alone, from which the coordinates of lines and polygons are lifted out: each
 /// array of them is replaced by its number, [0], [1], … and its line breaks. So the parser makes no tree of them, which
 /// would take many times the memory of the text. All zero: empty. It can be used again for the next text.
-typedef struct geojson_lift
+typedef struct geojson_extraction
 {
     text_buffer text;
     const char **arrays; ///< where each array begins in the original text; they are right JSON and hold only numbers
     size_t count, capacity;
-} geojson_lift;
+} geojson_extraction;
 
 /// Reads features into curves and what is left of them. Threads have one each.
 typedef struct geojson_reader
@@ -34,8 +34,8 @@ typedef struct geojson_reader
     geojson_place place;
     bool rings;          ///< the parts of this geometry are rings, not lines
     size_t number_count; ///< in each position of this geometry; 0 before the first
-    bool lifted;         ///< the coordinates of the text that was parsed last were lifted out of it
-    geojson_lift lift;
+    bool extracted;      ///< the coordinates of the text that was parsed last were lifted out of it
+    geojson_extraction extraction;
     const char *text_end; ///< of that text
     bat_error *error;     ///< receives what went wrong; may be null
 } geojson_reader;
@@ -57,7 +57,7 @@ bool geojson_has_type(const json_t *object, const char *type);
 
 void geojson_reader_free(geojson_reader *reader);
 
-void geojson_lift_free(geojson_lift *lift);
+void geojson_extraction_free(geojson_extraction *extraction);
 
 /// The geometries whose coordinates are curves.
 typedef enum curve_kind
@@ -73,7 +73,7 @@ typedef enum curve_kind
 bat_status geojson_read_coordinates(geojson_reader *reader, curve_kind kind, json_scanner *scan);
 
 /// BAT_BAD_FILE, with a message that begins with the reader's place.
-bat_status geojson_bad(geojson_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
+bat_status geojson_fault(geojson_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 bat_status geojson_no_memory(geojson_reader *reader);
 

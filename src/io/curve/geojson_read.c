@@ -310,7 +310,7 @@ bat_status geojson_read(const file_text *text, const bat_curve_read_options *opt
         return status;
     geojson_reader reader = geojson_reader_start(&space, options, error);
     status = read_text(&reader, text, options);
-    geojson_lift_free(&reader.lift);
+    geojson_extraction_free(&reader.extraction);
     if (status == BAT_OK && reader.builder.curve_count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
     bat_curve_attributes *attributes = status == BAT_OK ? attributes_new(BAT_CURVE_FORMAT_GEOJSON) : NULL;

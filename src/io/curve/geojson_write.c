@@ -17,27 +17,27 @@ typedef struct geojson_writer
 } geojson_writer;
 
 /// What one thread writes with.
-typedef struct geojson_pen
+typedef struct geojson_output
 {
     const geojson_writer *writer;
     const geojson_feature *feature;
     geojson_shape shape;
     text_buffer *text;
     bat_error *error;
-} geojson_pen;
+} geojson_output;
 
-static void write_key(geojson_pen *pen, const char *separator, const char *key)
+static void write_key(geojson_output *out, const char *separator, const char *key)
 {
-    text_append_string(pen->text, separator);
-    json_text_string(pen->text, key, strlen(key));
-    text_append_string(pen->text, ":");
+    text_append_string(out->text, separator);
+    json_text_string(out->text, key, strlen(key));
+    text_append_string(out->text, ":");
 }
 
 /// Write an object's members in their order, save for "bbox", which no longer holds when curves have changed. `write_member`
 /// writes those values that it knows and says so.
-typedef bool member_writer(geojson_pen *pen, const char *key, json_t *value, bat_status *status);
+typedef bool member_writer(geojson_output *out, const char *key, json_t *value, bat_status *status);
 
-static bat_status write_members(geojson_pen *pen, json_t *object, member_writer *write_member)
+static bat_status write_members(geojson_output *out, json_t *object, member_writer *write_member)
 {
     bat_status status = BAT_OK;
     const char *separator = "{";
@@ -47,123 +47,123 @@ static bat_status write_members(geojson_pen *pen, json_t *object, member_writer 
         json_t *value = json_object_iter_value(at);
         if (strcmp(key, "bbox") == 0)
             continue;
-        write_key(pen, separator, key);
-        if (!write_member(pen, key, value, &status))
-            json_text(pen->text, value);
+        write_key(out, separator, key);
+        if (!write_member(out, key, value, &status))
+            json_text(out->text, value);
         separator = ",";
     }
-    text_append_string(pen->text, "}");
+    text_append_string(out->text, "}");
     return status;
 }
 
-static bat_status make_shape(geojson_pen *pen, const char *type, const geojson_geometry *geometry)
+static bat_status make_shape(geojson_output *out, const char *type, const geojson_geometry *geometry)
 {
-    const geojson_writer *writer = pen->writer;
-    size_t first = pen->feature->curve + geometry->curve;
+    const geojson_writer *writer = out->writer;
+    size_t first = out->feature->curve + geometry->curve;
     const bat_curve *curves = writer->set->curves + first;
     if (geometry->polygon_count == 0)
-        return geojson_shape_lines(&pen->shape, &writer->style, type, curves, geometry->curve_count, first, pen->error);
-    const size_t *ring_counts = writer->document->ring_counts + pen->feature->polygon + geometry->polygon;
-    return geojson_shape_polygons(&pen->shape, &writer->style, type, curves, ring_counts, geometry->polygon_count, first,
-                                  pen->error);
+        return geojson_shape_lines(&out->shape, &writer->style, type, curves, geometry->curve_count, first, out->error);
+    const size_t *ring_counts = writer->document->ring_counts + out->feature->polygon + geometry->polygon;
+    return geojson_shape_polygons(&out->shape, &writer->style, type, curves, ring_counts, geometry->polygon_count, first,
+                                  out->error);
 }
 
-static bool write_shape_member(geojson_pen *pen, const char *key, json_t *value, bat_status *status)
+static bool write_shape_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
 {
     (void)value;
     (void)status;
     if (strcmp(key, "type") == 0)
-        json_text_string(pen->text, pen->shape.type, strlen(pen->shape.type));
+        json_text_string(out->text, out->shape.type, strlen(out->shape.type));
     else if (strcmp(key, "coordinates") == 0)
-        geojson_shape_write(&pen->shape, &pen->writer->style, pen->text);
+        geojson_shape_write(&out->shape, &out->writer->style, out->text);
     else
         return false;
     return true;
 }
 
-static bat_status write_geometry(geojson_pen *pen, json_t *geometry);
+static bat_status write_geometry(geojson_output *out, json_t *geometry);
 
-static bool write_collection_member(geojson_pen *pen, const char *key, json_t *value, bat_status *status)
+static bool write_collection_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
 {
     if (strcmp(key, "geometries") != 0)
         return false;
-    text_append_string(pen->text, "[");
+    text_append_string(out->text, "[");
     for (size_t i = 0; i < json_array_size(value) && *status == BAT_OK; i++)
     {
         if (i > 0)
-            text_append_string(pen->text, ",");
-        *status = write_geometry(pen, json_array_get(value, i));
+            text_append_string(out->text, ",");
+        *status = write_geometry(out, json_array_get(value, i));
     }
-    text_append_string(pen->text, "]");
+    text_append_string(out->text, "]");
     return true;
 }
 
-static bat_status write_geometry(geojson_pen *pen, json_t *geometry)
+static bat_status write_geometry(geojson_output *out, json_t *geometry)
 {
     const char *type = json_string_value(json_object_get(geometry, "type"));
     const json_t *coordinates = json_object_get(geometry, "coordinates");
     if (type != NULL && strcmp(type, "GeometryCollection") == 0)
-        return write_members(pen, geometry, write_collection_member);
+        return write_members(out, geometry, write_collection_member);
     bool points = type != NULL && (strcmp(type, "Point") == 0 || strcmp(type, "MultiPoint") == 0);
     if (type == NULL || points || !json_is_integer(coordinates))
     {
-        json_text(pen->text, geometry);
+        json_text(out->text, geometry);
         return BAT_OK;
     }
-    size_t index = pen->feature->geometry + (size_t)json_integer_value(coordinates);
-    bat_status status = make_shape(pen, type, &pen->writer->document->geometries[index]);
-    return status == BAT_OK ? write_members(pen, geometry, write_shape_member) : status;
+    size_t index = out->feature->geometry + (size_t)json_integer_value(coordinates);
+    bat_status status = make_shape(out, type, &out->writer->document->geometries[index]);
+    return status == BAT_OK ? write_members(out, geometry, write_shape_member) : status;
 }
 
-static bool write_feature_member(geojson_pen *pen, const char *key, json_t *value, bat_status *status)
+static bool write_feature_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
 {
     if (strcmp(key, "geometry") != 0)
         return false;
-    *status = write_geometry(pen, value);
+    *status = write_geometry(out, value);
     return true;
 }
 
-static bat_status write_feature(geojson_pen *pen, const geojson_feature *feature)
+static bat_status write_feature(geojson_output *out, const geojson_feature *feature)
 {
-    pen->feature = feature;
+    out->feature = feature;
     if (feature->curve_count == 0)
     {
-        json_text(pen->text, feature->tree);
+        json_text(out->text, feature->tree);
         return BAT_OK;
     }
     const char *type = json_string_value(json_object_get(feature->tree, "type"));
     if (type != NULL && strcmp(type, "Feature") == 0)
-        return write_members(pen, feature->tree, write_feature_member);
-    return write_geometry(pen, feature->tree);
+        return write_members(out, feature->tree, write_feature_member);
+    return write_geometry(out, feature->tree);
 }
 
 /// A feature for a curve that did not come from GeoJSON.
-static bat_status write_new_feature(geojson_pen *pen, size_t curve)
+static bat_status write_new_feature(geojson_output *out, size_t curve)
 {
-    bat_status status = geojson_shape_lines(&pen->shape, &pen->writer->style, "LineString", &pen->writer->set->curves[curve],
-                                            1, curve, pen->error);
+    bat_status status = geojson_shape_lines(&out->shape, &out->writer->style, "LineString", &out->writer->set->curves[curve],
+                                            1, curve, out->error);
     if (status != BAT_OK)
         return status;
-    text_append_string(pen->text, "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"");
-    text_append_string(pen->text, pen->shape.type);
-    text_append_string(pen->text, "\",\"coordinates\":");
-    geojson_shape_write(&pen->shape, &pen->writer->style, pen->text);
-    text_append_string(pen->text, "}}");
+    text_append_string(out->text, "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"");
+    text_append_string(out->text, out->shape.type);
+    text_append_string(out->text, "\",\"coordinates\":");
+    geojson_shape_write(&out->shape, &out->writer->style, out->text);
+    text_append_string(out->text, "}}");
     return BAT_OK;
 }
 
 static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
 {
     const geojson_writer *writer = context;
-    geojson_pen pen = {.writer = writer, .text = text, .error = error};
+    geojson_output out = {.writer = writer, .text = text, .error = error};
     bat_status status = BAT_OK;
     for (size_t i = writer->blocks.starts[block]; i < writer->blocks.starts[block + 1] && status == BAT_OK; i++)
     {
         if (i > 0)
             text_append_string(text, ",\n");
-        status = writer->document != NULL ? write_feature(&pen, &writer->document->features[i]) : write_new_feature(&pen, i);
+        status = writer->document != NULL ? write_feature(&out, &writer->document->features[i]) : write_new_feature(&out, i);
     }
-    geojson_shape_free(&pen.shape);
+    geojson_shape_free(&out.shape);
     return status;
 }
 

@@ -53,15 +53,15 @@ static bat_status read_vertex(obj_reader *reader, const text_line *line, const c
 {
     enum
     {
-        MOST_NUMBERS = 7 ///< x y z w, or x y z and a colour
+        MAX_NUMBERS = 7 ///< x y z w, or x y z and a colour
     };
-    double numbers[MOST_NUMBERS] = {0};
+    double numbers[MAX_NUMBERS] = {0};
     const char *end;
     size_t count = 0;
     for (; next_word(&at, line->end, &end); at = end)
     {
         char excerpt[EXCERPT_SIZE];
-        if (count == MOST_NUMBERS)
+        if (count == MAX_NUMBERS)
             return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "a vertex has at most 7 numbers");
         const char *fault = number_read(at, end, &numbers[count++]);
         if (fault != NULL)

@@ -192,7 +192,7 @@ typedef struct triangle_cutter
     const mesh_builder *builder;
     uint32_t *faces, *texture_faces;
     uint32_t *places; ///< of one polygon's triangles
-    polygon_room room;
+    polygon_workspace room;
 } triangle_cutter;
 
 /// Cut one polygon, whose corners begin at `begin`, into the triangles from `triangle` on.
@@ -204,7 +204,7 @@ static bat_status cut_polygon(triangle_cutter *cutter, size_t face, size_t begin
         polygon_triangulate(builder->positions, builder->corners + begin, size, cutter->places, &cutter->room);
     if (status == BAT_TOO_LARGE)
         return error_set(error, status, face, 0, "face %zu is not convex and has %zu corners, more than %d", face, size,
-                         POLYGON_MOST_EARS);
+                         POLYGON_MAX_EARS);
     if (status != BAT_OK)
         return error_memory(error, 3 * size * sizeof(uint32_t));
     for (size_t i = 0; i < 3 * (size - 2); i++)
@@ -249,7 +249,7 @@ static bat_status cut_polygons(mesh_builder *builder, size_t triangle_count, bat
     if (status == BAT_OK)
         status = cut_all(&cutter, error);
     free(cutter.places);
-    polygon_room_free(&cutter.room);
+    polygon_workspace_free(&cutter.room);
     if (status != BAT_OK)
     {
         free(cutter.faces);

@@ -91,7 +91,7 @@ static bat_status take_sizes(const safetensors *content, bat_mesh_map *map, bat_
 /// Whether a collapse's numbers fit each other.
 static bool shape_is_right(const map_collapse *collapse)
 {
-    return collapse->count >= 1 && collapse->count <= COLLAPSE_MOST_FACES && collapse->vanishing >= 1 &&
+    return collapse->count >= 1 && collapse->count <= COLLAPSE_MAX_FACES && collapse->vanishing >= 1 &&
            collapse->vanishing <= 2 && collapse->j_begin <= collapse->j_end && collapse->j_end <= collapse->count &&
            collapse->closed <= 1;
 }

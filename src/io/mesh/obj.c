@@ -8,7 +8,7 @@
 typedef struct obj_reader
 {
     mesh_builder builder;
-    mesh_scan scan;
+    word_scan scan;
     size_t colours; ///< that every vertex has
 } obj_reader;
 
@@ -23,18 +23,18 @@ static bat_status fault(const obj_reader *reader, size_t index, const char *text
     return error_set(error, BAT_BAD_FILE, index, reader->scan.line, "%s", text);
 }
 
-/// Read the line's numbers, from `least` to `most` of them.
-static bat_status read_numbers(obj_reader *reader, size_t index, size_t least, size_t most, double *numbers, size_t *count,
-                               const char *what, bat_error *error)
+/// Read the line's numbers, from `min_count` to `max_count` of them.
+static bat_status read_numbers(obj_reader *reader, size_t index, size_t min_count, size_t max_count, double *numbers,
+                               size_t *count, const char *what, bat_error *error)
 {
     for (*count = 0; !scan_line_done(&reader->scan); ++*count)
     {
-        if (*count == most)
+        if (*count == max_count)
             return fault(reader, index, what, error);
         if (!scan_number(&reader->scan, &numbers[*count]))
             return scan_number_fault(&reader->scan, index, what, error);
     }
-    return *count < least ? fault(reader, index, what, error) : BAT_OK;
+    return *count < min_count ? fault(reader, index, what, error) : BAT_OK;
 }
 
 /// `v x y z`, `v x y z w`, and with a colour `v x y z r g b` or, as MeshLab writes, `v x y z r g b a`.
@@ -42,13 +42,13 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
 {
     enum
     {
-        MOST_NUMBERS = 7
+        MAX_NUMBERS = 7
     };
     static const char expected[] = "a vertex has 3 coordinates, and beside them a weight or a colour of 3 or 4 numbers";
     mesh_builder *builder = &reader->builder;
     size_t count, index = builder->vertex_count;
-    double numbers[MOST_NUMBERS];
-    bat_status status = read_numbers(reader, index, 3, MOST_NUMBERS, numbers, &count, expected, error);
+    double numbers[MAX_NUMBERS];
+    bat_status status = read_numbers(reader, index, 3, MAX_NUMBERS, numbers, &count, expected, error);
     if (status != BAT_OK)
         return status;
     if (count == 5)
@@ -92,7 +92,7 @@ static bat_status read_texture(obj_reader *reader, bat_error *error)
 }
 
 /// Read an index that counts from 1 or, when negative, back from the last of `count`. Null, or what is wrong.
-static const char *read_index(mesh_scan *scan, size_t count, uint32_t *index)
+static const char *read_index(word_scan *scan, size_t count, uint32_t *index)
 {
     bool negative = scan->at < scan->end && *scan->at == '-';
     uint64_t value;
@@ -107,7 +107,7 @@ static const char *read_index(mesh_scan *scan, size_t count, uint32_t *index)
     return NULL;
 }
 
-static bool passes_slash(mesh_scan *scan)
+static bool skip_slash(word_scan *scan)
 {
     bool slash = scan->at < scan->end && *scan->at == '/';
     scan->at += slash;
@@ -117,16 +117,16 @@ static bool passes_slash(mesh_scan *scan)
 /// Read `v`, `v/vt`, `v//vn` or `v/vt/vn`. Normals are dropped. Null, or what is wrong.
 static const char *read_corner(obj_reader *reader, uint32_t *vertex, uint32_t *texture)
 {
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     uint32_t normal;
     *texture = BAT_MESH_NONE;
     const char *wrong = read_index(scan, reader->builder.vertex_count, vertex);
-    if (wrong == NULL && passes_slash(scan))
+    if (wrong == NULL && skip_slash(scan))
     {
-        bool skips = passes_slash(scan);
+        bool skips = skip_slash(scan);
         if (!skips)
             wrong = read_index(scan, reader->builder.texture_count, texture);
-        if (wrong == NULL && (skips || passes_slash(scan)))
+        if (wrong == NULL && (skips || skip_slash(scan)))
             wrong = read_index(scan, BAT_MESH_NONE, &normal);
     }
     if (wrong == NULL && !scan_word_ends(scan, scan->at))
@@ -162,16 +162,17 @@ static bat_status read_face(obj_reader *reader, bat_error *error)
 }
 
 /// The counts of a tag, `integers/floats/strings`; false when there are none.
-static bool read_counts(mesh_scan *scan, uint64_t counts[3])
+static bool read_counts(word_scan *scan, uint64_t counts[3])
 {
-    static const uint64_t most = UINT32_MAX;
+    static const uint64_t max_count = UINT32_MAX;
     scan_skip_blanks(scan);
-    return scan_digits_below(scan, most, &counts[0]) && passes_slash(scan) && scan_digits_below(scan, most, &counts[1]) &&
-           passes_slash(scan) && scan_digits_below(scan, most, &counts[2]) && scan_word_ends(scan, scan->at);
+    return scan_digits_below(scan, max_count, &counts[0]) && skip_slash(scan) &&
+           scan_digits_below(scan, max_count, &counts[1]) && skip_slash(scan) &&
+           scan_digits_below(scan, max_count, &counts[2]) && scan_word_ends(scan, scan->at);
 }
 
 /// Read a tag's next vertex, which counts from 0 and was given before.
-static bat_status read_vertex_number(obj_reader *reader, mesh_scan *scan, uint32_t *vertex, bat_error *error)
+static bat_status read_vertex_number(obj_reader *reader, word_scan *scan, uint32_t *vertex, bat_error *error)
 {
     uint64_t value;
     if (!scan_count(scan, reader->builder.vertex_count, &value))
@@ -184,7 +185,7 @@ static bat_status read_vertex_number(obj_reader *reader, mesh_scan *scan, uint32
 static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t counts[3], bat_error *error)
 {
     mesh_builder *builder = &reader->builder;
-    mesh_scan values = reader->scan; // sharpnesses follow after all vertices
+    word_scan values = reader->scan; // sharpnesses follow after all vertices
     uint64_t step = crease ? 2 : 1;
     uint32_t vertices[2] = {0};
     double sharpness = 0.0;
@@ -195,7 +196,7 @@ static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t cou
     {
         for (uint64_t k = 0; k < step && status == BAT_OK; k++)
             status = read_vertex_number(reader, &reader->scan, &vertices[k], error);
-        mesh_scan value = values;
+        word_scan value = values;
         if (i < counts[1] && (!scan_number(&values, &sharpness) || sharpness < 0))
             return scan_word_fault(&value, BAT_NO_INDEX, "is not a sharpness of 0 or more", error);
         if (crease && vertices[0] == vertices[1])
@@ -232,7 +233,7 @@ static bat_status read_tag(obj_reader *reader, bat_error *error)
 
 static bat_status read_statement(obj_reader *reader, bat_error *error)
 {
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     if (scan_line_done(scan))
         return BAT_OK;
     const char *word = scan->at;
@@ -257,7 +258,7 @@ static bat_status read_statement(obj_reader *reader, bat_error *error)
 /// The line of a face, found by counting; faces whose corners are wrong are rare.
 static size_t line_of_face(const file_text *text, size_t face)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     do
     {
         if (scan_word(&scan, "f") && face-- == 0)
@@ -269,7 +270,7 @@ static size_t line_of_face(const file_text *text, size_t face)
 static bat_status read_obj(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
                            bat_error *error)
 {
-    obj_reader reader = {.builder.faceless = faceless, .scan = mesh_scan_start(text->data, text->size)};
+    obj_reader reader = {.builder.faceless = faceless, .scan = word_scan_start(text->data, text->size)};
     bat_status status;
     do
         status = read_statement(&reader, error);

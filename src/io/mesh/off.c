@@ -7,13 +7,13 @@
 enum
 {
     COORDINATES = 3,
-    MOST_NUMBERS = 3 + 3 + 4 + 2 ///< position, normal, colour, texture
+    MAX_NUMBERS = 3 + 3 + 4 + 2 ///< position, normal, colour, texture
 };
 
 typedef struct off_reader
 {
     mesh_builder builder;
-    mesh_scan scan;
+    word_scan scan;
     bool textured, coloured, with_normals; ///< what the header word says vertices have
     size_t colours;                        ///< numbers of a colour, 3 or 4; 0 before the first vertex
     size_t vertices, faces;                ///< what the counts say
@@ -24,7 +24,7 @@ static bat_status no_memory(const off_reader *reader, bat_error *error)
     return error_memory(error, reader->builder.position_capacity * sizeof(double));
 }
 
-static bool passes(mesh_scan *scan, const char *letters)
+static bool skip_letters(word_scan *scan, const char *letters)
 {
     size_t size = strlen(letters);
     bool there = (size_t)(scan->end - scan->at) >= size && memcmp(scan->at, letters, size) == 0;
@@ -35,25 +35,25 @@ static bool passes(mesh_scan *scan, const char *letters)
 /// The header word [ST][C][N]OFF.
 static bool read_header_word(off_reader *reader)
 {
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     if (!scan_next_content(scan))
         return false;
-    reader->textured = passes(scan, "ST");
-    reader->coloured = passes(scan, "C");
-    reader->with_normals = passes(scan, "N");
-    return passes(scan, "OFF") && scan_word_ends(scan, scan->at);
+    reader->textured = skip_letters(scan, "ST");
+    reader->coloured = skip_letters(scan, "C");
+    reader->with_normals = skip_letters(scan, "N");
+    return skip_letters(scan, "OFF") && scan_word_ends(scan, scan->at);
 }
 
 bool mesh_off_resembles(const file_text *text)
 {
-    off_reader reader = {.scan = mesh_scan_start(text->data, text->size)};
+    off_reader reader = {.scan = word_scan_start(text->data, text->size)};
     return read_header_word(&reader);
 }
 
 /// The number of vertices or faces. Each takes a line, so that a count in a short file is a lie.
 static bat_status read_count(off_reader *reader, const char *what, size_t *count, bat_error *error)
 {
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     uint64_t value;
     if (!scan_count(scan, BAT_MESH_NONE, &value))
         return scan_word_fault(scan, BAT_NO_INDEX, what, error);
@@ -67,7 +67,7 @@ static bat_status read_header(off_reader *reader, bat_error *error)
     {
         SHORTEST_LINE = 6 ///< of a vertex or a face, with its end
     };
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     if (!read_header_word(reader))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
                          "the file does not begin with OFF, COFF, NOFF, CNOFF, STOFF or their like");
@@ -83,8 +83,8 @@ static bat_status read_header(off_reader *reader, bat_error *error)
         status = read_count(reader, "is not the number of edges", &edges, error);
     if (status == BAT_OK && !scan_line_done(scan))
         status = scan_word_fault(scan, BAT_NO_INDEX, "follows the counts of vertices, faces and edges", error);
-    size_t most = (size_t)(scan->end - scan->at) / SHORTEST_LINE + 1;
-    if (status == BAT_OK && (reader->vertices > most || reader->faces > most - reader->vertices + 1))
+    size_t max_count = (size_t)(scan->end - scan->at) / SHORTEST_LINE + 1;
+    if (status == BAT_OK && (reader->vertices > max_count || reader->faces > max_count - reader->vertices + 1))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
                          "the file is too short for %zu vertices and %zu faces", reader->vertices, reader->faces);
     if (status == BAT_OK && !mesh_builder_reserve(&reader->builder, reader->vertices, reader->faces))
@@ -123,17 +123,17 @@ static bat_status take_vertex(off_reader *reader, const double *numbers, size_t 
 
 static bat_status read_vertex(off_reader *reader, bat_error *error)
 {
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     size_t count = 0, index = reader->builder.vertex_count;
-    double numbers[MOST_NUMBERS];
+    double numbers[MAX_NUMBERS];
     if (!scan_next_content(scan))
         return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends at vertex %zu of %zu", index,
                          reader->vertices);
     for (; !scan_line_done(scan); count++)
     {
-        if (count == MOST_NUMBERS)
+        if (count == MAX_NUMBERS)
             return error_set(error, BAT_BAD_FILE, index, scan->line, "vertex %zu has more than %d numbers", index,
-                             MOST_NUMBERS);
+                             MAX_NUMBERS);
         if (!scan_number(scan, &numbers[count]))
             return scan_number_fault(scan, index, "a number is missing", error);
     }
@@ -145,14 +145,14 @@ static bat_status skip_colour(off_reader *reader, bat_error *error)
 {
     enum
     {
-        MOST_COLOURS = 4
+        MAX_COLOURS = 4
     };
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     size_t index = reader->builder.face_count;
     double colour;
     for (int count = 0; !scan_line_done(scan); count++)
     {
-        if (count == MOST_COLOURS)
+        if (count == MAX_COLOURS)
             return scan_word_fault(scan, index, "follows the face's corners and colour", error);
         if (!scan_number(scan, &colour))
             return scan_number_fault(scan, index, "a number is missing", error);
@@ -162,7 +162,7 @@ static bat_status skip_colour(off_reader *reader, bat_error *error)
 
 static bat_status read_face(off_reader *reader, bat_error *error)
 {
-    mesh_scan *scan = &reader->scan;
+    word_scan *scan = &reader->scan;
     mesh_builder *builder = &reader->builder;
     size_t index = builder->face_count;
     uint64_t size, vertex;
@@ -213,7 +213,7 @@ static bat_status read_elements(off_reader *reader, bat_error *error)
 /// The line of a face: as many lines with content follow the vertices.
 static size_t line_of_face(off_reader *reader, const file_text *text, size_t face)
 {
-    reader->scan = mesh_scan_start(text->data, text->size);
+    reader->scan = word_scan_start(text->data, text->size);
     bat_error ignored;
     mesh_builder_free(&reader->builder);
     if (read_header(reader, &ignored) != BAT_OK)
@@ -227,7 +227,7 @@ static size_t line_of_face(off_reader *reader, const file_text *text, size_t fac
 
 bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
-    off_reader reader = {.scan = mesh_scan_start(text->data, text->size)};
+    off_reader reader = {.scan = word_scan_start(text->data, text->size)};
     bat_status status = read_header(&reader, error);
     if (status == BAT_OK)
         status = read_elements(&reader, error);

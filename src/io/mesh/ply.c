@@ -29,7 +29,7 @@ size_t ply_property_find(const ply_element *element, const char *name)
 }
 
 /// The line's next word; empty when there is none.
-static ply_name next_name(mesh_scan *scan)
+static ply_name next_name(word_scan *scan)
 {
     scan_skip_blanks(scan);
     ply_name name = {scan->at, (size_t)(scan_word_end(scan) - scan->at)};
@@ -37,7 +37,7 @@ static ply_name next_name(mesh_scan *scan)
     return name;
 }
 
-static bat_status read_encoding(mesh_scan *scan, ply_header *header, bat_error *error)
+static bat_status read_encoding(word_scan *scan, ply_header *header, bat_error *error)
 {
     static const char *const names[] = {
         [PLY_TEXT] = "ascii", [PLY_LITTLE_ENDIAN] = "binary_little_endian", [PLY_BIG_ENDIAN] = "binary_big_endian"};
@@ -54,7 +54,7 @@ static bat_status read_encoding(mesh_scan *scan, ply_header *header, bat_error *
     return scan_word_fault(scan, BAT_NO_INDEX, "is not ascii, binary_little_endian or binary_big_endian", error);
 }
 
-static bat_status read_type(mesh_scan *scan, ply_type *type, bat_error *error)
+static bat_status read_type(word_scan *scan, ply_type *type, bat_error *error)
 {
     static const char *const names[PLY_TYPE_COUNT][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
                                                          {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
@@ -68,7 +68,7 @@ static bat_status read_type(mesh_scan *scan, ply_type *type, bat_error *error)
     return scan_word_fault(scan, BAT_NO_INDEX, "is not a type of numbers", error);
 }
 
-static bat_status read_element(mesh_scan *scan, ply_header *header, bat_error *error)
+static bat_status read_element(word_scan *scan, ply_header *header, bat_error *error)
 {
     ply_element element = {.name = next_name(scan)};
     uint64_t count;
@@ -89,7 +89,7 @@ static bat_status read_element(mesh_scan *scan, ply_header *header, bat_error *e
     return BAT_OK;
 }
 
-static bat_status add_property(ply_element *element, ply_property property, const mesh_scan *scan, bat_error *error)
+static bat_status add_property(ply_element *element, ply_property property, const word_scan *scan, bat_error *error)
 {
     for (size_t i = 0; i < element->property_count; i++)
         if (element->properties[i].name.size == property.name.size &&
@@ -103,7 +103,7 @@ static bat_status add_property(ply_element *element, ply_property property, cons
     return BAT_OK;
 }
 
-static bat_status read_property(mesh_scan *scan, ply_header *header, bat_error *error)
+static bat_status read_property(word_scan *scan, ply_header *header, bat_error *error)
 {
     if (header->element_count == 0)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the property belongs to no element");
@@ -124,7 +124,7 @@ static bat_status read_property(mesh_scan *scan, ply_header *header, bat_error *
 }
 
 /// Read a line of the header after the format; `done` when it was the last.
-static bat_status read_line(mesh_scan *scan, ply_header *header, bool *done, bat_error *error)
+static bat_status read_line(word_scan *scan, ply_header *header, bool *done, bat_error *error)
 {
     bat_status status = BAT_OK;
     if (scan_word(scan, "comment") || scan_word(scan, "obj_info"))
@@ -142,7 +142,7 @@ static bat_status read_line(mesh_scan *scan, ply_header *header, bool *done, bat
     return status;
 }
 
-bat_status ply_header_read(mesh_scan *scan, ply_header *header, bat_error *error)
+bat_status ply_header_read(word_scan *scan, ply_header *header, bat_error *error)
 {
     *header = (ply_header){0};
     if (!scan_word(scan, "ply") || !scan_line_done(scan))
@@ -231,14 +231,14 @@ static double number_of(ply_type type, uint64_t bits)
 /// Whether a number that was read as text is one of its type.
 static bool fits_type(ply_type type, double value)
 {
-    static const double least[] = {INT8_MIN, 0, INT16_MIN, 0, INT32_MIN, 0};
-    static const double most[] = {INT8_MAX, UINT8_MAX, INT16_MAX, UINT16_MAX, INT32_MAX, UINT32_MAX};
-    return type >= PLY_FLOAT32 || (value == floor(value) && value >= least[type] && value <= most[type]);
+    static const double low[] = {INT8_MIN, 0, INT16_MIN, 0, INT32_MIN, 0};
+    static const double high[] = {INT8_MAX, UINT8_MAX, INT16_MAX, UINT16_MAX, INT32_MAX, UINT32_MAX};
+    return type >= PLY_FLOAT32 || (value == floor(value) && value >= low[type] && value <= high[type]);
 }
 
 static bool read_word(ply_source *source, ply_type type, double *value)
 {
-    mesh_scan scan = source->scan;
+    word_scan scan = source->scan;
     if (!scan_number(&scan, value) || !fits_type(type, *value))
         return false;
     source->scan = scan;

@@ -69,7 +69,7 @@ typedef struct ply_header
 
 /// Read the header; `scan` is at the begin of the file and goes to the begin of the data.
 /// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED or BAT_NO_MEMORY; in any case release the header with ply_header_free()
-bat_status ply_header_read(mesh_scan *scan, ply_header *header, bat_error *error);
+bat_status ply_header_read(word_scan *scan, ply_header *header, bat_error *error);
 void ply_header_free(ply_header *header);
 
 /// An element by name; null when there is none.
@@ -88,7 +88,7 @@ extern const char *const ply_texture_names[PLY_TEXTURE_NAMES][2];
 typedef struct ply_source
 {
     ply_encoding encoding;
-    mesh_scan scan; ///< `at` is the next byte in any encoding
+    word_scan scan; ///< `at` is the next byte in any encoding
 } ply_source;
 
 /// Read the next number; false when it is missing, is none, is not finite or, in text, is not of its type.

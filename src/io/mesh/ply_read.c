@@ -30,7 +30,7 @@ typedef struct ply_reader
     bool textured;        ///< vertices have texture coordinates
     size_t corners_at;    ///< places of a face's lists among its properties
     size_t texture_at;    ///< property_count when there is none
-    mesh_scan first_face; ///< where faces begin
+    word_scan first_face; ///< where faces begin
     uint32_t *face;       ///< the corners of the face that is being read
     size_t face_capacity;
     double *texture_keys; ///< a vertex and its texture coordinate, for each one in the builder
@@ -61,7 +61,7 @@ static size_t line_of(const ply_reader *reader)
 
 bool mesh_ply_resembles(const file_text *text)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     return scan_word(&scan, "ply") && scan_line_done(&scan);
 }
 
@@ -70,7 +70,7 @@ static bat_status number_fault(ply_reader *reader, const ply_element *element, s
                                bat_error *error)
 {
     char name[EXCERPT_SIZE], kind[EXCERPT_SIZE], word[EXCERPT_SIZE];
-    mesh_scan *scan = &reader->source.scan;
+    word_scan *scan = &reader->source.scan;
     (void)text_excerpt(name, property->name.begin, property->name.begin + property->name.size);
     (void)text_excerpt(kind, element->name.begin, element->name.begin + element->name.size);
     bool text = reader->source.encoding == PLY_TEXT;
@@ -336,11 +336,11 @@ static uint32_t number_texture(ply_reader *reader, uint32_t vertex, const double
 }
 
 /// Read the texture coordinates at the corners of a face, or the empty list, and add the corners.
-static bat_status read_texture(ply_reader *reader, const ply_element *element, size_t row, mesh_scan place, size_t size,
+static bat_status read_texture(ply_reader *reader, const ply_element *element, size_t row, word_scan place, size_t size,
                                bat_error *error)
 {
     const ply_property *property = &element->properties[reader->texture_at];
-    mesh_scan after = reader->source.scan;
+    word_scan after = reader->source.scan;
     size_t length;
     reader->source.scan = place;
     if (!read_length(&reader->source, property, &length))
@@ -376,7 +376,7 @@ static bat_status add_corners(ply_reader *reader, size_t size, bat_error *error)
 static bat_status read_face(ply_reader *reader, const ply_element *element, size_t row, bat_error *error)
 {
     size_t size = 0;
-    mesh_scan texture_place = {0};
+    word_scan texture_place = {0};
     bat_status status = begin_row(reader, element, row, error);
     for (size_t i = 0; i < element->property_count && status == BAT_OK; i++)
     {
@@ -410,7 +410,7 @@ static bat_status read_faces(ply_reader *reader, const ply_element *element, bat
 }
 
 /// The fewest bytes that a row of an element can take.
-static size_t least_size(const ply_element *element, ply_encoding encoding)
+static size_t min_size(const ply_element *element, ply_encoding encoding)
 {
     size_t size = 0;
     for (size_t i = 0; i < element->property_count; i++)
@@ -425,7 +425,7 @@ static bat_status read_element(ply_reader *reader, const ply_element *element, b
 {
     char kind[EXCERPT_SIZE];
     size_t left = (size_t)(reader->source.scan.end - reader->source.scan.at) + 1,
-           row = least_size(element, reader->source.encoding);
+           row = min_size(element, reader->source.encoding);
     if (row > 0 && element->count > left / row)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file is too short for its %zu elements '%s'",
                          element->count, text_excerpt(kind, element->name.begin, element->name.begin + element->name.size));
@@ -457,7 +457,7 @@ static bat_status read_all(ply_reader *reader, bat_error *error)
 /// The line of a face of a text file: so many lines with content come before it.
 static size_t line_of_face(const ply_reader *reader, size_t face)
 {
-    mesh_scan scan = reader->first_face;
+    word_scan scan = reader->first_face;
     while (scan_next_content(&scan) && face-- > 0)
         (void)scan_next_line(&scan);
     return scan.line;
@@ -466,7 +466,7 @@ static size_t line_of_face(const ply_reader *reader, size_t face)
 static bat_status read_ply(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
                            bat_error *error)
 {
-    ply_reader reader = {.builder.faceless = faceless, .source.scan = mesh_scan_start(text->data, text->size)};
+    ply_reader reader = {.builder.faceless = faceless, .source.scan = word_scan_start(text->data, text->size)};
     bat_status status = read_all(&reader, error);
     if (status == BAT_OK)
     {

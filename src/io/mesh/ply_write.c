@@ -151,12 +151,12 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
 {
     enum
     {
-        MOST_NUMBERS = 5
+        MAX_NUMBERS = 5
     };
     const ply_plan *plan = context;
     for (size_t v = begin; v < end; v++)
     {
-        char *out = text_reserve(text, (MOST_NUMBERS + mesh->channel_count) * (NUMBER_TEXT_SIZE + 1));
+        char *out = text_reserve(text, (MAX_NUMBERS + mesh->channel_count) * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
             return;
         for (size_t k = 0; k < 3; k++)
@@ -177,14 +177,14 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
 {
     enum
     {
-        MOST_NUMBERS = 11,
+        MAX_NUMBERS = 11,
         CORNERS = 3,
         INDEX_SIZE = 4
     };
     const ply_plan *plan = context;
     for (size_t f = begin; f < end; f++)
     {
-        char *out = text_reserve(text, MOST_NUMBERS * (NUMBER_TEXT_SIZE + 1));
+        char *out = text_reserve(text, MAX_NUMBERS * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
             return;
         out = put_integer(out, CORNERS, 1, plan);

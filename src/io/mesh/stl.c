@@ -73,7 +73,7 @@ static bool is_binary(const file_text *text)
 }
 
 /// The next word of the line, in either case.
-static bool passes_word(mesh_scan *scan, const char *word)
+static bool skip_word(word_scan *scan, const char *word)
 {
     scan_skip_blanks(scan);
     size_t size = (size_t)(scan_word_end(scan) - scan->at);
@@ -85,8 +85,8 @@ static bool passes_word(mesh_scan *scan, const char *word)
 
 static bool begins_as_text(const file_text *text)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
-    return scan_next_content(&scan) && passes_word(&scan, "solid");
+    word_scan scan = word_scan_start(text->data, text->size);
+    return scan_next_content(&scan) && skip_word(&scan, "solid");
 }
 
 bool mesh_stl_resembles(const file_text *text)
@@ -131,11 +131,11 @@ static bat_status read_binary(stl_reader *reader, const file_text *text, bat_err
 }
 
 /// Go to the next line with content, which must begin with these words.
-static bat_status expect(mesh_scan *scan, size_t index, const char *first, const char *second, bat_error *error)
+static bat_status expect(word_scan *scan, size_t index, const char *first, const char *second, bat_error *error)
 {
     if (!scan_next_content(scan))
         return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends where '%s' is expected", first);
-    if (passes_word(scan, first) && (second == NULL || passes_word(scan, second)))
+    if (skip_word(scan, first) && (second == NULL || skip_word(scan, second)))
         return BAT_OK;
     char excerpt[EXCERPT_SIZE];
     scan_skip_blanks(scan);
@@ -144,7 +144,7 @@ static bat_status expect(mesh_scan *scan, size_t index, const char *first, const
                      second != NULL ? second : "");
 }
 
-static bat_status read_text_vertex(stl_reader *reader, mesh_scan *scan, bat_error *error)
+static bat_status read_text_vertex(stl_reader *reader, word_scan *scan, bat_error *error)
 {
     static const char three[] = "a vertex has 3 coordinates";
     size_t index = reader->builder.face_count;
@@ -161,7 +161,7 @@ static bat_status read_text_vertex(stl_reader *reader, mesh_scan *scan, bat_erro
 }
 
 /// A facet, after its first word. Its normal follows from its corners, and is passed over.
-static bat_status read_text_facet(stl_reader *reader, mesh_scan *scan, bat_error *error)
+static bat_status read_text_facet(stl_reader *reader, word_scan *scan, bat_error *error)
 {
     size_t index = reader->builder.face_count;
     (void)scan_next_line(scan);
@@ -180,13 +180,13 @@ static bat_status read_text_facet(stl_reader *reader, mesh_scan *scan, bat_error
 /// One or more solids of facets. Names are passed over.
 static bat_status read_text(stl_reader *reader, const file_text *text, bat_error *error)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     bat_status status = BAT_OK;
     while (status == BAT_OK && scan_next_content(&scan))
     {
         status = expect(&scan, BAT_NO_INDEX, "solid", NULL, error);
         (void)scan_next_line(&scan);
-        while (status == BAT_OK && scan_next_content(&scan) && passes_word(&scan, "facet"))
+        while (status == BAT_OK && scan_next_content(&scan) && skip_word(&scan, "facet"))
             status = read_text_facet(reader, &scan, error);
         if (status == BAT_OK)
             status = expect(&scan, BAT_NO_INDEX, "endsolid", NULL, error);
@@ -198,10 +198,10 @@ static bat_status read_text(stl_reader *reader, const file_text *text, bat_error
 /// The line of a text file's facet, found by counting.
 static size_t line_of_facet(const file_text *text, size_t facet)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     do
     {
-        if (passes_word(&scan, "facet") && facet-- == 0)
+        if (skip_word(&scan, "facet") && facet-- == 0)
             break;
     } while (scan_next_line(&scan));
     return scan.line;

@@ -43,12 +43,12 @@ bat_cloud_format cloud_format_of_text(const file_text *text)
     static const char *const obj_words[] = {"v", "vn", "vt", "o", "g", "f", "s", "mtllib", "usemtl"};
     if (mesh_ply_resembles(text))
         return BAT_CLOUD_FORMAT_PLY;
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     if (!scan_next_content(&scan))
         return BAT_CLOUD_FORMAT_XYZ;
     for (size_t i = 0; i < sizeof obj_words / sizeof *obj_words; i++)
     {
-        mesh_scan word = scan;
+        word_scan word = scan;
         if (scan_word(&word, obj_words[i]))
             return BAT_CLOUD_FORMAT_OBJ;
     }
@@ -62,7 +62,7 @@ bat_cloud_format cloud_format_of_text(const file_text *text)
 /// The line of the statement "v" with a number, counted from 0.
 static size_t obj_line_of_point(const file_text *text, size_t point)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     do
     {
         if (scan_word(&scan, "v") && point-- == 0)
@@ -123,7 +123,7 @@ static bat_status source_read(cloud_source *source, bat_error *error)
 }
 
 /// Say that a failure is in the boundary's file: the line in the error is one of the other file.
-static bat_status blame_boundary(bat_status status, const bat_error *found, bat_error *error)
+static bat_status name_boundary_file(bat_status status, const bat_error *found, bat_error *error)
 {
     if (found->line > 0)
         return error_set(error, status, found->index, 0, "line %zu of the boundary's file: %s", found->line, found->text);
@@ -183,7 +183,7 @@ static bat_status join(const cloud_source *boundary, const cloud_source *source,
         status = append_distinct(boundary, 0, drop, &table, cloud, &found);
         cloud->boundary_count = cloud->count;
         if (status != BAT_OK)
-            status = blame_boundary(status, &found, error);
+            status = name_boundary_file(status, &found, error);
     }
     if (status == BAT_OK)
         status = append_distinct(source, boundary->listing.count, drop, &table, cloud, error);
@@ -192,24 +192,25 @@ static bat_status join(const cloud_source *boundary, const cloud_source *source,
 }
 
 /// How many of the first `count` points of the input are in the cloud.
-static size_t count_kept(const bat_cloud *cloud, size_t count)
+static size_t count_distinct(const bat_cloud *cloud, size_t count)
 {
-    size_t kept = 0;
-    while (kept < cloud->count && cloud->order[kept] < count)
-        kept++;
-    return kept;
+    size_t distinct = 0;
+    while (distinct < cloud->count && cloud->order[distinct] < count)
+        distinct++;
+    return distinct;
 }
 
-static bat_status check_said(size_t said, size_t count, bat_status status, size_t line, bat_error *error)
+static bat_status check_boundary_count(size_t boundary_count, size_t count, bat_status status, size_t line, bat_error *error)
 {
     enum
     {
-        LEAST_BOUNDARY = 4
+        MIN_BOUNDARY = 4
     };
-    if (said > count)
-        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points, but there are only %zu", said, count);
-    if (said > 0 && said < LEAST_BOUNDARY)
-        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points has no four corners", said);
+    if (boundary_count > count)
+        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points, but there are only %zu",
+                         boundary_count, count);
+    if (boundary_count > 0 && boundary_count < MIN_BOUNDARY)
+        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points has no four corners", boundary_count);
     return BAT_OK;
 }
 
@@ -219,13 +220,14 @@ static bat_status apply_remarks(const cloud_source *source, const bat_cloud_read
 {
     cloud_remarks remarks = cloud_remarks_read(source->text);
     bool by_option = options->boundary > 0;
-    size_t said = by_option ? options->boundary : remarks.boundary;
-    bat_status status = check_said(said, source->listing.count, by_option ? BAT_INVALID_ARGUMENT : BAT_BAD_FILE,
-                                   by_option ? 0 : remarks.boundary_line, error);
+    size_t boundary_count = by_option ? options->boundary : remarks.boundary;
+    bat_status status =
+        check_boundary_count(boundary_count, source->listing.count, by_option ? BAT_INVALID_ARGUMENT : BAT_BAD_FILE,
+                             by_option ? 0 : remarks.boundary_line, error);
     if (status != BAT_OK)
         return status;
-    cloud->boundary_count = count_kept(cloud, said);
-    bool rising = remarks.has_corners && remarks.corners[3] < said;
+    cloud->boundary_count = count_distinct(cloud, boundary_count);
+    bool rising = remarks.has_corners && remarks.corners[3] < boundary_count;
     for (int k = 1; k < 4; k++)
         rising = rising && remarks.corners[k - 1] < remarks.corners[k];
     cloud->has_corners = rising && cloud->boundary_count == remarks.boundary;
@@ -302,7 +304,7 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
         if (status == BAT_OK && boundary.listing.count < 4)
             status = error_set(&found, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu points are no boundary", boundary.listing.count);
         if (status != BAT_OK)
-            status = blame_boundary(status, &found, error);
+            status = name_boundary_file(status, &found, error);
     }
     if (status == BAT_OK)
         status = source.mesh.face_count > 0 ? cloud_of_mesh(&source, options, cloud, error)
@@ -351,7 +353,7 @@ bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *option
     {
         status = read_file(options->boundary_path, &boundary_format, &boundary_text, &found);
         if (status != BAT_OK)
-            status = blame_boundary(status, &found, error);
+            status = name_boundary_file(status, &found, error);
     }
     if (status == BAT_OK)
         status = cloud_text_read(&text, format, options->boundary_path != NULL ? &boundary_text : NULL, boundary_format,

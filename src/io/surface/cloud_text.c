@@ -11,14 +11,14 @@ enum
 };
 
 /// "N boundary points first", whatever follows.
-static bool read_boundary(mesh_scan scan, uint64_t *count)
+static bool read_boundary(word_scan scan, uint64_t *count)
 {
     return scan_count(&scan, (uint64_t)1 << COUNT_BITS, count) && scan_word(&scan, "boundary") &&
            scan_word(&scan, "points") && scan.end - scan.at >= 6 && memcmp(scan.at, " first", 6) == 0;
 }
 
 /// "corners A B C D".
-static bool read_corners(mesh_scan scan, size_t corners[4])
+static bool read_corners(word_scan scan, size_t corners[4])
 {
     bool read = scan_word(&scan, "corners");
     for (int k = 0; k < 4 && read; k++)
@@ -59,7 +59,7 @@ cloud_remarks cloud_remarks_read(const file_text *text)
             break;
         if (words == NULL)
             continue;
-        mesh_scan scan = mesh_scan_start(words, (size_t)(line.end - words));
+        word_scan scan = word_scan_start(words, (size_t)(line.end - words));
         uint64_t count;
         if (remarks.boundary == 0 && read_boundary(scan, &count))
         {
@@ -85,7 +85,7 @@ bat_status cloud_number_fault(const char *begin, const char *end, size_t point, 
 bat_status cloud_xyz_read(const file_text *text, point_listing *listing, bat_error *error)
 {
     static const char *const missing[] = {"x", "y", "z"};
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     while (scan_next_content(&scan))
     {
         size_t index = listing->count;
@@ -107,7 +107,7 @@ bat_status cloud_xyz_read(const file_text *text, point_listing *listing, bat_err
 
 size_t cloud_xyz_line_of_point(const file_text *text, size_t point)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     while (scan_next_content(&scan) && point-- > 0)
         (void)scan_next_line(&scan);
     return scan.line;

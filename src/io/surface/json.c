@@ -68,12 +68,12 @@ static bat_status bad_element(const json_file *file, const char *member, size_t 
                      member, what);
 }
 
-/// A whole number of 0 to `most`.
-static bool whole(const json_t *value, uint64_t most, uint64_t *number)
+/// A whole number of 0 to `max_value`.
+static bool whole(const json_t *value, uint64_t max_value, uint64_t *number)
 {
     json_int_t integer = json_integer_value(value);
     *number = (uint64_t)integer;
-    return json_is_integer(value) && integer >= 0 && *number <= most;
+    return json_is_integer(value) && integer >= 0 && *number <= max_value;
 }
 
 /// An array of `count` whole numbers.
@@ -132,15 +132,15 @@ static bat_status read_boxes(const json_file *file, surface_box **boxes, size_t 
     if (*boxes == NULL)
         return error_memory(file->error, *count * sizeof **boxes);
     json_scanner scan = before_value(file, "boxes");
-    const char *seen = file->text->data;
+    const char *counted = file->text->data;
     size_t line = 1;
     (void)json_scan_take(&scan, '[');
     json_scan_blanks(&scan);
     for (size_t i = 0; i < *count; i++)
     {
         uint64_t numbers[5];
-        line += json_scan_newlines(seen, scan.at);
-        seen = scan.at;
+        line += json_scan_newlines(counted, scan.at);
+        counted = scan.at;
         next_element(&scan);
         if (!whole_row(json_array_get(rows, i), 5, numbers))
             return bad_element(file, "boxes", i, "is not five whole numbers: level, low u and v, high u and v");

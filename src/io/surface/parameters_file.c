@@ -74,7 +74,7 @@ typedef struct row_listing
     size_t count, capacity;
 } row_listing;
 
-static bat_status read_row(mesh_scan *scan, size_t index, double *row, bat_error *error)
+static bat_status read_row(word_scan *scan, size_t index, double *row, bat_error *error)
 {
     static const char *const NAMES[] = {"u", "v"};
     for (size_t k = 0; k < 2; k++)
@@ -96,7 +96,7 @@ static bat_status read_row(mesh_scan *scan, size_t index, double *row, bat_error
 
 static bat_status read_rows(const file_text *text, row_listing *listing, bat_error *error)
 {
-    mesh_scan scan = mesh_scan_start(text->data, text->size);
+    word_scan scan = word_scan_start(text->data, text->size);
     while (scan_next_content(&scan))
     {
         void *rows = listing->rows;

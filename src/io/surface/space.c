@@ -34,12 +34,12 @@ static bat_status check_cells(const surface_box *boxes, size_t count, size_t fun
         CELLS_A_FUNCTION = 64,
         ROOM = 1 << 20
     };
-    double cells = 0, most = (double)ROOM + (double)CELLS_A_FUNCTION * (double)functions;
+    double cells = 0, max_cells = (double)ROOM + (double)CELLS_A_FUNCTION * (double)functions;
     for (size_t i = 0; i < count; i++)
     {
         const surface_box *box = &boxes[i];
         cells += (double)(box->high[0] - box->low[0]) * (double)(box->high[1] - box->low[1]);
-        if (cells > most)
+        if (cells > max_cells)
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, box->line,
                              "the boxes up to here have %.0f cells, too many for %zu coefficients", cells, functions);
     }
@@ -149,13 +149,13 @@ static bat_status check_filled(const bat_hierarchical_options *options, const su
 
 static bat_status check_size(const bat_hierarchical_options *options, size_t line, size_t functions, bat_error *error)
 {
-    double least = 1; // no refinement has fewer functions than level 0
+    double min_functions = 1; // no refinement has fewer functions than level 0
     for (int d = 0; d < 2; d++)
-        least *= (double)options->spans[d] + options->degree[d];
-    if (least <= (double)functions)
+        min_functions *= (double)options->spans[d] + options->degree[d];
+    if (min_functions <= (double)functions)
         return BAT_OK;
     return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line,
-                     "there are %zu control points, fewer than the %.0f functions of level 0", functions, least);
+                     "there are %zu control points, fewer than the %.0f functions of level 0", functions, min_functions);
 }
 
 bat_status surface_space_make(const bat_hierarchical_options *options, const surface_box *boxes, size_t count, size_t line,

@@ -153,7 +153,7 @@ static double find_tolerance(const step_model *model)
     return pow(10, smallest_digit + (diagonal > 0 && isfinite(diagonal) ? floor(log10(diagonal)) : 0));
 }
 
-static uint32_t standing(const uint32_t *same, uint32_t vertex)
+static uint32_t representative(const uint32_t *same, uint32_t vertex)
 {
     while (same[vertex] != vertex)
         vertex = same[vertex];
@@ -178,10 +178,10 @@ static bat_status find_collapsed(step_model *model, bat_error *error)
             farthest = fmax(farthest, fabs(model->control[e][i] - model->control[e][i % 3]));
         model->collapsed[e] = farthest <= model->tolerance;
         if (model->collapsed[e])
-            model->same[standing(model->same, shell->edges[e].to)] = standing(model->same, shell->edges[e].from);
+            model->same[representative(model->same, shell->edges[e].to)] = representative(model->same, shell->edges[e].from);
     }
     for (size_t v = 0; v < shell->vertex_count; v++)
-        model->same[v] = standing(model->same, (uint32_t)v);
+        model->same[v] = representative(model->same, (uint32_t)v);
     return BAT_OK;
 }
 

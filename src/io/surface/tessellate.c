@@ -25,7 +25,7 @@ typedef struct lattice
 
 #define NO_VERTEX UINT32_MAX
 
-static const double most_vertices = UINT32_MAX;
+static const double max_vertices = UINT32_MAX;
 
 /// Add `count` places to those of the lattice.
 static bool reserve_places(lattice *grid, size_t count)
@@ -74,10 +74,10 @@ static bat_status begin_lattice(const bat_spline_surface *surface, size_t sample
         grid->samples[d] = samples > 0 ? samples : (size_t)grid->options.degree[d] + 1;
         quads *= (double)grid->samples[d];
         points *= (double)grid->samples[d] + 1;
-        if (ldexp((double)grid->options.spans[d] * (double)grid->samples[d], (int)grid->finest) >= most_vertices)
+        if (ldexp((double)grid->options.spans[d] * (double)grid->samples[d], (int)grid->finest) >= max_vertices)
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the finest samples are 2^32 or more along a side");
     }
-    if (points + quads >= most_vertices)
+    if (points + quads >= max_vertices)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a tessellation of %.0f points is too large", points);
     made->quad_count = (size_t)quads;
     made->quads = memory_array(made->quad_count, 4 * sizeof *made->quads);
@@ -298,7 +298,7 @@ static bat_status normal_inside(const bat_spline_surface *surface, const double 
 }
 
 /// Where a side of the surface has shrunk to a point, the tangents say nothing.
-static bat_status mend_normals(const bat_spline_surface *surface, surface_tessellation *made, bat_error *error)
+static bat_status repair_normals(const bat_spline_surface *surface, surface_tessellation *made, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < made->vertex_count && status == BAT_OK; i++)
@@ -320,7 +320,7 @@ bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples,
     if (status == BAT_OK)
         status = triangulate(&grid, &made, error);
     if (status == BAT_OK)
-        status = mend_normals(surface, &made, error);
+        status = repair_normals(surface, &made, error);
     end_lattice(&grid);
     if (status == BAT_OK)
         *tessellation = made;

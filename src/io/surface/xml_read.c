@@ -62,14 +62,14 @@ typedef enum xml_element
 
 enum
 {
-    MOST_DEPTH = 64
+    MAX_DEPTH = 64
 };
 
 typedef struct xml_state
 {
     XML_Parser parser;
     xml_surface *surface;
-    xml_element open[MOST_DEPTH + 1];
+    xml_element open[MAX_DEPTH + 1];
     size_t depth;
     text_buffer content; ///< of the open element of numbers
     size_t content_line;
@@ -102,16 +102,16 @@ static const char *attribute(const XML_Char **attributes, const char *name)
     return NULL;
 }
 
-/// A whole number that is the value of an attribute, at most `most`.
-static bool whole_attribute(xml_state *state, const XML_Char **attributes, const char *name, size_t most, size_t *value)
+/// A whole number that is the value of an attribute, at most `max_value`.
+static bool whole_attribute(xml_state *state, const XML_Char **attributes, const char *name, size_t max_value, size_t *value)
 {
     const char *text = attribute(attributes, name);
     size_t number = 0, digits = 0;
-    for (; text != NULL && text[digits] >= '0' && text[digits] <= '9' && number <= most; digits++)
+    for (; text != NULL && text[digits] >= '0' && text[digits] <= '9' && number <= max_value; digits++)
         number = 10 * number + (size_t)(text[digits] - '0');
-    if (digits == 0 || text[digits] != '\0' || number > most)
+    if (digits == 0 || text[digits] != '\0' || number > max_value)
     {
-        FAIL(state, BAT_BAD_FILE, "the attribute '%s' is missing or not a whole number up to %zu", name, most);
+        FAIL(state, BAT_BAD_FILE, "the attribute '%s' is missing or not a whole number up to %zu", name, max_value);
         return false;
     }
     *value = number;
@@ -264,9 +264,9 @@ static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char
     xml_state *state = context;
     if (state->status != BAT_OK)
         return;
-    if (state->depth == MOST_DEPTH)
+    if (state->depth == MAX_DEPTH)
     {
-        FAIL(state, BAT_BAD_FILE, "elements are nested more than %d deep", MOST_DEPTH);
+        FAIL(state, BAT_BAD_FILE, "elements are nested more than %d deep", MAX_DEPTH);
         return;
     }
     xml_element element = begin_element(state, name, attributes);

@@ -152,7 +152,7 @@ static bool append_fan(const collapse_mesh *mesh, collapse_ring *ring, uint32_t 
 {
     for (uint32_t h = from; h != until && h != BAT_MESH_NONE; h = next_around(mesh, h))
     {
-        if (ring->count == COLLAPSE_MOST_FACES)
+        if (ring->count == COLLAPSE_MAX_FACES)
             return false;
         ring->half_edge[ring->count] = h;
         ring->vertex[ring->count++] = mesh->corner[bat_mesh_next(h)];

@@ -35,7 +35,7 @@ typedef struct collapse_mesh
 enum
 {
     /// The most faces of a ring. Edges with more wait until collapses nearby have made them fewer.
-    COLLAPSE_MOST_FACES = 64
+    COLLAPSE_MAX_FACES = 64
 };
 
 /// The neighbourhood of an edge from i to j: the fan of faces that stays when the edge is collapsed, counter-clockwise
@@ -47,8 +47,8 @@ enum
 /// from j to i.
 typedef struct collapse_ring
 {
-    uint32_t half_edge[COLLAPSE_MOST_FACES + 2];
-    uint32_t vertex[COLLAPSE_MOST_FACES + 1];
+    uint32_t half_edge[COLLAPSE_MAX_FACES + 2];
+    uint32_t vertex[COLLAPSE_MAX_FACES + 1];
     uint32_t i, j;
     uint32_t count;          ///< faces that stay
     uint32_t vanishing;      ///< faces that vanish: 1 at the boundary, else 2

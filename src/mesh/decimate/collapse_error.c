@@ -12,7 +12,7 @@ static const double LENGTH_SHARE = 1e-8;
 /// Errors closer than this in parts of planes' weight and squared length are the same to rounding.
 static const double ROUNDING = 1e-14;
 /// The new vertex goes no farther from the middle of the edge than so many times its length.
-static const double FARTHEST = 2;
+static const double MAX_OFFSET = 2;
 /// A face of no more quality than this has no normal to speak of.
 static const double DEGENERATE = 1e-7;
 /// sqrt(12): times twice the area, over the sum of squared edges, is the quality of a triangle, 1 for an equilateral one.
@@ -89,19 +89,19 @@ error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j
         return placed;
     }
     double at_a = quadric_error(&planes, back), at_b = quadric_error(&planes, half), at_middle = planes.constant;
-    double least = fmin(at_middle, fmin(at_a, at_b)), tolerance = ROUNDING * weight * square;
-    bool solved =
-        quadric_least(&planes, DAMPING * weight, offset) && vector3_dot(offset, offset) <= FARTHEST * FARTHEST * square;
+    double smallest = fmin(at_middle, fmin(at_a, at_b)), tolerance = ROUNDING * weight * square;
+    bool solved = quadric_minimize(&planes, DAMPING * weight, offset) &&
+                  vector3_dot(offset, offset) <= MAX_OFFSET * MAX_OFFSET * square;
     double best = solved ? quadric_error(&planes, offset) : INFINITY;
-    if (best < least - tolerance)
+    if (best < smallest - tolerance)
         for (int c = 0; c < 3; c++)
             placed.position[c] = a->position[c] + half[c] + offset[c];
-    else if (at_middle <= least + tolerance)
+    else if (at_middle <= smallest + tolerance)
         for (int c = 0; c < 3; c++)
             placed.position[c] = a->position[c] + half[c];
     else
         memcpy(placed.position, at_a <= at_b ? a->position : b->position, sizeof placed.position);
-    placed.error = fmax(fmin(best, least), 0) + penalty;
+    placed.error = fmax(fmin(best, smallest), 0) + penalty;
     return placed;
 }
 
@@ -135,10 +135,10 @@ static face_shape shape_of(const double *a, const double *b, const double *c)
     return shape;
 }
 
-/// Whether a face's quality is at least `least`.
-static bool has_quality(const face_shape *shape, double least)
+/// Whether a face's quality is at least `smallest`.
+static bool has_quality(const face_shape *shape, double smallest)
 {
-    double bound = least * shape->edges / QUALITY_FACTOR;
+    double bound = smallest * shape->edges / QUALITY_FACTOR;
     return shape->square >= bound * bound;
 }
 
@@ -167,10 +167,10 @@ static double worst_quality(const error_vertex *vertices, const collapse_ring *r
     return worst;
 }
 
-bool error_faces_stay_sound(const error_vertex *vertices, const collapse_ring *ring, const double *position,
-                            double least_normal, double least_quality)
+bool error_faces_stay_valid(const error_vertex *vertices, const collapse_ring *ring, const double *position,
+                            double min_normal, double min_quality)
 {
-    double least = least_quality;
+    double smallest = min_quality;
     bool relaxed = false;
     for (uint32_t k = 0; k < ring->count; k++)
     {
@@ -178,14 +178,14 @@ bool error_faces_stay_sound(const error_vertex *vertices, const collapse_ring *r
         const double *from = vertices[ring->vertex[k]].position, *to = vertices[ring->vertex[k + 1]].position;
         face_shape before = shape_of(apex, from, to), after = shape_of(position, from, to);
         if (has_normal(&before) &&
-            !(vector3_dot(before.normal, after.normal) > least_normal * sqrt(before.square * after.square)))
+            !(vector3_dot(before.normal, after.normal) > min_normal * sqrt(before.square * after.square)))
             return false;
-        if (has_quality(&after, least))
+        if (has_quality(&after, smallest))
             continue;
         if (!relaxed)
-            least = fmin(least, worst_quality(vertices, ring));
+            smallest = fmin(smallest, worst_quality(vertices, ring));
         relaxed = true;
-        if (!has_quality(&after, least))
+        if (!has_quality(&after, smallest))
             return false;
     }
     return true;

@@ -33,8 +33,8 @@ error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j
 void error_merge(error_vertex *vertices, uint32_t i, uint32_t j, const double *position);
 
 /// Whether every face of a ring that stays keeps its side, unit normals before and after having a scalar product of at least
-/// `least_normal`, and has after the collapse a quality of at least `least_quality`, or that of the worst face before.
-bool error_faces_stay_sound(const error_vertex *vertices, const collapse_ring *ring, const double *position,
-                            double least_normal, double least_quality);
+/// `min_normal`, and has after the collapse a quality of at least `min_quality`, or that of the worst face before.
+bool error_faces_stay_valid(const error_vertex *vertices, const collapse_ring *ring, const double *position,
+                            double min_normal, double min_quality);
 
 #endif

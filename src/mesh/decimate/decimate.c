@@ -30,13 +30,13 @@ typedef struct decimation
     collapse_mesh mesh;
     error_vertex *vertices;
     edge_queue queue;
-    double *errors;     ///< of an edge; infinite where it must not collapse
-    uint8_t *waiting;   ///< of a vertex: whether one of its edges was refused and waits for changes nearby
-    double *corners;    ///< of a vertex: its sharpness as a corner; null for a mesh without corners
-    bat_mesh_map *map;  ///< null when none is wanted
-    flat_room *room;    ///< null when no map is wanted
-    collapse_ring ring; ///< of the edge at hand
-    double points[FLAT_MOST][3], flat[FLAT_MOST][2];
+    double *errors;            ///< of an edge; infinite where it must not collapse
+    uint8_t *waiting;          ///< of a vertex: whether one of its edges was refused and waits for changes nearby
+    double *corners;           ///< of a vertex: its sharpness as a corner; null for a mesh without corners
+    bat_mesh_map *map;         ///< null when none is wanted
+    flat_workspace *workspace; ///< null when no map is wanted
+    collapse_ring ring;        ///< of the edge at hand
+    double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
 } decimation;
 
 static bat_status check_options(const bat_mesh_decimate_options *options, bat_error *error)
@@ -59,7 +59,7 @@ static void free_all(decimation *all)
     free(all->errors);
     free(all->waiting);
     free(all->corners);
-    free(all->room);
+    free(all->workspace);
     bat_mesh_map_free(all->map);
     free(all);
 }
@@ -70,8 +70,8 @@ static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, b
     all->errors = memory_array(all->mesh.edge_count, sizeof *all->errors);
     all->waiting = calloc(fine->vertex_count + 1, sizeof *all->waiting);
     all->corners = fine->corner_count > 0 ? calloc(fine->vertex_count, sizeof *all->corners) : NULL;
-    all->room = mapped ? malloc(sizeof *all->room) : NULL;
-    if (all->vertices == NULL || all->errors == NULL || all->waiting == NULL || (mapped && all->room == NULL) ||
+    all->workspace = mapped ? malloc(sizeof *all->workspace) : NULL;
+    if (all->vertices == NULL || all->errors == NULL || all->waiting == NULL || (mapped && all->workspace == NULL) ||
         (fine->corner_count > 0 && all->corners == NULL))
         return error_memory(error, fine->vertex_count * sizeof *all->vertices);
     bat_status status =
@@ -90,7 +90,7 @@ static bool place(const decimation *all, uint32_t edge, error_placement *placed)
 }
 
 /// Compute an edge's error anew and let it wait for its turn.
-static void renew(decimation *all, uint32_t edge)
+static void update_error(decimation *all, uint32_t edge)
 {
     error_placement placed;
     bool allowed = place(all, edge, &placed);
@@ -112,7 +112,7 @@ static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_
         all->corners[fine->corners[i].vertex] = fine->corners[i].sharpness;
     error_vertices_set(fine, &all->mesh, all->options->boundary_weight, all->vertices);
     for (size_t e = 0; e < all->mesh.edge_count; e++)
-        renew(all, (uint32_t)e);
+        update_error(all, (uint32_t)e);
     return BAT_OK;
 }
 
@@ -125,7 +125,7 @@ static bool flatten(decimation *all, const double *position)
     memcpy(all->points[FLAT_NEW], position, sizeof all->points[0]);
     for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
         memcpy(all->points[FLAT_RING + k], all->vertices[ring->vertex[k]].position, sizeof all->points[0]);
-    return flatten_ring(ring, (const double(*)[3])all->points, all->room, all->flat) &&
+    return flatten_ring(ring, (const double(*)[3])all->points, all->workspace, all->flat) &&
            flat_is_valid(ring, (const double(*)[2])all->flat, all->options->least_quality);
 }
 
@@ -157,9 +157,9 @@ static void collapse(decimation *all, const error_placement *placed)
         edge_queue_remove(&all->queue, gone[k]);
     all->waiting[ring->i] = 0;
     for (uint32_t k = 0; k < ring->count; k++)
-        renew(all, all->mesh.edge[ring->half_edge[k]]);
+        update_error(all, all->mesh.edge[ring->half_edge[k]]);
     if (!ring->closed)
-        renew(all, all->mesh.edge[bat_mesh_previous(ring->half_edge[ring->count - 1])]);
+        update_error(all, all->mesh.edge[bat_mesh_previous(ring->half_edge[ring->count - 1])]);
     for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
         if (all->waiting[ring->vertex[k]])
             retry_around(all, ring->vertex[k]);
@@ -171,7 +171,7 @@ static bat_status attempt(decimation *all, uint32_t edge, bat_error *error)
     error_placement placed;
     uint32_t h = all->mesh.half_edge[edge];
     bool sound = collapse_ring_find(&all->mesh, edge, &all->ring) && place(all, edge, &placed) &&
-                 error_faces_stay_sound(all->vertices, &all->ring, placed.position, all->options->least_normal,
+                 error_faces_stay_valid(all->vertices, &all->ring, placed.position, all->options->least_normal,
                                         all->options->least_quality) &&
                  (all->map == NULL || flatten(all, placed.position));
     if (!sound)
@@ -185,13 +185,13 @@ static bat_status attempt(decimation *all, uint32_t edge, bat_error *error)
     return status;
 }
 
-static bat_status report(const decimation *all, size_t begun_with, bat_error *error)
+static bat_status report(const decimation *all, size_t initial_vertices, bat_error *error)
 {
     const bat_progress *progress = &all->options->progress;
     size_t wanted = all->options->vertices;
     if (progress->report == NULL)
         return BAT_OK;
-    double done = (double)(begun_with - all->mesh.vertices_left) / (double)(begun_with - wanted);
+    double done = (double)(initial_vertices - all->mesh.vertices_left) / (double)(initial_vertices - wanted);
     return progress->report(progress->context, done)
                ? BAT_OK
                : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "decimation was stopped at %zu vertices",
@@ -200,7 +200,7 @@ static bat_status report(const decimation *all, size_t begun_with, bat_error *er
 
 static bat_status run(decimation *all, bat_error *error)
 {
-    size_t begun_with = all->mesh.vertices_left;
+    size_t initial_vertices = all->mesh.vertices_left;
     bat_status status = BAT_OK;
     for (size_t i = 1; all->mesh.vertices_left > all->options->vertices && status == BAT_OK; i++)
     {
@@ -209,7 +209,7 @@ static bat_status run(decimation *all, bat_error *error)
             break;
         status = attempt(all, edge, error);
         if (status == BAT_OK && i % REPORT_INTERVAL == 0)
-            status = report(all, begun_with, error);
+            status = report(all, initial_vertices, error);
     }
     return status;
 }

@@ -63,14 +63,14 @@ static void move_down(edge_queue *queue, size_t place, edge_queue_item item)
     for (size_t child = CHILDREN * place + 1; child < queue->count; child = CHILDREN * place + 1)
     {
         size_t end = child + CHILDREN < queue->count ? child + CHILDREN : queue->count;
-        size_t least = child;
+        size_t smallest = child;
         for (size_t other = child + 1; other < end; other++)
-            if (comes_before(&queue->items[other], &queue->items[least]))
-                least = other;
-        if (!comes_before(&queue->items[least], &item))
+            if (comes_before(&queue->items[other], &queue->items[smallest]))
+                smallest = other;
+        if (!comes_before(&queue->items[smallest], &item))
             break;
-        set_item(queue, place, queue->items[least]);
-        place = least;
+        set_item(queue, place, queue->items[smallest]);
+        place = smallest;
     }
     set_item(queue, place, item);
 }
@@ -115,14 +115,14 @@ uint32_t edge_queue_take(edge_queue *queue)
 {
     if (queue->count == 0)
         return EDGE_QUEUE_ABSENT;
-    size_t least = queue->candidates > 0 ? random_below(&queue->random, queue->count) : 0;
+    size_t smallest = queue->candidates > 0 ? random_below(&queue->random, queue->count) : 0;
     for (size_t i = 1; i < queue->candidates; i++)
     {
         size_t other = random_below(&queue->random, queue->count);
-        if (comes_before(&queue->items[other], &queue->items[least]))
-            least = other;
+        if (comes_before(&queue->items[other], &queue->items[smallest]))
+            smallest = other;
     }
-    uint32_t edge = queue->items[least].edge;
+    uint32_t edge = queue->items[smallest].edge;
     edge_queue_remove(queue, edge);
     return edge;
 }

@@ -5,12 +5,12 @@
 #include <string.h>
 
 /// Twice the area of a triangle that has a conformal map to speak of is at least this, in parts of its longest edge squared.
-static const double LEAST_HEIGHT = 1e-3;
+static const double MIN_HEIGHT = 1e-3;
 /// Where a ring has a face flatter than that, its edges are made longer until in every face two edges together are longer
 /// than the third by so much, in parts of the longest. Where it has no extent at all, all are as long.
 static const double MOLLIFICATION = 1e-2;
 /// Twice the least area of a flat face, in parts of its longest edge squared.
-static const double LEAST_AREA = 1e-7;
+static const double MIN_AREA = 1e-7;
 /// Added to the diagonal in parts of its mean: a ring that is flat already makes the matrix singular.
 static const double SHIFT = 1e-8;
 
@@ -42,7 +42,7 @@ static bool unfold(double ab, double bc, double ca, flat_triangle *made)
     if (!(product > 0))
         return false;
     double area = 0.5 * sqrt(product), height = area / ab;
-    if (!(area > LEAST_HEIGHT * longest * longest))
+    if (!(area > MIN_HEIGHT * longest * longest))
         return false;
     double x = 0.5 * (ab + (ca - bc) * (ca + bc) / ab);
     *made = (flat_triangle){{{x - ab, height}, {-x, -height}, {ab, 0}}, area};
@@ -62,28 +62,28 @@ static bool unfold_face(const collapse_ring *ring, const double (*points)[3], ui
 /// for Nonmanifold Triangle Meshes", 2020).
 static double mollifier(const collapse_ring *ring, const double (*points)[3], bool after)
 {
-    double longest = 0, least_gap = INFINITY;
+    double longest = 0, min_gap = INFINITY;
     for (uint32_t k = 0; k < ring->count + (after ? 0 : ring->vanishing); k++)
     {
         uint32_t corners[3];
         flat_corners(ring, k, after, corners);
         const double *a = points[corners[0]], *b = points[corners[1]], *c = points[corners[2]];
         double ab = vector3_distance(a, b), bc = vector3_distance(b, c), ca = vector3_distance(c, a),
-               most = fmax(ab, fmax(bc, ca));
-        longest = fmax(longest, most);
-        least_gap = fmin(least_gap, ab + bc + ca - 2 * most);
+               largest = fmax(ab, fmax(bc, ca));
+        longest = fmax(longest, largest);
+        min_gap = fmin(min_gap, ab + bc + ca - 2 * largest);
     }
-    return longest > 0 ? fmax(MOLLIFICATION * longest - least_gap, 0) : 1;
+    return longest > 0 ? fmax(MOLLIFICATION * longest - min_gap, 0) : 1;
 }
 
 /// The rows of the matrix: a point's row, or FLAT_UNKNOWNS for one that is held.
 typedef struct flat_rows
 {
-    uint32_t row[FLAT_MOST];
+    uint32_t row[FLAT_POINTS];
     uint32_t count;
 } flat_rows;
 
-static void choose_rows(const collapse_ring *ring, bool on_line, flat_room *room, flat_rows *rows)
+static void choose_rows(const collapse_ring *ring, bool on_line, flat_workspace *workspace, flat_rows *rows)
 {
     uint32_t last = FLAT_RING + collapse_ring_vertices(ring) - 1;
     rows->count = 0;
@@ -93,14 +93,14 @@ static void choose_rows(const collapse_ring *ring, bool on_line, flat_room *room
         bool held = p == FLAT_NEW || (on_line && (p <= FLAT_RING || p == last));
         rows->row[p] = held ? FLAT_UNKNOWNS : rows->count;
         if (!held)
-            room->unknown[rows->count++] = p;
+            workspace->unknown[rows->count++] = p;
     }
 }
 
 /// Add |sum_k W_k z_k|^2 / (2 area), twice the part of the energy that a face contributes: to the matrix for its unknown
 /// points, to the right side for its held ones.
 static void add_face(const flat_triangle *face, const uint32_t *corners, const flat_rows *rows, const double (*flat)[2],
-                     flat_room *room)
+                     flat_workspace *workspace)
 {
     double scale = 1 / face->area;
     for (int p = 0; p < 3; p++)
@@ -116,13 +116,13 @@ static void add_face(const flat_triangle *face, const uint32_t *corners, const f
             if (column == FLAT_UNKNOWNS)
             {
                 const double *z = flat[corners[q]];
-                room->right[row][0] -= real * z[0] - imaginary * z[1];
-                room->right[row][1] -= real * z[1] + imaginary * z[0];
+                workspace->right[row][0] -= real * z[0] - imaginary * z[1];
+                workspace->right[row][1] -= real * z[1] + imaginary * z[0];
             }
             else if (column <= row)
             {
-                room->real[row][column] += real;
-                room->imaginary[row][column] += imaginary;
+                workspace->real[row][column] += real;
+                workspace->imaginary[row][column] += imaginary;
             }
         }
     }
@@ -131,13 +131,13 @@ static void add_face(const flat_triangle *face, const uint32_t *corners, const f
 /// The matrix, and for held points the right side, all edges being longer by `added`. False for a ring with a face that is
 /// too flat.
 static bool assemble_longer(const collapse_ring *ring, const double (*points)[3], double added, const flat_rows *rows,
-                            const double (*flat)[2], flat_room *room)
+                            const double (*flat)[2], flat_workspace *workspace)
 {
     for (uint32_t r = 0; r < rows->count; r++)
     {
-        memset(room->real[r], 0, (r + 1) * sizeof room->real[r][0]);
-        memset(room->imaginary[r], 0, (r + 1) * sizeof room->imaginary[r][0]);
-        room->right[r][0] = room->right[r][1] = 0;
+        memset(workspace->real[r], 0, (r + 1) * sizeof workspace->real[r][0]);
+        memset(workspace->imaginary[r], 0, (r + 1) * sizeof workspace->imaginary[r][0]);
+        workspace->right[r][0] = workspace->right[r][1] = 0;
     }
     for (uint32_t k = 0; k < ring->count + ring->vanishing; k++)
     {
@@ -145,67 +145,67 @@ static bool assemble_longer(const collapse_ring *ring, const double (*points)[3]
         flat_triangle face;
         if (!unfold_face(ring, points, k, false, added, corners, &face))
             return false;
-        add_face(&face, corners, rows, flat, room);
+        add_face(&face, corners, rows, flat, workspace);
     }
     return true;
 }
 
 static bool assemble(const collapse_ring *ring, const double (*points)[3], const flat_rows *rows, const double (*flat)[2],
-                     flat_room *room)
+                     flat_workspace *workspace)
 {
-    return assemble_longer(ring, points, 0, rows, flat, room) ||
-           assemble_longer(ring, points, mollifier(ring, points, false), rows, flat, room);
+    return assemble_longer(ring, points, 0, rows, flat, workspace) ||
+           assemble_longer(ring, points, mollifier(ring, points, false), rows, flat, workspace);
 }
 
 /// Cholesky's factor L of the matrix in place, L L^H. False where it is not positive definite.
-static bool factorize(flat_room *room, uint32_t count, double shift)
+static bool factorize(flat_workspace *workspace, uint32_t count, double shift)
 {
     for (uint32_t r = 0; r < count; r++)
     {
-        double *real = room->real[r], *imaginary = room->imaginary[r];
+        double *real = workspace->real[r], *imaginary = workspace->imaginary[r];
         double pivot = real[r] + shift;
         for (uint32_t c = 0; c < r; c++)
         {
-            const double *other_real = room->real[c], *other_imaginary = room->imaginary[c];
+            const double *other_real = workspace->real[c], *other_imaginary = workspace->imaginary[c];
             double x = real[c], y = imaginary[c];
             for (uint32_t k = 0; k < c; k++)
             {
                 x -= real[k] * other_real[k] + imaginary[k] * other_imaginary[k];
                 y -= imaginary[k] * other_real[k] - real[k] * other_imaginary[k];
             }
-            real[c] = x *= room->inverse_pivot[c];
-            imaginary[c] = y *= room->inverse_pivot[c];
+            real[c] = x *= workspace->inverse_pivot[c];
+            imaginary[c] = y *= workspace->inverse_pivot[c];
             pivot -= x * x + y * y;
         }
         if (!(pivot > 0))
             return false;
-        room->inverse_pivot[r] = 1 / sqrt(pivot);
+        workspace->inverse_pivot[r] = 1 / sqrt(pivot);
     }
     return true;
 }
 
 /// Solve L L^H z = right in place.
-static void solve(flat_room *room, uint32_t count)
+static void solve(flat_workspace *workspace, uint32_t count)
 {
-    double(*z)[2] = room->right;
+    double(*z)[2] = workspace->right;
     for (uint32_t r = 0; r < count; r++)
     {
         double x = z[r][0], y = z[r][1];
         for (uint32_t c = 0; c < r; c++)
         {
-            x -= room->real[r][c] * z[c][0] - room->imaginary[r][c] * z[c][1];
-            y -= room->real[r][c] * z[c][1] + room->imaginary[r][c] * z[c][0];
+            x -= workspace->real[r][c] * z[c][0] - workspace->imaginary[r][c] * z[c][1];
+            y -= workspace->real[r][c] * z[c][1] + workspace->imaginary[r][c] * z[c][0];
         }
-        z[r][0] = x * room->inverse_pivot[r];
-        z[r][1] = y * room->inverse_pivot[r];
+        z[r][0] = x * workspace->inverse_pivot[r];
+        z[r][1] = y * workspace->inverse_pivot[r];
     }
     for (uint32_t r = count; r-- > 0;)
     {
-        double x = z[r][0] *= room->inverse_pivot[r], y = z[r][1] *= room->inverse_pivot[r];
+        double x = z[r][0] *= workspace->inverse_pivot[r], y = z[r][1] *= workspace->inverse_pivot[r];
         for (uint32_t c = 0; c < r; c++)
         {
-            z[c][0] -= room->real[r][c] * x + room->imaginary[r][c] * y;
-            z[c][1] -= room->real[r][c] * y - room->imaginary[r][c] * x;
+            z[c][0] -= workspace->real[r][c] * x + workspace->imaginary[r][c] * y;
+            z[c][1] -= workspace->real[r][c] * y - workspace->imaginary[r][c] * x;
         }
     }
 }
@@ -228,14 +228,14 @@ static void lay_on_circle(const collapse_ring *ring, double (*flat)[2])
 
 /// Move the mean of the boundary points to the origin and make their mean square 1, and copy them to the right side,
 /// interior points being zero there. False when they all coincide.
-static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*flat)[2], flat_room *room)
+static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*flat)[2], flat_workspace *workspace)
 {
     uint32_t boundary = 0;
     double mean[2] = {0}, square = 0;
     for (uint32_t r = 0; r < unknowns; r++)
     {
-        const double *z = flat[room->unknown[r]];
-        bool inside = room->unknown[r] == FLAT_J || (room->unknown[r] == FLAT_I && ring->closed);
+        const double *z = flat[workspace->unknown[r]];
+        bool inside = workspace->unknown[r] == FLAT_J || (workspace->unknown[r] == FLAT_I && ring->closed);
         boundary += !inside;
         for (int c = 0; c < 2 && !inside; c++)
             mean[c] += z[c];
@@ -244,11 +244,11 @@ static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*fla
     mean[1] /= boundary;
     for (uint32_t r = 0; r < unknowns; r++)
     {
-        double *z = flat[room->unknown[r]];
-        bool inside = room->unknown[r] == FLAT_J || (room->unknown[r] == FLAT_I && ring->closed);
+        double *z = flat[workspace->unknown[r]];
+        bool inside = workspace->unknown[r] == FLAT_J || (workspace->unknown[r] == FLAT_I && ring->closed);
         for (int c = 0; c < 2; c++)
-            room->right[r][c] = inside ? 0 : z[c] - mean[c];
-        square += room->right[r][0] * room->right[r][0] + room->right[r][1] * room->right[r][1];
+            workspace->right[r][c] = inside ? 0 : z[c] - mean[c];
+        square += workspace->right[r][0] * workspace->right[r][0] + workspace->right[r][1] * workspace->right[r][1];
     }
     double scale = sqrt(boundary / square);
     if (!isfinite(scale))
@@ -256,42 +256,43 @@ static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*fla
     for (uint32_t r = 0; r < unknowns; r++)
         for (int c = 0; c < 2; c++)
         {
-            room->right[r][c] *= scale;
-            flat[room->unknown[r]][c] = (flat[room->unknown[r]][c] - mean[c]) * scale;
+            workspace->right[r][c] *= scale;
+            flat[workspace->unknown[r]][c] = (flat[workspace->unknown[r]][c] - mean[c]) * scale;
         }
     return true;
 }
 
 /// The eigenvector of least conformal energy over the moment of the boundary, by inverse iteration.
-static bool flatten_free(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+static bool flatten_free(const collapse_ring *ring, const double (*points)[3], flat_workspace *workspace, double (*flat)[2])
 {
     flat_rows rows;
-    choose_rows(ring, false, room, &rows);
-    if (!assemble(ring, points, &rows, (const double(*)[2])flat, room))
+    choose_rows(ring, false, workspace, &rows);
+    if (!assemble(ring, points, &rows, (const double(*)[2])flat, workspace))
         return false;
     double trace = 0;
     for (uint32_t r = 0; r < rows.count; r++)
-        trace += room->real[r][r];
-    if (!factorize(room, rows.count, SHIFT * trace / rows.count))
+        trace += workspace->real[r][r];
+    if (!factorize(workspace, rows.count, SHIFT * trace / rows.count))
         return false;
     lay_on_circle(ring, flat);
     for (int i = 0; i < ITERATIONS; i++)
     {
-        if (!normalize(ring, rows.count, flat, room))
+        if (!normalize(ring, rows.count, flat, workspace))
             return false;
-        solve(room, rows.count);
+        solve(workspace, rows.count);
         for (uint32_t r = 0; r < rows.count; r++)
-            memcpy(flat[room->unknown[r]], room->right[r], sizeof flat[0]);
+            memcpy(flat[workspace->unknown[r]], workspace->right[r], sizeof flat[0]);
     }
-    return normalize(ring, rows.count, flat, room);
+    return normalize(ring, rows.count, flat, workspace);
 }
 
 /// The least-squares conformal map with the boundary on the real axis.
-static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3], flat_workspace *workspace,
+                            double (*flat)[2])
 {
     const uint32_t line[4] = {FLAT_RING + ring->count, FLAT_I, FLAT_J, FLAT_RING};
     flat_rows rows;
-    choose_rows(ring, true, room, &rows);
+    choose_rows(ring, true, workspace, &rows);
     double length = 0;
     for (int k = 0; k < 4; k++)
     {
@@ -302,11 +303,11 @@ static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3]
         flat[line[k]][0] = length;
         flat[line[k]][1] = 0;
     }
-    if (!assemble(ring, points, &rows, (const double(*)[2])flat, room) || !factorize(room, rows.count, 0))
+    if (!assemble(ring, points, &rows, (const double(*)[2])flat, workspace) || !factorize(workspace, rows.count, 0))
         return false;
-    solve(room, rows.count);
+    solve(workspace, rows.count);
     for (uint32_t r = 0; r < rows.count; r++)
-        memcpy(flat[room->unknown[r]], room->right[r], sizeof flat[0]);
+        memcpy(flat[workspace->unknown[r]], workspace->right[r], sizeof flat[0]);
     return true;
 }
 
@@ -343,10 +344,10 @@ static bool place_new(const collapse_ring *ring, const double (*points)[3], bool
            place_new_longer(ring, points, mollifier(ring, points, true), on_line, flat);
 }
 
-bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2])
+bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_workspace *workspace, double (*flat)[2])
 {
     bool on_line = ring->vanishing == 1;
-    if (on_line ? !flatten_on_line(ring, points, room, flat) : !flatten_free(ring, points, room, flat))
+    if (on_line ? !flatten_on_line(ring, points, workspace, flat) : !flatten_free(ring, points, workspace, flat))
         return false;
     if (ring->closed || on_line)
         return place_new(ring, points, on_line, flat);
@@ -371,7 +372,7 @@ static double worst_quality(const collapse_ring *ring, const double (*flat)[2], 
         uint32_t corners[3];
         flat_corners(ring, k, after, corners);
         double squares, area = flat_area(flat[corners[0]], flat[corners[1]], flat[corners[2]], &squares);
-        if (!(area > LEAST_AREA * squares))
+        if (!(area > MIN_AREA * squares))
             return -1;
         worst = fmin(worst, QUALITY_FACTOR / 2 * area / squares);
     }
@@ -398,8 +399,8 @@ static bool winds_once(const collapse_ring *ring, const double (*flat)[2])
     return turns == (ring->closed ? 1 : 0);
 }
 
-bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double least_quality)
+bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double min_quality)
 {
     double before = worst_quality(ring, flat, false), after = worst_quality(ring, flat, true);
-    return before > 0 && after > 0 && after >= fmin(least_quality, before) && winds_once(ring, flat);
+    return before > 0 && after > 0 && after >= fmin(min_quality, before) && winds_once(ring, flat);
 }

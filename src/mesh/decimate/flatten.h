@@ -15,20 +15,20 @@ enum
     FLAT_J,
     FLAT_NEW,
     FLAT_RING,
-    FLAT_MOST = FLAT_RING + COLLAPSE_MOST_FACES + 1,
+    FLAT_POINTS = FLAT_RING + COLLAPSE_MAX_FACES + 1,
     /// Unknowns of a flattening: all but the new vertex.
-    FLAT_UNKNOWNS = FLAT_MOST - 1
+    FLAT_UNKNOWNS = FLAT_POINTS - 1
 };
 
 /// Room to work in.
-typedef struct flat_room
+typedef struct flat_workspace
 {
     /// The Hermitian matrix of the conformal energy, then its factor; the lower triangle. Real and imaginary parts.
     double real[FLAT_UNKNOWNS][FLAT_UNKNOWNS], imaginary[FLAT_UNKNOWNS][FLAT_UNKNOWNS];
     double inverse_pivot[FLAT_UNKNOWNS];
     double right[FLAT_UNKNOWNS][2];
     uint32_t unknown[FLAT_UNKNOWNS]; ///< the point of a row
-} flat_room;
+} flat_workspace;
 
 /// The points of face k of a ring (in the ring's order, those that vanish last), before the collapse or after it.
 static inline void flat_corners(const collapse_ring *ring, uint32_t face, bool after, uint32_t *corners)
@@ -49,12 +49,12 @@ static inline void flat_corners(const collapse_ring *ring, uint32_t face, bool a
 /// @param points the ring's points in space
 /// @param flat   receives its points in the plane
 /// @return false where the equations have no solution
-bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_room *room, double (*flat)[2]);
+bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_workspace *workspace, double (*flat)[2]);
 
 /// Whether the flat ring is a bijection before and after the collapse: all faces have a positive area, and around the new
 /// vertex angles add up to a full turn or, on the boundary, less. Then the outside is a simple polygon, which faces of
-/// positive area can cover only once. And whether every face's quality after the collapse is at least `least_quality` or
+/// positive area can cover only once. And whether every face's quality after the collapse is at least `min_quality` or
 /// that of the worst face before.
-bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double least_quality);
+bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double min_quality);
 
 #endif

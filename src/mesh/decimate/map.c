@@ -174,19 +174,19 @@ static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bo
                        double *barycentric)
 {
     uint32_t best = 0, faces = collapse->count + (after ? 0U : collapse->vanishing);
-    double best_least = -INFINITY;
+    double best_min = -INFINITY;
     barycentric[0] = barycentric[1] = barycentric[2] = 1;
-    for (uint32_t k = 0; k < faces && best_least < 0; k++)
+    for (uint32_t k = 0; k < faces && best_min < 0; k++)
     {
         const double *corners[3];
         map_corners(map, collapse, k, after, corners);
         double a = map_area(point, corners[1], corners[2]), b = map_area(point, corners[2], corners[0]),
                c = map_area(point, corners[0], corners[1]);
-        double least = fmin(a, fmin(b, c)) / map_area(corners[0], corners[1], corners[2]);
-        if (least > best_least)
+        double smallest = fmin(a, fmin(b, c)) / map_area(corners[0], corners[1], corners[2]);
+        if (smallest > best_min)
         {
             best = k;
-            best_least = least;
+            best_min = smallest;
             barycentric[0] = fmax(a, 0);
             barycentric[1] = fmax(b, 0);
             barycentric[2] = fmax(c, 0);
@@ -283,7 +283,7 @@ bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_point *point
     return status;
 }
 
-static bat_status bad(bat_error *error, size_t collapse, const char *what)
+static bat_status invalid_collapse(bat_error *error, size_t collapse, const char *what)
 {
     return error_set(error, BAT_BAD_FILE, collapse, 0, "collapse %zu of the map %s", collapse, what);
 }
@@ -305,7 +305,7 @@ static bool faces_are_upright(const bat_mesh_map *map, const map_collapse *colla
 
 /// Mark the faces that a collapse works on by its number and those that vanish for good. False where one is gone, or there
 /// twice.
-static bool faces_are_there(const bat_mesh_map *map, uint32_t number, uint32_t *seen)
+static bool mark_faces(const bat_mesh_map *map, uint32_t number, uint32_t *state)
 {
     const map_collapse *collapse = &map->collapses[number];
     for (uint32_t k = 0; k < (uint32_t)collapse->count + collapse->vanishing; k++)
@@ -313,39 +313,39 @@ static bool faces_are_there(const bat_mesh_map *map, uint32_t number, uint32_t *
         uint32_t half_edge = map->half_edge[collapse->first_entry + k];
         if (half_edge / 3 >= map->fine_faces)
             return false;
-        uint32_t *face = &seen[half_edge / 3];
+        uint32_t *face = &state[half_edge / 3];
         if (*face == MAP_NONE || *face == number + 1)
             return false;
         *face = number + 1;
     }
     for (uint32_t k = 0; k < collapse->vanishing; k++)
-        seen[map->half_edge[collapse->first_entry + collapse->count + k] / 3] = MAP_NONE;
+        state[map->half_edge[collapse->first_entry + collapse->count + k] / 3] = MAP_NONE;
     return true;
 }
 
 /// Whether `kept` lists what has not vanished.
-static bool kept_is_right(const bat_mesh_map *map, const uint32_t *seen)
+static bool kept_is_valid(const bat_mesh_map *map, const uint32_t *state)
 {
     size_t count = 0;
     for (size_t f = 0; f < map->fine_faces; f++)
-        if (seen[f] != MAP_NONE && (count == map->coarse_faces || map->kept[count++] != f))
+        if (state[f] != MAP_NONE && (count == map->coarse_faces || map->kept[count++] != f))
             return false;
     return count == map->coarse_faces;
 }
 
 bat_status map_inspect(const bat_mesh_map *map, bat_error *error)
 {
-    uint32_t *seen = calloc(map->fine_faces + 1, sizeof *seen);
-    if (seen == NULL)
-        return error_memory(error, map->fine_faces * sizeof *seen);
+    uint32_t *state = calloc(map->fine_faces + 1, sizeof *state);
+    if (state == NULL)
+        return error_memory(error, map->fine_faces * sizeof *state);
     bat_status status = BAT_OK;
     for (size_t c = 0; c < map->collapse_count && status == BAT_OK; c++)
         if (!faces_are_upright(map, &map->collapses[c]))
-            status = bad(error, c, "has a face without area");
-        else if (!faces_are_there(map, (uint32_t)c, seen))
-            status = bad(error, c, "works on a face that is not there");
-    if (status == BAT_OK && !kept_is_right(map, seen))
+            status = invalid_collapse(error, c, "has a face without area");
+        else if (!mark_faces(map, (uint32_t)c, state))
+            status = invalid_collapse(error, c, "works on a face that is not there");
+    if (status == BAT_OK && !kept_is_valid(map, state))
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map does not end with the faces that it keeps");
-    free(seen);
+    free(state);
     return status;
 }

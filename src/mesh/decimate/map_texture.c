@@ -55,13 +55,13 @@ static void free_transfer(texture_transfer *all)
 
 static bat_status allocate(const midpoint_mesh *split, texture_transfer *all, bat_error *error)
 {
-    size_t most = 3 * split->face_count;
+    size_t max_count = 3 * split->face_count;
     all->first = memory_array(split->vertex_count, sizeof *all->first);
-    all->next = memory_array(most, sizeof *all->next);
-    all->texture = memory_array(most, sizeof *all->texture);
-    all->faces = memory_array(most, sizeof *all->faces);
+    all->next = memory_array(max_count, sizeof *all->next);
+    all->texture = memory_array(max_count, sizeof *all->texture);
+    all->faces = memory_array(max_count, sizeof *all->faces);
     if (all->first == NULL || all->next == NULL || all->texture == NULL || all->faces == NULL)
-        return error_memory(error, most * sizeof *all->texture);
+        return error_memory(error, max_count * sizeof *all->texture);
     memset(all->first, 0xff, split->vertex_count * sizeof *all->first);
     return BAT_OK;
 }
@@ -75,7 +75,7 @@ static double length_of(const double *a, const double *b, size_t dimension)
 }
 
 /// What the texture is at a point of a face.
-static texture_point look_up(const bat_mesh *mesh, uint32_t face, const double *barycentric)
+static texture_point texture_at(const bat_mesh *mesh, uint32_t face, const double *barycentric)
 {
     texture_point point = {.scale = 0};
     const double *position[3], *texture[3];
@@ -98,14 +98,14 @@ static texture_point look_up(const bat_mesh *mesh, uint32_t face, const double *
 }
 
 /// Whether the texture goes on from one point to the other.
-static bool goes_on(const texture_point *a, const texture_point *b)
+static bool is_continuous(const texture_point *a, const texture_point *b)
 {
     return length_of(a->texture, b->texture, 2) <=
            JUMP * fmax(a->scale, b->scale) * length_of(a->position, b->position, 3) + ON_EDGE;
 }
 
 /// A point's barycentric coordinates in another face that it may lie on too. False where it does not.
-static bool see_from(const bat_mesh *mesh, const bat_mesh_point *point, uint32_t face, double *barycentric)
+static bool barycentric_in(const bat_mesh *mesh, const bat_mesh_point *point, uint32_t face, double *barycentric)
 {
     double sum = 0;
     for (size_t c = 0; c < 3; c++)
@@ -120,20 +120,20 @@ static bool see_from(const bat_mesh *mesh, const bat_mesh_point *point, uint32_t
 }
 
 /// What the texture is at a point; where several faces meet there, that of the one nearest to `wanted`.
-static texture_point look_up_near(const texture_transfer *all, const bat_mesh_point *point, const double *wanted)
+static texture_point texture_near(const texture_transfer *all, const bat_mesh_point *point, const double *wanted)
 {
     const double *b = point->barycentric;
-    texture_point best = look_up(all->fine, point->face, b);
+    texture_point best = texture_at(all->fine, point->face, b);
     if (fmin(b[0], fmin(b[1], b[2])) > ON_EDGE)
         return best;
     uint32_t corner = b[0] >= b[1] && b[0] >= b[2] ? 0 : b[1] >= b[2] ? 1 : 2;
     uint32_t first = all->connectivity.first[all->fine->faces[3 * (size_t)point->face + corner]], h = first;
     do
     {
-        double seen[3];
-        if (see_from(all->fine, point, h / 3, seen))
+        double barycentric[3];
+        if (barycentric_in(all->fine, point, h / 3, barycentric))
         {
-            texture_point other = look_up(all->fine, h / 3, seen);
+            texture_point other = texture_at(all->fine, h / 3, barycentric);
             if (length_of(other.texture, wanted, 2) < length_of(best.texture, wanted, 2))
                 best = other;
         }
@@ -144,8 +144,8 @@ static texture_point look_up_near(const texture_transfer *all, const bat_mesh_po
 
 /// Points of a face of the result, given by their shares of its corners, and what the texture is where they lie on the fine
 /// mesh.
-static bat_status look_up_images(const texture_transfer *all, const double (*corners)[3], uint32_t coarse_face, size_t count,
-                                 const double (*shares)[3], texture_point *found, bat_error *error)
+static bat_status texture_at_images(const texture_transfer *all, const double (*corners)[3], uint32_t coarse_face,
+                                    size_t count, const double (*shares)[3], texture_point *found, bat_error *error)
 {
     bat_mesh_point points[SAMPLES];
     for (size_t i = 0; i < count; i++)
@@ -156,7 +156,7 @@ static bat_status look_up_images(const texture_transfer *all, const double (*cor
     }
     bat_status status = bat_mesh_map_to_fine(all->map, points, count, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
-        found[i] = look_up(all->fine, points[i].face, points[i].barycentric);
+        found[i] = texture_at(all->fine, points[i].face, points[i].barycentric);
     return status;
 }
 
@@ -173,14 +173,14 @@ static void spread_samples(double (*shares)[3])
 }
 
 /// The sample from which the texture goes on to most others.
-static size_t most_joined(const texture_point *samples)
+static size_t most_connected(const texture_point *samples)
 {
     size_t best = 0, best_count = 0;
     for (size_t i = 0; i < SAMPLES; i++)
     {
         size_t count = 0;
         for (size_t k = 0; k < SAMPLES; k++)
-            count += goes_on(&samples[i], &samples[k]);
+            count += is_continuous(&samples[i], &samples[k]);
         if (count > best_count)
         {
             best = i;
@@ -198,7 +198,7 @@ static void fit(const texture_point *samples, const double (*shares)[3], size_t 
     quadric matrix = {0};
     for (size_t i = 0; i < SAMPLES; i++)
     {
-        if (!goes_on(&samples[centre], &samples[i]))
+        if (!is_continuous(&samples[centre], &samples[i]))
             continue;
         quadric_add_plane(&matrix, shares[i], 1);
         count++;
@@ -213,7 +213,7 @@ static void fit(const texture_point *samples, const double (*shares)[3], size_t 
         matrix.x = -right[0][k] - pull;
         matrix.y = -right[1][k] - pull;
         matrix.z = -right[2][k] - pull;
-        (void)quadric_least(&matrix, DAMPING * count, values);
+        (void)quadric_minimize(&matrix, DAMPING * count, values);
         for (size_t c = 0; c < 3; c++)
             fitted[c][k] = values[c];
     }
@@ -237,14 +237,14 @@ static uint32_t number_of(texture_transfer *all, uint32_t vertex, const double *
 
 /// Give a face what the texture is at its corners, on the side of `centre`; where it does not go on from there to a corner,
 /// what is `fitted`, or if that is null nothing. False if so.
-static bool take_side(texture_transfer *all, const uint32_t *vertices, const texture_point *centre,
-                      const double (*fitted)[2], uint32_t *numbers)
+static bool assign_side(texture_transfer *all, const uint32_t *vertices, const texture_point *centre,
+                        const double (*fitted)[2], uint32_t *numbers)
 {
     double texture[3][2];
     for (int c = 0; c < 3; c++)
     {
-        texture_point corner = look_up_near(all, &all->images[vertices[c]], fitted != NULL ? fitted[c] : centre->texture);
-        bool inside = goes_on(centre, &corner);
+        texture_point corner = texture_near(all, &all->images[vertices[c]], fitted != NULL ? fitted[c] : centre->texture);
+        bool inside = is_continuous(centre, &corner);
         if (!inside && fitted == NULL)
             return false;
         memcpy(texture[c], inside ? corner.texture : fitted[c], sizeof texture[c]);
@@ -263,16 +263,16 @@ static bat_status transfer_face(texture_transfer *all, const midpoint_mesh *spli
     uint32_t coarse_face = (uint32_t)(face >> 2 * levels), *numbers = all->faces + 3 * face;
     double shares[SAMPLES][3], fitted[3][2];
     texture_point samples[SAMPLES];
-    bat_status status = look_up_images(all, corners, coarse_face, 1, MIDDLE, samples, error);
-    if (status != BAT_OK || take_side(all, vertices, &samples[0], NULL, numbers))
+    bat_status status = texture_at_images(all, corners, coarse_face, 1, MIDDLE, samples, error);
+    if (status != BAT_OK || assign_side(all, vertices, &samples[0], NULL, numbers))
         return status;
     spread_samples(shares);
-    status = look_up_images(all, corners, coarse_face, SAMPLES, (const double(*)[3])shares, samples, error);
+    status = texture_at_images(all, corners, coarse_face, SAMPLES, (const double(*)[3])shares, samples, error);
     if (status != BAT_OK)
         return status;
-    size_t centre = most_joined(samples);
+    size_t centre = most_connected(samples);
     fit(samples, (const double(*)[3])shares, centre, fitted);
-    (void)take_side(all, vertices, &samples[centre], (const double(*)[2])fitted, numbers);
+    (void)assign_side(all, vertices, &samples[centre], (const double(*)[2])fitted, numbers);
     return BAT_OK;
 }
 

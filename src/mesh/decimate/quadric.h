@@ -60,7 +60,7 @@ static inline double quadric_weight(const quadric *q)
 
 /// Where the error is least, from the centre: (A + damping I) d = -b, by Cholesky's factors. Damping keeps d short in
 /// directions that no plane says anything about. False where the matrix is not positive definite.
-static inline bool quadric_least(const quadric *q, double damping, double *d)
+static inline bool quadric_minimize(const quadric *q, double damping, double *d)
 {
     double xx = q->xx + damping;
     if (!(xx > 0))

@@ -32,9 +32,9 @@ void closest_free(closest_tree *tree)
     *tree = (closest_tree){0};
 }
 
-double closest_largest(const double *values, size_t count, double least)
+double closest_largest(const double *values, size_t count, double smallest)
 {
-    double largest = least;
+    double largest = smallest;
     for (size_t i = 0; i < count; i++)
         largest = fabs(values[i]) > largest ? fabs(values[i]) : largest;
     return largest;
@@ -65,9 +65,9 @@ static size_t partition(entry *entries, size_t begin, size_t end, int axis)
             high--;
         if (low >= high)
             return low == begin ? begin + 1 : low;
-        entry kept = entries[low];
+        entry swapped = entries[low];
         entries[low++] = entries[high];
-        entries[high--] = kept;
+        entries[high--] = swapped;
     }
 }
 
@@ -304,7 +304,7 @@ bat_status closest_build(const bat_mesh *mesh, double largest, closest_tree *tre
 enum
 {
     /// A node leaves at most 7 of its entries on the stack when the eighth is opened.
-    STACK = (WIDTH - 1) * CLOSEST_MOST_LEVELS + WIDTH
+    STACK = (WIDTH - 1) * CLOSEST_MAX_LEVELS + WIDTH
 };
 
 /// What is still to be opened: a node, or on level 0 a packet.
@@ -349,20 +349,20 @@ static inline double packet_squared(const closest_packet *packet, const double p
     double inside = squared_length(dx - a * ux - b * vx, dy - a * uy - b * vy, dz - a * uz - b * vz);
 
     double t = clamped(on_along);
-    double least = squared_length(dx - t * ux, dy - t * uy, dz - t * uz);
+    double smallest = squared_length(dx - t * ux, dy - t * uy, dz - t * uz);
     t = clamped((dx * vx + dy * vy + dz * vz) * packet->per_aside[i]);
     double aside = squared_length(dx - t * vx, dy - t * vy, dz - t * vz);
-    least = aside < least ? aside : least;
+    smallest = aside < smallest ? aside : smallest;
     double wx = vx - ux, wy = vy - uy, wz = vz - uz;
     dx -= ux;
     dy -= uy;
     dz -= uz;
     t = clamped((dx * wx + dy * wy + dz * wz) * packet->per_across[i]);
     double across = squared_length(dx - t * wx, dy - t * wy, dz - t * wz);
-    least = across < least ? across : least;
+    smallest = across < smallest ? across : smallest;
     // Without short cuts, which would be branches.
-    bool within = (a >= 0) & (b >= 0) & (a + b <= 1) & (inside < least);
-    return within ? inside : least;
+    bool within = (a >= 0) & (b >= 0) & (a + b <= 1) & (inside < smallest);
+    return within ? inside : smallest;
 }
 
 /// Compare the best with the triangles of a packet.
@@ -468,16 +468,16 @@ static triangle_point nearest_candidate(const closest_packet *packet, const doub
                                     {on_along - dh * packet->skew[i], dh}};
     bool inside = candidates[3].along >= 0 && dh >= 0 && candidates[3].along + dh <= 1;
     triangle_point best = candidates[0];
-    double least = INFINITY;
+    double smallest = INFINITY;
     for (int c = 0; c < (inside ? 4 : 3); c++)
     {
         double r[3];
         for (int k = 0; k < 3; k++)
             r[k] = d[k] - candidates[c].along * u[k] - candidates[c].aside * v[k];
         double squared = squared_length(r[0], r[1], r[2]);
-        if (squared < least)
+        if (squared < smallest)
         {
-            least = squared;
+            smallest = squared;
             best = candidates[c];
         }
     }

@@ -13,7 +13,7 @@
 enum
 {
     CLOSEST_WIDTH = 8,
-    CLOSEST_MOST_LEVELS = 12
+    CLOSEST_MAX_LEVELS = 12
 };
 
 /// Eight triangles with what a distance needs, each turned so that its longest edge runs from corner 0 to corner 1.
@@ -37,8 +37,8 @@ typedef struct closest_node
 typedef struct closest_tree
 {
     closest_packet *packets;
-    closest_node *nodes;               ///< level after level, the root last
-    size_t begin[CLOSEST_MOST_LEVELS]; ///< where a level's nodes begin; level 0 are the packets
+    closest_node *nodes;              ///< level after level, the root last
+    size_t begin[CLOSEST_MAX_LEVELS]; ///< where a level's nodes begin; level 0 are the packets
     int root_level;
     uint32_t *faces;       ///< the face at each place (8 times its packet plus its lane); the last face fills up the end
     unsigned char *turns;  ///< the face's corner that is corner 0 of the triangle at a place
@@ -73,8 +73,8 @@ double closest_to_place(const closest_tree *tree, const double point[3], uint32_
 /// The closest point of the triangle at a place.
 closest_hit closest_point_at(const closest_tree *tree, const double point[3], uint32_t place);
 
-/// The largest absolute value, or `least` when that is larger.
-double closest_largest(const double *values, size_t count, double least);
+/// The largest absolute value, or `min` when that is larger.
+double closest_largest(const double *values, size_t count, double min);
 /// The power of two that brings `largest` to about 1/2 … 1.
 double closest_scale(double largest);
 

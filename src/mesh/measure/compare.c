@@ -165,7 +165,7 @@ static bat_status measure_samples(compare_way *way, int threads, size_t first_pi
 }
 
 /// Numbers up to this, squared or summed over the faces, stay exact in a double and within size_t.
-static const size_t MOST_SAMPLES = (size_t)1 << 40;
+static const size_t MAX_SAMPLES = (size_t)1 << 40;
 
 bat_mesh_compare_options bat_mesh_compare_defaults(void)
 {
@@ -177,7 +177,7 @@ static size_t blocks_of(size_t count)
     return (count + COMPARE_BLOCK - 1) / COMPARE_BLOCK;
 }
 
-static size_t least_of(size_t a, size_t b)
+static size_t smaller_of(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
@@ -185,7 +185,7 @@ static size_t least_of(size_t a, size_t b)
 static void measure_block(compare_side *from, const compare_side *onto, size_t block, compare_tally *tally)
 {
     uint32_t place = 0;
-    size_t end = least_of(from->vertex_count, (block + 1) * COMPARE_BLOCK);
+    size_t end = smaller_of(from->vertex_count, (block + 1) * COMPARE_BLOCK);
     *tally = (compare_tally){.greatest = -1};
     for (size_t i = block * COMPARE_BLOCK; i < end; i++)
     {
@@ -352,7 +352,7 @@ static bat_status check_options(const bat_mesh_compare_options *options, bat_err
 {
     if (!options->vertices && options->samples == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "at least one sample is needed");
-    if (!options->vertices && options->samples > MOST_SAMPLES)
+    if (!options->vertices && options->samples > MAX_SAMPLES)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu samples are too many", options->samples);
     if (!(options->tolerance >= 0) || isinf(options->tolerance))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,

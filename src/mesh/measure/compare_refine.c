@@ -151,8 +151,8 @@ static bool make_room(pieces *parts, size_t count)
 /// Above what a bound asks for a closer look.
 static double limit_of(const compare_way *way, double diagonal, double tolerance)
 {
-    static const double LEAST_SHARE = 1e-6;
-    return way->greatest + tolerance * fmax(way->greatest, LEAST_SHARE * diagonal);
+    static const double MIN_SHARE = 1e-6;
+    return way->greatest + tolerance * fmax(way->greatest, MIN_SHARE * diagonal);
 }
 
 /// Keep the pieces whose bounds are above the limit; the others' bounds count for what is proven.

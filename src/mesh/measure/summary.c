@@ -237,17 +237,17 @@ static void sum_up_topology(const topology *made, bat_mesh_summary *summary)
 }
 
 /// The mesh's coordinates times a power of two, from the middle of its box, so that squares and products stay in range.
-typedef struct view
+typedef struct scaled_mesh
 {
     const bat_mesh *mesh;
     double scale, middle[3];
-} view;
+} scaled_mesh;
 
-static void corner_of(const view *seen, size_t corner, double point[3])
+static void corner_of(const scaled_mesh *scaled, size_t corner, double point[3])
 {
-    const double *position = seen->mesh->positions + 3 * (size_t)seen->mesh->faces[corner];
+    const double *position = scaled->mesh->positions + 3 * (size_t)scaled->mesh->faces[corner];
     for (int k = 0; k < 3; k++)
-        point[k] = position[k] * seen->scale - seen->middle[k];
+        point[k] = position[k] * scaled->scale - scaled->middle[k];
 }
 
 static double length_of(const double a[3])
@@ -261,20 +261,20 @@ typedef struct face_sums
     exact_sum area, volume, quality;
 } face_sums;
 
-static double least_angle_of(double edges[3][3], double twice_area)
+static double min_angle_of(double edges[3][3], double twice_area)
 {
-    double least = INFINITY;
+    double smallest = INFINITY;
     for (int c = 0; c < 3; c++)
-        least = fmin(least, atan2(twice_area, -vector3_dot(edges[c], edges[(c + 2) % 3])));
-    return least;
+        smallest = fmin(smallest, atan2(twice_area, -vector3_dot(edges[c], edges[(c + 2) % 3])));
+    return smallest;
 }
 
-static void measure_face(const view *seen, size_t face, face_sums *sums, bat_mesh_summary *summary)
+static void measure_face(const scaled_mesh *scaled, size_t face, face_sums *sums, bat_mesh_summary *summary)
 {
-    static const double LEAST_HEIGHT = 1e-14;
+    static const double MIN_HEIGHT = 1e-14;
     double corners[3][3], edges[3][3], normal[3], squares = 0, longest = 0;
     for (size_t c = 0; c < 3; c++)
-        corner_of(seen, 3 * face + c, corners[c]);
+        corner_of(scaled, 3 * face + c, corners[c]);
     for (int c = 0; c < 3; c++)
     {
         vector3_subtract(corners[(c + 1) % 3], corners[c], edges[c]);
@@ -284,19 +284,19 @@ static void measure_face(const view *seen, size_t face, face_sums *sums, bat_mes
     vector3_cross(edges[0], edges[1], normal);
     double twice_area = length_of(normal);
     double quality = squares > 0 ? 2 * sqrt(3) * twice_area / squares : 0;
-    summary->degenerate_faces += twice_area <= LEAST_HEIGHT * longest;
+    summary->degenerate_faces += twice_area <= MIN_HEIGHT * longest;
     if (quality < summary->least_quality)
     {
         summary->least_quality = quality;
         summary->least_quality_face = face;
     }
-    summary->least_angle = fmin(summary->least_angle, least_angle_of(edges, twice_area));
+    summary->least_angle = fmin(summary->least_angle, min_angle_of(edges, twice_area));
     sum_add(&sums->area, twice_area / 2);
     sum_add(&sums->volume, vector3_dot(corners[0], normal) / 6);
     sum_add(&sums->quality, quality);
 }
 
-static void measure_edges(const view *seen, const edge_groups *edges, bat_mesh_summary *summary)
+static void measure_edges(const scaled_mesh *scaled, const edge_groups *edges, bat_mesh_summary *summary)
 {
     exact_sum lengths = {0};
     summary->least_edge = INFINITY;
@@ -304,15 +304,15 @@ static void measure_edges(const view *seen, const edge_groups *edges, bat_mesh_s
     {
         uint32_t h = edges->order[edges->begin[e]];
         double a[3], b[3], edge[3];
-        corner_of(seen, h, a);
-        corner_of(seen, bat_mesh_next(h), b);
+        corner_of(scaled, h, a);
+        corner_of(scaled, bat_mesh_next(h), b);
         vector3_subtract(b, a, edge);
-        double length = length_of(edge) / seen->scale;
+        double length = length_of(edge) / scaled->scale;
         summary->least_edge = fmin(summary->least_edge, length);
         summary->greatest_edge = fmax(summary->greatest_edge, length);
-        sum_add(&lengths, length * seen->scale);
+        sum_add(&lengths, length * scaled->scale);
     }
-    summary->mean_edge = sum_total(&lengths) / (double)edges->count / seen->scale;
+    summary->mean_edge = sum_total(&lengths) / (double)edges->count / scaled->scale;
 }
 
 static void find_box(const bat_mesh *mesh, bat_mesh_summary *summary)
@@ -336,18 +336,18 @@ static void find_box(const bat_mesh *mesh, bat_mesh_summary *summary)
 static void sum_up_geometry(const bat_mesh *mesh, const edge_groups *edges, bat_mesh_summary *summary)
 {
     find_box(mesh, summary);
-    view seen = {.mesh = mesh, .scale = closest_scale(closest_largest(mesh->positions, 3 * mesh->vertex_count, 0))};
+    scaled_mesh scaled = {.mesh = mesh, .scale = closest_scale(closest_largest(mesh->positions, 3 * mesh->vertex_count, 0))};
     for (int k = 0; k < 3; k++)
-        seen.middle[k] = summary->low[k] * seen.scale / 2 + summary->high[k] * seen.scale / 2;
+        scaled.middle[k] = summary->low[k] * scaled.scale / 2 + summary->high[k] * scaled.scale / 2;
     face_sums sums = {0};
     summary->least_quality = summary->least_angle = INFINITY;
     for (size_t f = 0; f < mesh->face_count; f++)
-        measure_face(&seen, f, &sums, summary);
-    summary->area = sum_total(&sums.area) / seen.scale / seen.scale;
+        measure_face(&scaled, f, &sums, summary);
+    summary->area = sum_total(&sums.area) / scaled.scale / scaled.scale;
     summary->mean_quality = sum_total(&sums.quality) / (double)mesh->face_count;
     bool has_volume = summary->closed && summary->oriented;
-    summary->volume = has_volume ? sum_total(&sums.volume) / seen.scale / seen.scale / seen.scale : NAN;
-    measure_edges(&seen, edges, summary);
+    summary->volume = has_volume ? sum_total(&sums.volume) / scaled.scale / scaled.scale / scaled.scale : NAN;
+    measure_edges(&scaled, edges, summary);
 }
 
 bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, bat_error *error)

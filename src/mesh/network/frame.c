@@ -2,8 +2,8 @@
 
 /// Below this square of the sine of its angle a face has no normal; below this square of their sum the two normals have no
 /// mean.
-static const real LEAST_AREA = (real)1e-10;
-static const real LEAST_NORMAL = (real)1e-6;
+static const real MIN_AREA = (real)1e-10;
+static const real MIN_NORMAL = (real)1e-6;
 
 typedef struct vector
 {
@@ -60,10 +60,10 @@ static inline vector unit_back(vector u, real rate, vector gradient)
     return scale(rate, subtract(gradient, scale(dot(u, gradient), u)));
 }
 
-/// 1 / sqrt(squares), and 0 unless that is above `least`.
-static inline real inverse_root(real squares, real least)
+/// 1 / sqrt(squares), and 0 unless that is above `min`.
+static inline real inverse_root(real squares, real min)
 {
-    bool enough = squares > least;
+    bool enough = squares > min;
     real root = real_sqrt(enough ? squares : 1);
     return enough ? 1 / root : 0;
 }
@@ -77,18 +77,18 @@ typedef struct steps
     real j_rate, left_rate, right_rate, z_rate; ///< unit vectors over those that they are made from
 } steps;
 
-static inline steps follow(const real *edges, size_t count, size_t i)
+static inline steps compute_frame(const real *edges, size_t count, size_t i)
 {
     steps s = {.j = at(edges, count, i), .k = at(edges + 3 * count, count, i), .l = at(edges + 6 * count, count, i)};
     real jj = dot(s.j, s.j);
     vector left = cross(s.j, s.k), right = cross(s.l, s.j);
     s.j_rate = inverse_root(jj, 0);
-    s.left_rate = inverse_root(dot(left, left), LEAST_AREA * jj * dot(s.k, s.k));
-    s.right_rate = inverse_root(dot(right, right), LEAST_AREA * jj * dot(s.l, s.l));
+    s.left_rate = inverse_root(dot(left, left), MIN_AREA * jj * dot(s.k, s.k));
+    s.right_rate = inverse_root(dot(right, right), MIN_AREA * jj * dot(s.l, s.l));
     s.left = scale(s.left_rate, left);
     s.right = scale(s.right_rate, right);
     vector both = add(s.left, s.right);
-    s.z_rate = inverse_root(dot(both, both), LEAST_NORMAL);
+    s.z_rate = inverse_root(dot(both, both), MIN_NORMAL);
     s.z = scale(s.z_rate, both);
     s.j_rate = s.z_rate > 0 ? s.j_rate : 0;
     s.x = scale(s.j_rate, s.j);
@@ -110,7 +110,7 @@ static void frames(size_t count, const real *restrict edges, real *restrict fram
 #pragma omp simd
     for (size_t i = 0; i < count; i++)
     {
-        steps s = follow(edges, count, i);
+        steps s = compute_frame(edges, count, i);
         put(frame, count, i, s.x);
         put(frame + 3 * count, count, i, s.y);
         put(frame + 6 * count, count, i, s.z);
@@ -124,7 +124,7 @@ static void frames_back(size_t count, const real *restrict edges, const real *re
 #pragma omp simd
     for (size_t i = 0; i < count; i++)
     {
-        steps s = follow(edges, count, i);
+        steps s = compute_frame(edges, count, i);
         vector dx = at(gradient, count, i), dy = at(gradient + 3 * count, count, i), dz = at(gradient + 6 * count, count, i);
         dz = add(dz, cross(s.x, dy));
         dx = add(dx, cross(dy, s.z));
@@ -161,30 +161,31 @@ static void lengths_back(size_t count, const real *restrict edges, const real *r
     }
 }
 
-void flap_frames(flap_view view, size_t count, const real *edges, real *frame)
+void flap_frames(flap_frame_options options, size_t count, const real *edges, real *frame)
 {
-    for (size_t a = 0; a < 9 && view.fixed; a++)
+    for (size_t a = 0; a < 9 && options.fixed; a++)
         for (size_t i = 0; i < count; i++)
             frame[a * count + i] = a % 4 == 0 ? 1 : 0;
-    if (!view.fixed)
+    if (!options.fixed)
         frames(count, edges, frame);
-    if (view.relative)
+    if (options.relative)
         lengths(count, edges, frame + FLAP_UNIT * count);
     else
         for (size_t i = 0; i < count; i++)
             frame[FLAP_UNIT * count + i] = 1;
 }
 
-void flap_frames_back(flap_view view, size_t count, const real *edges, const real *frame_gradient, real *edge_gradient)
+void flap_frames_back(flap_frame_options options, size_t count, const real *edges, const real *frame_gradient,
+                      real *edge_gradient)
 {
-    if (!view.fixed)
+    if (!options.fixed)
         frames_back(count, edges, frame_gradient, edge_gradient);
-    if (view.relative)
+    if (options.relative)
         lengths_back(count, edges, frame_gradient + FLAP_UNIT * count, edge_gradient);
 }
 
 LANES_CLONES
-static void turn(size_t count, const real *restrict frame, const real *restrict vectors, real *restrict seen)
+static void turn(size_t count, const real *restrict frame, const real *restrict vectors, real *restrict result)
 {
 #pragma omp simd
     for (size_t i = 0; i < count; i++)
@@ -192,7 +193,7 @@ static void turn(size_t count, const real *restrict frame, const real *restrict 
         vector v = scale(1 / frame[FLAP_UNIT * count + i], at(vectors, count, i));
         vector in_frame = {dot(at(frame, count, i), v), dot(at(frame + 3 * count, count, i), v),
                            dot(at(frame + 6 * count, count, i), v)};
-        put(seen, count, i, in_frame);
+        put(result, count, i, in_frame);
     }
 }
 
@@ -215,9 +216,9 @@ static void turn_back(size_t count, const real *restrict frame, const real *rest
     }
 }
 
-void flap_turn(size_t count, const real *frame, const real *vectors, real *seen)
+void flap_turn(size_t count, const real *frame, const real *vectors, real *result)
 {
-    turn(count, frame, vectors, seen);
+    turn(count, frame, vectors, result);
 }
 
 void flap_turn_back(size_t count, const real *frame, const real *vectors, real *frame_gradient, real *gradient)

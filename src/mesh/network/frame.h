@@ -22,21 +22,22 @@ enum
 };
 
 /// How to look at half-flaps.
-typedef struct flap_view
+typedef struct flap_frame_options
 {
     bool fixed;    ///< through the axes of space instead of the frames
     bool relative; ///< lengths by the root of the mean square of the half-flap's five edges
-} flap_view;
+} flap_frame_options;
 
 /// @param edges FLAP_EDGES x count
 /// @param frame FLAP_FRAME x count
-void flap_frames(flap_view view, size_t count, const real *edges, real *frame);
+void flap_frames(flap_frame_options options, size_t count, const real *edges, real *frame);
 /// Add the derivative by the edges to `edge_gradient`.
-void flap_frames_back(flap_view view, size_t count, const real *edges, const real *frame_gradient, real *edge_gradient);
+void flap_frames_back(flap_frame_options options, size_t count, const real *edges, const real *frame_gradient,
+                      real *edge_gradient);
 
 /// Vectors as they are seen: in the frame, over its length.
 /// @param vectors,seen 3 x count
-void flap_turn(size_t count, const real *frame, const real *vectors, real *seen);
+void flap_turn(size_t count, const real *frame, const real *vectors, real *result);
 /// Add the derivative by the frame to `frame_gradient`; `gradient` is that by what is seen and becomes that by the vectors.
 void flap_turn_back(size_t count, const real *frame, const real *vectors, real *frame_gradient, real *gradient);
 

@@ -11,13 +11,13 @@
 enum
 {
     W = MESH_WIDTH,
-    FEATURES = W - 3,              ///< of a state behind the position
-    ROWS = 16 * LEARN_TILE,        ///< half-flaps that go through the network together
-    MOST_SEEN = FLAP_EDGES + 12,   ///< three edges, and the four differential coordinates at the begin
-    VERTICES = ROWS / 6,           ///< that threads take at a time
-    DIFFERENCES = 6,               ///< width of the first state: positions and differential coordinates
-    LAYER = (W + 1) * LEARN_PANEL, ///< numbers of a packed layer from W inputs
-    MODULE = (FEATURES + 1) * 4 * LEARN_PANEL + (MOST_SEEN + 1) * LEARN_PANEL + 2 * LAYER
+    FEATURES = W - 3,               ///< of a state behind the position
+    ROWS = 16 * LEARN_TILE,         ///< half-flaps that go through the network together
+    MAX_GEOMETRY = FLAP_EDGES + 12, ///< three edges, and the four differential coordinates at the begin
+    VERTICES = ROWS / 6,            ///< that threads take at a time
+    DIFFERENCES = 6,                ///< width of the first state: positions and differential coordinates
+    LAYER = (W + 1) * LEARN_PANEL,  ///< numbers of a packed layer from W inputs
+    MODULE = (FEATURES + 1) * 4 * LEARN_PANEL + (MAX_GEOMETRY + 1) * LEARN_PANEL + 2 * LAYER
 };
 
 // Weights
@@ -26,7 +26,7 @@ enum
 typedef struct first_layer
 {
     real features[4 * W][FEATURES]; ///< corner after corner
-    real seen[W][MOST_SEEN];
+    real geometry[W][MAX_GEOMETRY];
 } first_layer;
 
 static void sort_columns(const real *weight, size_t columns, first_layer *sorted)
@@ -38,9 +38,9 @@ static void sort_columns(const real *weight, size_t columns, first_layer *sorted
             // Corner c's numbers stand behind its position, which corner 0 does not have.
             const real *own = weight + c * width;
             for (size_t a = 0; a < 3 && c > 0; a++)
-                sorted->seen[o][3 * (c - 1) + a] = own[a - 3];
+                sorted->geometry[o][3 * (c - 1) + a] = own[a - 3];
             for (size_t a = 0; a < 3 && width == DIFFERENCES; a++)
-                sorted->seen[o][FLAP_EDGES + 3 * c + a] = own[a];
+                sorted->geometry[o][FLAP_EDGES + 3 * c + a] = own[a];
             if (width == W)
                 memcpy(sorted->features[c * W + o], own, sizeof sorted->features[0]);
         }
@@ -62,9 +62,9 @@ static void pack_module(const learn_parameters *parameters, mesh_module which, m
     for (size_t p = 0; p < MESH_MODULE_SIZE; p++)
         values[p] = learn_parameter_values(parameters, first + p);
     sort_columns(values[0], parameters->list[first].columns, &sorted);
-    size_t seen = parameters->list[first].columns == 4 * DIFFERENCES - 3 ? MOST_SEEN : FLAP_EDGES;
+    size_t geometry = parameters->list[first].columns == 4 * DIFFERENCES - 3 ? MAX_GEOMETRY : FLAP_EDGES;
     module->features = pack(FEATURES, 4 * W, sorted.features[0], FEATURES, zeros, &memory);
-    module->seen = pack(seen, W, sorted.seen[0], MOST_SEEN, values[1], &memory);
+    module->geometry = pack(geometry, W, sorted.geometry[0], MAX_GEOMETRY, values[1], &memory);
     module->hidden = pack(W, W, values[2], W, values[3], &memory);
     module->last = pack(W, W, values[4], W, values[5], &memory);
 }
@@ -89,31 +89,31 @@ void mesh_inference_free(mesh_inference *network)
 // A block of half-flaps
 
 /// What the half-flaps of a level look at.
-typedef struct scene
+typedef struct level_input
 {
-    flap_view view;
+    flap_frame_options frames;
     const mesh_inference_module *module;
     const mesh_flaps *flaps;
     const real *state;    ///< vertices x width
     size_t width;         ///< W; at the begin that of the first state
     const real *products; ///< vertices x 4 W: the first layer's of the features; null at the begin
-} scene;
+} level_input;
 
 /// A thread's memory.
 typedef struct block
 {
-    _Alignas(64) real vectors[MOST_SEEN * ROWS]; ///< in space
-    real seen[MOST_SEEN * ROWS];                 ///< in the frames
+    _Alignas(64) real vectors[MAX_GEOMETRY * ROWS]; ///< in space
+    real geometry[MAX_GEOMETRY * ROWS];             ///< in the frames
     real frame[FLAP_FRAME * ROWS];
-    real x[ROWS * MOST_SEEN]; ///< what is seen, a row a half-flap
+    real x[ROWS * MAX_GEOMETRY]; ///< what is seen, a row a half-flap
     real inner[ROWS * W];
-    real said[ROWS * W];
+    real output[ROWS * W];
     const mesh_flap *flap[ROWS];
     size_t rows;     ///< of them
     size_t failures; ///< half-flaps without a frame, or for which the network says no number
 } block;
 
-static inline void gather_flap(const scene *s, const mesh_flap *flap, real *vectors)
+static inline void gather_flap(const level_input *s, const mesh_flap *flap, real *vectors)
 {
     const real *corner[4];
     for (size_t c = 0; c < 4; c++)
@@ -134,7 +134,7 @@ static inline void gather_flap(const scene *s, const mesh_flap *flap, real *vect
 }
 
 /// Ask for the products that add_products() will read, far apart in memory as they may be.
-static inline void expect_products(const scene *s, const mesh_flap *flap)
+static inline void prefetch_products(const level_input *s, const mesh_flap *flap)
 {
     enum
     {
@@ -145,34 +145,34 @@ static inline void expect_products(const scene *s, const mesh_flap *flap)
             __builtin_prefetch(s->products + 4 * W * (size_t)flap->corner[c] + c * W + i);
 }
 
-static inline void expect_positions(const scene *s, const mesh_flap *flap)
+static inline void prefetch_positions(const level_input *s, const mesh_flap *flap)
 {
     for (size_t c = 1; c < 4; c++)
         __builtin_prefetch(s->state + flap->corner[c] * s->width);
 }
 
 /// Fill b->x for the rows of b->flap.
-static void look(const scene *s, block *b)
+static void gather_inputs(const level_input *s, block *b)
 {
     enum
     {
         AHEAD = 12 ///< half-flaps
     };
-    size_t numbers = s->module->seen.inputs;
+    size_t numbers = s->module->geometry.inputs;
     for (size_t r = 0; r < b->rows; r++)
     {
         if (r + AHEAD < b->rows)
-            expect_positions(s, b->flap[r + AHEAD]);
+            prefetch_positions(s, b->flap[r + AHEAD]);
         gather_flap(s, b->flap[r], b->vectors + r);
         if (s->products != NULL)
-            expect_products(s, b->flap[r]);
+            prefetch_products(s, b->flap[r]);
     }
-    flap_frames(s->view, ROWS, b->vectors, b->frame);
+    flap_frames(s->frames, ROWS, b->vectors, b->frame);
     for (size_t n = 0; n < numbers; n += 3)
-        flap_turn(ROWS, b->frame, b->vectors + n * ROWS, b->seen + n * ROWS);
+        flap_turn(ROWS, b->frame, b->vectors + n * ROWS, b->geometry + n * ROWS);
     for (size_t r = 0; r < ROWS; r++)
         for (size_t n = 0; n < numbers; n++)
-            b->x[r * numbers + n] = b->seen[n * ROWS + r];
+            b->x[r * numbers + n] = b->geometry[n * ROWS + r];
 }
 
 LANES_CLONES
@@ -200,37 +200,37 @@ static void add_products(size_t rows, const mesh_flap *const *flap, const real *
 }
 
 /// Turn the displacements out of the frames; those that are no numbers become 0.
-static void turn_out(block *b)
+static void rotate_displacements(block *b)
 {
     for (size_t r = 0; r < b->rows; r++)
     {
-        real *said = b->said + r * W, out[3];
+        real *output = b->output + r * W, out[3];
         const real *frame = b->frame + r;
         for (size_t a = 0; a < 3; a++)
             out[a] = frame[FLAP_UNIT * ROWS] *
-                     (said[0] * frame[a * ROWS] + said[1] * frame[(3 + a) * ROWS] + said[2] * frame[(6 + a) * ROWS]);
+                     (output[0] * frame[a * ROWS] + output[1] * frame[(3 + a) * ROWS] + output[2] * frame[(6 + a) * ROWS]);
         bool finite = isfinite(out[0] + out[1] + out[2]);
         b->failures += !finite;
         for (size_t a = 0; a < 3; a++)
-            said[a] = finite ? out[a] : 0;
+            output[a] = finite ? out[a] : 0;
     }
 }
 
 /// From b->flap to b->said, the displacements in space.
-static void ask(const scene *s, block *b)
+static void evaluate(const level_input *s, block *b)
 {
     const mesh_inference_module *module = s->module;
     size_t rows = learn_whole_tiles(b->rows);
-    look(s, b);
-    learn_packed_linear(&module->seen, rows, b->x, module->seen.inputs, b->said);
+    gather_inputs(s, b);
+    learn_packed_linear(&module->geometry, rows, b->x, module->geometry.inputs, b->output);
     if (s->products != NULL)
-        add_products(b->rows, b->flap, s->products, b->said);
+        add_products(b->rows, b->flap, s->products, b->output);
     else
-        rectify(rows * W, b->said);
-    learn_packed_linear(&module->hidden, rows, b->said, W, b->inner);
+        rectify(rows * W, b->output);
+    learn_packed_linear(&module->hidden, rows, b->output, W, b->inner);
     rectify(rows * W, b->inner);
-    learn_packed_linear(&module->last, rows, b->inner, W, b->said);
-    turn_out(b);
+    learn_packed_linear(&module->last, rows, b->inner, W, b->output);
+    rotate_displacements(b);
 }
 
 // Vertices and edges
@@ -248,7 +248,7 @@ static void count_frameless(block *b)
 }
 
 /// The new states of vertices `begin` to `end`.
-static void move_vertices(const scene *s, size_t begin, size_t end, real *next, block *b)
+static void move_vertices(const level_input *s, size_t begin, size_t end, real *next, block *b)
 {
     const mesh_flaps *flaps = s->flaps;
     memset(next + begin * W, 0, (end - begin) * W * sizeof *next);
@@ -258,9 +258,9 @@ static void move_vertices(const scene *s, size_t begin, size_t end, real *next, 
         b->rows = left < ROWS ? left : ROWS;
         for (size_t r = 0; r < b->rows; r++)
             b->flap[r] = &flaps->flap[f + r];
-        ask(s, b);
+        evaluate(s, b);
         for (size_t r = 0; r < b->rows; r++)
-            add_row(W, b->said + r * W, next + b->flap[r]->corner[0] * (size_t)W);
+            add_row(W, b->output + r * W, next + b->flap[r]->corner[0] * (size_t)W);
         if (s->products == NULL)
             count_frameless(b);
     }
@@ -275,15 +275,15 @@ static void move_vertices(const scene *s, size_t begin, size_t end, real *next, 
 }
 
 /// The states of the new vertices of edges `begin` to `end`, as many as a block holds, `columns` numbers of each.
-static void insert_vertices(const scene *s, size_t begin, size_t end, size_t columns, real *next, block *b)
+static void insert_vertices(const level_input *s, size_t begin, size_t end, size_t columns, real *next, block *b)
 {
     b->rows = 2 * (end - begin);
     for (size_t r = 0; r < b->rows; r++)
         b->flap[r] = &s->flaps->flap[s->flaps->of_edge[begin + r / 2][r % 2]];
-    ask(s, b);
+    evaluate(s, b);
     for (size_t e = begin; e < end; e++)
     {
-        const real *one = b->said + 2 * (e - begin) * W, *two = one + W;
+        const real *one = b->output + 2 * (e - begin) * W, *two = one + W;
         const uint32_t *corner = b->flap[2 * (e - begin)]->corner;
         const real *i = s->state + corner[0] * (size_t)W, *j = s->state + corner[1] * (size_t)W;
         real *row = next + e * columns;
@@ -317,14 +317,14 @@ static void multiply(const run *u, const mesh_inference_module *module, size_t v
     }
 }
 
-static scene scene_of(const run *u, mesh_module module, const mesh_flaps *flaps)
+static level_input level_input_of(const run *u, mesh_module module, const mesh_flaps *flaps)
 {
-    flap_view view = {.fixed = u->network->form.fixed_frames, .relative = u->network->form.relative};
-    return (scene){view, &u->network->module[module], flaps, u->state, W, u->products};
+    flap_frame_options frames = {.fixed = u->network->form.fixed_frames, .relative = u->network->form.relative};
+    return (level_input){frames, &u->network->module[module], flaps, u->state, W, u->products};
 }
 
 /// All vertices: from s->state to u->state.
-static void move(run *u, const scene *s)
+static void move(run *u, const level_input *s)
 {
     size_t vertices = s->flaps->vertex_count, blocks = (vertices + VERTICES - 1) / VERTICES, failures = 0;
 #pragma omp parallel num_threads(threads_for(u->threads, blocks)) reduction(+ : failures)
@@ -344,7 +344,7 @@ static void move(run *u, const scene *s)
     u->next = before;
 }
 
-static void insert(run *u, const scene *s, size_t columns, real *next)
+static void insert(run *u, const level_input *s, size_t columns, real *next)
 {
     const size_t edges = s->flaps->edge_count, size = ROWS / 2, blocks = (edges + size - 1) / size;
     size_t failures = 0;
@@ -363,10 +363,10 @@ static void insert(run *u, const scene *s, size_t columns, real *next)
 static void refine_level(run *u, const mesh_flaps *flaps, real *fine)
 {
     size_t vertices = flaps->vertex_count;
-    scene s = scene_of(u, MESH_MODULE_VERTEX, flaps);
+    level_input s = level_input_of(u, MESH_MODULE_VERTEX, flaps);
     multiply(u, s.module, vertices);
     move(u, &s);
-    s = scene_of(u, MESH_MODULE_EDGE, flaps);
+    s = level_input_of(u, MESH_MODULE_EDGE, flaps);
     multiply(u, s.module, vertices);
     if (fine == NULL)
     {
@@ -407,7 +407,7 @@ bat_status mesh_inference_refine(const mesh_inference *network, const mesh_level
     run u = {network, threads, memory, memory + rows * W, memory + 2 * rows * W, 0};
     // The rows that fill a tile up are read.
     memset(memory, 0, 2 * rows * W * sizeof *memory);
-    scene begin = scene_of(&u, MESH_MODULE_INIT, &levels->level[0]);
+    level_input begin = level_input_of(&u, MESH_MODULE_INIT, &levels->level[0]);
     begin.products = NULL;
     begin.width = network->form.no_differences ? 3 : DIFFERENCES;
     if (network->form.no_differences)

@@ -14,7 +14,7 @@
 typedef struct mesh_inference_module
 {
     learn_packed features; ///< of the first layer: from a vertex's features to its share of a half-flap, for each corner
-    learn_packed seen;     ///< of the first layer: from what is seen
+    learn_packed geometry; ///< of the first layer: from what is seen
     learn_packed hidden, last;
 } mesh_inference_module;
 

@@ -8,10 +8,10 @@ void mesh_share(mesh_range *range, const void *job, size_t count, int threads)
 {
     enum
     {
-        LEAST = 16384, ///< elements a thread that are worth waking one
+        MIN_ELEMENTS = 16384, ///< elements a thread that are worth waking one
         RANGES_A_THREAD = 8
     };
-    int team = threads_for(threads, count / LEAST + 1);
+    int team = threads_for(threads, count / MIN_ELEMENTS + 1);
     size_t ranges = team == 1 ? 1 : (size_t)team * RANGES_A_THREAD;
     size_t each = count / ranges, rest = count % ranges;
 #pragma omp parallel for num_threads(team) schedule(dynamic)

@@ -47,14 +47,14 @@ static bat_status connect_seams(const bat_mesh *mesh, const bat_mesh_connectivit
 }
 
 /// A mesh with what is known of it on the way.
-typedef struct stage
+typedef struct refined_level
 {
     bat_mesh mesh; ///< without channel names, creases and corners
     bat_mesh_connectivity links;
     bool borrowed; ///< the arrays of both live elsewhere
     bat_mesh_connectivity texture_links;
     double *edge_sharpness; ///< null: no edge is sharp
-} stage;
+} refined_level;
 
 /// A refinement at work.
 typedef struct refinement
@@ -62,15 +62,15 @@ typedef struct refinement
     const bat_mesh *coarse;
     const mesh_plan *plan;
     const bat_mesh_connectivity *links; ///< of the coarse mesh
-    stage now;
-    stage before;             ///< of the level before, where it was split: faces and links only
+    refined_level now;
+    refined_level before;     ///< of the level before, where it was split: faces and links only
     mesh_level parent;        ///< the same as rules see it
     double *vertex_sharpness; ///< one a coarse vertex; null: none is sharp
     uint32_t *irregular;      ///< one a coarse vertex
     size_t *fallback;
 } refinement;
 
-static void stage_free(stage *held)
+static void refined_level_free(refined_level *held)
 {
     if (!held->borrowed)
     {
@@ -140,9 +140,9 @@ static bat_status refine_rows(const refinement *work, mesh_rule *rule, const dou
 
 /// Split the texture: its own mesh over the same faces, with seams for boundaries and new coordinates in the middle of
 /// edges.
-static bat_status split_texture(const refinement *work, bool last, stage *next, bat_error *error)
+static bat_status split_texture(const refinement *work, bool last, refined_level *next, bat_error *error)
 {
-    const stage *now = &work->now;
+    const refined_level *now = &work->now;
     int threads = work->plan->options.threads;
     const bat_mesh_connectivity *links = &now->texture_links;
     size_t count = links->vertex_count + links->edge_count;
@@ -159,9 +159,9 @@ static bat_status split_texture(const refinement *work, bool last, stage *next, 
 }
 
 /// Split faces, texture and sharpness; `last` spares what only a further level would need.
-static bat_status split_stage(const refinement *work, bool last, stage *next, bat_error *error)
+static bat_status split_level(const refinement *work, bool last, refined_level *next, bat_error *error)
 {
-    const stage *now = &work->now;
+    const refined_level *now = &work->now;
     int threads = work->plan->options.threads;
     next->mesh.face_count = 4 * now->mesh.face_count;
     next->mesh.faces = memory_array(next->mesh.face_count, 3 * sizeof *next->mesh.faces);
@@ -185,7 +185,8 @@ static bat_status split_stage(const refinement *work, bool last, stage *next, ba
 
 /// One level of a scheme that splits faces in four. A learned level leaves positions to learn_positions(), and channels are
 /// halved along edges there.
-static bat_status four_step(const refinement *work, bat_mesh_scheme scheme, bool last, stage *next, bat_error *error)
+static bat_status split_step(const refinement *work, bat_mesh_scheme scheme, bool last, refined_level *next,
+                             bat_error *error)
 {
     const bat_mesh *mesh = &work->now.mesh;
     mesh_rule *rule = rule_of(scheme);
@@ -196,11 +197,11 @@ static bat_status four_step(const refinement *work, bat_mesh_scheme scheme, bool
         status = refine_rows(work, rule, mesh->positions, 3, count, &next->mesh.positions, error);
     if (status == BAT_OK && mesh->channel_count > 0)
         status = refine_rows(work, rule, mesh->channels, mesh->channel_count, count, &next->mesh.channels, error);
-    return status == BAT_OK ? split_stage(work, last, next, error) : status;
+    return status == BAT_OK ? split_level(work, last, next, error) : status;
 }
 
 /// One level of square-root-three subdivision, number `level`.
-static bat_status sqrt3_step(const refinement *work, size_t level, bool last, stage *next, bat_error *error)
+static bat_status sqrt3_step(const refinement *work, size_t level, bool last, refined_level *next, bat_error *error)
 {
     const bat_mesh *mesh = &work->now.mesh;
     int threads = work->plan->options.threads;
@@ -231,7 +232,7 @@ static bat_status sqrt3_step(const refinement *work, size_t level, bool last, st
 }
 
 /// Have the learned rule place all vertices of `next`, the last of the levels that are its own.
-static bat_status learn_positions(const refinement *work, stage *next, bat_error *error)
+static bat_status learn_positions(const refinement *work, refined_level *next, bat_error *error)
 {
     const bat_mesh_refine_options *options = &work->plan->options;
     bat_mesh *mesh = &next->mesh;
@@ -247,24 +248,24 @@ static bat_status learn_positions(const refinement *work, stage *next, bat_error
 }
 
 /// A level takes 1 from the sharpness of corners.
-static void wear_corners(refinement *work)
+static void decay_corners(refinement *work)
 {
     for (size_t v = 0; work->vertex_sharpness != NULL && v < work->coarse->vertex_count; v++)
         work->vertex_sharpness[v] = sharpness_after_level(work->vertex_sharpness[v]);
 }
 
 /// Let `next` be the level at work, and keep of the one before what the next step looks at, if wanted.
-static void go_on(refinement *work, stage *next, bool keep)
+static void advance(refinement *work, refined_level *next, bool keep)
 {
-    stage *before = &work->before;
-    stage_free(before);
+    refined_level *before = &work->before;
+    refined_level_free(before);
     *before = work->now;
     work->now = *next;
     work->parent = (mesh_level){0};
     if (!keep)
     {
-        stage_free(before);
-        *before = (stage){0};
+        refined_level_free(before);
+        *before = (refined_level){0};
         return;
     }
     free(before->edge_sharpness);
@@ -286,18 +287,18 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
     const mesh_plan *plan = work->plan;
     bat_mesh_scheme scheme = mesh_plan_scheme(plan, level);
     bool last = level + 1 == plan->options.levels;
-    stage next = {.mesh.channel_count = work->coarse->channel_count};
+    refined_level next = {.mesh.channel_count = work->coarse->channel_count};
     bat_status status = scheme == BAT_MESH_SCHEME_SQRT3 ? sqrt3_step(work, level, last, &next, error)
-                                                        : four_step(work, scheme, last, &next, error);
+                                                        : split_step(work, scheme, last, &next, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)
         status = learn_positions(work, &next, error);
     if (status != BAT_OK)
     {
-        stage_free(&next);
+        refined_level_free(&next);
         return status;
     }
-    wear_corners(work);
-    go_on(work, &next, scheme != BAT_MESH_SCHEME_SQRT3 && !last);
+    decay_corners(work);
+    advance(work, &next, scheme != BAT_MESH_SCHEME_SQRT3 && !last);
     return BAT_OK;
 }
 
@@ -375,8 +376,8 @@ static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connec
         *fine = work.now.mesh;
         work.now.mesh = (bat_mesh){0};
     }
-    stage_free(&work.now);
-    stage_free(&work.before);
+    refined_level_free(&work.now);
+    refined_level_free(&work.before);
     free(work.vertex_sharpness);
     free(work.irregular);
     return status;
