@@ -3,7 +3,7 @@
 
 #include "batten/mesh.h"
 
-/// bat_mesh_check(), but faces may have the same vertex twice.
+/// Checks a mesh as bat_mesh_check() does, but accepts faces that name a vertex twice.
 bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error);
 
 #endif

@@ -6,6 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Twins, edge numbers and first half-edges of a triangle mesh, in O(faces x arboricity).
+///
+/// Half-edge h = 3 f + c runs from corner c of face f to corner c + 1. Its twin runs the other way along the same edge.
+
 void bat_mesh_connectivity_free(bat_mesh_connectivity *connectivity)
 {
     free(connectivity->twin);
@@ -37,7 +42,7 @@ static bat_status check_corners(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-/// Count every vertex's faces.
+/// Count the faces at every vertex.
 static void count_faces(const bat_mesh *mesh, uint32_t *faces_at)
 {
     memset(faces_at, 0, mesh->vertex_count * sizeof *faces_at);
@@ -45,10 +50,12 @@ static void count_faces(const bat_mesh *mesh, uint32_t *faces_at)
         faces_at[mesh->faces[i]]++;
 }
 
-/// Join half-edges to their twins. A half-edge looks for its twin among the earlier ones that hang in a chain from the
-/// edge's poorer vertex, the one with fewer faces: so a hub of very many faces costs nothing, and all chains together are as
-/// long as the mesh times its arboricity (Chiba and Nishizeki, 1985), at most 3 for a planar one. `head` (one a vertex) and
-/// `chain` (one a half-edge) are room to work in.
+/// Find the twin of every half-edge. Each edge hangs its half-edges in a chain at its end with fewer faces. A half-edge
+/// searches the chain for its twin among the earlier ones. All chains together are at most as long as the mesh times its
+/// arboricity (Chiba and Nishizeki, 1985), which is at most 3 for planar meshes.
+///
+/// @param head  workspace, one number for each vertex
+/// @param chain workspace, one number for each half-edge
 static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uint32_t *twin, uint32_t *head, uint32_t *chain,
                              bat_error *error)
 {
@@ -83,7 +90,7 @@ static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uin
     return BAT_OK;
 }
 
-/// Number the edges, count them, and choose every vertex's first half-edge.
+/// Number the edges, count the boundary edges and choose the first half-edge of every vertex.
 static void number_edges(const bat_mesh *mesh, bat_mesh_connectivity *made)
 {
     uint32_t count = (uint32_t)(3 * mesh->face_count), edges = 0;
@@ -99,7 +106,7 @@ static void number_edges(const bat_mesh *mesh, bat_mesh_connectivity *made)
     made->edge_count = edges;
 }
 
-/// Turning around a vertex from its first half-edge must pass all its faces.
+/// Check that the faces around each vertex form a single fan.
 static bat_status check_fans(const bat_mesh_connectivity *made, const uint32_t *faces_at, bat_error *error)
 {
     for (size_t v = 0; v < made->vertex_count; v++)
@@ -138,7 +145,7 @@ bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connect
     if (status == BAT_OK)
     {
         count_faces(mesh, faces_at);
-        // `first` and `edge` are filled in afterwards; before, they are room to work in.
+        // `first` and `edge` serve as workspace until number_edges() fills them.
         status = join_twins(mesh, faces_at, made.twin, made.first, made.edge, error);
     }
     if (status == BAT_OK)

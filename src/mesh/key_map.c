@@ -4,11 +4,14 @@
 
 #include <stdlib.h>
 
+/// @file
+/// Open addressing with linear probing; at most half of the slots are used.
+
 #define FIRST_ROOM ((size_t)1 << 12)
 
 static size_t slot_of(const key_map *map, uint64_t key)
 {
-    // the finalizer of splitmix64 (Steele, Lea, Flood 2014)
+    // The finalizer of splitmix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014).
     uint64_t z = key;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -18,7 +21,7 @@ static size_t slot_of(const key_map *map, uint64_t key)
     return slot;
 }
 
-/// Make room for twice as many keys. False when out of memory.
+/// Double the number of slots. False when out of memory.
 static bool grow(key_map *map)
 {
     key_map larger = {.room = map->room == 0 ? FIRST_ROOM : 2 * map->room, .count = map->count};

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Copies and checks of a mesh's arrays; connectivity is checked by bat_mesh_connect().
+
 void bat_mesh_free(bat_mesh *mesh)
 {
     free(mesh->positions);
@@ -23,7 +26,7 @@ void bat_mesh_free(bat_mesh *mesh)
     *mesh = (bat_mesh){0};
 }
 
-/// A copy of an array that may be absent. False when out of memory.
+/// Copy an array, which may be null. False when out of memory.
 static bool copy_array(const void *from, size_t count, size_t size, void **to)
 {
     *to = NULL;

@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// What points are told apart by: coordinates with one zero, or the cube's place in the grid.
+/// @file
+/// A hash table with linear probing. Its keys are the coordinates themselves or floor(coordinate / cell).
+
+/// The key of a point: its coordinates, with -0 replaced by 0, or the indices of its grid cell.
 typedef struct point_key
 {
     double at[3];
@@ -27,7 +30,7 @@ static bool keys_equal(const point_key *a, const point_key *b)
     return a->at[0] == b->at[0] && a->at[1] == b->at[1] && a->at[2] == b->at[2];
 }
 
-/// The slot where looking for a key begins. Bits are mixed by multiplication and folding (the finalizer of MurmurHash3).
+/// The slot where a search for the key begins. The bits are mixed by the finalizer of MurmurHash3.
 static size_t first_slot(const point_table *table, const point_key *key)
 {
     uint64_t hash = 0;
@@ -116,7 +119,7 @@ static bool is_near(const point_table *table, const double a[3], const double b[
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]) <= table->cell;
 }
 
-/// The least index, below `best`, of a near point in one cube.
+/// The smallest index below `best` of a point in one cell within the distance `cell` of `point`.
 static uint32_t near_in_cube(const point_table *table, const point_key *cube, const double point[3], uint32_t best)
 {
     for (size_t slot = first_slot(table, cube); table->slots[slot] != BAT_MESH_NONE;

@@ -7,25 +7,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The steps of bat_mesh_repair(), in their order. Each returns false when out of memory.
+/// @file
+/// Repair of a triangle mesh to an oriented manifold, in four steps: drop degenerate and repeated faces, pair half-edges,
+/// orient the faces, split vertices.
+///
+/// An edge of more than two faces is cut apart; so is an edge whose two faces cannot be oriented alike. Every fan of faces
+/// then has its own copy of its vertex (Gueziec et al., "Cutting and stitching", 2001). All steps run in linear time by
+/// counting sorts.
 
-/// A mesh in repair. Half-edges are those of the faces that are left.
+/// The state of a repair. Half-edges belong to the remaining faces.
 typedef struct repair_work
 {
     const bat_mesh *mesh;
-    uint32_t *faces;   ///< face_count x 3: the faces that are left, by the mesh's vertices
-    uint32_t *sources; ///< the faces of the mesh that they are
+    uint32_t *faces;   ///< face_count x 3: the remaining faces, in vertices of the mesh
+    uint32_t *sources; ///< for each remaining face: its index in the mesh
     size_t face_count;
-    uint32_t *sorted; ///< the half-edges in the order of their edges
+    uint32_t *sorted; ///< for each half-edge: the other one on its edge, in either direction; BAT_MESH_NONE at a cut
     uint32_t
-        *twin;     ///< the other half-edge of an edge of two faces, in either direction; BAT_MESH_NONE where the mesh is cut
-    uint32_t *fan; ///< of every half-edge: the least one that begins in the same fan of the same vertex
-    uint32_t *copies;    ///< face_count x 3: the faces by the vertices of the result
-    uint32_t *origins;   ///< of the result's vertices: what they were in the mesh
-    size_t vertex_count; ///< of the result
+        *twin; ///< for each half-edge: the other one of an edge of two faces, in either direction; BAT_MESH_NONE at a cut
+    uint32_t *fan;       ///< for each half-edge: the smallest half-edge of its fan, among those with the same first vertex
+    uint32_t *copies;    ///< face_count x 3: the remaining faces, in vertices of the result
+    uint32_t *origins;   ///< for each vertex of the result: its vertex of the mesh
+    size_t vertex_count; ///< the number of vertices of the result
 } repair_work;
 
-/// An edge by its vertices in the mesh.
+/// An edge, by its two vertices in the mesh in increasing order.
 typedef struct repair_edge
 {
     uint32_t low, high;
@@ -37,8 +43,8 @@ static inline repair_edge repair_edge_of(const repair_work *work, uint32_t half_
     return a < b ? (repair_edge){a, b} : (repair_edge){b, a};
 }
 
-/// Sort items stably by a number of each: counting sort.
-/// @param starts room for `key_count` + 1 numbers
+/// Counting sort of items by a key, stable.
+/// @param starts workspace of `key_count` + 1 numbers
 static void sort_by(const uint32_t *items, size_t count, uint32_t (*key)(const repair_work *, uint32_t),
                     const repair_work *work, size_t key_count, size_t *starts, uint32_t *sorted)
 {
@@ -51,7 +57,7 @@ static void sort_by(const uint32_t *items, size_t count, uint32_t (*key)(const r
         sorted[starts[key(work, items[i])]++] = items[i];
 }
 
-/// The corner of a face with its least vertex.
+/// The corner with the smallest vertex of a face.
 static uint32_t smallest_corner(const repair_work *work, uint32_t face)
 {
     const uint32_t *corner = work->faces + 3 * (size_t)face;
@@ -59,7 +65,7 @@ static uint32_t smallest_corner(const repair_work *work, uint32_t face)
     return corner[2] < corner[smallest] ? 2 : smallest;
 }
 
-/// The vertex of a face that comes `steps` corners after its least one.
+/// The vertex that follows `steps` corners after the smallest vertex of a face.
 static uint32_t cyclic_vertex(const repair_work *work, uint32_t face, uint32_t steps)
 {
     return work->faces[3 * (size_t)face + (smallest_corner(work, face) + steps) % 3];
@@ -86,7 +92,7 @@ static bool same_face(const repair_work *work, uint32_t a, uint32_t b)
            third_vertex(work, a) == third_vertex(work, b);
 }
 
-/// Keep the faces of three different vertices.
+/// Copy the faces with three different vertices.
 static void drop_degenerate(repair_work *work)
 {
     for (size_t f = 0; f < work->mesh->face_count; f++)
@@ -99,7 +105,8 @@ static void drop_degenerate(repair_work *work)
     }
 }
 
-/// Drop faces that are like the one before them in the sorted order, which is an earlier face.
+/// Drop each face that equals its predecessor in the sorted order. The sort is stable, so the predecessor comes earlier in
+/// the mesh.
 static void drop_repeated(repair_work *work, const uint32_t *order, uint32_t *repeated)
 {
     memset(repeated, 0, work->face_count * sizeof *repeated);
@@ -116,7 +123,7 @@ static void drop_repeated(repair_work *work, const uint32_t *order, uint32_t *re
     work->face_count = kept;
 }
 
-/// Drop faces with a vertex twice and faces that repeat an earlier one.
+/// Step 1: drop faces with a vertex twice and faces that repeat an earlier one.
 static bool repair_drop_faces(repair_work *work, bat_mesh_repair_report *report)
 {
     size_t keys = work->mesh->vertex_count;
@@ -125,7 +132,7 @@ static bool repair_drop_faces(repair_work *work, bat_mesh_repair_report *report)
     size_t *starts = memory_array(keys + 1, sizeof *starts);
     if (starts == NULL)
         return false;
-    uint32_t *order = work->sorted, *other = work->twin; // not in use yet
+    uint32_t *order = work->sorted, *other = work->twin; // used as workspace here
     size_t count = work->face_count;
     for (uint32_t f = 0; f < count; f++)
         other[f] = f;
@@ -148,7 +155,7 @@ static uint32_t high_vertex(const repair_work *work, uint32_t half_edge)
     return repair_edge_of(work, half_edge).high;
 }
 
-/// The end of the run of half-edges on one edge that begins at a place of the sorted order.
+/// The end of the run of half-edges that share the edge of the half-edge at `begin` in the sorted order.
 static size_t end_of_run(const repair_work *work, size_t begin)
 {
     repair_edge edge = repair_edge_of(work, work->sorted[begin]);
@@ -162,14 +169,14 @@ static size_t end_of_run(const repair_work *work, size_t begin)
     return end;
 }
 
-/// Sort the half-edges and make twins of those that are alone with each other on their edge.
+/// Step 2: sort the half-edges by edge and pair those of edges with exactly two faces.
 static bool repair_join_faces(repair_work *work, bat_mesh_repair_report *report)
 {
     size_t count = 3 * work->face_count, keys = work->mesh->vertex_count;
     size_t *starts = memory_array(keys + 1, sizeof *starts);
     if (starts == NULL)
         return false;
-    uint32_t *by_high = work->fan; // not in use yet
+    uint32_t *by_high = work->fan; // used as workspace here
     for (uint32_t h = 0; h < count; h++)
         work->twin[h] = h;
     sort_by(work->twin, count, high_vertex, work, keys, starts, by_high);
@@ -188,7 +195,7 @@ static bool repair_join_faces(repair_work *work, bat_mesh_repair_report *report)
     return true;
 }
 
-/// How a face is turned, while a piece is walked through.
+/// Whether a face is visited and whether it is turned over.
 enum
 {
     UNVISITED,
@@ -196,8 +203,8 @@ enum
     TURNED
 };
 
-/// Walk through the piece of a face and say of each face how it must be turned to run as the first. The faces are appended
-/// to `queue`; returns its new length.
+/// Visit all faces connected to `first` and decide which to turn over so that all have its orientation. Appends the faces to
+/// `queue` and returns its new length.
 static size_t propagate_turns(const repair_work *work, uint32_t first, unsigned char *turn, uint32_t *queue, size_t begin)
 {
     size_t end = begin;
@@ -217,7 +224,7 @@ static size_t propagate_turns(const repair_work *work, uint32_t first, unsigned 
     return end;
 }
 
-/// Turn the lesser part of a piece.
+/// Turn over the smaller of the two groups of faces of a connected piece.
 static void turn_minority(const uint32_t *piece, size_t count, unsigned char *turn)
 {
     size_t turned = 0;
@@ -228,13 +235,13 @@ static void turn_minority(const uint32_t *piece, size_t count, unsigned char *tu
         turn[piece[i]] = (unsigned char)(UNTURNED + TURNED - turn[piece[i]]);
 }
 
-/// Where a half-edge is after its face was turned by exchanging corners 1 and 2.
+/// The index of a half-edge after corners 1 and 2 of its face are exchanged.
 static uint32_t turned_half_edge(uint32_t half_edge)
 {
     return 3 * (half_edge / 3) + 2 - half_edge % 3;
 }
 
-/// Exchange corners 1 and 2 of the turned faces, and bring all that is said of their half-edges along.
+/// Exchange corners 1 and 2 of the turned faces and renumber their half-edges.
 static void turn_faces(repair_work *work, const unsigned char *turn, bat_mesh_repair_report *report)
 {
     size_t count = 3 * work->face_count;
@@ -260,13 +267,13 @@ static void turn_faces(repair_work *work, const unsigned char *turn, bat_mesh_re
     }
 }
 
-/// Turn faces over so that twins run in opposite directions, and cut where they still do not.
+/// Step 3: orient the faces alike, and cut the edges whose faces still have opposite orientations.
 static bool repair_orient_faces(repair_work *work, bat_mesh_repair_report *report)
 {
     unsigned char *turn = calloc(work->face_count, sizeof *turn);
     if (turn == NULL)
         return false;
-    uint32_t *queue = work->fan; // not in use yet
+    uint32_t *queue = work->fan; // used as workspace here
     size_t begin = 0;
     for (uint32_t f = 0; f < work->face_count; f++)
     {
@@ -289,8 +296,7 @@ static bool repair_orient_faces(repair_work *work, bat_mesh_repair_report *repor
     return true;
 }
 
-/// Turn around a vertex from a half-edge, in one direction, and note the fan of all that begin there. True when it comes
-/// back.
+/// Mark the half-edges of a fan around a vertex, in one direction from `begin`. True when the fan is closed.
 static bool walk_fan(repair_work *work, uint32_t begin, bool counter_clockwise)
 {
     uint32_t h = begin;
@@ -320,7 +326,7 @@ static void find_fans(repair_work *work)
     }
 }
 
-/// Count the fans of every vertex, and what follows from that.
+/// Count the fans of every vertex and, in the report, the vertices to be split. Returns the number of all fans.
 static size_t count_fans(const repair_work *work, uint32_t *fans, bat_mesh_repair_report *report)
 {
     size_t total = 0;
@@ -340,7 +346,7 @@ static size_t count_fans(const repair_work *work, uint32_t *fans, bat_mesh_repai
     return total;
 }
 
-/// Number the fans: the first of each vertex in the order of vertices, then the others.
+/// Number the fans: first the first fan of every vertex in the order of the vertices, then all others.
 static void number_fans(repair_work *work, uint32_t *number)
 {
     uint32_t next = 0;
@@ -367,7 +373,7 @@ static void number_fans(repair_work *work, uint32_t *number)
     }
 }
 
-/// Give every fan a vertex of its own.
+/// Step 4: give every fan its own copy of the vertex.
 static bool repair_split_vertices(repair_work *work, bat_mesh_repair_report *report)
 {
     uint32_t *fans = memory_array(work->mesh->vertex_count, sizeof *fans);
@@ -406,7 +412,7 @@ static bool work_begin(const bat_mesh *broken, repair_work *work)
     return work->faces != NULL && work->sources != NULL && work->sorted != NULL && work->twin != NULL && work->fan != NULL;
 }
 
-/// Texture coordinates stay as they are; their corners follow the faces.
+/// Copy the texture coordinates; the texture corners follow the faces.
 static bool carry_texture(const repair_work *work, bat_mesh *made)
 {
     const bat_mesh *mesh = work->mesh;
@@ -471,7 +477,7 @@ static int compare_creases(const void *a, const void *b)
     return (x->b > y->b) - (x->b < y->b);
 }
 
-/// The sharpest mark of every vertex, -1 for none. Null when out of memory.
+/// The largest sharpness given for each vertex, -1 for none. Null when out of memory.
 static double *sharpness_of_vertices(const bat_mesh *mesh)
 {
     double *sharpness = memory_array(mesh->vertex_count, sizeof *sharpness);
@@ -501,8 +507,7 @@ static bool carry_corners(const repair_work *work, bat_mesh *made)
     return made->corners != NULL;
 }
 
-/// The first place in work->sorted, whose half-edges are in the order of their edges, of an edge at or after the one of a
-/// and b.
+/// The first place in work->sorted whose edge is not less than (a, b), by bisection.
 static size_t first_of_edge(const repair_work *work, uint32_t a, uint32_t b)
 {
     size_t low = 0, high = 3 * work->face_count;
@@ -518,7 +523,7 @@ static size_t first_of_edge(const repair_work *work, uint32_t a, uint32_t b)
     return low;
 }
 
-/// Append the creases that a crease becomes, one for every half-edge on it, or with `made` null only count them.
+/// Append a crease for every half-edge on the edge of a crease, or with `made` null only count them.
 static size_t follow_crease(const repair_work *work, const bat_mesh_crease *crease, bat_mesh *made)
 {
     uint32_t a = crease->a < crease->b ? crease->a : crease->b, b = crease->a < crease->b ? crease->b : crease->a;
@@ -537,7 +542,7 @@ static size_t follow_crease(const repair_work *work, const bat_mesh_crease *crea
     return count;
 }
 
-/// Creases follow to all copies of their edges. The sharpest of several on one edge stays.
+/// Copy the creases to all copies of their edges. Of several creases on one edge the sharpest remains.
 static bool carry_creases(const repair_work *work, bat_mesh *made)
 {
     const bat_mesh *mesh = work->mesh;

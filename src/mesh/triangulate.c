@@ -7,13 +7,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// A polygon, brought near the origin so that no product overflows, and the way it faces.
+/// @file
+/// Triangulation of a polygon in space: quads along the better diagonal, convex polygons as a fan, others by ear clipping
+/// (Meisters, "Polygons have ears", 1975).
+///
+/// The polygon is projected along Newell's normal n = sum_i p_i x p_(i+1), twice its area as a vector.
+
+/// A polygon, translated and scaled so that no product overflows.
 typedef struct outline
 {
     const double *positions;
     const uint32_t *corners;
     size_t count;
-    double scale; ///< coordinates are multiplied by it
+    double scale; ///< the factor of all coordinates
     double normal[3];
 } outline;
 
@@ -23,7 +29,7 @@ void polygon_workspace_free(polygon_workspace *workspace)
     *workspace = (polygon_workspace){0};
 }
 
-/// Corner `i` as seen from corner 0.
+/// Corner `i` relative to corner 0, scaled.
 static void corner_at(const outline *polygon, size_t i, double point[3])
 {
     const double *origin = polygon->positions + 3 * (size_t)polygon->corners[0];
@@ -32,11 +38,11 @@ static void corner_at(const outline *polygon, size_t i, double point[3])
         point[k] = position[k] * polygon->scale - origin[k] * polygon->scale;
 }
 
-/// A triangle of three corners as the normal sees it.
+/// A triangle of three corners, projected along the normal.
 typedef struct corner_triangle
 {
-    double area;    ///< twice the area, times the normal's length; negative when it runs clockwise
-    double squares; ///< the sum of the squares of its sides
+    double area;    ///< twice the signed area times the length of the normal; negative when clockwise
+    double squares; ///< the sum of the squared edge lengths
 } corner_triangle;
 
 static corner_triangle triangle_at(const outline *polygon, size_t i, size_t j, size_t k)
@@ -56,7 +62,7 @@ static corner_triangle triangle_at(const outline *polygon, size_t i, size_t j, s
                              vector3_dot(ab, ab) + vector3_dot(ac, ac) + vector3_dot(bc, bc)};
 }
 
-/// Choose the scale and sum up Newell's normal, twice the polygon's area as a vector.
+/// Choose the scale and compute Newell's normal.
 static outline outline_of(const double *positions, const uint32_t *corners, size_t count)
 {
     outline made = {positions, corners, count, 1.0, {0}};
@@ -96,7 +102,7 @@ static void put_fan(uint32_t *out, size_t count)
         put_triangle(&out, 0, i, i + 1);
 }
 
-/// The worse of two triangles: its area for the squares of its sides, which is greatest for an equilateral one.
+/// The lower quality of two triangles: area over squared edge lengths, largest for equilateral triangles.
 static double min_quality(corner_triangle a, corner_triangle b)
 {
     double first = a.squares > 0 ? a.area / a.squares : 0.0, second = b.squares > 0 ? b.area / b.squares : 0.0;
@@ -121,12 +127,12 @@ static bool is_convex(const outline *polygon)
     return true;
 }
 
-/// What is left of a polygon while its ears are cut: a ring.
+/// The remaining polygon during ear clipping: a doubly linked ring of corners.
 typedef struct ear_ring
 {
     const outline *polygon;
     uint32_t *next, *previous;
-    uint32_t *ear; ///< 1 where a corner is an ear
+    uint32_t *ear; ///< 1 for a corner that is an ear
 } ear_ring;
 
 static bool same_place(const outline *polygon, size_t i, size_t j)
@@ -137,8 +143,8 @@ static bool same_place(const outline *polygon, size_t i, size_t j)
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/// A corner is an ear when it is convex and no other corner lies in the triangle with its neighbours. Corners at the same
-/// place as one of the three do not count: outlines that were joined to holes visit places twice.
+/// Whether a corner is an ear: convex, with no other corner in its triangle. Corners that coincide with one of the
+/// triangle's three are ignored, because outlines joined to holes visit points twice.
 static bool is_ear(const ear_ring *ring, uint32_t b)
 {
     const outline *polygon = ring->polygon;
@@ -153,7 +159,8 @@ static bool is_ear(const ear_ring *ring, uint32_t b)
     return true;
 }
 
-/// Cut ears until a triangle is left. Where there is none, because the outline crosses itself or is a line, any corner goes.
+/// Clip ears until a triangle remains. An outline without an ear crosses itself or is degenerate; any corner is clipped
+/// then.
 static void cut_ears(const ear_ring *ring, uint32_t *out)
 {
     uint32_t count = (uint32_t)ring->polygon->count;
@@ -175,7 +182,7 @@ static void cut_ears(const ear_ring *ring, uint32_t *out)
         ring->previous[after] = before;
         ring->ear[before] = is_ear(ring, before);
         ring->ear[after] = is_ear(ring, after);
-        at = ring->next[after]; // not the neighbour, which would make a fan of slivers
+        at = ring->next[after]; // skip the neighbour, which would give a fan of slivers
     }
     put_triangle(&out, ring->previous[at], at, ring->next[at]);
 }

@@ -3,8 +3,7 @@
 
 #include "batten/mesh.h"
 
-/// Room that triangulating works in. All zero: empty; it grows with the polygons and is released with
-/// polygon_workspace_free().
+/// Memory that polygon_triangulate() reuses. All zero: empty. Release it with polygon_workspace_free().
 typedef struct polygon_workspace
 {
     uint32_t *numbers;
@@ -13,17 +12,17 @@ typedef struct polygon_workspace
 
 void polygon_workspace_free(polygon_workspace *workspace);
 
-/// Concave polygons of more corners than this are refused: cutting ears takes time in proportion to their square.
+/// The most corners of a concave polygon. Ear clipping takes time in proportion to their square.
 enum
 {
     POLYGON_MAX_EARS = 10000
 };
 
-/// Cut a polygon of `count` >= 3 corners into `count` - 2 triangles, seen along the normal of Newell: a quad along the
-/// diagonal that gives the better triangles, a convex polygon as a fan of its first corner, any other by its ears.
+/// Triangulate a polygon of `count` >= 3 corners: a quad along its better diagonal, a convex polygon as a fan from corner 0,
+/// any other by ear clipping.
 ///
 /// @param corners   the vertices at the corners
-/// @param triangles receives 3 x (count - 2) places in the polygon, 0 to count - 1, in the polygon's direction
+/// @param triangles receives 3 x (count - 2) corner numbers, each 0 to count - 1, with the orientation of the polygon
 /// @return BAT_OK, BAT_NO_MEMORY or BAT_TOO_LARGE (a concave polygon of more than POLYGON_MAX_EARS corners)
 bat_status polygon_triangulate(const double *positions, const uint32_t *corners, size_t count, uint32_t *triangles,
                                polygon_workspace *workspace);

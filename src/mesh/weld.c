@@ -9,7 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Find the vertex of the welded mesh that every vertex becomes. `kept` receives the vertices that stay.
+/// @file
+/// Merging of vertices that coincide or, with a distance, lie near an earlier vertex that remains.
+
+/// Find the welded vertex of every vertex. `kept` receives the vertices that remain.
 static bool find_targets(const bat_mesh *mesh, double distance, uint32_t *target, uint32_t *kept, size_t *kept_count)
 {
     point_table table = {.points = mesh->positions, .cell = distance};
@@ -32,7 +35,7 @@ static bool find_targets(const bat_mesh *mesh, double distance, uint32_t *target
     return room;
 }
 
-/// Bring a copy of the mesh to its new vertices, in place: they come in the order of the old ones.
+/// Replace the vertices of a copied mesh, in place. The remaining vertices keep their order.
 static void move_vertices(bat_mesh *mesh, const uint32_t *target, const uint32_t *kept, size_t kept_count)
 {
     size_t channels = mesh->channel_count;

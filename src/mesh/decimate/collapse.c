@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Rings of edges, the link condition, and the collapse itself.
+
 void collapse_mesh_free(collapse_mesh *mesh)
 {
     free(mesh->corner);
@@ -29,7 +32,7 @@ static bool is_boundary(const collapse_mesh *mesh, uint32_t vertex)
     return mesh->twin[mesh->first[vertex]] == BAT_MESH_NONE;
 }
 
-/// The edge between two vertices, BAT_MESH_NONE where there is none.
+/// The edge between two vertices; BAT_MESH_NONE when they are not neighbours.
 static uint32_t find_edge(const collapse_mesh *mesh, uint32_t a, uint32_t b)
 {
     uint32_t first = mesh->first[a], h = first;
@@ -146,8 +149,8 @@ bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t
     return of_a == COLLAPSE_FREE || of_b == COLLAPSE_FREE;
 }
 
-/// Append the faces from that of `from` on, counter-clockwise around the vertex where it begins, up to that of `until` (not
-/// included) or the boundary. False when there are too many.
+/// Append faces counter-clockwise around the vertex where `from` begins, from its face up to the face of `until`, which is
+/// excluded, or to the boundary. False when there are too many.
 static bool append_fan(const collapse_mesh *mesh, collapse_ring *ring, uint32_t from, uint32_t until)
 {
     for (uint32_t h = from; h != until && h != BAT_MESH_NONE; h = next_around(mesh, h))
@@ -160,7 +163,7 @@ static bool append_fan(const collapse_mesh *mesh, collapse_ring *ring, uint32_t 
     return true;
 }
 
-/// The fan of an edge on the boundary: j's faces, then i's.
+/// The faces around a boundary edge: those of j, then those of i.
 static bool find_boundary_ring(const collapse_mesh *mesh, uint32_t h, collapse_ring *ring)
 {
     if (!append_fan(mesh, ring, mesh->first[ring->j], bat_mesh_next(h)))
@@ -169,8 +172,8 @@ static bool find_boundary_ring(const collapse_mesh *mesh, uint32_t h, collapse_r
     return append_fan(mesh, ring, next_around(mesh, h), BAT_MESH_NONE);
 }
 
-/// The fan of an edge between two faces: i's faces (from the boundary, if i is there, else from after the left face) up to
-/// the right face, j's faces, and if i is on the boundary, i's remaining ones.
+/// The faces around an interior edge: those of i up to the right face, those of j, then the remaining ones of a boundary
+/// vertex i.
 static bool find_inner_ring(const collapse_mesh *mesh, uint32_t h, collapse_ring *ring)
 {
     uint32_t back = mesh->twin[h];
@@ -185,8 +188,8 @@ static bool find_inner_ring(const collapse_mesh *mesh, uint32_t h, collapse_ring
     return ring->closed || append_fan(mesh, ring, after_left, BAT_MESH_NONE);
 }
 
-/// Whether the vertices of a ring are all different. Those of a fan are; the neighbours that i and j have in common stand in
-/// it once. So this says that i and j have no other neighbours in common, the boundary's virtual vertex included.
+/// Whether all vertices of a ring are different. The ring contains the common neighbours of i and j in the vanishing faces
+/// once. So this is the link condition: i and j have no other common neighbour.
 static bool vertices_differ(collapse_mesh *mesh, const collapse_ring *ring)
 {
     uint32_t stamp = ++mesh->last_stamp;
@@ -204,7 +207,7 @@ static bool vertices_differ(collapse_mesh *mesh, const collapse_ring *ring)
     return true;
 }
 
-/// Whether two edges of a vanishing face would become one and both be curves.
+/// Whether two curve edges of a vanishing face would become one.
 static bool pinches_curves(const collapse_mesh *mesh, uint32_t half_edge)
 {
     return collapse_edge_is_curve(mesh, mesh->edge[bat_mesh_next(half_edge)]) &&
@@ -236,7 +239,7 @@ bool collapse_ring_find(collapse_mesh *mesh, uint32_t edge, collapse_ring *ring)
     return vertices_differ(mesh, ring) && !pinches_curves(mesh, h) && (back == BAT_MESH_NONE || !pinches_curves(mesh, back));
 }
 
-/// Take away the face of a half-edge and join the faces at its other two edges. Returns the edge that vanishes.
+/// Remove the face of a half-edge and join the faces at its other two edges. Returns the edge that vanishes.
 static uint32_t close_face(collapse_mesh *mesh, uint32_t half_edge)
 {
     uint32_t next = bat_mesh_next(half_edge), previous = bat_mesh_previous(half_edge);

@@ -4,76 +4,73 @@
 #include "batten/mesh.h"
 
 /// @file
-/// A mesh whose edges can be collapsed. Faces, half-edges, edges and vertices keep their numbers of the mesh it was
-/// made from until they vanish. A collapse of the half-edge from i to j takes away the faces beside it and gives j's
-/// other faces to i.
+/// A mesh with edge collapses. Faces, half-edges, edges and vertices keep their original numbers until they vanish. The
+/// collapse of the edge from i to j removes its faces and assigns the remaining faces of j to i.
 
-/// How free a vertex is to move.
+/// Constraints on the position of a vertex.
 typedef enum collapse_freedom
 {
     COLLAPSE_FREE,
     COLLAPSE_ON_CURVE, ///< on a boundary or a crease
-    COLLAPSE_FIXED     ///< a corner, or where creases meet or end
+    COLLAPSE_FIXED     ///< a corner, or a vertex where creases meet or end
 } collapse_freedom;
 
 typedef struct collapse_mesh
 {
-    uint32_t *corner;    ///< 3 x faces: the vertices at a face's corners; BAT_MESH_NONE for a face that vanished
+    uint32_t *corner;    ///< 3 x faces: the corners of each face; BAT_MESH_NONE for a removed face
     uint32_t *twin;      ///< as in bat_mesh_connectivity
-    uint32_t *edge;      ///< the edge of a half-edge
+    uint32_t *edge;      ///< for each half-edge: its edge
     uint32_t *first;     ///< as in bat_mesh_connectivity
-    uint32_t *half_edge; ///< of an edge: one of its half-edges; BAT_MESH_NONE for an edge that vanished
-    uint8_t *freedom;    ///< of a vertex: a collapse_freedom
-    double *sharpness;   ///< of an edge: its crease's, 0 for none; null for a mesh without creases
-    uint32_t *stamp;     ///< of a vertex: the last search that met it
+    uint32_t *half_edge; ///< for each edge: one of its half-edges; BAT_MESH_NONE for a removed edge
+    uint8_t *freedom;    ///< for each vertex: a collapse_freedom
+    double *sharpness;   ///< for each edge: the sharpness of its crease, or 0; null for a mesh without creases
+    uint32_t *stamp;     ///< for each vertex: the last search that visited it
     uint32_t last_stamp;
-    size_t vertex_count, face_count, edge_count; ///< of the mesh it was made from
-    size_t vertices_left;                        ///< those with faces
+    size_t vertex_count, face_count, edge_count; ///< of the original mesh
+    size_t vertices_left;                        ///< vertices with faces
     size_t faces_left;
 } collapse_mesh;
 
 enum
 {
-    /// The most faces of a ring. Edges with more wait until collapses nearby have made them fewer.
+    /// The most faces of a ring. Edges with larger rings wait until other collapses have reduced them.
     COLLAPSE_MAX_FACES = 64
 };
 
-/// The neighbourhood of an edge from i to j: the fan of faces that stays when the edge is collapsed, counter-clockwise
-/// around it, and the vertices on its outside.
+/// The neighbourhood of an edge from i to j: the faces that remain after its collapse, counter-clockwise, and the vertices
+/// opposite to i and j.
 ///
-/// Face k of the fan has the corners apex, vertex[k] and vertex[k + 1], the apex being j for j_begin <= k < j_end, else i;
-/// half_edge[k] runs from the apex to vertex[k]. Where the fan is closed, vertex[count] is vertex[0] once more. Then come
-/// the one or two faces that vanish: (i, j, vertex[j_end]) and (j, i, vertex[j_begin]), with the half-edges from i to j and
-/// from j to i.
+/// Face k has the corners apex, vertex[k] and vertex[k + 1]. The apex is j for j_begin <= k < j_end, else i; half_edge[k]
+/// runs from the apex to vertex[k]. In a closed ring vertex[count] is vertex[0]. Then come the one or two vanishing faces,
+/// (i, j, vertex[j_end]) and (j, i, vertex[j_begin]), with the half-edges between i and j.
 typedef struct collapse_ring
 {
     uint32_t half_edge[COLLAPSE_MAX_FACES + 2];
     uint32_t vertex[COLLAPSE_MAX_FACES + 1];
     uint32_t i, j;
-    uint32_t count;          ///< faces that stay
-    uint32_t vanishing;      ///< faces that vanish: 1 at the boundary, else 2
-    uint32_t j_begin, j_end; ///< the faces of j
-    bool closed;             ///< neither i nor j lies on the boundary
+    uint32_t count;          ///< the number of remaining faces
+    uint32_t vanishing;      ///< the number of vanishing faces: 1 on the boundary, else 2
+    uint32_t j_begin, j_end; ///< the range of the faces of j
+    bool closed;             ///< neither i nor j is on the boundary
 } collapse_ring;
 
-/// Make one from a mesh that passes bat_mesh_check(), with its creases and corners.
-/// @return BAT_OK, what bat_mesh_connect() returns, BAT_INVALID_ARGUMENT (a crease that is no edge)
+/// Make a collapse_mesh from a mesh that passes bat_mesh_check(), with its creases and corners.
+/// @return BAT_OK, the failures of bat_mesh_connect(), or BAT_INVALID_ARGUMENT for a crease that is not an edge
 bat_status collapse_mesh_make(const bat_mesh *mesh, collapse_mesh *made, bat_error *error);
 void collapse_mesh_free(collapse_mesh *mesh);
 
-/// Whether an edge is a boundary or a crease.
+/// Whether an edge is on the boundary or on a crease.
 bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge);
-/// Whether the freedoms of an edge's ends allow its collapse: what is fixed must not move, what is on a curve must stay on
-/// it, and curves must not be pinched together. `kept` receives the end where the new vertex must be, BAT_MESH_NONE where it
-/// is free.
+/// Whether the constraints at both ends of an edge allow its collapse: fixed vertices do not move, vertices on curves stay
+/// on them, and curves do not touch. `kept` receives the end where the new vertex must be, or BAT_MESH_NONE.
 bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept);
 
-/// Find the ring of an edge. Where exactly one of its ends is on the boundary, that one is i.
-/// @return false where the collapse would change the topology: where the link condition of Dey et al. (1999) fails, where a
-///         piece of the mesh would be left with less than a tetrahedron or without faces; also where the ring is too large
+/// Find the ring of an edge. If exactly one of its ends is on the boundary, that end becomes i.
+/// @return false if the collapse would change the topology (the link condition of Dey et al., 1999, fails, or a component
+/// would have fewer faces than a tetrahedron or none) or if the ring is too large
 bool collapse_ring_find(collapse_mesh *mesh, uint32_t edge, collapse_ring *ring);
 
-/// The local number of a face's corner: 0 for i, 1 for j, 2 + k for vertex[k]. `c` counts from the corner where
+/// The local number of a corner of a face: 0 for i, 1 for j, 2 + k for vertex[k]. `c` counts from the corner where
 /// half_edge[face] begins.
 static inline uint32_t collapse_ring_corner(const collapse_ring *ring, uint32_t face, uint32_t c)
 {
@@ -87,14 +84,13 @@ static inline uint32_t collapse_ring_corner(const collapse_ring *ring, uint32_t 
     return c == 0 ? first : c == 1 ? 1 - first : 2 + opposite;
 }
 
-/// The number of different vertices on the outside.
+/// The number of different outer vertices.
 static inline uint32_t collapse_ring_vertices(const collapse_ring *ring)
 {
     return ring->closed ? ring->count : ring->count + 1;
 }
 
-/// Collapse the edge of a ring into its vertex i. `gone` receives the two or three edges that vanish, `gone_count` their
-/// number.
+/// Collapse the edge of a ring into vertex i. `gone` receives the two or three removed edges, `gone_count` their number.
 void collapse_apply(collapse_mesh *mesh, const collapse_ring *ring, uint32_t *gone, uint32_t *gone_count);
 
 #endif

@@ -4,18 +4,23 @@
 #include <math.h>
 #include <string.h>
 
-/// Added to the matrix of the least error in parts of its trace: directions that the planes leave open by less do not move
-/// the vertex from the middle.
+/// @file
+/// The quadric error of a vertex position p is the sum of area-weighted squared distances from planes, p^T A p + 2 b^T p + c
+/// (Garland and Heckbert, 1997). The new vertex minimizes the sum of both ends' errors.
+
+/// Relative to the trace of A, added to its diagonal. Directions with smaller eigenvalues leave the vertex near the
+/// midpoint.
 static const double DAMPING = 1e-6;
-/// An edge's squared length counts by so much: where all errors vanish, short edges go first.
+/// The weight of an edge's squared length. It orders edges by length where all errors vanish.
 static const double LENGTH_SHARE = 1e-8;
-/// Errors closer than this in parts of planes' weight and squared length are the same to rounding.
+/// Relative to weight times squared length: smaller differences of errors are rounding errors.
 static const double ROUNDING = 1e-14;
-/// The new vertex goes no farther from the middle of the edge than so many times its length.
+/// The largest distance of the new vertex from the midpoint, relative to the edge's length.
 static const double MAX_OFFSET = 2;
-/// A face of no more quality than this has no normal to speak of.
+/// The quality of a face below which its normal is meaningless.
 static const double DEGENERATE = 1e-7;
-/// sqrt(12): times twice the area, over the sum of squared edges, is the quality of a triangle, 1 for an equilateral one.
+/// sqrt(12). The quality of a triangle is sqrt(12) times twice its area over its squared edge lengths; it is 1 for
+/// equilateral triangles.
 static const double QUALITY_FACTOR = 3.46410161513775458705;
 
 static void add_curve_plane(const uint32_t *ends, const double *face_normal, double weight, error_vertex *vertices)
@@ -61,7 +66,7 @@ void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, dou
     }
 }
 
-/// The planes of both ends of an edge about its middle, and half the edge.
+/// The sum of the quadrics of both ends, about the midpoint, and half the edge vector.
 static quadric planes_of_edge(const error_vertex *a, const error_vertex *b, double *half)
 {
     double back[3];
@@ -115,10 +120,10 @@ void error_merge(error_vertex *vertices, uint32_t i, uint32_t j, const double *p
     memcpy(vertices[i].position, position, sizeof vertices[i].position);
 }
 
-/// A face's normal, not of unit length, and the sum of its squared edges.
+/// The normal of a face, with twice its area as length, and the sum of its squared edge lengths.
 typedef struct face_shape
 {
-    double normal[3], square; ///< the square of the normal's length
+    double normal[3], square; ///< `square` is the squared length of the normal
     double edges;
 } face_shape;
 
@@ -135,7 +140,7 @@ static face_shape shape_of(const double *a, const double *b, const double *c)
     return shape;
 }
 
-/// Whether a face's quality is at least `smallest`.
+/// Whether the quality of a face is at least `smallest`.
 static bool has_quality(const face_shape *shape, double smallest)
 {
     double bound = smallest * shape->edges / QUALITY_FACTOR;
@@ -148,7 +153,7 @@ static bool has_normal(const face_shape *shape)
     return shape->square > bound * bound;
 }
 
-/// The least quality of a ring's faces before the collapse, vanishing ones included.
+/// The lowest quality of the ring's faces before the collapse, including the vanishing ones.
 static double worst_quality(const error_vertex *vertices, const collapse_ring *ring)
 {
     double worst = 1;

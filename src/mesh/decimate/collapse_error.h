@@ -5,35 +5,35 @@
 #include "mesh/decimate/quadric.h"
 
 /// @file
-/// What a collapse costs, where the new vertex goes, and whether the faces around it stay sound in space.
+/// The error of a collapse, the position of its new vertex, and the validity of the faces around it in space.
 
-/// A vertex and the planes that it stands for.
+/// A vertex and the quadric of its planes.
 typedef struct error_vertex
 {
     double position[3];
     quadric planes; ///< about `position`
 } error_vertex;
 
-/// Where the new vertex of a collapse goes.
+/// The new vertex of a collapse.
 typedef struct error_placement
 {
     double position[3];
-    double error; ///< by which edges are ordered
+    double error; ///< the key by which edges are ordered
 } error_placement;
 
-/// Give every vertex the planes of its faces, weighted by their areas, and across every boundary and crease edge a plane
-/// through it, upright on its face, weighted by the square of its length times `curve_weight`.
+/// Set the quadrics: the planes of each vertex's faces, weighted by area. Each boundary and crease edge adds the plane
+/// through it that is perpendicular to its face, weighted by its squared length times `curve_weight`.
 void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, double curve_weight, error_vertex *vertices);
 
-/// Place the new vertex of the edge from i to j where the error is least, at one of its ends or in its middle where that is
-/// as good. `kept` is the end where it must be, or BAT_MESH_NONE.
+/// Place the new vertex of the edge from i to j at the minimum of the error, or at one of its ends or its midpoint where
+/// that is as good. `kept` is the prescribed end, or BAT_MESH_NONE.
 error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j, uint32_t kept);
 
-/// Give vertex i the place of a collapse and the planes of both.
+/// Move vertex i to the new position and add the quadrics of both vertices.
 void error_merge(error_vertex *vertices, uint32_t i, uint32_t j, const double *position);
 
-/// Whether every face of a ring that stays keeps its side, unit normals before and after having a scalar product of at least
-/// `min_normal`, and has after the collapse a quality of at least `min_quality`, or that of the worst face before.
+/// Whether the remaining faces of a ring are valid after the collapse. The unit normals before and after have a scalar
+/// product of at least `min_normal`. The quality is at least `min_quality`, or that of the worst face before.
 bool error_faces_stay_valid(const error_vertex *vertices, const collapse_ring *ring, const double *position,
                             double min_normal, double min_quality);
 

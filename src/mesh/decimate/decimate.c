@@ -12,6 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Decimation by edge collapses in order of their errors, optionally with a bijective map to the result (Liu et al., "Neural
+/// Subdivision", 2020, section 4).
+
 enum
 {
     /// Attempts between two reports of progress.
@@ -23,19 +27,19 @@ bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
     return (bat_mesh_decimate_options){.seed = 1, .least_normal = 0.2, .least_quality = 0.2, .boundary_weight = 1000};
 }
 
-/// All that a decimation works with.
+/// The state of a decimation.
 typedef struct decimation
 {
     const bat_mesh_decimate_options *options;
     collapse_mesh mesh;
     error_vertex *vertices;
     edge_queue queue;
-    double *errors;            ///< of an edge; infinite where it must not collapse
-    uint8_t *waiting;          ///< of a vertex: whether one of its edges was refused and waits for changes nearby
-    double *corners;           ///< of a vertex: its sharpness as a corner; null for a mesh without corners
-    bat_mesh_map *map;         ///< null when none is wanted
-    flat_workspace *workspace; ///< null when no map is wanted
-    collapse_ring ring;        ///< of the edge at hand
+    double *errors;            ///< for each edge; infinite where it must not collapse
+    uint8_t *waiting;          ///< for each vertex: whether one of its edges was refused and waits for changes nearby
+    double *corners;           ///< for each vertex: its sharpness as a corner; null for a mesh without corners
+    bat_mesh_map *map;         ///< null without a map
+    flat_workspace *workspace; ///< null without a map
+    collapse_ring ring;        ///< of the current edge
     double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
 } decimation;
 
@@ -79,7 +83,7 @@ static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, b
     return status == BAT_OK && mapped ? map_make(fine->face_count, &all->map, error) : status;
 }
 
-/// The new vertex of an edge; false where it must not collapse.
+/// Compute the new vertex of an edge. False where it must not collapse.
 static bool place(const decimation *all, uint32_t edge, error_placement *placed)
 {
     uint32_t kept, h = all->mesh.half_edge[edge];
@@ -89,7 +93,7 @@ static bool place(const decimation *all, uint32_t edge, error_placement *placed)
     return isfinite(placed->error);
 }
 
-/// Compute an edge's error anew and let it wait for its turn.
+/// Compute the error of an edge again and update the queue.
 static void update_error(decimation *all, uint32_t edge)
 {
     error_placement placed;
@@ -116,7 +120,7 @@ static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_
     return BAT_OK;
 }
 
-/// Flatten the ring before and after; false where that gives no valid map.
+/// Flatten the ring before and after the collapse. False where that gives no valid map.
 static bool flatten(decimation *all, const double *position)
 {
     const collapse_ring *ring = &all->ring;
@@ -129,7 +133,7 @@ static bool flatten(decimation *all, const double *position)
            flat_is_valid(ring, (const double(*)[2])all->flat, all->options->least_quality);
 }
 
-/// Let the refused edges around a vertex have another turn.
+/// Put the refused edges around a vertex back into the queue.
 static void retry_around(decimation *all, uint32_t vertex)
 {
     const collapse_mesh *mesh = &all->mesh;
@@ -165,7 +169,7 @@ static void collapse(decimation *all, const error_placement *placed)
             retry_around(all, ring->vertex[k]);
 }
 
-/// Collapse an edge if every check allows it; else it waits until something nearby changes.
+/// Collapse an edge if all checks allow it. Otherwise the edge waits for changes nearby.
 static bat_status attempt(decimation *all, uint32_t edge, bat_error *error)
 {
     error_placement placed;
@@ -241,7 +245,7 @@ static bat_status allocate_coarse(const decimation *all, bat_mesh *coarse, bat_e
     return error_memory(error, mesh->vertices_left * 3 * sizeof(double));
 }
 
-/// Copy what is left. A vertex's stamp becomes its new number.
+/// Copy the remaining vertices. The stamp of a vertex becomes its new number.
 static void copy_vertices(decimation *all, bat_mesh *coarse)
 {
     collapse_mesh *mesh = &all->mesh;

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// A heap with four children for each node, with the place of every edge, or an unordered array for random choices.
+
 enum
 {
     CHILDREN = 4
@@ -75,7 +78,7 @@ static void move_down(edge_queue *queue, size_t place, edge_queue_item item)
     set_item(queue, place, item);
 }
 
-/// Put an item where another one was, and restore the heap.
+/// Store an item at the place of another one, and restore the heap.
 static void replace_item(edge_queue *queue, size_t place, edge_queue_item item)
 {
     if (queue->candidates > 0)
@@ -105,7 +108,7 @@ void edge_queue_remove(edge_queue *queue, uint32_t edge)
         replace_item(queue, place, last);
 }
 
-/// A whole number below `bound`, which is below 2^32 (the bias is below bound / 2^32).
+/// A random integer below `bound` <= 2^32, with a bias below bound / 2^32.
 static size_t random_below(bat_random *random, size_t bound)
 {
     return (size_t)(((bat_random_bits(random) >> 32) * bound) >> 32);

@@ -4,35 +4,43 @@
 #include <math.h>
 #include <string.h>
 
-/// Twice the area of a triangle that has a conformal map to speak of is at least this, in parts of its longest edge squared.
+/// @file
+/// Conformal flattening of one-rings by small dense Hermitian systems.
+///
+/// For a triangle with edges w_0, w_1, w_2 as complex numbers, opposite to its corners, twice the conformal energy of a map
+/// z is |sum_k w_k z_k|^2 / (2 area). Boundary positions are eigenvectors (Mullen et al., 2008) or prescribed (Lévy et al.,
+/// "Least squares conformal maps", 2002).
+
+/// The energy is computed for triangles whose height over the longest edge, relative to that edge, is larger than this.
 static const double MIN_HEIGHT = 1e-3;
-/// Where a ring has a face flatter than that, its edges are made longer until in every face two edges together are longer
-/// than the third by so much, in parts of the longest. Where it has no extent at all, all are as long.
+/// Rings with a flatter face are mollified: all edges grow by a constant, until the triangle inequality holds with this
+/// margin relative to the longest edge. All edges of a ring without extent get the same length.
 static const double MOLLIFICATION = 1e-2;
-/// Twice the least area of a flat face, in parts of its longest edge squared.
+/// Twice the smallest area of a flattened face, relative to its longest squared edge.
 static const double MIN_AREA = 1e-7;
-/// Added to the diagonal in parts of its mean: a ring that is flat already makes the matrix singular.
+/// Relative to the mean diagonal entry, added to the diagonal. The matrix of a planar ring is singular.
 static const double SHIFT = 1e-8;
 
 enum
 {
-    /// Of the inverse iteration. Eigenvalues of nearly developable rings lie far apart: two steps leave less than a percent.
+    /// Steps of inverse iteration. Eigenvalues of nearly developable rings are well separated; two steps leave an error
+    /// below one percent.
     ITERATIONS = 3
 };
 
 static const double TWO_PI = 6.283185307179586476925286766559;
-/// 4 sqrt(3): times the area, over the sum of squared edges, is the quality of a triangle.
+/// 4 sqrt(3). The quality of a triangle is 4 sqrt(3) times its area over its squared edge lengths.
 static const double QUALITY_FACTOR = 6.92820323027550917411;
 
-/// A triangle in its own plane: the edges opposite to its corners, as complex numbers, and twice its area.
+/// A triangle in its own plane: its edges as complex numbers, opposite to its corners, and twice its area.
 typedef struct flat_triangle
 {
     double edge[3][2];
     double area;
 } flat_triangle;
 
-/// Lay a triangle into the plane by the lengths of its edges, ab along the real axis; its area by Kahan's formula. False for
-/// one that is too flat.
+/// Lay out a triangle from its edge lengths, with ab on the real axis; the area follows by Kahan's formula. False for a
+/// triangle that is too flat.
 static bool unfold(double ab, double bc, double ca, flat_triangle *made)
 {
     double longest = fmax(ab, fmax(bc, ca)), shortest = fmin(ab, fmin(bc, ca));
@@ -49,7 +57,7 @@ static bool unfold(double ab, double bc, double ca, flat_triangle *made)
     return true;
 }
 
-/// Unfold face k of a ring, all lengths greater by `added`.
+/// Lay out face k of a ring, with all edge lengths increased by `added`.
 static bool unfold_face(const collapse_ring *ring, const double (*points)[3], uint32_t k, bool after, double added,
                         uint32_t *corners, flat_triangle *made)
 {
@@ -58,8 +66,8 @@ static bool unfold_face(const collapse_ring *ring, const double (*points)[3], ui
     return unfold(vector3_distance(a, b) + added, vector3_distance(b, c) + added, vector3_distance(c, a) + added, made);
 }
 
-/// A length that, added to all edges of a ring, makes every face a triangle of some height (Sharp and Crane, "A Laplacian
-/// for Nonmanifold Triangle Meshes", 2020).
+/// The length to add to all edges of a ring so that every face has a positive height (Sharp and Crane, "A Laplacian for
+/// nonmanifold triangle meshes", 2020).
 static double mollifier(const collapse_ring *ring, const double (*points)[3], bool after)
 {
     double longest = 0, min_gap = INFINITY;
@@ -76,7 +84,7 @@ static double mollifier(const collapse_ring *ring, const double (*points)[3], bo
     return longest > 0 ? fmax(MOLLIFICATION * longest - min_gap, 0) : 1;
 }
 
-/// The rows of the matrix: a point's row, or FLAT_UNKNOWNS for one that is held.
+/// The matrix row of each point, or FLAT_UNKNOWNS for a fixed point.
 typedef struct flat_rows
 {
     uint32_t row[FLAT_POINTS];
@@ -97,8 +105,7 @@ static void choose_rows(const collapse_ring *ring, bool on_line, flat_workspace 
     }
 }
 
-/// Add |sum_k W_k z_k|^2 / (2 area), twice the part of the energy that a face contributes: to the matrix for its unknown
-/// points, to the right side for its held ones.
+/// Add |sum_k w_k z_k|^2 / (2 area) of a face: unknown points enter the matrix, fixed points the right-hand side.
 static void add_face(const flat_triangle *face, const uint32_t *corners, const flat_rows *rows, const double (*flat)[2],
                      flat_workspace *workspace)
 {
@@ -128,8 +135,8 @@ static void add_face(const flat_triangle *face, const uint32_t *corners, const f
     }
 }
 
-/// The matrix, and for held points the right side, all edges being longer by `added`. False for a ring with a face that is
-/// too flat.
+/// Assemble the matrix and the right-hand side, with all edge lengths increased by `added`. False for a ring with a face
+/// that is too flat.
 static bool assemble_longer(const collapse_ring *ring, const double (*points)[3], double added, const flat_rows *rows,
                             const double (*flat)[2], flat_workspace *workspace)
 {
@@ -157,7 +164,7 @@ static bool assemble(const collapse_ring *ring, const double (*points)[3], const
            assemble_longer(ring, points, mollifier(ring, points, false), rows, flat, workspace);
 }
 
-/// Cholesky's factor L of the matrix in place, L L^H. False where it is not positive definite.
+/// Factorize the matrix as L L^H (Cholesky) in place. False when it is not positive definite.
 static bool factorize(flat_workspace *workspace, uint32_t count, double shift)
 {
     for (uint32_t r = 0; r < count; r++)
@@ -210,7 +217,7 @@ static void solve(flat_workspace *workspace, uint32_t count)
     }
 }
 
-/// The outside on a circle, i and j in its centre: where the iteration begins.
+/// The initial guess: outer vertices on a circle, i and j at its centre.
 static void lay_on_circle(const collapse_ring *ring, double (*flat)[2])
 {
     uint32_t count = collapse_ring_vertices(ring);
@@ -226,8 +233,8 @@ static void lay_on_circle(const collapse_ring *ring, double (*flat)[2])
     memset(flat[FLAT_J], 0, sizeof flat[0]);
 }
 
-/// Move the mean of the boundary points to the origin and make their mean square 1, and copy them to the right side,
-/// interior points being zero there. False when they all coincide.
+/// Shift the mean of the boundary points to the origin and scale their mean square to 1. Copy them to the right-hand side,
+/// with zeros for interior points. False when all points coincide.
 static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*flat)[2], flat_workspace *workspace)
 {
     uint32_t boundary = 0;
@@ -262,7 +269,7 @@ static bool normalize(const collapse_ring *ring, uint32_t unknowns, double (*fla
     return true;
 }
 
-/// The eigenvector of least conformal energy over the moment of the boundary, by inverse iteration.
+/// The eigenvector with the smallest ratio of conformal energy to boundary moment, by inverse iteration.
 static bool flatten_free(const collapse_ring *ring, const double (*points)[3], flat_workspace *workspace, double (*flat)[2])
 {
     flat_rows rows;
@@ -311,7 +318,7 @@ static bool flatten_on_line(const collapse_ring *ring, const double (*points)[3]
     return true;
 }
 
-/// Place the new vertex by least squares, everything else held and all edges longer by `added`; on the real axis if
+/// Place the new vertex by least squares with all other points fixed and all edges increased by `added`; on the real axis if
 /// `on_line`. False for a ring with a face that is too flat.
 static bool place_new_longer(const collapse_ring *ring, const double (*points)[3], double added, bool on_line,
                              double (*flat)[2])
@@ -355,7 +362,7 @@ bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_wor
     return true;
 }
 
-/// Twice the area of a flat triangle, with its sign, and the sum of its squared edges.
+/// Twice the signed area of a triangle in the plane, and the sum of its squared edge lengths.
 static double flat_area(const double *a, const double *b, const double *c, double *squares)
 {
     double ab[2] = {b[0] - a[0], b[1] - a[1]}, ac[2] = {c[0] - a[0], c[1] - a[1]}, bc[2] = {c[0] - b[0], c[1] - b[1]};
@@ -363,7 +370,7 @@ static double flat_area(const double *a, const double *b, const double *c, doubl
     return ab[0] * ac[1] - ab[1] * ac[0];
 }
 
-/// The least quality of the faces; negative where one is turned over or has no area.
+/// The lowest quality of the faces; negative where one is inverted or has no area.
 static double worst_quality(const collapse_ring *ring, const double (*flat)[2], bool after)
 {
     double worst = 1;
@@ -379,8 +386,8 @@ static double worst_quality(const collapse_ring *ring, const double (*flat)[2], 
     return worst;
 }
 
-/// Whether the faces around the new vertex, all of positive area, go around it just once; on the boundary, less than once.
-/// Every turn passes the direction of vertex[0] once, from its right to its left.
+/// Whether the faces around the new vertex cover a full turn exactly once, or less on the boundary. All of them have
+/// positive areas. Each turn passes the direction of vertex[0] once, from right to left.
 static bool winds_once(const collapse_ring *ring, const double (*flat)[2])
 {
     const double *centre = flat[FLAT_NEW];

@@ -4,10 +4,9 @@
 #include "mesh/decimate/collapse.h"
 
 /// @file
-/// A ring in the plane, before and after its edge is collapsed, both covering the same polygon (Liu et al. 2020,
-/// section 4.1).
+/// Flattening of a ring before and after its collapse onto the same polygon (Liu et al., 2020, section 4.1).
 ///
-/// Points of a ring stand in the order i, j, the vertex that replaces them, vertex[0], vertex[1], ….
+/// The points are in the order i, j, the new vertex, vertex[0], vertex[1], ….
 
 enum
 {
@@ -16,21 +15,21 @@ enum
     FLAT_NEW,
     FLAT_RING,
     FLAT_POINTS = FLAT_RING + COLLAPSE_MAX_FACES + 1,
-    /// Unknowns of a flattening: all but the new vertex.
+    /// The unknowns of a flattening: all points except the new vertex.
     FLAT_UNKNOWNS = FLAT_POINTS - 1
 };
 
-/// Room to work in.
+/// Workspace of one flattening.
 typedef struct flat_workspace
 {
-    /// The Hermitian matrix of the conformal energy, then its factor; the lower triangle. Real and imaginary parts.
+    /// The lower triangle of the Hermitian matrix of the conformal energy, then of its factor: real and imaginary parts.
     double real[FLAT_UNKNOWNS][FLAT_UNKNOWNS], imaginary[FLAT_UNKNOWNS][FLAT_UNKNOWNS];
     double inverse_pivot[FLAT_UNKNOWNS];
     double right[FLAT_UNKNOWNS][2];
-    uint32_t unknown[FLAT_UNKNOWNS]; ///< the point of a row
+    uint32_t unknown[FLAT_UNKNOWNS]; ///< for each row: its point
 } flat_workspace;
 
-/// The points of face k of a ring (in the ring's order, those that vanish last), before the collapse or after it.
+/// The points of face k of a ring, before or after the collapse. Vanishing faces come last.
 static inline void flat_corners(const collapse_ring *ring, uint32_t face, bool after, uint32_t *corners)
 {
     for (uint32_t c = 0; c < 3; c++)
@@ -40,21 +39,21 @@ static inline void flat_corners(const collapse_ring *ring, uint32_t face, bool a
     }
 }
 
-/// Flatten a ring with the least conformal energy that a map of fixed size can have. Closed rings, and those of an edge with
-/// one end on the boundary: spectral conformal parameterization (Mullen, Tong, Alliez and Desbrun 2008); then the new vertex
-/// by least squares with the outside held in place, or where i is, on the boundary. Rings of a boundary edge: least-squares
-/// conformal map that lays the boundary from the last vertex over i and j to the first one on a line by its lengths, so that
-/// the new vertex can be anywhere between; it is placed by least squares along the line.
+/// Flatten a ring with minimal conformal energy.
 ///
-/// @param points the ring's points in space
-/// @param flat   receives its points in the plane
-/// @return false where the equations have no solution
+/// Closed rings, and rings with one end on the boundary, use spectral conformal parameterization (Mullen, Tong, Alliez and
+/// Desbrun, 2008). The new vertex then follows by least squares with fixed outer vertices, or lies at a boundary vertex i.
+/// Rings of a boundary edge use a least-squares conformal map. Their boundary, from the last vertex through i and j to the
+/// first, lies on a line with its lengths; the new vertex lies on that line.
+///
+/// @param points positions in space
+/// @param flat   receives positions in the plane
+/// @return false when the equations have no solution
 bool flatten_ring(const collapse_ring *ring, const double (*points)[3], flat_workspace *workspace, double (*flat)[2]);
 
-/// Whether the flat ring is a bijection before and after the collapse: all faces have a positive area, and around the new
-/// vertex angles add up to a full turn or, on the boundary, less. Then the outside is a simple polygon, which faces of
-/// positive area can cover only once. And whether every face's quality after the collapse is at least `min_quality` or
-/// that of the worst face before.
+/// Whether the flattened ring is a bijection before and after the collapse. All faces must have positive areas, and the
+/// angles around the new vertex must add up to a full turn or, on the boundary, to less. The outer polygon is then simple
+/// and covered once. After the collapse every face must have the quality `min_quality`, or that of the worst face before.
 bool flat_is_valid(const collapse_ring *ring, const double (*flat)[2], double min_quality);
 
 #endif

@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// A point moves through the collapses of its face in order, or in reverse order. In each it keeps its place in the plane
+/// and gets new barycentric coordinates (Liu et al., 2020, section 4.2).
+
 void bat_mesh_map_free(bat_mesh_map *map)
 {
     if (map == NULL)
@@ -40,7 +44,7 @@ bat_status map_make(size_t fine_faces, bat_mesh_map **map, bat_error *error)
     return BAT_OK;
 }
 
-/// Room for at least `count` elements; false when out of memory.
+/// Reallocate an array for `room` elements. False when out of memory.
 static bool grow(void **array, size_t size, size_t room)
 {
     void *grown = realloc(*array, room * size);
@@ -127,7 +131,7 @@ bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *c
     bat_status status = map_allocate_links(map, error);
     if (status != BAT_OK)
         return status;
-    // Where giving back fails, the room merely stays.
+    // If shrinking fails, the larger arrays remain.
     (void)(map->collapse_count > 0 && grow((void **)&map->collapses, sizeof *map->collapses, map->collapse_count) &&
            grow((void **)&map->half_edge, sizeof *map->half_edge, map->entry_count) &&
            grow((void **)&map->points, 2 * sizeof *map->points, map->point_count));
@@ -167,9 +171,8 @@ bat_mesh_map_sizes bat_mesh_map_size(const bat_mesh_map *map)
 
 // Carrying points
 
-/// Find the face of a collapse, before it or after it, that a point of the plane lies in, the one where its least
-/// barycentric coordinate is greatest. Rounding can leave the point a little outside of all: it is moved in. `barycentric`
-/// counts from the apex.
+/// Find the face of a collapse that contains a point of the plane, before or after it. It is the face with the largest
+/// minimal barycentric coordinate. Points that rounding leaves outside are moved inside. `barycentric` counts from the apex.
 static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bool after, const double *point,
                        double *barycentric)
 {
@@ -198,8 +201,7 @@ static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bo
     return best;
 }
 
-/// Carry a point through one collapse, from after it to before it or the other way. Returns the entry of the point's new
-/// face.
+/// Move a point through one collapse, towards the fine mesh or the coarse one. Returns the entry of its new face.
 static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, double *barycentric)
 {
     const map_collapse *collapse = &map->collapses[map->collapse[entry]];
@@ -221,7 +223,8 @@ static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, dou
     return found;
 }
 
-/// @return BAT_INVALID_POINT where one of the points is none on a mesh of so many faces
+/// Check that points lie on a mesh with `faces` faces.
+/// @return BAT_OK or BAT_INVALID_POINT
 static bat_status check_points(const bat_mesh_point *points, size_t count, size_t faces, bat_error *error)
 {
     static const double TOLERANCE = 1e-9;
@@ -254,7 +257,7 @@ bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point *points,
     return status;
 }
 
-/// The place of a face of the fine mesh in the coarse one, by bisection.
+/// The coarse face that a fine face became, by bisection.
 static uint32_t find_kept(const bat_mesh_map *map, uint32_t face)
 {
     size_t low = 0, high = map->coarse_faces;
@@ -288,7 +291,7 @@ static bat_status invalid_collapse(bat_error *error, size_t collapse, const char
     return error_set(error, BAT_BAD_FILE, collapse, 0, "collapse %zu of the map %s", collapse, what);
 }
 
-/// Whether all faces before and after a collapse lie the right way round.
+/// Whether all faces before and after a collapse have positive areas.
 static bool faces_are_upright(const bat_mesh_map *map, const map_collapse *collapse)
 {
     for (uint32_t k = 0; k < (uint32_t)collapse->count + collapse->vanishing; k++)
@@ -303,8 +306,8 @@ static bool faces_are_upright(const bat_mesh_map *map, const map_collapse *colla
     return true;
 }
 
-/// Mark the faces that a collapse works on by its number and those that vanish for good. False where one is gone, or there
-/// twice.
+/// Mark the faces of a collapse with its number, and the vanishing ones as removed. False where a face was removed before or
+/// occurs twice.
 static bool mark_faces(const bat_mesh_map *map, uint32_t number, uint32_t *state)
 {
     const map_collapse *collapse = &map->collapses[number];
@@ -323,7 +326,7 @@ static bool mark_faces(const bat_mesh_map *map, uint32_t number, uint32_t *state
     return true;
 }
 
-/// Whether `kept` lists what has not vanished.
+/// Whether `kept` lists exactly the remaining faces.
 static bool kept_is_valid(const bat_mesh_map *map, const uint32_t *state)
 {
     size_t count = 0;

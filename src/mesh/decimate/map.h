@@ -6,15 +6,15 @@
 #include "mesh/decimate/flatten.h"
 
 /// @file
-/// The map between a mesh and its decimation: the flat rings of all collapses, in order.
+/// The map between a mesh and its decimation: the flattened rings of all collapses, in order.
 ///
-/// A collapse has an entry for each face of its ring. The entries of a face hang together in the order of the collapses, so
-/// that a point is carried through only those collapses that its face took part in.
+/// A collapse has an entry for each face of its ring. The entries of a face are linked in the order of the collapses, so a
+/// point visits only those collapses that changed its face.
 
 #define MAP_NONE UINT32_MAX
 
-/// A collapse. Its entries are those of the ring's faces, in the ring's order; its points are i, j, the new vertex, and the
-/// outside.
+/// A collapse. Its entries are the faces of the ring, in ring order. Its points are i, j, the new vertex and the outer
+/// vertices.
 typedef struct map_collapse
 {
     uint32_t first_entry, first_point;
@@ -27,26 +27,25 @@ struct bat_mesh_map
     map_collapse *collapses;
     size_t collapse_count;
 
-    uint32_t *half_edge; ///< of an entry: the half-edge of its face that begins at i or j, as in collapse_ring
-    uint32_t *collapse;  ///< of an entry: its collapse
-    uint32_t *previous;  ///< of an entry: the entry of the same face in an earlier collapse; MAP_NONE for none
-    uint32_t *next;      ///< of an entry: that in a later collapse
+    uint32_t *half_edge; ///< for each entry: the half-edge of its face that begins at i or j
+    uint32_t *collapse;  ///< for each entry: its collapse
+    uint32_t *previous;  ///< for each entry: the entry of the same face in the previous collapse, or MAP_NONE
+    uint32_t *next;      ///< for each entry: the entry of the same face in the next collapse, or MAP_NONE
     size_t entry_count;
 
     double *points; ///< point_count x 2
     size_t point_count;
 
-    uint32_t *first; ///< of a face of the fine mesh: its first entry
-    uint32_t *last;  ///< of a face of the fine mesh: its last entry
-    uint32_t *kept;  ///< of a face of the coarse mesh: the face of the fine mesh it was
+    uint32_t *first; ///< for each fine face: its first entry
+    uint32_t *last;  ///< for each fine face: its last entry
+    uint32_t *kept;  ///< for each coarse face: the fine face that remained
     size_t fine_vertices, fine_faces, coarse_vertices, coarse_faces;
-    uint64_t fine_digest, coarse_digest; ///< of the faces, to recognize the meshes
+    uint64_t fine_digest, coarse_digest; ///< digests of the faces, which identify the meshes
 
-    size_t collapse_room, entry_room, point_room; ///< while the map is made
+    size_t collapse_room, entry_room, point_room; ///< capacities during construction
 };
 
-/// The corners in the plane of face k of a collapse, before it or after it. The first one is where the face's half-edge
-/// begins.
+/// The corners of face k of a collapse in the plane, before or after it. The face's half-edge begins at the first corner.
 static inline void map_corners(const bat_mesh_map *map, const map_collapse *collapse, uint32_t k, bool after,
                                const double *corners[3])
 {
@@ -67,33 +66,34 @@ static inline void map_corners(const bat_mesh_map *map, const map_collapse *coll
     corners[2] = points + (size_t)2 * (FLAT_RING + to);
 }
 
-/// Twice the area of a triangle in the plane, positive where it is counter-clockwise.
+/// Twice the signed area of a triangle in the plane, positive when counter-clockwise.
 static inline double map_area(const double *a, const double *b, const double *c)
 {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// A map of a mesh of so many faces onto itself.
+/// Make the identity map of a mesh with `fine_faces` faces.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status map_make(size_t fine_faces, bat_mesh_map **map, bat_error *error);
-/// Append a collapse. `flat` are the ring's points in the plane.
+/// Append a collapse; `flat` holds the flattened points of its ring.
 /// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY
 bat_status map_append(bat_mesh_map *map, const collapse_ring *ring, const double (*flat)[2], bat_error *error);
-/// Make the map ready for use: give back spare room, link the entries, remember the meshes. `kept` must be set.
+/// Finish the map: release spare memory, link the entries, store the digests. `kept` must be set.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error);
-/// Link the entries of every face, from the order of the collapses. The links and `first` and `last` must have their room.
+/// Link the entries of every face in the order of the collapses. The arrays of links, `first` and `last` must be allocated.
 void map_link(bat_mesh_map *map);
-/// Room for the links of all entries.
+/// Allocate the links of all entries.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status map_allocate_links(bat_mesh_map *map, bat_error *error);
-/// A number that depends on a mesh's faces and their order (FNV-1a).
+/// A hash of a mesh's faces in their order (FNV-1a).
 uint64_t map_digest(const bat_mesh *mesh);
-/// Check that points can be carried through a map whose arrays are set, links excepted: every collapse works on faces that
-/// are still there, all flat faces have a positive area, and what is left are the faces of `kept`.
+/// Check a map whose arrays are set, except for the links. Every collapse must act on existing faces, all flattened faces
+/// must have positive areas, and the remaining faces must be those in `kept`.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
 bat_status map_inspect(const bat_mesh_map *map, bat_error *error);
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT where the map is not one between meshes of these faces. Either may be null.
+/// Check that the map belongs to these meshes; either may be null.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error);
 
 #endif

@@ -8,37 +8,40 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Transfer of texture coordinates through a decimation map, with seams.
+
 enum
 {
-    /// Points of a face across a seam: 5 rows of 1 to 5.
+    /// Samples of a face across a seam: 5 rows of 1 to 5.
     ROWS = 5,
     SAMPLES = ROWS * (ROWS + 1) / 2
 };
 
-/// A point with a barycentric coordinate below this lies on the edge opposite.
+/// Points with a smaller barycentric coordinate lie on the opposite edge.
 static const double ON_EDGE = 1e-9;
-/// Texture coordinates farther apart than this, in parts of the distance of their points and the texture's scale there, have
-/// a seam between them.
+/// A seam separates two points whose texture coordinates differ by more than this factor times their distance times the
+/// local scale of the texture.
 static const double JUMP = 3;
-/// How much an affine map is drawn to a constant, for what its points leave open.
+/// Regularization of the affine fit towards a constant, where the samples do not determine it.
 static const double DAMPING = 1e-4;
 
-/// A point of the fine mesh and what the texture is there.
+/// A point of the fine mesh and its texture coordinate.
 typedef struct texture_point
 {
     double position[3], texture[2];
-    double scale; ///< of lengths in the texture to lengths in space
+    double scale; ///< the ratio of lengths in the texture to lengths in space
 } texture_point;
 
-/// All that a transfer works with.
+/// The state of a transfer.
 typedef struct texture_transfer
 {
     const bat_mesh_map *map;
     const bat_mesh *fine;
     const bat_mesh_point *images;
     bat_mesh_connectivity connectivity; ///< of the fine mesh
-    uint32_t *first;                    ///< of a vertex of the result: its first texture coordinate, or MAP_NONE
-    uint32_t *next;                     ///< of a texture coordinate: another one of the same vertex, or MAP_NONE
+    uint32_t *first;                    ///< for each vertex of the result: its first texture coordinate, or MAP_NONE
+    uint32_t *next;                     ///< for each texture coordinate: another one of the same vertex, or MAP_NONE
     double (*texture)[2];
     uint32_t *faces;
     uint32_t count;
@@ -74,7 +77,7 @@ static double length_of(const double *a, const double *b, size_t dimension)
     return sqrt(square);
 }
 
-/// What the texture is at a point of a face.
+/// The texture coordinate at a point of a face.
 static texture_point texture_at(const bat_mesh *mesh, uint32_t face, const double *barycentric)
 {
     texture_point point = {.scale = 0};
@@ -97,14 +100,14 @@ static texture_point texture_at(const bat_mesh *mesh, uint32_t face, const doubl
     return point;
 }
 
-/// Whether the texture goes on from one point to the other.
+/// Whether no seam separates two points.
 static bool is_continuous(const texture_point *a, const texture_point *b)
 {
     return length_of(a->texture, b->texture, 2) <=
            JUMP * fmax(a->scale, b->scale) * length_of(a->position, b->position, 3) + ON_EDGE;
 }
 
-/// A point's barycentric coordinates in another face that it may lie on too. False where it does not.
+/// The barycentric coordinates of a point in another face that contains it. False when it does not.
 static bool barycentric_in(const bat_mesh *mesh, const bat_mesh_point *point, uint32_t face, double *barycentric)
 {
     double sum = 0;
@@ -119,7 +122,7 @@ static bool barycentric_in(const bat_mesh *mesh, const bat_mesh_point *point, ui
     return sum >= 1 - 2 * ON_EDGE;
 }
 
-/// What the texture is at a point; where several faces meet there, that of the one nearest to `wanted`.
+/// The texture coordinate at a point. Where several faces meet, the one nearest to `wanted`.
 static texture_point texture_near(const texture_transfer *all, const bat_mesh_point *point, const double *wanted)
 {
     const double *b = point->barycentric;
@@ -142,8 +145,7 @@ static texture_point texture_near(const texture_transfer *all, const bat_mesh_po
     return best;
 }
 
-/// Points of a face of the result, given by their shares of its corners, and what the texture is where they lie on the fine
-/// mesh.
+/// The texture coordinates at the images of points of a face of the result, given by their weights of its corners.
 static bat_status texture_at_images(const texture_transfer *all, const double (*corners)[3], uint32_t coarse_face,
                                     size_t count, const double (*shares)[3], texture_point *found, bat_error *error)
 {
@@ -172,7 +174,7 @@ static void spread_samples(double (*shares)[3])
         }
 }
 
-/// The sample from which the texture goes on to most others.
+/// The sample that no seam separates from the most other samples.
 static size_t most_connected(const texture_point *samples)
 {
     size_t best = 0, best_count = 0;
@@ -190,8 +192,7 @@ static size_t most_connected(const texture_point *samples)
     return best;
 }
 
-/// The affine map of a face that fits the samples best to which the texture goes on from `centre`: its values at the
-/// corners.
+/// Fit an affine map to the samples on the side of `centre`; its values at the corners.
 static void fit(const texture_point *samples, const double (*shares)[3], size_t centre, double (*fitted)[2])
 {
     double right[3][2] = {{0}}, sum[2] = {0}, count = 0;
@@ -219,7 +220,7 @@ static void fit(const texture_point *samples, const double (*shares)[3], size_t 
     }
 }
 
-/// The number of a vertex's texture coordinate, a new one where there was none of this value.
+/// The number of a vertex's texture coordinate, which is added if it is new.
 static uint32_t number_of(texture_transfer *all, uint32_t vertex, const double *texture)
 {
     uint32_t number = all->first[vertex];
@@ -235,8 +236,8 @@ static uint32_t number_of(texture_transfer *all, uint32_t vertex, const double *
     return number;
 }
 
-/// Give a face what the texture is at its corners, on the side of `centre`; where it does not go on from there to a corner,
-/// what is `fitted`, or if that is null nothing. False if so.
+/// Assign texture coordinates to a face, on the side of `centre`. Corners beyond a seam get the value in `fitted`. Without
+/// `fitted` the function returns false if there are any.
 static bool assign_side(texture_transfer *all, const uint32_t *vertices, const texture_point *centre,
                         const double (*fitted)[2], uint32_t *numbers)
 {

@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Images of midpoint subdivisions under a decimation map, and the transfer of positions, normals, channels and texture.
+
 void midpoint_mesh_free(midpoint_mesh *mesh)
 {
     free(mesh->faces);
@@ -57,7 +60,8 @@ static bat_status split_begin(const bat_mesh *coarse, midpoint_mesh *mesh, bat_e
     return BAT_OK;
 }
 
-/// Faces 4 f + c at the corners of face f and 4 f + 3 in its middle; vertex `vertex_count` + e halves edge e.
+/// Split each face f into faces 4 f + c at its corners and 4 f + 3 in the middle; vertex `vertex_count` + e is the midpoint
+/// of edge e.
 static void split_faces(const midpoint_mesh *mesh, const bat_mesh_connectivity *connectivity, int level,
                         midpoint_mesh *split)
 {
@@ -139,7 +143,7 @@ bat_status bat_mesh_midpoints(const bat_mesh *coarse, size_t levels, bat_mesh_po
     return BAT_OK;
 }
 
-/// The coarse mesh subdivided, and the images of its vertices on the fine mesh, to be released with free().
+/// Subdivide the coarse mesh and compute the images of its vertices on the fine mesh. Release `images` with free().
 static bat_status find_images(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
                               midpoint_mesh *split, bat_mesh_point **images, bat_error *error)
 {
@@ -166,7 +170,7 @@ static bat_status find_images(const bat_mesh_map *map, const bat_mesh *fine, con
     return BAT_OK;
 }
 
-/// The values of a point: those at its face's corners by their barycentric coordinates. `corner` are three rows of `values`.
+/// Interpolate values at a point: sum_c barycentric[c] values[corner[c]].
 static void interpolate(const double *values, size_t width, const uint32_t *corner, const double *barycentric,
                         double *result)
 {
@@ -178,7 +182,7 @@ static void interpolate(const double *values, size_t width, const uint32_t *corn
     }
 }
 
-/// Twice a face's area, along its normal.
+/// The normal of a face, with twice its area as length.
 static void face_vector(const bat_mesh *mesh, size_t face, double *vector)
 {
     const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * face],
@@ -199,7 +203,7 @@ static bool make_unit(double *vector)
     return length > 0;
 }
 
-/// Unit normals at the points, from the vertices' area-weighted ones; where those cancel out, the face's.
+/// Unit normals at points, from area-weighted vertex normals; where those cancel, the normal of the face.
 static bat_status set_normals(const bat_mesh *fine, const bat_mesh_point *points, size_t count, double *normals,
                               bat_error *error)
 {
@@ -246,7 +250,7 @@ bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, c
     return status;
 }
 
-/// Channels of the images in a mesh that holds nothing else.
+/// The channels at the images, in a mesh that holds nothing else.
 static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *images, size_t count, bat_mesh *signals,
                                bat_error *error)
 {
@@ -273,7 +277,7 @@ static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *image
     return BAT_OK;
 }
 
-/// Move the signals into `refined`, and what it has into `signals`.
+/// Exchange texture and channels of the two meshes.
 static void exchange_signals(bat_mesh *signals, bat_mesh *refined)
 {
     bat_mesh old = {.texture = refined->texture,

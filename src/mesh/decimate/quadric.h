@@ -4,9 +4,9 @@
 #include <stdbool.h>
 
 /// @file
-/// Sums of squared distances to planes (Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics",
-/// 1997), about a centre: the error of the point centre + d is d'A d + 2 b'd + c. Kept about the vertex that they
-/// belong to, they lose no digits on meshes far from the origin.
+/// Sums of squared distances from planes (Garland and Heckbert, "Surface simplification using quadric error metrics", 1997),
+/// about a centre: the error of the point centre + d is d^T A d + 2 b^T d + c. A centre at the vertex avoids cancellation on
+/// meshes far from the origin.
 
 typedef struct quadric
 {
@@ -15,7 +15,7 @@ typedef struct quadric
     double constant;               ///< c
 } quadric;
 
-/// Add a plane through the centre, of unit normal `normal`.
+/// Add the plane through the centre with the unit normal `normal`.
 static inline void quadric_add_plane(quadric *sum, const double *normal, double weight)
 {
     sum->xx += weight * normal[0] * normal[0];
@@ -34,7 +34,7 @@ static inline double quadric_error(const quadric *q, const double *d)
     return q->constant + d[0] * x + d[1] * y + d[2] * z;
 }
 
-/// The same sum about the point centre + d.
+/// The same sum about the centre + d.
 static inline quadric quadric_moved(const quadric *q, const double *d)
 {
     quadric moved = *q;
@@ -45,21 +45,21 @@ static inline quadric quadric_moved(const quadric *q, const double *d)
     return moved;
 }
 
-/// The sum of two about the same centre.
+/// The sum of two quadrics about the same centre.
 static inline quadric quadric_sum(const quadric *p, const quadric *q)
 {
     return (quadric){p->xx + q->xx, p->xy + q->xy, p->xz + q->xz, p->yy + q->yy, p->yz + q->yz,
                      p->zz + q->zz, p->x + q->x,   p->y + q->y,   p->z + q->z,   p->constant + q->constant};
 }
 
-/// The weight of all planes.
+/// The total weight of the planes.
 static inline double quadric_weight(const quadric *q)
 {
     return q->xx + q->yy + q->zz;
 }
 
-/// Where the error is least, from the centre: (A + damping I) d = -b, by Cholesky's factors. Damping keeps d short in
-/// directions that no plane says anything about. False where the matrix is not positive definite.
+/// Minimize the error: solve (A + damping I) d = -b by Cholesky factorization. Damping keeps d short in directions that no
+/// plane determines. False when the matrix is not positive definite.
 static inline bool quadric_minimize(const quadric *q, double damping, double *d)
 {
     double xx = q->xx + damping;

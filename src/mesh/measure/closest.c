@@ -9,14 +9,17 @@
 #include <math.h>
 #include <stdlib.h>
 
+/// @file
+/// Construction of the tree by repeated halving at medians, and search with a stack, nearest boxes first.
+
 enum
 {
     WIDTH = CLOSEST_WIDTH,
-    /// Ranges of at least so many faces are split by threads.
+    /// Ranges of at least this many faces become tasks of their own.
     FACES_FOR_A_TASK = 8192
 };
 
-/// A face on its way to its place. Single precision suffices to put it in order.
+/// A face during sorting. Single precision suffices for the order.
 typedef struct entry
 {
     float centre[3];
@@ -44,12 +47,12 @@ double closest_scale(double largest)
 {
     int exponent;
     (void)frexp(largest, &exponent);
-    // The scale and 1 / scale are normal numbers.
+    // Both the scale and its inverse are normal numbers.
     return largest == 0 ? 1 : ldexp(1, exponent > 1020 ? -1020 : exponent < -1020 ? 1020 : -exponent);
 }
 
-/// Split entries begin … end - 1 in two parts that are not empty, those in the first with coordinates up to some pivot,
-/// those in the second from it on (Hoare's partition with the middle of three as pivot). Returns where the second begins.
+/// Partition entries begin, …, end - 1 into two non-empty parts, coordinates up to a pivot and from it on (Hoare, with the
+/// median of three as pivot). Returns the start of the second part.
 static size_t partition(entry *entries, size_t begin, size_t end, int axis)
 {
     float a = entries[begin].centre[axis], b = entries[begin + (end - begin) / 2].centre[axis],
@@ -71,7 +74,7 @@ static size_t partition(entry *entries, size_t begin, size_t end, int axis)
     }
 }
 
-/// Reorder so that no entry before `nth` has a greater coordinate, and none from there on a smaller one.
+/// Reorder the entries so that no entry before `nth` has a larger coordinate than any entry from there on.
 static void select_nth(entry *entries, size_t begin, size_t end, size_t nth, int axis)
 {
     while (end - begin > 1)
@@ -84,7 +87,7 @@ static void select_nth(entry *entries, size_t begin, size_t end, size_t nth, int
     }
 }
 
-/// The axis along which the centres reach farthest.
+/// The axis with the largest extent of the centres.
 static int longest_axis(const entry *entries, size_t begin, size_t end)
 {
     float low[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, high[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
@@ -99,8 +102,8 @@ static int longest_axis(const entry *entries, size_t begin, size_t end)
     return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-/// Bring the entries into the order of their places. `part` is the number of faces below one box of the node that the range
-/// belongs to; ranges are halved at whole parts, and a single part becomes the range of the node below.
+/// Sort the entries into the order of the tree. `part` is the number of faces below one box of the current node. Ranges are
+/// halved at multiples of `part`; a single part becomes the range of a child node.
 static void put_in_order(entry *entries, size_t begin, size_t end, size_t part)
 {
     while (part > 1 && end - begin <= part)
@@ -123,7 +126,7 @@ static void fill_entries(const bat_mesh *mesh, double scale, entry *entries)
         entries[f].face = (uint32_t)f;
         const double *a = mesh->positions + 3 * (size_t)corner[0], *b = mesh->positions + 3 * (size_t)corner[1],
                      *c = mesh->positions + 3 * (size_t)corner[2];
-        // Three times the centre: what counts is the order.
+        // Three times the centre; only the order matters.
         for (int k = 0; k < 3; k++)
             entries[f].centre[k] = (float)(scale * a[k] + scale * b[k] + scale * c[k]);
     }
@@ -134,7 +137,7 @@ static double per(double squared)
     return squared > DBL_MIN ? 1 / squared : 0;
 }
 
-/// The corner at which the longest edge begins.
+/// The corner where the longest edge begins.
 static int longest_edge(double corners[3][3])
 {
     double squared[3];
@@ -148,8 +151,8 @@ static int longest_edge(double corners[3][3])
     return squared[0] >= squared[1] && squared[0] >= squared[2] ? 0 : squared[1] >= squared[2] ? 1 : 2;
 }
 
-/// The part of `v` that is perpendicular to `u`; returns the share of `u` in the rest. Of a sliver that part is lost in
-/// rounding errors along `u`, which a second step takes away.
+/// Compute the component of `v` perpendicular to `u`; returns the coefficient of `u` in the other component. A second step
+/// removes the rounding error along `u`, which dominates for slivers.
 static double perpendicular(const double u[3], const double v[3], double per_squared_u, double height[3])
 {
     double share = vector3_dot(u, v) * per_squared_u;
@@ -161,7 +164,7 @@ static double perpendicular(const double u[3], const double v[3], double per_squ
     return share + left;
 }
 
-/// Put a triangle into lane `i`; returns the corner that became its first.
+/// Store a triangle in lane `i`; returns the face's corner that becomes corner 0.
 static int fill_lane(closest_packet *packet, int i, double corners[3][3])
 {
     int turn = longest_edge(corners);
@@ -197,7 +200,7 @@ static void widen(closest_node *node, int lane, const double low[3], const doubl
     }
 }
 
-/// Fill packet `p` and its box in the lowest nodes.
+/// Fill packet `p` and its box in the lowest level of nodes.
 static void fill_packet(const bat_mesh *mesh, closest_tree *tree, size_t p)
 {
     closest_node *node = &tree->nodes[tree->begin[1] + p / WIDTH];
@@ -216,7 +219,7 @@ static void fill_packet(const bat_mesh *mesh, closest_tree *tree, size_t p)
     }
 }
 
-/// Box `lane` of a node becomes the one around all boxes of the node below.
+/// Set box `lane` of a node to the union of the boxes of a child node.
 static void fill_box(closest_node *node, int lane, const closest_node *below)
 {
     for (int i = 0; i < WIDTH; i++)
@@ -227,7 +230,7 @@ static void fill_box(closest_node *node, int lane, const closest_node *below)
     }
 }
 
-/// How many nodes each level has, and where it begins. Returns the number of all nodes.
+/// Set the number of nodes and the first node of each level. Returns the number of all nodes.
 static size_t lay_out(closest_tree *tree, size_t packets)
 {
     size_t nodes = 0, count = packets;
@@ -261,7 +264,7 @@ static void fill_nodes(const bat_mesh *mesh, closest_tree *tree, size_t packets,
         }
 }
 
-/// Choose every face's place.
+/// Choose the place of every face.
 static bool choose_places(const bat_mesh *mesh, closest_tree *tree, size_t places)
 {
     entry *entries = memory_array(mesh->face_count, sizeof *entries);
@@ -303,19 +306,19 @@ bat_status closest_build(const bat_mesh *mesh, double largest, closest_tree *tre
 
 enum
 {
-    /// A node leaves at most 7 of its entries on the stack when the eighth is opened.
+    /// An opened node leaves at most 7 of its boxes on the stack.
     STACK = (WIDTH - 1) * CLOSEST_MAX_LEVELS + WIDTH
 };
 
-/// What is still to be opened: a node, or on level 0 a packet.
+/// An entry of the stack: a node or, on level 0, a packet.
 typedef struct pending
 {
-    double squared; ///< distance of its box
+    double squared; ///< squared distance of its box
     uint32_t index;
     int level;
 } pending;
 
-/// The best so far.
+/// The best distance found and its place.
 typedef struct answer
 {
     double squared;
@@ -333,10 +336,9 @@ static inline double squared_length(double x, double y, double z)
     return x * x + y * y + z * z;
 }
 
-/// Squared distance of a point from triangle `i` of a packet: that of the closest point on the three edges and, where the
-/// foot of the perpendicular lies inside, of the foot. All four are points of the triangle, computed as such, so that an
-/// error in where they lie counts only squared; and the foot is found from the longest edge, so that slivers are as good as
-/// others.
+/// The squared distance between a point and triangle `i` of a packet. It is the minimum over the closest points of the three
+/// edges and, where it lies inside, the foot of the perpendicular. All candidates are computed as points of the triangle, so
+/// errors in their place enter squared. The foot is computed from the longest edge, which keeps slivers accurate.
 static inline double packet_squared(const closest_packet *packet, const double point[3], int i)
 {
     double ux = packet->along[0][i], uy = packet->along[1][i], uz = packet->along[2][i];
@@ -360,12 +362,12 @@ static inline double packet_squared(const closest_packet *packet, const double p
     t = clamped((dx * wx + dy * wy + dz * wz) * packet->per_across[i]);
     double across = squared_length(dx - t * wx, dy - t * wy, dz - t * wz);
     smallest = across < smallest ? across : smallest;
-    // Without short cuts, which would be branches.
+    // Without && and ||, which would be branches.
     bool within = (a >= 0) & (b >= 0) & (a + b <= 1) & (inside < smallest);
     return within ? inside : smallest;
 }
 
-/// Compare the best with the triangles of a packet.
+/// Compare the best distance with the triangles of a packet.
 static inline void try_packet(const closest_tree *tree, uint32_t index, const double point[3], answer *best)
 {
     const closest_packet *packet = &tree->packets[index];
@@ -377,7 +379,7 @@ static inline void try_packet(const closest_tree *tree, uint32_t index, const do
             *best = (answer){squared[i], WIDTH * index + (uint32_t)i};
 }
 
-/// Put those boxes of a node on the stack that are nearer than the best, the nearest on top. Returns the new height.
+/// Push those boxes of a node that are nearer than `nearer_than`, the nearest last. Returns the new height of the stack.
 static inline int open_node(const closest_node *node, pending from, const double point[3], double nearer_than,
                             pending *stack, int height)
 {
@@ -441,13 +443,13 @@ double closest_to_place(const closest_tree *tree, const double point[3], uint32_
     return sqrt(packet_squared(&tree->packets[place / WIDTH], scaled, (int)(place % WIDTH))) * tree->unscale;
 }
 
-/// A triangle's corners a and b at along = 1, aside = 1, and what is left to corner 0.
+/// A point of a triangle: corner 0 + along (corner 1 - corner 0) + aside (corner 2 - corner 0).
 typedef struct triangle_point
 {
     double along, aside;
 } triangle_point;
 
-/// Which of the candidates of packet_squared() it was.
+/// The candidate of packet_squared() with the minimal distance.
 static triangle_point nearest_candidate(const closest_packet *packet, const double point[3], int i)
 {
     double d[3], u[3], v[3], du = 0, dv = 0, dh = 0, ew = 0;

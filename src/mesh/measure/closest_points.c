@@ -7,9 +7,12 @@
 #include <float.h>
 #include <math.h>
 
+/// @file
+/// Closest points and distances for many points, in blocks on several threads.
+
 enum
 {
-    /// Points that a thread takes at a time; each block begins its search anew, so that nothing depends on the threads.
+    /// Points of a block. Each block starts its search anew, so results do not depend on the number of threads.
     BLOCK = 1024
 };
 
@@ -21,7 +24,7 @@ static bat_status check_points(const double *points, size_t count, const char *w
     return BAT_OK;
 }
 
-/// A tree for queries with these points.
+/// Check the mesh and the points, and build a tree for queries with these points.
 static bat_status tree_for(const bat_mesh *mesh, const double *points, size_t count, const char *what, closest_tree *tree,
                            bat_error *error)
 {

@@ -9,13 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Distances between two meshes: the mean, root mean square and Hausdorff distance in each direction (Cignoni, Rocchini and
+/// Scopigno, "Metro: measuring error on simplified surfaces", 1998).
+///
+/// Means are integrals over the faces by a rule that is exact for quadratic functions; compare_refine.c encloses the
+/// Hausdorff distance.
+
 enum
 {
-    /// The points of a small triangle, each near one of its corners.
+    /// Sample points of a small triangle.
     POINTS = 3
 };
 
-/// Put the tallies of blocks together, in their order: the means and the greatest.
+/// Combine the sums of all blocks, in order, into means and the largest distance.
 static void sum_up(const compare_tally *tallies, size_t blocks, compare_way *way)
 {
     compare_tally all = {.greatest = -1};
@@ -39,7 +46,7 @@ static void sum_up(const compare_tally *tallies, size_t blocks, compare_way *way
     }
 }
 
-/// The blocks that a side's samples make, 0 where none are planned.
+/// The number of blocks of samples; 0 without samples.
 static size_t sample_blocks(const compare_side *side)
 {
     return side->samples == NULL ? 0 : (side->samples[side->mesh.face_count] + COMPARE_BLOCK - 1) / COMPARE_BLOCK;
@@ -53,17 +60,17 @@ static double area_of(const compare_side *side, uint32_t face)
     return sqrt(x * x + y * y + z * z) / 2;
 }
 
-/// Into how many parts a face's edges are cut.
+/// The number of parts into which each edge of a face is divided.
 static double parts_of(const compare_side *side, double area)
 {
     return fmax(1, round(sqrt(area / side->area * side->wanted / POINTS)));
 }
 
-/// Choose the samples: every face is cut into k^2 equal triangles, and in each three points are taken, whose mean is exact
-/// for quadratic functions (Strang and Fix, "An analysis of the finite element method", 1973, section 4.3: barycentric
-/// coordinates 2/3, 1/6, 1/6). 3 k^2 is near the face's share of the samples by its area; k is at least 1.
+/// Plan the samples. Each face is divided into k^2 congruent triangles with three points each, at barycentric coordinates
+/// 2/3, 1/6, 1/6. This rule is exact for quadratic functions (Strang and Fix, "An analysis of the finite element method",
+/// 1973, section 4.3). 3 k^2 is near the face's share of `samples` by area, with k >= 1.
 /// @param which "first" or "second", for the message
-/// @return BAT_OK; BAT_INVALID_ARGUMENT when the side has no area; BAT_NO_MEMORY
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for a mesh without area; BAT_NO_MEMORY
 static bat_status plan_samples(compare_side *side, const char *which, size_t samples, bat_error *error)
 {
     size_t faces = side->mesh.face_count;
@@ -85,7 +92,7 @@ static bat_status plan_samples(compare_side *side, const char *which, size_t sam
     return BAT_OK;
 }
 
-/// The face (by its number in the tree's order) that a sample lies on.
+/// The face of a sample, as an index in the tree's order, by bisection.
 static size_t face_of(const compare_side *side, size_t sample)
 {
     size_t begin = 0, end = side->mesh.face_count;
@@ -100,9 +107,9 @@ static size_t face_of(const compare_side *side, size_t sample)
     return begin;
 }
 
-/// Point number `i` of a face whose edges are cut in `parts`. Row r of small triangles, counted from corner 0, has 2 r + 1
-/// of them, by turns with the tip towards corner 0 and away from it; column c is as many parts of the third edge away from
-/// the first.
+/// Sample `i` of a face whose edges are divided into `parts`. Row r of small triangles, from corner 0, has 2 r + 1
+/// triangles, which point alternately towards corner 0 and away from it. Column c is offset by c parts of the edge from
+/// corner 1 to corner 2.
 static void sample_point(const compare_side *side, uint32_t face, size_t i, double parts, double point[3])
 {
     static const double NEAR = 2.0 / 3, FAR = 1.0 / 6;
@@ -141,8 +148,8 @@ static void sample_block(const compare_side *side, const closest_tree *onto, siz
     }
 }
 
-/// The means over the samples, and their greatest distance. Each block of samples is a piece of `work`, from `first_piece`
-/// on; the vertices' distances must be there.
+/// Compute the means and the largest distance over the samples. Each block is a piece of `work`, from `first_piece` on. The
+/// distances of the vertices must be known.
 /// @return BAT_OK, also when `work` was cancelled, or BAT_NO_MEMORY
 static bat_status measure_samples(compare_way *way, int threads, size_t first_piece, shared_work *work, bat_error *error)
 {
@@ -164,7 +171,7 @@ static bat_status measure_samples(compare_way *way, int threads, size_t first_pi
     return BAT_OK;
 }
 
-/// Numbers up to this, squared or summed over the faces, stay exact in a double and within size_t.
+/// The most samples. Their number stays exact in a double and fits size_t, also with 3 k^2 rounded for each face.
 static const size_t MAX_SAMPLES = (size_t)1 << 40;
 
 bat_mesh_compare_options bat_mesh_compare_defaults(void)
@@ -198,7 +205,7 @@ static void measure_block(compare_side *from, const compare_side *onto, size_t b
     }
 }
 
-/// The distances of the vertices. The blocks are the pieces of `work` from `first_piece` on.
+/// Compute the distances of the vertices. Each block is a piece of `work`, from `first_piece` on.
 static bat_status measure_vertices(compare_side *from, const compare_side *onto, int threads, size_t first_piece,
                                    shared_work *work, compare_way *way, bat_error *error)
 {
@@ -235,7 +242,7 @@ static void side_free(compare_side *side)
 static void list_vertices(compare_side *side)
 {
     const size_t face_count = side->mesh.face_count;
-    // No distance is negative: this marks the vertices that are not listed yet.
+    // Distances are not negative, so -1 marks vertices that are not listed yet.
     for (size_t v = 0; v < side->mesh.vertex_count; v++)
         side->distances[v] = -1;
     for (size_t i = 0; i < 3 * face_count; i++)
@@ -248,7 +255,7 @@ static void list_vertices(compare_side *side)
     }
 }
 
-/// `side` is all zero on entry, and to be freed also on failure.
+/// Prepare a mesh. `side` is all zero on entry; free it on failure as well.
 static bat_status side_make(const bat_mesh *mesh, const char *which, double scale, const bat_mesh_compare_options *options,
                             compare_side *side, bat_error *error)
 {
@@ -271,7 +278,7 @@ static bat_status side_make(const bat_mesh *mesh, const char *which, double scal
     return options->vertices ? BAT_OK : plan_samples(side, which, options->samples, error);
 }
 
-/// Of the box around the faces.
+/// The diagonal of the bounding box of the faces.
 static double diagonal_of(const compare_side *side)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -285,7 +292,7 @@ static double diagonal_of(const compare_side *side)
     return hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
 }
 
-/// Both ways.
+/// Compute the distances in both directions.
 static bat_status measure_ways(compare_side sides[2], const bat_mesh_compare_options *options, compare_way ways[2],
                                bat_error *error)
 {
@@ -310,7 +317,7 @@ static bat_status measure_ways(compare_side sides[2], const bat_mesh_compare_opt
     return status == BAT_OK ? shared_work_end(&work, error) : status;
 }
 
-/// The results in the unit of the meshes.
+/// The result in the unit of length of the meshes.
 static bat_mesh_distance put_together(const compare_way ways[2], double diagonal, double unscale)
 {
     const compare_way *there = &ways[0], *back = &ways[1];
@@ -335,7 +342,7 @@ static bat_mesh_distance put_together(const compare_way ways[2], double diagonal
     return distance;
 }
 
-/// Check a mesh, and that differences of its coordinates can be taken.
+/// Check a mesh, and that differences of its coordinates do not overflow.
 static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error *error)
 {
     bat_error own;

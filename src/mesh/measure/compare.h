@@ -6,40 +6,40 @@
 #include "mesh/measure/closest.h"
 
 /// @file
-/// The parts of bat_mesh_compare(). All lengths here are multiplied by one power of two that brings the coordinates of both
-/// meshes to -1 … 1.
+/// Types of bat_mesh_compare(). All lengths are scaled by a power of two that brings the coordinates of both meshes to -1
+/// … 1.
 
 enum
 {
-    /// Distances that a thread takes at a time.
+    /// Distances of a block.
     COMPARE_BLOCK = 1024
 };
 
-/// One of the two meshes. Faces come in the order of its own tree, so that neighbours follow each other.
+/// One of the two meshes. Its faces are processed in the order of its tree, where neighbours are close.
 typedef struct compare_side
 {
-    bat_mesh mesh; ///< its faces are borrowed, its positions its own
+    bat_mesh mesh; ///< with borrowed faces and its own positions
     closest_tree tree;
-    uint32_t *vertices; ///< those that have a face, in the order in which faces name them
+    uint32_t *vertices; ///< the vertices that have a face, in the order of the tree's faces
     size_t vertex_count;
-    double *distances; ///< of every vertex (that has a face) from the other side
-    uint32_t *places;  ///< where in the other side's tree that distance was found
-    size_t *samples;   ///< the first sample of each face, in the order of the tree, and at the end their number; or null
-    double area;       ///< of all faces, when samples are planned
-    double wanted;     ///< samples
+    double *distances; ///< for each such vertex: its distance from the other mesh
+    uint32_t *places;  ///< for each such vertex: the place of the closest triangle in the other tree
+    size_t *samples;   ///< the first sample of each face, in the order of the tree, then their number; or null
+    double area;       ///< the area of all faces; set with the samples
+    double wanted;     ///< the requested number of samples
 } compare_side;
 
-/// What is known of the distances of one side from the other.
+/// The distances of one mesh from the other, in one direction.
 typedef struct compare_way
 {
     const compare_side *from, *onto;
     double mean, mean_square;
-    double greatest;    ///< found
-    double farthest[3]; ///< where
-    double most;        ///< proven
+    double greatest;    ///< the largest distance found
+    double farthest[3]; ///< the point of the largest distance
+    double most;        ///< an upper bound of the one-sided Hausdorff distance
 } compare_way;
 
-/// What some distances amount to.
+/// Sums and maximum of some distances.
 typedef struct compare_tally
 {
     double weight, sum, squares;
@@ -64,7 +64,7 @@ static inline const double *compare_corner(const compare_side *side, uint32_t fa
     return side->mesh.positions + 3 * (size_t)side->mesh.faces[3 * (size_t)face + (size_t)corner];
 }
 
-/// Make the greatest distance as exact as the options ask, and find out what it cannot exceed.
+/// Enclose the one-sided Hausdorff distance to the options' tolerance: increase way->greatest and set way->most.
 /// @param diagonal of the bounding box
 bat_status compare_refine(compare_way *way, double diagonal, const bat_mesh_compare_options *options, shared_work *work,
                           bat_error *error);

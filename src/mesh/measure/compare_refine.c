@@ -8,16 +8,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// A triangle of one side in which distances may be greater than the greatest known.
+/// @file
+/// Branch and bound for the one-sided Hausdorff distance max_p d(p, mesh).
+///
+/// Each face carries an upper bound of the distances of its points. Faces whose bound exceeds the largest known distance by
+/// more than the tolerance are bisected; distances at the midpoints increase the known distance (Guthe, Borodin and Klein,
+/// "Fast and accurate Hausdorff distance calculation between meshes", 2005).
+
+/// A triangle of one mesh that may contain a distance above the largest known one.
 typedef struct piece
 {
     double corners[3][3];
-    double distances[3]; ///< of the corners from the other side
-    uint32_t places[3];  ///< where they were found
-    double bound;        ///< no point of the triangle is farther from the other side
+    double distances[3]; ///< for each corner: its distance from the other mesh
+    uint32_t places[3];  ///< for each corner: the place of its closest triangle
+    double bound;        ///< an upper bound of the distances of all points
 } piece;
 
-/// Pieces, and room for more.
+/// An array of pieces.
 typedef struct pieces
 {
     piece *list;
@@ -30,8 +37,8 @@ static double length_of(const double a[3], const double b[3])
     return sqrt(x * x + y * y + z * z);
 }
 
-/// Distances change by no more than the way gone: from any corner to anywhere, or from the nearest corner, which is at most
-/// 1 / sqrt(3) of the longest edge away (Jung's theorem).
+/// The bound from the Lipschitz constant 1 of the distance: along the edges from any corner, or from the nearest corner,
+/// which is at most 1 / sqrt(3) times the longest edge away (Jung's theorem).
 static double bound_by_way(const piece *part)
 {
     static const double PER_ROOT_OF_THREE = 0.57735026918962576451;
@@ -47,7 +54,7 @@ static double bound_by_way(const piece *part)
     return fmin(bound, greatest + longest * PER_ROOT_OF_THREE);
 }
 
-/// bound_by_triangles() for the triangle closest to the piece's centre.
+/// The bound of bound_by_triangles() for the triangle closest to the centre.
 static double bound_by_centre(const piece *part, const closest_tree *onto)
 {
     double centre[3], greatest = 0;
@@ -60,8 +67,8 @@ static double bound_by_centre(const piece *part, const closest_tree *onto)
     return greatest;
 }
 
-/// The distance from one triangle of the other side is a convex function, greatest at a corner; and the distance from the
-/// whole side is no greater. Tried are the triangles closest to the corners.
+/// The bound from convexity. The distance from one triangle of the other mesh is convex, so its maximum is at a corner; the
+/// distance from the whole mesh is not larger. The triangles closest to the corners are tried.
 static double bound_by_triangles(const piece *part, const closest_tree *onto)
 {
     double bound = INFINITY;
@@ -78,7 +85,7 @@ static double bound_by_triangles(const piece *part, const closest_tree *onto)
     return bound;
 }
 
-/// Find the bound, as sharp as it must be to tell whether it is above the limit.
+/// Compute the bound, as accurately as the comparison with `limit` requires.
 static void find_bound(piece *part, const closest_tree *onto, double limit)
 {
     part->bound = bound_by_way(part);
@@ -117,7 +124,7 @@ static int longest_edge(const piece *part)
     return longest;
 }
 
-/// Halve a piece across its longest edge.
+/// Bisect a piece at the midpoint of its longest edge.
 static void halve(const piece *part, const closest_tree *onto, double limit, piece halves[2])
 {
     int a = longest_edge(part), b = (a + 1) % 3;
@@ -148,14 +155,14 @@ static bool make_room(pieces *parts, size_t count)
     return parts->list != NULL;
 }
 
-/// Above what a bound asks for a closer look.
+/// Pieces with a bound above this value are bisected.
 static double limit_of(const compare_way *way, double diagonal, double tolerance)
 {
     static const double MIN_SHARE = 1e-6;
     return way->greatest + tolerance * fmax(way->greatest, MIN_SHARE * diagonal);
 }
 
-/// Keep the pieces whose bounds are above the limit; the others' bounds count for what is proven.
+/// Keep the pieces with bounds above the limit. The bounds of the others enter way->most.
 static void drop_settled(pieces *parts, double limit, compare_way *way)
 {
     size_t kept = 0;
@@ -167,7 +174,7 @@ static void drop_settled(pieces *parts, double limit, compare_way *way)
     parts->count = kept;
 }
 
-/// The faces whose bounds are above the limit.
+/// Collect the faces with bounds above the limit.
 static bool first_pieces(compare_way *way, double limit, int threads, pieces *parts)
 {
     const compare_side *side = way->from;
@@ -199,7 +206,7 @@ static bool first_pieces(compare_way *way, double limit, int threads, pieces *pa
     return made;
 }
 
-/// Halve all pieces, and learn from the distances in their middles.
+/// Bisect all pieces and update the largest known distance.
 static bool halve_all(compare_way *way, double limit, int threads, const pieces *parts, pieces *halves)
 {
     if (!make_room(halves, 2 * parts->count))

@@ -12,9 +12,13 @@
 #include <string.h>
 
 /// @file
-/// The edges of any mesh, manifold or not, and what hangs together through them.
+/// Counts, connectivity and geometry of a mesh that need not be manifold.
+///
+/// The Euler characteristic is V - E + F without isolated vertices; a closed oriented manifold of c components has the genus
+/// c - (V - E + F) / 2. The quality of a triangle is 4 sqrt(3) area / (a^2 + b^2 + c^2). The volume is the sum of (p_1 .
+/// (p_2 x p_3)) / 6.
 
-/// Half-edges sorted by their edges: those of edge e are order[begin[e]] … order[begin[e + 1] - 1], lesser numbers first.
+/// Half-edges grouped by edge: edge e has order[begin[e]], …, order[begin[e + 1] - 1], in increasing order.
 typedef struct edge_groups
 {
     uint32_t *order; ///< 3 x face_count half-edges
@@ -41,8 +45,8 @@ static uint32_t greater_end(const uint32_t *faces, uint32_t half_edge)
     return a < b ? b : a;
 }
 
-/// Sort half-edges by one of their ends, keeping the order of those at the same vertex (counting sort). `from` null stands
-/// for the order of their numbers; `room` has space for a number for each vertex and one more.
+/// Counting sort of half-edges by one of their ends, stable. With `from` null the half-edges are in the order of their
+/// numbers. `room` has one number more than there are vertices.
 static void sort_by(uint32_t (*end)(const uint32_t *, uint32_t), const bat_mesh *mesh, const uint32_t *from, uint32_t *to,
                     uint32_t *room)
 {
@@ -59,7 +63,7 @@ static void sort_by(uint32_t (*end)(const uint32_t *, uint32_t), const bat_mesh 
     }
 }
 
-/// Where edges begin in the sorted half-edges.
+/// Find the first half-edge of each edge in the sorted order.
 static void mark_edges(const bat_mesh *mesh, edge_groups *groups)
 {
     uint32_t count = (uint32_t)(3 * mesh->face_count), edges = 0;
@@ -94,7 +98,7 @@ static bat_status edge_groups_make(const bat_mesh *mesh, edge_groups *groups, ba
     return BAT_OK;
 }
 
-/// Sets of numbers that are joined step by step (union-find with path halving). At first each number is alone.
+/// Disjoint sets with path halving (union-find). At first each number is a set of its own.
 static void sets_begin(uint32_t *parent, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -115,21 +119,21 @@ static void sets_join(uint32_t *parent, uint32_t a, uint32_t b)
 {
     a = sets_find(parent, a);
     b = sets_find(parent, b);
-    // The lesser number leads its set.
+    // The smaller number is the root.
     if (a < b)
         parent[b] = a;
     else
         parent[a] = b;
 }
 
-/// What is found out of the way faces hang together.
+/// The connectivity of a mesh.
 typedef struct topology
 {
     const bat_mesh *mesh;
     edge_groups edges;
-    uint32_t *vertex_sets; ///< vertices joined by edges
-    uint32_t *fans;        ///< corners (numbered as half-edges) joined around their vertex
-    uint32_t *loops;       ///< corners joined also along the boundary
+    uint32_t *vertex_sets; ///< sets of vertices joined by edges
+    uint32_t *fans;        ///< sets of corners, numbered as half-edges, joined around their vertex
+    uint32_t *loops;       ///< sets of corners that are also joined along the boundary
     uint32_t *valence;
 } topology;
 
@@ -157,7 +161,7 @@ static void topology_free(topology *made)
     edge_groups_free(&made->edges);
 }
 
-/// Join the corners of two faces at both ends of the edge that they share.
+/// Join the corners of two faces at both ends of their common edge.
 static void join_corners(const topology *made, uint32_t h, uint32_t other)
 {
     const uint32_t *faces = made->mesh->faces;
@@ -167,7 +171,7 @@ static void join_corners(const topology *made, uint32_t h, uint32_t other)
     sets_join(made->fans, bat_mesh_next(h), against ? begin : end);
 }
 
-/// One edge: join what it joins and count what it is.
+/// Join the sets at one edge and count it.
 static void count_edge(const topology *made, size_t edge, bat_mesh_summary *summary)
 {
     const uint32_t *faces = made->mesh->faces, *half_edges = made->edges.order + made->edges.begin[edge];
@@ -183,7 +187,7 @@ static void count_edge(const topology *made, size_t edge, bat_mesh_summary *summ
     summary->reversed_edges += count == 2 && faces[half_edges[1]] == a;
 }
 
-/// The number of closed walks along boundary edges. Where fans meet in one vertex, each has its own.
+/// The number of boundary loops. Where several fans meet in a vertex, each belongs to its own loop.
 static size_t count_loops(const topology *made)
 {
     size_t corners = 3 * made->mesh->face_count, count = 0;
@@ -192,7 +196,7 @@ static size_t count_loops(const topology *made)
         if (made->edges.begin[e + 1] - made->edges.begin[e] == 1)
         {
             uint32_t h = made->edges.order[made->edges.begin[e]];
-            // Two fans become one loop, unless they are so already: then the loop is closed.
+            // An edge within one set closes a loop.
             uint32_t a = sets_find(made->loops, h), b = sets_find(made->loops, bat_mesh_next(h));
             count += a == b;
             sets_join(made->loops, a, b);
@@ -200,7 +204,7 @@ static size_t count_loops(const topology *made)
     return count;
 }
 
-/// Components, isolated vertices, vertices of several fans, valences. Uses up the valences.
+/// Count components, isolated vertices, vertices with several fans, and valences. Overwrites the valences.
 static void count_vertices(const topology *made, bat_mesh_summary *summary)
 {
     const bat_mesh *mesh = made->mesh;
@@ -236,7 +240,8 @@ static void sum_up_topology(const topology *made, bat_mesh_summary *summary)
     summary->genus = has_genus ? (int64_t)summary->components - summary->euler / 2 : -1;
 }
 
-/// The mesh's coordinates times a power of two, from the middle of its box, so that squares and products stay in range.
+/// A mesh whose coordinates are scaled by a power of two and shifted to the centre of its box, so that products do not
+/// overflow.
 typedef struct scaled_mesh
 {
     const bat_mesh *mesh;
@@ -255,7 +260,7 @@ static double length_of(const double a[3])
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/// What is added up over the faces.
+/// Sums over the faces.
 typedef struct face_sums
 {
     exact_sum area, volume, quality;

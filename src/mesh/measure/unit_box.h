@@ -5,15 +5,15 @@
 #include <stddef.h>
 
 /// @file
-/// The published scale of meshes (Liu et al. 2020): u = (v - low) / size, which has its least coordinates at 0 and its
-/// greatest at 1.
+/// The published normalization of meshes (Liu et al., 2020): u = (v - low) / size, which maps the smallest coordinates to 0
+/// and the largest extent to 1.
 
 typedef struct unit_box
 {
     double low[3], size;
 } unit_box;
 
-/// @param positions count x 3
+/// The box of `count` x 3 coordinates.
 static inline unit_box unit_box_of(const double *positions, size_t count)
 {
     unit_box box = {{INFINITY, INFINITY, INFINITY}, 0};
@@ -26,7 +26,7 @@ static inline unit_box unit_box_of(const double *positions, size_t count)
     return box;
 }
 
-/// Coordinate i % 3 in the box.
+/// Map coordinate i % 3 into the box.
 static inline double unit_box_in(const unit_box *box, size_t i, double coordinate)
 {
     return (coordinate - box->low[i % 3]) / box->size;

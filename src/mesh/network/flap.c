@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Half-flaps from connectivity, on a mesh and on its refinements.
+
 // Half-flaps of one mesh
 
 static uint32_t apex(const uint32_t *faces, uint32_t half_edge)
@@ -24,7 +27,7 @@ static mesh_flap flap_along(const uint32_t *faces, const bat_mesh_connectivity *
                        whole ? MESH_FLAP_WHOLE : MESH_FLAP_NO_RIGHT};
 }
 
-/// The half-flap that runs against a boundary's half-edge, where there is no face to the left.
+/// The half-flap opposite to a boundary half-edge, which has no left face.
 static mesh_flap flap_against(const uint32_t *faces, const bat_mesh_connectivity *connectivity, uint32_t half_edge)
 {
     uint32_t opposite = apex(faces, half_edge);
@@ -96,7 +99,7 @@ void mesh_flaps_free(mesh_flaps *flaps)
 
 // Levels
 
-/// Faces with their neighbours.
+/// Faces with their connectivity.
 typedef struct surface
 {
     uint32_t *faces;

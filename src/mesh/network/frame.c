@@ -1,7 +1,10 @@
 #include "mesh/network/frame.h"
 
-/// Below this square of the sine of its angle a face has no normal; below this square of their sum the two normals have no
-/// mean.
+/// @file
+/// The derivative of a unit vector u = v / |v| is (I - u u^T) / |v|. All loops run over half-flaps and are vectorized.
+
+/// A face has a normal when the squared sine of its angle is above MIN_AREA. Two unit normals have a mean when the square of
+/// their sum is above MIN_NORMAL.
 static const real MIN_AREA = (real)1e-10;
 static const real MIN_NORMAL = (real)1e-6;
 
@@ -54,13 +57,13 @@ static inline vector cross(vector a, vector b)
     return (vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// The derivative by v of a unit vector u = rate v.
+/// The gradient with respect to v of a unit vector u = rate v.
 static inline vector unit_back(vector u, real rate, vector gradient)
 {
     return scale(rate, subtract(gradient, scale(dot(u, gradient), u)));
 }
 
-/// 1 / sqrt(squares), and 0 unless that is above `min`.
+/// 1 / sqrt(squares), or 0 where `squares` is not above `min`.
 static inline real inverse_root(real squares, real min)
 {
     bool enough = squares > min;
@@ -68,13 +71,13 @@ static inline real inverse_root(real squares, real min)
     return enough ? 1 / root : 0;
 }
 
-/// A half-flap's frame with what leads to it.
+/// The frame of a half-flap with its intermediate results.
 typedef struct steps
 {
     vector j, k, l;                             ///< edges
-    vector left, right;                         ///< unit normals of the faces
+    vector left, right;                         ///< unit normals of both faces
     vector x, y, z;                             ///< the frame
-    real j_rate, left_rate, right_rate, z_rate; ///< unit vectors over those that they are made from
+    real j_rate, left_rate, right_rate, z_rate; ///< the factor from a vector to its unit vector
 } steps;
 
 static inline steps compute_frame(const real *edges, size_t count, size_t i)
@@ -96,7 +99,7 @@ static inline steps compute_frame(const real *edges, size_t count, size_t i)
     return s;
 }
 
-/// The root of the mean square of the five edges.
+/// The root mean square of the five edge lengths.
 static inline real length_of(vector j, vector k, vector l)
 {
     vector jk = subtract(k, j), jl = subtract(l, j);

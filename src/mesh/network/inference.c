@@ -8,15 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Forward pass of the network on blocks of half-flaps. The first layer is split: the products of vertex features are
+/// computed once for each vertex and added for the four corners of a half-flap.
+
 enum
 {
     W = MESH_WIDTH,
-    FEATURES = W - 3,               ///< of a state behind the position
-    ROWS = 16 * LEARN_TILE,         ///< half-flaps that go through the network together
-    MAX_GEOMETRY = FLAP_EDGES + 12, ///< three edges, and the four differential coordinates at the begin
-    VERTICES = ROWS / 6,            ///< that threads take at a time
-    DIFFERENCES = 6,                ///< width of the first state: positions and differential coordinates
-    LAYER = (W + 1) * LEARN_PANEL,  ///< numbers of a packed layer from W inputs
+    FEATURES = W - 3,               ///< features of a state: all but the position
+    ROWS = 16 * LEARN_TILE,         ///< half-flaps of a block
+    MAX_GEOMETRY = FLAP_EDGES + 12, ///< three edges and, in the first module, four differential coordinates
+    VERTICES = ROWS / 6,            ///< vertices of a block
+    DIFFERENCES = 6,                ///< width of the first state: position and differential coordinate
+    LAYER = (W + 1) * LEARN_PANEL,  ///< numbers of a packed layer with W inputs
     MODULE = (FEATURES + 1) * 4 * LEARN_PANEL + (MAX_GEOMETRY + 1) * LEARN_PANEL + 2 * LAYER
 };
 
@@ -25,7 +29,7 @@ enum
 /// The weight's columns of a module's first layer, sorted as in research/train/mesh_network_tape.h.
 typedef struct first_layer
 {
-    real features[4 * W][FEATURES]; ///< corner after corner
+    real features[4 * W][FEATURES]; ///< one corner after the other
     real geometry[W][MAX_GEOMETRY];
 } first_layer;
 
@@ -35,7 +39,7 @@ static void sort_columns(const real *weight, size_t columns, first_layer *sorted
     for (size_t o = 0; o < W; o++, weight += columns)
         for (size_t c = 0; c < 4; c++)
         {
-            // Corner c's numbers stand behind its position, which corner 0 does not have.
+            // The columns of corner c follow those of its position, which corner 0 does not have.
             const real *own = weight + c * width;
             for (size_t a = 0; a < 3 && c > 0; a++)
                 sorted->geometry[o][3 * (c - 1) + a] = own[a - 3];
@@ -88,29 +92,30 @@ void mesh_inference_free(mesh_inference *network)
 
 // A block of half-flaps
 
-/// What the half-flaps of a level look at.
+/// The input of a level: half-flaps, states and the module to apply.
 typedef struct level_input
 {
     flap_frame_options frames;
     const mesh_inference_module *module;
     const mesh_flaps *flaps;
-    const real *state;    ///< vertices x width
-    size_t width;         ///< W; at the begin that of the first state
-    const real *products; ///< vertices x 4 W: the first layer's of the features; null at the begin
+    const real *state; ///< vertex_count x width
+    size_t width;      ///< W; for the first module the width of the first state
+    const real
+        *products; ///< vertex_count x 4 W: the products of the features with the first layer; null for the first module
 } level_input;
 
-/// A thread's memory.
+/// The memory of a thread.
 typedef struct block
 {
     _Alignas(64) real vectors[MAX_GEOMETRY * ROWS]; ///< in space
-    real geometry[MAX_GEOMETRY * ROWS];             ///< in the frames
+    real geometry[MAX_GEOMETRY * ROWS];             ///< in the local frames
     real frame[FLAP_FRAME * ROWS];
-    real x[ROWS * MAX_GEOMETRY]; ///< what is seen, a row a half-flap
+    real x[ROWS * MAX_GEOMETRY]; ///< the same, one row for each half-flap
     real inner[ROWS * W];
     real output[ROWS * W];
     const mesh_flap *flap[ROWS];
-    size_t rows;     ///< of them
-    size_t failures; ///< half-flaps without a frame, or for which the network says no number
+    size_t rows;     ///< the number of half-flaps
+    size_t failures; ///< half-flaps without a frame or with an output that is not finite
 } block;
 
 static inline void gather_flap(const level_input *s, const mesh_flap *flap, real *vectors)
@@ -133,7 +138,7 @@ static inline void gather_flap(const level_input *s, const mesh_flap *flap, real
                 vectors[(FLAP_EDGES + 3 * c + a) * ROWS] = corner[c][3 + a];
 }
 
-/// Ask for the products that add_products() will read, far apart in memory as they may be.
+/// Prefetch the products that add_products() reads.
 static inline void prefetch_products(const level_input *s, const mesh_flap *flap)
 {
     enum
@@ -151,7 +156,7 @@ static inline void prefetch_positions(const level_input *s, const mesh_flap *fla
         __builtin_prefetch(s->state + flap->corner[c] * s->width);
 }
 
-/// Fill b->x for the rows of b->flap.
+/// Compute b->x for the half-flaps of b->flap.
 static void gather_inputs(const level_input *s, block *b)
 {
     enum
@@ -182,7 +187,7 @@ static void rectify(size_t count, real *y)
         y[i] = y[i] > 0 ? y[i] : 0;
 }
 
-/// y = max(0, y + the corners' products)
+/// y = max(0, y + the products of the four corners)
 LANES_CLONES
 static void add_products(size_t rows, const mesh_flap *const *flap, const real *restrict products, real *restrict y)
 {
@@ -199,7 +204,7 @@ static void add_products(size_t rows, const mesh_flap *const *flap, const real *
     }
 }
 
-/// Turn the displacements out of the frames; those that are no numbers become 0.
+/// Rotate the displacements from the local frames into space. Replace those that are not finite by 0.
 static void rotate_displacements(block *b)
 {
     for (size_t r = 0; r < b->rows; r++)
@@ -216,7 +221,7 @@ static void rotate_displacements(block *b)
     }
 }
 
-/// From b->flap to b->said, the displacements in space.
+/// Apply the module to b->flap. b->output receives its outputs, with displacements in space.
 static void evaluate(const level_input *s, block *b)
 {
     const mesh_inference_module *module = s->module;
@@ -247,7 +252,7 @@ static void count_frameless(block *b)
         b->failures += b->frame[r] == 0 && b->frame[ROWS + r] == 0 && b->frame[2 * ROWS + r] == 0;
 }
 
-/// The new states of vertices `begin` to `end`.
+/// Compute the new states of the vertices begin, …, end - 1.
 static void move_vertices(const level_input *s, size_t begin, size_t end, real *next, block *b)
 {
     const mesh_flaps *flaps = s->flaps;
@@ -274,7 +279,8 @@ static void move_vertices(const level_input *s, size_t begin, size_t end, real *
     }
 }
 
-/// The states of the new vertices of edges `begin` to `end`, as many as a block holds, `columns` numbers of each.
+/// Compute the states of the new vertices on the edges begin, …, end - 1, `columns` numbers of each. The edges fit into one
+/// block.
 static void insert_vertices(const level_input *s, size_t begin, size_t end, size_t columns, real *next, block *b)
 {
     b->rows = 2 * (end - begin);
@@ -300,12 +306,12 @@ typedef struct run
 {
     const mesh_inference *network;
     int threads;
-    real *state, *next; ///< as many vertices as the last level begins with, in whole tiles, x W
-    real *products;     ///< the same x 4 W
+    real *state, *next; ///< vertices at the start of the last level, rounded up to whole tiles, x W
+    real *products;     ///< the same number x 4 W
     size_t failures;
 } run;
 
-/// The first layer's products of all vertices' features.
+/// Multiply the features of all vertices with the first layer.
 static void multiply(const run *u, const mesh_inference_module *module, size_t vertices)
 {
     size_t tiles = learn_whole_tiles(vertices), blocks = (tiles + ROWS - 1) / ROWS;
@@ -323,7 +329,7 @@ static level_input level_input_of(const run *u, mesh_module module, const mesh_f
     return (level_input){frames, &u->network->module[module], flaps, u->state, W, u->products};
 }
 
-/// All vertices: from s->state to u->state.
+/// Compute the states of all vertices, from s->state to u->state.
 static void move(run *u, const level_input *s)
 {
     size_t vertices = s->flaps->vertex_count, blocks = (vertices + VERTICES - 1) / VERTICES, failures = 0;
@@ -359,7 +365,7 @@ static void insert(run *u, const level_input *s, size_t columns, real *next)
     u->failures += failures;
 }
 
-/// One level; the last gives positions alone.
+/// Apply one level. The last level computes positions only.
 static void refine_level(run *u, const mesh_flaps *flaps, real *fine)
 {
     size_t vertices = flaps->vertex_count;
@@ -378,7 +384,7 @@ static void refine_level(run *u, const mesh_flaps *flaps, real *fine)
         memcpy(fine + 3 * v, u->state + v * W, 3 * sizeof *fine);
 }
 
-/// Positions with their differential coordinates.
+/// Set the first state: positions and differential coordinates p_i - mean of its neighbours.
 static void begin_state(const mesh_flaps *flaps, const real *positions, real *state)
 {
     for (size_t v = 0; v < flaps->vertex_count; v++, state += DIFFERENCES)
@@ -405,7 +411,7 @@ bat_status mesh_inference_refine(const mesh_inference *network, const mesh_level
     if (memory == NULL)
         return error_memory(error, size < SIZE_MAX / sizeof *memory ? size * sizeof *memory : SIZE_MAX);
     run u = {network, threads, memory, memory + rows * W, memory + 2 * rows * W, 0};
-    // The rows that fill a tile up are read.
+    // Rows beyond the last vertex fill its tile; they are read.
     memset(memory, 0, 2 * rows * W * sizeof *memory);
     level_input begin = level_input_of(&u, MESH_MODULE_INIT, &levels->level[0]);
     begin.products = NULL;

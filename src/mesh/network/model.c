@@ -12,9 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// The learned mesh scheme as a bat_mesh_rule: weights from a file or built in, applied in the unit box of the coarse mesh.
+
 enum
 {
-    /// Levels that the published networks were trained for.
+    /// The number of levels in the published training.
     PUBLISHED_LEVELS = 2
 };
 
@@ -51,7 +54,7 @@ static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *co
 
 // Reading
 
-/// Which form of the network a file holds.
+/// The form of the network in a file, from its notes and shapes.
 static mesh_network_form form_of(const safetensors *content, const char *prefix)
 {
     char name[LEARN_NAME_SIZE];

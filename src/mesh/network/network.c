@@ -3,6 +3,9 @@
 #include <assert.h>
 #include <stdio.h>
 
+/// @file
+/// Names and shapes of the parameters, as in the published program.
+
 static void add_layer(learn_parameters *parameters, size_t inputs, const char *module, const char *layer)
 {
     char name[LEARN_NAME_SIZE];

@@ -13,7 +13,7 @@
 ///
 /// The first three of a module's outputs displace a vertex; the other 29 are its features.
 
-/// The modules in the order of their weights.
+/// The modules, in the order of their weights.
 typedef enum mesh_module
 {
     MESH_MODULE_INIT,
@@ -24,21 +24,21 @@ typedef enum mesh_module
 
 enum
 {
-    MESH_WIDTH = 32,      ///< of a state and of all layers
-    MESH_MODULE_SIZE = 6, ///< parameters of a module: three times weight and bias
+    MESH_WIDTH = 32,      ///< the width of states and layers
+    MESH_MODULE_SIZE = 6, ///< parameters of a module: weight and bias of three layers
     MESH_PARAMETERS = MESH_MODULE_COUNT * MESH_MODULE_SIZE,
     MESH_WEIGHTS = 15104
 };
 
-/// What the published ablations leave out (section 6, appendix H), and what scale needs.
+/// Variants of the network: the published ablations (section 6, appendix H) and one with relative lengths.
 typedef struct mesh_network_form
 {
-    bool fixed_frames;   ///< half-flaps are seen through the axes of space
+    bool fixed_frames;   ///< the axes of space replace local frames
     bool no_differences; ///< without differential coordinates
-    bool relative;       ///< lengths are in units of each half-flap's own, so that scale does not matter
+    bool relative;       ///< lengths are relative to each half-flap, so the result does not depend on scale
 } mesh_network_form;
 
-/// What the note "recipe" of a file with weights says of their form; what is left out shows in the arrays' shapes.
+/// Marks in the note "recipe" of a weights file. Missing differential coordinates follow from the shapes of the arrays.
 #define MESH_NETWORK_FIXED ", fixed frames"
 #define MESH_NETWORK_RELATIVE ", relative lengths"
 

@@ -3,18 +3,22 @@
 #include <math.h>
 #include <string.h>
 
-// Zorin, Schröder and Sweldens, "Interpolating subdivision for meshes with arbitrary topology" (1996), with the eight-point
-// rule between regular vertices (its parameter w is 0), and its rules at boundaries as written out by Zorin and Schröder,
-// "Subdivision for modeling and animation" (2000).
+/// @file
+/// The modified butterfly scheme of Zorin, Schröder and Sweldens, "Interpolating subdivision for meshes with arbitrary
+/// topology" (1996).
+///
+/// Regular edges use the eight-point rule: 1/2 for both ends, 1/8 for both opposite vertices, -1/16 for the four vertices
+/// beyond. Rules at boundaries are those of Zorin and Schröder, "Subdivision for modeling and animation" (2000).
 
 enum
 {
-    TABLED = 16 ///< valences below this have their weights tabled
+    TABLED = 16 ///< weights of smaller valences are tabulated
 };
 
 static const double PI = 3.14159265358979323846;
 
-/// The weights of an irregular inner vertex's neighbours for the new vertex towards neighbour 0; the vertex itself has 3/4.
+/// The weight of neighbour j of an irregular interior vertex of valence n, for the new vertex on the edge to neighbour 0:
+/// (1/4 + cos(2 pi j / n) + cos(4 pi j / n) / 2) / n for n > 4. The vertex itself has the weight 3/4.
 static double neighbour_weight(unsigned valence, unsigned j)
 {
     if (valence == 2)
@@ -27,8 +31,8 @@ static double neighbour_weight(unsigned valence, unsigned j)
     return (0.25 + cos(angle) + 0.5 * cos(2 * angle)) / valence;
 }
 
-/// The weight of neighbour j, 0 to `faces`, of an irregular boundary vertex for the new vertex towards neighbour i.
-/// Neighbours 0 and `faces` lie on the boundary.
+/// The weight of neighbour j of an irregular boundary vertex, for the new vertex on the edge to neighbour i. Neighbours 0
+/// and `faces` lie on the boundary.
 static double boundary_weight(unsigned faces, unsigned i, unsigned j)
 {
     double angle = PI / faces;
@@ -63,7 +67,8 @@ static inline void add_row(double *restrict to, double weight, const double *row
         to[i] += weight * row[i];
 }
 
-/// Add the vertex beyond a half-edge's edge; at a boundary, the reflection of the vertex on this side.
+/// Add the vertex opposite the edge of a half-edge in the other face. At a boundary a missing opposite vertex is replaced by
+/// i + j - k.
 static inline void add_beyond(const mesh_rows *rows, uint32_t half_edge, double weight, double *restrict to, size_t dim)
 {
     const uint32_t *faces = rows->level->faces;
@@ -78,7 +83,7 @@ static inline void add_beyond(const mesh_rows *rows, uint32_t half_edge, double 
     add_row(to, -weight, row_of(rows, mesh_opposite(faces, half_edge), dim), dim);
 }
 
-/// The eight-point rule.
+/// The eight-point rule of a regular edge.
 static inline void add_regular(const mesh_rows *rows, uint32_t half_edge, double *restrict to, size_t dim)
 {
     const uint32_t *faces = rows->level->faces;
@@ -93,7 +98,7 @@ static inline void add_regular(const mesh_rows *rows, uint32_t half_edge, double
     add_beyond(rows, bat_mesh_previous(twin), -1.0 / 16, to, dim);
 }
 
-/// The rule of an irregular inner vertex, from which the half-edge begins.
+/// The rule of an irregular interior vertex, where the half-edge begins.
 static void add_inner(const butterfly_job *job, uint32_t half_edge, unsigned valence, double share, double *restrict to)
 {
     const mesh_rows *rows = job->rows;
@@ -109,7 +114,7 @@ static void add_inner(const butterfly_job *job, uint32_t half_edge, unsigned val
     }
 }
 
-/// The rule of an irregular boundary vertex, from which the half-edge begins, which lies inside.
+/// The rule of an irregular boundary vertex, where the interior half-edge begins.
 static void add_boundary(const mesh_rows *rows, uint32_t half_edge, unsigned valence, double share, double *restrict to)
 {
     const uint32_t *faces = rows->level->faces;
@@ -135,7 +140,7 @@ static inline uint32_t irregular_at(const mesh_level *level, uint32_t vertex)
     return vertex < level->coarse_count ? level->irregular[vertex] : 0;
 }
 
-/// The rules of the edge's irregular ends, in equal shares.
+/// The mean of the rules of the edge's irregular ends.
 static void add_irregular(const butterfly_job *job, uint32_t half_edge, double *restrict to)
 {
     const mesh_level *level = job->rows->level;
@@ -155,7 +160,7 @@ static void add_irregular(const butterfly_job *job, uint32_t half_edge, double *
     }
 }
 
-/// The four-point rule along the boundary.
+/// The four-point rule (-1, 9, 9, -1) / 16 along the boundary.
 static void add_four_point(const mesh_rows *rows, uint32_t half_edge, double *restrict to)
 {
     const uint32_t *faces = rows->level->faces;
@@ -185,7 +190,7 @@ static inline void edge_row(const butterfly_job *job, uint32_t half_edge, size_t
         add_irregular(job, half_edge, to);
 }
 
-/// The new vertices of some faces' edges.
+/// Compute the new vertices on the edges that some faces own.
 static void edge_range(const void *context, size_t begin, size_t end)
 {
     const butterfly_job *job = context;

@@ -4,11 +4,14 @@
 
 #include <string.h>
 
+/// @file
+/// Distribution of loops over threads, and linear interpolation on split meshes.
+
 void mesh_share(mesh_range *range, const void *job, size_t count, int threads)
 {
     enum
     {
-        MIN_ELEMENTS = 16384, ///< elements a thread that are worth waking one
+        MIN_ELEMENTS = 16384, ///< elements for which another thread pays
         RANGES_A_THREAD = 8
     };
     int team = threads_for(threads, count / MIN_ELEMENTS + 1);
@@ -22,7 +25,7 @@ void mesh_share(mesh_range *range, const void *job, size_t count, int threads)
     }
 }
 
-/// The new vertices of some faces' edges.
+/// Compute the midpoints of the edges that some faces own.
 static void middle_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;

@@ -4,11 +4,15 @@
 
 #include <math.h>
 
-// The rules of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners as Hoppe
-// et al., "Piecewise smooth surface reconstruction" (1994), except that an edge along a crease is always halved in its
-// middle, so that every crease is a cubic B-spline; semi-sharp ones blend the rules before and after as OpenSubdiv does.
+/// @file
+/// The scheme of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners.
+///
+/// A smooth vertex of valence n becomes (1 - n b) v + b sum_i v_i with b = (5/8 - (3/8 + cos(2 pi / n) / 4)^2) / n; the
+/// vertex of an edge becomes 3/8 of its ends and 1/8 of the opposite vertices. Sharp features follow Hoppe et al., "Piecewise
+/// smooth surface reconstruction" (1994). One rule differs: the vertex of a crease edge is always its midpoint, so every
+/// crease is a cubic B-spline. Semi-sharp creases blend the rules of two levels as OpenSubdiv does.
 
-/// A vertex's rule: weights of the vertex, of each neighbour, and of two certain neighbours besides.
+/// The weights of a vertex rule: of the vertex, of each neighbour, and of two selected neighbours.
 typedef struct vertex_mask
 {
     double own, ring, pair;
@@ -50,7 +54,7 @@ static vertex_mask sharp_mask(const mesh_level *level, uint32_t vertex, unsigned
     vertex_mask mask = mask_of(&now, valence);
     if (now.kind == after.kind || now.kind < SHARP_CREASE)
         return mask;
-    // Sharpness only goes: at most one of the two is a crease, and what it has beside a corner's mask is its own pair.
+    // Sharpness only decreases. So at most one of the two masks is a crease, and only that one has a pair.
     vertex_mask other = mask_of(&after, valence);
     mask.own = fading * mask.own + (1 - fading) * other.own;
     mask.ring = fading * mask.ring + (1 - fading) * other.ring;
@@ -63,7 +67,8 @@ static vertex_mask sharp_mask(const mesh_level *level, uint32_t vertex, unsigned
     return mask;
 }
 
-/// The vertex that a half-edge leads to: on the parent's level, to its edge's new vertex.
+/// The vertex at the end of a half-edge. With `in_parent` the half-edge is one of the parent's, and the vertex is the one on
+/// its edge.
 static inline uint32_t neighbour_at(const mesh_level *level, uint32_t half_edge, bool in_parent)
 {
     if (in_parent)
@@ -71,7 +76,7 @@ static inline uint32_t neighbour_at(const mesh_level *level, uint32_t half_edge,
     return mesh_end(level->faces, half_edge);
 }
 
-/// The last neighbour of a boundary vertex, which no half-edge of its fan leads to.
+/// The last neighbour of a boundary vertex, to which no half-edge of its fan leads.
 static inline uint32_t last_neighbour(const mesh_level *level, uint32_t last, bool in_parent)
 {
     if (in_parent)
@@ -88,8 +93,8 @@ static inline void write_row(const mesh_rows *rows, uint32_t vertex, const verte
         to[i] = mask->own * own[i] + mask->ring * to[i] + mask->pair * (p[i] + q[i]);
 }
 
-/// A vertex's row, whose neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's. Without
-/// faces it stays where it is.
+/// Compute a vertex. Its neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's level. A
+/// vertex without faces does not move.
 static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_parent, size_t dim)
 {
     const mesh_level *level = rows->level;
@@ -123,8 +128,8 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_pa
     write_row(rows, vertex, &mask, dim);
 }
 
-/// The row of a vertex that the parent's edge of a half-edge got, which is regular: its neighbours are the edge's ends and
-/// the new vertices of the other edges of both faces.
+/// Compute the vertex on the parent's edge of a half-edge. It is regular: its neighbours are the ends of that edge and the
+/// vertices on the other edges of both faces.
 static inline void middle_row(const mesh_rows *rows, uint32_t half_edge, size_t dim)
 {
     const mesh_level *parent = rows->level->parent;
@@ -159,7 +164,7 @@ static void vertex_range(const void *context, size_t begin, size_t end)
             vertex_row(rows, (uint32_t)v, false, rows->dim);
 }
 
-/// Vertices that the parent has, too.
+/// The vertices that the parent has as well.
 static void parent_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
@@ -170,7 +175,7 @@ static void parent_range(const void *context, size_t begin, size_t end)
             vertex_row(rows, (uint32_t)v, true, rows->dim);
 }
 
-/// The vertices that some of the parent's faces got in their edges.
+/// The vertices on the edges that some faces of the parent own.
 static void middle_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
@@ -186,7 +191,7 @@ static void middle_range(const void *context, size_t begin, size_t end)
     }
 }
 
-/// The new vertex of an edge: 3/8 of its ends and 1/8 of the opposite vertices, or its middle where it is sharp.
+/// Compute the vertex on an edge: 3/8 of its ends and 1/8 of the opposite vertices, or the midpoint of a sharp edge.
 static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, size_t dim)
 {
     const mesh_level *level = rows->level;
@@ -208,7 +213,7 @@ static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, size_t di
         to[i] = end * (a[i] + b[i]) + opposite * (c[i] + d[i]);
 }
 
-/// The new vertices of some faces' edges.
+/// Compute the new vertices on the edges that some faces own.
 static void edge_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;

@@ -3,10 +3,10 @@
 
 #include "mesh/refine/level.h"
 
-/// Move a level's vertices to where Loop's scheme takes them in the limit, into `to` of as many rows.
+/// Compute the limit positions of a level's vertices on Loop's surface; `to` has as many rows as `from`.
 void loop_limit(const mesh_rows *rows, int threads);
 
-/// The weight that Loop's rule gives each of `valence` neighbours of a smooth vertex: Loop (1987).
+/// The weight b of each neighbour in Loop's rule for a smooth vertex (Loop, 1987).
 double loop_ring_weight(unsigned valence);
 
 #endif

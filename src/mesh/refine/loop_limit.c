@@ -8,18 +8,23 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Limit positions are the left eigenvectors to the eigenvalue 1 of the matrices that take a vertex and its neighbours to
-// those of the next level (Loop 1987; at creases, cubic B-splines).
+/// @file
+/// Limit positions and normals of Loop's scheme (Loop, 1987; Halstead, Kass and DeRose, "Efficient, fair interpolation using
+/// Catmull-Clark surfaces", 1993).
+///
+/// A limit position is l^T (v, v_1, …, v_n), where l is the left eigenvector of the local subdivision matrix for the
+/// eigenvalue 1. For a smooth vertex l has the weights 1 - n w and w with w = 1 / (n + 3 / (8 b)). Creases are cubic
+/// B-splines with (1, 4, 1) / 6.
 
-/// How much of their sum each neighbour has in the limit of a smooth vertex.
+/// The weight w of each neighbour in the limit position of a smooth vertex.
 static double limit_ring_weight(unsigned valence)
 {
     return 1 / (valence + 3 / (8 * loop_ring_weight(valence)));
 }
 
-/// Limit weights around a dart, whose sharp edge leads to neighbour 0. With b = loop_ring_weight() the eigenvector obeys
-/// 5 w_i - w_(i-1) - w_(i+1) = 8 b for 0 < i < n without w_0 and w_n, and w_0 = 2 b + (w_1 + w_(n-1)) / 4, where the vertex
-/// has 1.
+/// The limit weights around a dart, whose sharp edge leads to neighbour 0. With b = loop_ring_weight() and weight 1 for the
+/// vertex, 5 w_i - w_(i-1) - w_(i+1) = 8 b for 0 < i < n, without the terms w_0 and w_n, and w_0 = 2 b + (w_1 + w_(n-1))
+/// / 4.
 typedef struct dart_weights
 {
     unsigned valence;
@@ -55,7 +60,7 @@ static unsigned valence_of(const bat_mesh_connectivity *links, uint32_t vertex)
     return valence;
 }
 
-/// The half-edge from a vertex to a neighbour of it.
+/// The half-edge from a vertex to its neighbour.
 static uint32_t half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
 {
     uint32_t h = level->links->first[vertex];
@@ -117,8 +122,8 @@ void loop_limit(const mesh_rows *rows, int threads)
     mesh_share(limit_range, rows, rows->level->links->vertex_count, threads);
 }
 
-// A limit normal is the product of two tangents, the left eigenvectors to the largest eigenvalues below 1 of a vertex's
-// subdivision matrix, taken of the vertex's neighbours.
+// Limit normals are the cross product of two tangents. The tangents are left eigenvectors of the local subdivision matrix
+// for its largest eigenvalues below 1, applied to the neighbours.
 
 static const double PI = 3.14159265358979323846;
 
@@ -129,7 +134,7 @@ typedef struct normals_job
     double *normals;
 } normals_job;
 
-/// Bring to length 1. False, and nothing done, when it has no length.
+/// Scale a vector to unit length. False, with the vector unchanged, when its length is 0 or not finite.
 static bool normalize(double vector[3])
 {
     double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
@@ -140,7 +145,7 @@ static bool normalize(double vector[3])
     return true;
 }
 
-/// Add `weight` times the way from a vertex to another.
+/// Add `weight` times the vector between two vertices.
 static void add_way(const normals_job *job, double weight, uint32_t from, uint32_t to, double sum[3])
 {
     const double *p = job->positions + 3 * (size_t)from, *q = job->positions + 3 * (size_t)to;
@@ -148,7 +153,7 @@ static void add_way(const normals_job *job, double weight, uint32_t from, uint32
         sum[i] += weight * (q[i] - p[i]);
 }
 
-/// The normal by the faces around a vertex, by their areas.
+/// The mean normal of the faces around a vertex, weighted by area.
 static void face_normals(const normals_job *job, uint32_t vertex, double normal[3])
 {
     const mesh_level *level = job->level;
@@ -168,7 +173,7 @@ static void face_normals(const normals_job *job, uint32_t vertex, double normal[
         normal[i] = sum[i];
 }
 
-/// A smooth vertex: the eigenvalue 3/8 + cos(2 pi / n) / 4, twice.
+/// The normal of a smooth vertex, for the double eigenvalue 3/8 + cos(2 pi / n) / 4.
 static void smooth_normal(const normals_job *job, uint32_t vertex, double normal[3])
 {
     const mesh_level *level = job->level;
@@ -190,8 +195,8 @@ static void smooth_normal(const normals_job *job, uint32_t vertex, double normal
     vector3_cross(a, b, normal);
 }
 
-/// One side of a crease, of `faces` faces counter-clockwise from a half-edge along it. Along the crease the eigenvalue is
-/// 1/2; across, 3/8 + cos(pi / faces) / 4, or 1/4 for a single face.
+/// The normal on one side of a crease, of `faces` faces counter-clockwise from a half-edge on the crease. The eigenvalue
+/// along the crease is 1/2; the one across is 3/8 + cos(pi / faces) / 4, or 1/4 for a single face.
 static void side_normal(const normals_job *job, uint32_t half_edge, unsigned faces, double normal[3])
 {
     const mesh_level *level = job->level;
@@ -211,7 +216,7 @@ static void side_normal(const normals_job *job, uint32_t half_edge, unsigned fac
     vector3_cross(along, across, normal);
 }
 
-/// The number of faces counter-clockwise from a half-edge to a neighbour of its vertex, or to the boundary.
+/// The number of faces counter-clockwise from a half-edge to the edge that leads to `end`.
 static unsigned faces_to(const mesh_level *level, uint32_t half_edge, uint32_t end)
 {
     unsigned faces = 1;
@@ -220,7 +225,7 @@ static unsigned faces_to(const mesh_level *level, uint32_t half_edge, uint32_t e
     return faces;
 }
 
-/// A vertex on a crease: the mean of both sides; on the boundary there is one.
+/// The normal of a vertex on a crease: the mean of both sides. A boundary vertex has one side.
 static void crease_normal(const normals_job *job, uint32_t vertex, const sharp_vertex *sharp, double normal[3])
 {
     const mesh_level *level = job->level;

@@ -4,12 +4,15 @@
 
 #include <math.h>
 
+/// @file
+/// Options of a refinement, checked, and the sizes of all levels.
+
 bat_mesh_refine_options bat_mesh_refine_defaults(void)
 {
     return (bat_mesh_refine_options){.scheme = BAT_MESH_SCHEME_LOOP, .then = BAT_MESH_SCHEME_LOOP, .levels = 2};
 }
 
-/// The scheme that goes on for ever after the levels asked for.
+/// The scheme of all levels after the learned ones.
 static bat_mesh_scheme last_scheme(const bat_mesh_refine_options *options)
 {
     return options->scheme == BAT_MESH_SCHEME_LEARNED ? options->then : options->scheme;
@@ -56,7 +59,7 @@ bat_status mesh_plan_make(const bat_mesh_refine_options *options, mesh_plan *pla
     *plan = (mesh_plan){.options = *options};
     if (options->scheme == BAT_MESH_SCHEME_LEARNED)
         plan->learned_levels = options->levels < options->rule->levels ? options->levels : options->rule->levels;
-    // The other schemes' vertices lie on their limit surfaces from the start.
+    // The vertices of the other schemes lie on their limit surfaces at every level.
     plan->limit = options->limit && last_scheme(options) == BAT_MESH_SCHEME_LOOP;
     return BAT_OK;
 }
@@ -66,7 +69,7 @@ bat_mesh_scheme mesh_plan_scheme(const mesh_plan *plan, size_t level)
     return level < plan->learned_levels ? BAT_MESH_SCHEME_LEARNED : last_scheme(&plan->options);
 }
 
-/// How many of everything a mesh has.
+/// The number of elements of a mesh.
 typedef struct mesh_size
 {
     uint64_t vertices, edges, faces, boundary_edges;
@@ -82,7 +85,7 @@ static mesh_size size_of_split(mesh_size size)
     return (mesh_size){size.vertices + size.edges, 2 * size.edges + 3 * size.faces, 4 * size.faces, 2 * size.boundary_edges};
 }
 
-/// Of square-root-three subdivision, with or without boundary edges cut in three.
+/// The size after a level of square-root-three subdivision, with or without a trisection of boundary edges.
 static mesh_size size_of_turned(mesh_size size, bool cut)
 {
     mesh_size made = {.vertices = size.vertices + size.faces + (cut ? size.boundary_edges : 0),

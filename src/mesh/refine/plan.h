@@ -3,19 +3,19 @@
 
 #include "batten/mesh_refine.h"
 
-/// What a refinement is to do, once its options are checked.
+/// The steps of a refinement with checked options.
 typedef struct mesh_plan
 {
     bat_mesh_refine_options options;
-    size_t learned_levels; ///< the first ones, which the learned rule makes
-    bool limit;            ///< vertices are to be moved at the end
+    size_t learned_levels; ///< the number of first levels that the learned rule makes
+    bool limit;            ///< whether vertices move to the limit surface at the end
 } mesh_plan;
 
 /// Check the options.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED
 bat_status mesh_plan_make(const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error);
 
-/// Check that the finest mesh can be numbered. `texture_links` is all zero for none.
+/// Check that 32-bit indices can number the finest mesh. `texture_links` is all zero for a mesh without texture.
 /// @return BAT_OK or BAT_TOO_LARGE
 bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const bat_mesh_connectivity *links,
                                 const bat_mesh_connectivity *texture_links, bat_error *error);
@@ -23,7 +23,7 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
 /// The scheme of a level, counted from 0.
 bat_mesh_scheme mesh_plan_scheme(const mesh_plan *plan, size_t level);
 
-/// The share of the work that is done when `level` levels are.
+/// The fraction of the work that the first `level` levels take.
 double mesh_plan_share(const mesh_plan *plan, size_t level);
 
 #endif

@@ -13,8 +13,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Find who is whose neighbour in a mesh's texture: faces are, where they share an edge of the mesh and both of its texture
-/// coordinates. What parts faces in the texture alone is a seam, a boundary of the texture's. `first` is left null.
+/// @file
+/// Refinement of a mesh level by level: positions, channels, texture, creases and corners.
+///
+/// Vertices keep their indices. The schemes that split faces in four number the new vertices by edge, so the next level's
+/// connectivity follows by arithmetic (see split.h). Square-root-three subdivision numbers them by face.
+
+/// Find the connectivity of a mesh's texture. Two faces are neighbours where they share an edge of the mesh and both of its
+/// texture coordinates. Edges that separate faces only in the texture are seams; they are boundary edges of the texture.
+/// `first` remains null.
 /// @return BAT_OK or BAT_NO_MEMORY; `seams` is untouched on failure
 static bat_status connect_seams(const bat_mesh *mesh, const bat_mesh_connectivity *links, bat_mesh_connectivity *seams,
                                 bat_error *error)
@@ -46,27 +53,27 @@ static bat_status connect_seams(const bat_mesh *mesh, const bat_mesh_connectivit
     return BAT_OK;
 }
 
-/// A mesh with what is known of it on the way.
+/// A level: the mesh and what the next level needs.
 typedef struct refined_level
 {
     bat_mesh mesh; ///< without channel names, creases and corners
     bat_mesh_connectivity links;
-    bool borrowed; ///< the arrays of both live elsewhere
+    bool borrowed; ///< the arrays of `mesh` and `links` belong to the caller
     bat_mesh_connectivity texture_links;
     double *edge_sharpness; ///< null: no edge is sharp
 } refined_level;
 
-/// A refinement at work.
+/// The state of a refinement.
 typedef struct refinement
 {
     const bat_mesh *coarse;
     const mesh_plan *plan;
-    const bat_mesh_connectivity *links; ///< of the coarse mesh
+    const bat_mesh_connectivity *links; ///< the connectivity of the coarse mesh
     refined_level now;
-    refined_level before;     ///< of the level before, where it was split: faces and links only
-    mesh_level parent;        ///< the same as rules see it
-    double *vertex_sharpness; ///< one a coarse vertex; null: none is sharp
-    uint32_t *irregular;      ///< one a coarse vertex
+    refined_level before;     ///< the previous level, where its faces were split: faces and links only
+    mesh_level parent;        ///< `before` in the form that rules use
+    double *vertex_sharpness; ///< one number for each coarse vertex; null: none is sharp
+    uint32_t *irregular;      ///< as in mesh_level
     size_t *fallback;
 } refinement;
 
@@ -92,7 +99,7 @@ static mesh_level level_of(const refinement *work)
                         .parent = work->parent.faces != NULL ? &work->parent : NULL};
 }
 
-/// Find for every vertex of the coarse mesh its number of faces, or 0 where that is 6, or 3 at a boundary.
+/// Set `irregular`: the number of faces at each coarse vertex, or 0 where that is 6, or 3 on the boundary.
 static bat_status find_irregular(refinement *work, bat_error *error)
 {
     enum
@@ -125,7 +132,7 @@ static mesh_rule *rule_of(bat_mesh_scheme scheme)
     return scheme == BAT_MESH_SCHEME_BUTTERFLY ? butterfly_rule : midpoint_rule;
 }
 
-/// Carry rows of numbers at the vertices to the next level.
+/// Compute values at the vertices of the next level.
 static bat_status refine_rows(const refinement *work, mesh_rule *rule, const double *from, size_t dim, size_t fine_count,
                               double **to, bat_error *error)
 {
@@ -138,8 +145,7 @@ static bat_status refine_rows(const refinement *work, mesh_rule *rule, const dou
     return BAT_OK;
 }
 
-/// Split the texture: its own mesh over the same faces, with seams for boundaries and new coordinates in the middle of
-/// edges.
+/// Split the texture faces. Seams are boundaries; new texture coordinates are midpoints of edges.
 static bat_status split_texture(const refinement *work, bool last, refined_level *next, bat_error *error)
 {
     const refined_level *now = &work->now;
@@ -158,7 +164,7 @@ static bat_status split_texture(const refinement *work, bool last, refined_level
     return last ? BAT_OK : split_links(links, threads, &next->texture_links, error);
 }
 
-/// Split faces, texture and sharpness; `last` spares what only a further level would need.
+/// Split faces, texture and sharpness. With `last` skip the data that only a further level needs.
 static bat_status split_level(const refinement *work, bool last, refined_level *next, bat_error *error)
 {
     const refined_level *now = &work->now;
@@ -183,8 +189,8 @@ static bat_status split_level(const refinement *work, bool last, refined_level *
     return status;
 }
 
-/// One level of a scheme that splits faces in four. A learned level leaves positions to learn_positions(), and channels are
-/// halved along edges there.
+/// One level of a scheme that splits faces in four. On a learned level learn_positions() computes the positions later, and
+/// channels are interpolated linearly.
 static bat_status split_step(const refinement *work, bat_mesh_scheme scheme, bool last, refined_level *next,
                              bat_error *error)
 {
@@ -231,7 +237,7 @@ static bat_status sqrt3_step(const refinement *work, size_t level, bool last, re
     return status;
 }
 
-/// Have the learned rule place all vertices of `next`, the last of the levels that are its own.
+/// Compute the positions of all vertices of `next`, the last learned level, by the learned rule.
 static bat_status learn_positions(const refinement *work, refined_level *next, bat_error *error)
 {
     const bat_mesh_refine_options *options = &work->plan->options;
@@ -247,14 +253,14 @@ static bat_status learn_positions(const refinement *work, refined_level *next, b
                                  &view, work->fallback, error);
 }
 
-/// A level takes 1 from the sharpness of corners.
+/// Subtract 1 from the sharpness of the corners.
 static void decay_corners(refinement *work)
 {
     for (size_t v = 0; work->vertex_sharpness != NULL && v < work->coarse->vertex_count; v++)
         work->vertex_sharpness[v] = sharpness_after_level(work->vertex_sharpness[v]);
 }
 
-/// Let `next` be the level at work, and keep of the one before what the next step looks at, if wanted.
+/// Make `next` the current level. With `keep` retain the faces and links of the previous one as the parent.
 static void advance(refinement *work, refined_level *next, bool keep)
 {
     refined_level *before = &work->before;
@@ -302,7 +308,7 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
     return BAT_OK;
 }
 
-/// Move the vertices of the last level onto the limit surface.
+/// Move the vertices of the last level to their limit positions.
 static bat_status move_to_limit(refinement *work, bat_error *error)
 {
     bat_mesh *mesh = &work->now.mesh;
@@ -357,7 +363,7 @@ static bat_status copy_names(const bat_mesh *coarse, bat_mesh *fine, bat_error *
     return status;
 }
 
-/// Refine a mesh whose neighbours are known.
+/// Refine a mesh with known connectivity.
 static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
                                    bat_mesh *fine, size_t *fallback, bat_error *error)
 {
@@ -383,7 +389,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connec
     return status;
 }
 
-/// No levels: a copy, on the limit surface where that is asked for.
+/// The result for zero levels: a copy, moved to the limit surface if the options ask for it.
 static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
                               bat_mesh *fine, bat_error *error)
 {

@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The half-edge of either direction between two vertices; BAT_MESH_NONE when they are no neighbours.
+/// @file
+/// Sharpness of edges and vertices: from creases, corners and angles, through the levels, and back to creases and corners.
+
+/// A half-edge between two vertices, in either direction; BAT_MESH_NONE when they are not neighbours.
 static uint32_t find_half_edge(const bat_mesh *mesh, const bat_mesh_connectivity *links, uint32_t a, uint32_t b)
 {
     uint32_t first = links->first[a], h = first;
@@ -40,7 +43,7 @@ static bat_status take_creases(const bat_mesh *mesh, const bat_mesh_connectivity
     return BAT_OK;
 }
 
-/// A face's normal, as long as twice its area.
+/// The normal of a face, with twice its area as length.
 static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
 {
     const uint32_t *corner = mesh->faces + 3 * face;
@@ -53,7 +56,7 @@ static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
     }
 }
 
-/// The angle between two faces' normals, 0 to pi; 0 where a face has none.
+/// The angle between the normals of two faces, 0 to pi; 0 where a face has no area.
 static double angle_between_faces(const bat_mesh *mesh, size_t f, size_t g)
 {
     double m[3], n[3], cross = 0, dot = 0;
@@ -79,7 +82,7 @@ static void take_angles(const bat_mesh *mesh, const bat_mesh_connectivity *links
     }
 }
 
-/// An array of zeros.
+/// Allocate an array of zeros.
 static bat_status make_sharpness(size_t count, double **sharpness, bat_error *error)
 {
     *sharpness = memory_array(count, sizeof **sharpness);
@@ -89,7 +92,7 @@ static bat_status make_sharpness(size_t count, double **sharpness, bat_error *er
     return BAT_OK;
 }
 
-/// Give an array back that turned out to hold nothing.
+/// Release an array of zeros and set it to null.
 static void drop_if_zero(size_t count, double **sharpness)
 {
     for (size_t i = 0; i < count; i++)
@@ -137,7 +140,7 @@ bat_status sharpness_of_vertices(const bat_mesh *mesh, double **sharpness, bat_e
     return BAT_OK;
 }
 
-/// What an edge hands down: sharp ones exist in few places, so this runs on one thread.
+/// Runs on one thread: few edges are sharp.
 bat_status sharpness_split(const double *sharpness, const bat_mesh_connectivity *links, const bat_mesh_connectivity *fine,
                            double **result, bat_error *error)
 {
@@ -155,7 +158,7 @@ bat_status sharpness_split(const double *sharpness, const bat_mesh_connectivity 
     return BAT_OK;
 }
 
-/// Write the halves of edges that stay sharp, or with `creases` null only count them.
+/// Write both halves of each edge that remains sharp. With `creases` null only count them.
 static size_t write_creases(const mesh_level *level, bat_mesh_crease *creases)
 {
     const bat_mesh_connectivity *links = level->links;
@@ -212,7 +215,7 @@ bat_status sharpness_write(const mesh_level *level, bat_mesh *fine, bat_error *e
     return BAT_OK;
 }
 
-/// What is gathered in turning around a vertex.
+/// The sharp edges around a vertex: their number and the ends of the first two.
 typedef struct sharp_count
 {
     unsigned edges;
@@ -238,7 +241,7 @@ static sharp_vertex kind_of(const sharp_count *count, double vertex_sharpness)
     return made;
 }
 
-/// The sharpness that fades out in this level, its sum and the number of places.
+/// The values of sharpness that reach 0 in this level: their sum and number.
 typedef struct fading_sum
 {
     double sum;
@@ -254,7 +257,7 @@ static void fade(fading_sum *fading, double sharpness)
     }
 }
 
-/// One edge around a vertex.
+/// Count one edge around a vertex, on this level and the next.
 static void count_edge(double sharpness, uint32_t end, sharp_count *now, sharp_count *after, fading_sum *fading)
 {
     if (sharpness > 0)

@@ -6,6 +6,9 @@
 
 #include <stdlib.h>
 
+/// @file
+/// Children of faces, half-edges and edges, in parallel and without search.
+
 typedef struct faces_job
 {
     const uint32_t *faces, *edge;
@@ -37,15 +40,14 @@ void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int 
     mesh_share(faces_range, &job, links->face_count, threads);
 }
 
-/// The numbers of the edges that begin in the children of one face: by corner of the face, where the half-edge owns its
-/// edge.
+/// The numbers of the edges in the children of one face: by corner, where the half-edge owns its edge.
 typedef struct child_edges
 {
     uint32_t near[3], inner[3], far[3];
 } child_edges;
 
-/// Edges are numbered by the lesser of their half-edges, in order. Before the children of face f come three inner edges of
-/// each earlier face and the halves of every edge that earlier faces own, `owned_before` of them.
+/// Number the edges in the children of one face. Edges are numbered by their smaller half-edges. Before the children of face
+/// f come three inner edges for each earlier face and two halves of each of the `owned_before` edges that earlier faces own.
 static child_edges number_children(const uint32_t *twin, uint32_t face, uint32_t owned_before)
 {
     child_edges made;
@@ -62,7 +64,7 @@ static child_edges number_children(const uint32_t *twin, uint32_t face, uint32_t
     return made;
 }
 
-/// How many edges the faces before that of a half-edge own, which owns its own edge.
+/// The number of edges that the faces before the face of a half-edge own. The half-edge owns its edge.
 static uint32_t owned_before(const uint32_t *twin, const uint32_t *edge, uint32_t half_edge)
 {
     uint32_t count = edge[half_edge];
@@ -71,7 +73,7 @@ static uint32_t owned_before(const uint32_t *twin, const uint32_t *edge, uint32_
     return count;
 }
 
-/// The same for the first face of a range, which may own none.
+/// The same for the first face of a range, which may own no edge.
 static uint32_t owned_before_face(const bat_mesh_connectivity *links, size_t face)
 {
     for (size_t h = 3 * face; h < 3 * links->face_count; h++)
@@ -86,7 +88,7 @@ typedef struct links_job
     bat_mesh_connectivity *fine;
 } links_job;
 
-/// The edges of one half-edge's halves, seen from its face; `own` are those of the face.
+/// Write the twins and edges of both halves of a half-edge; `own` belongs to its face.
 static void write_halves(const links_job *job, uint32_t half_edge, const child_edges *own)
 {
     const uint32_t *twin = job->links->twin;
@@ -110,7 +112,7 @@ static void write_halves(const links_job *job, uint32_t half_edge, const child_e
     fine->edge[far] = owner.near[other % 3];
 }
 
-/// A half-edge that begins at the new vertex of an edge, as bat_mesh_connect() chooses it.
+/// The first half-edge at the vertex on an edge, as bat_mesh_connect() chooses it.
 static uint32_t first_of_middle(const uint32_t *twin, uint32_t half_edge)
 {
     if (twin[half_edge] == BAT_MESH_NONE || half_edge % 3 == 2)

@@ -6,9 +6,13 @@
 #include <math.h>
 #include <stdlib.h>
 
+/// @file
+/// A vertex of valence n becomes (1 - a) v + a / n sum_i v_i with a = (4 - 2 cos(2 pi / n)) / 9; the new vertex of a face is
+/// its centroid. A trisection moves boundary vertices by (4, 19, 4) / 27 and adds (1, 16, 10) / 27 and (10, 16, 1) / 27.
+
 static const double PI = 3.14159265358979323846;
 
-/// The boundary half-edge of a face that is to be cut in three; BAT_MESH_NONE for a face that gets a vertex inside.
+/// The boundary half-edge of a face whose edge is trisected; BAT_MESH_NONE for a face that gets an interior vertex.
 static uint32_t cut_edge(const sqrt3_plan *plan, uint32_t face)
 {
     for (uint32_t h = 3 * face; plan->cut && h < 3 * face + 3; h++)
@@ -40,7 +44,7 @@ void sqrt3_plan_free(sqrt3_plan *plan)
     *plan = (sqrt3_plan){0};
 }
 
-/// The new vertex that a half-edge's face gives to its turned edge.
+/// The new vertex in the face of a half-edge, at the end of the edge that crosses it.
 static uint32_t new_vertex_beside(const sqrt3_plan *plan, uint32_t half_edge)
 {
     uint32_t made = plan->new_vertex[half_edge / 3], cut = cut_edge(plan, half_edge / 3);
@@ -89,7 +93,7 @@ typedef struct rows_job
     size_t dim;
 } rows_job;
 
-/// The vertices before and after a boundary half-edge on the boundary.
+/// The boundary vertices before and after a boundary half-edge.
 static void boundary_around(const sqrt3_plan *plan, uint32_t half_edge, uint32_t *before, uint32_t *after)
 {
     uint32_t last = half_edge;
@@ -99,7 +103,7 @@ static void boundary_around(const sqrt3_plan *plan, uint32_t half_edge, uint32_t
     *after = mesh_end(plan->faces, plan->links->first[mesh_end(plan->faces, half_edge)]);
 }
 
-/// A vertex on the boundary, which a cut moves as it moves a cubic spline's.
+/// Compute a boundary vertex; a trisection moves it to a cubic B-spline.
 static void boundary_row(const rows_job *job, uint32_t vertex)
 {
     const sqrt3_plan *plan = job->plan;
@@ -111,7 +115,7 @@ static void boundary_row(const rows_job *job, uint32_t vertex)
         job->to[vertex * job->dim + i] = plan->cut ? (4 * (p[i] + q[i]) + 19 * own[i]) / 27 : own[i];
 }
 
-/// A vertex inside.
+/// Compute an interior vertex.
 static void inner_row(const rows_job *job, uint32_t vertex)
 {
     const sqrt3_plan *plan = job->plan;
@@ -151,7 +155,7 @@ static void vertex_range(const void *context, size_t begin, size_t end)
     }
 }
 
-/// The two vertices that cut a boundary edge.
+/// Compute the two new vertices on a trisected boundary edge.
 static void cut_rows(const rows_job *job, uint32_t half_edge)
 {
     const sqrt3_plan *plan = job->plan;
