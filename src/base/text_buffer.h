@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-/// Bytes that grow at the end. All zero: empty. After an allocation fails, `failed` stays set and nothing more is added, so
-/// that a writer checks once at its end.
+/// A growing buffer of bytes. All zero: empty. After a failed allocation `failed` stays set and nothing more is appended, so
+/// a writer checks once at its end.
 typedef struct text_buffer
 {
     char *data;
@@ -15,8 +15,8 @@ typedef struct text_buffer
     bool failed;
 } text_buffer;
 
-/// Room for `size` more bytes at the end, which may be 0, or null when out of memory. What is written there counts once
-/// text_advance() was called.
+/// Reserve `size` more bytes at the end; `size` may be 0. Null when out of memory. The bytes count after a call of
+/// text_advance().
 static inline char *text_reserve(text_buffer *buffer, size_t size)
 {
     void *data = buffer->data;
@@ -30,7 +30,7 @@ static inline char *text_reserve(text_buffer *buffer, size_t size)
     return buffer->data + buffer->size;
 }
 
-/// Make `end`, a place inside the reserved room, the end of the text.
+/// Set the end of the text, within the reserved bytes.
 static inline void text_advance(text_buffer *buffer, const char *end)
 {
     buffer->size = (size_t)(end - buffer->data);

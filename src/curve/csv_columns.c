@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// The meaning of CSV columns: coordinates, times, velocities and other channels.
+
 bool csv_columns_name(csv_columns *columns, const csv_field *fields, size_t count)
 {
     size_t size = count * sizeof(char *);
@@ -70,7 +73,7 @@ bool csv_columns_use_degrees(csv_columns *columns, size_t longitude, size_t lati
     return true;
 }
 
-/// Give the next free place to a column, if it is there and has none.
+/// Assign the next coordinate to a column, if the column exists and has no meaning yet.
 static void place_column(csv_columns *columns, const char *name, size_t *next)
 {
     column_names names = names_of(columns);
@@ -92,7 +95,7 @@ bool csv_columns_use_form(csv_columns *columns, const point_form *form)
         columns->places[i] = BAT_NO_INDEX;
     for (const char *const *name = form->names; *name != NULL; name++)
         place_column(columns, *name, &next);
-    if (next < form->count) // a header without any of the names: the columns are in their order
+    if (next < form->count) // no name is in the header: the columns are in the form's order
         next = 0;
     for (size_t i = 0; i < columns->count; i++)
         if (columns->places[i] == BAT_NO_INDEX)
@@ -100,7 +103,7 @@ bool csv_columns_use_form(csv_columns *columns, const point_form *form)
     return true;
 }
 
-/// The channel that a column is; BAT_NO_INDEX when it is none.
+/// The channel of a column, or BAT_NO_INDEX.
 static size_t channel_of(const csv_columns *columns, size_t coordinates, size_t column)
 {
     if (column == BAT_NO_INDEX)

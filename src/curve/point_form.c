@@ -7,12 +7,16 @@
 #include <string.h>
 #include <strings.h>
 
-/// How far quaternions may be from unit length, and matrices from the nearest rotation in any entry: files are rounded.
+/// @file
+/// The table of point forms, and conversions between columns and coordinates.
+
+/// Tolerances of quaternions' lengths and, per entry, of matrices' distances from the nearest rotation. Numbers in files are
+/// rounded.
 static const double LENGTH_TOLERANCE = 1e-3;
 static const double MATRIX_TOLERANCE = 1e-6;
-/// A squared length this near to 1 is left as it is.
+/// Quaternions with a squared length this near to 1 remain unchanged.
 static const double LENGTH_ROUNDING = 1e-15;
-/// How far a velocity may be from its tangent plane, relative to its length.
+/// The largest normal component of a velocity, relative to its length.
 static const double TANGENT_TOLERANCE = 1e-6;
 
 #define QUATERNION "qw", "qx", "qy", "qz"
@@ -29,7 +33,7 @@ static const char *const PLANE_SPEEDS[] = {"vx", "vy", NULL};
 static const char *const TENSOR_SPEEDS[] = {"vxx", "vxy", "vxz", "vyy", "vyz", "vzz", NULL};
 static const char *const PLANE_TENSOR_SPEEDS[] = {"vxx", "vxy", "vyy", NULL};
 
-/// Of the forms of a space, those with more columns come before others whose names they hold.
+/// The forms of a space in order of preference. Forms with more columns come before forms whose names they contain.
 static const point_form FORMS[] = {
     {"rotation", NAMES(QUATERNION), TURNS, 4, 3, ROTATION_QUATERNION, 0, true},
     {"rotation", NAMES(MATRIX), TURNS, 9, 3, ROTATION_MATRIX, 0, true},
@@ -80,7 +84,7 @@ size_t column_find_time(const column_names *columns)
     return BAT_NO_INDEX;
 }
 
-/// How many of the names are there; *missing is the first that is not, or null.
+/// The number of names that exist; *missing is the first one that does not, or null.
 static size_t count_found(const column_names *columns, const char *const *names, const char **missing)
 {
     size_t found = 0;
@@ -104,7 +108,7 @@ const point_form *point_form_first(const char *space, size_t count)
     return NULL;
 }
 
-/// Whether any of the names of a space's strict forms is there.
+/// Whether any name of a space's strict forms exists.
 static bool any_known(const char *space, const column_names *columns)
 {
     const char *missing;
@@ -126,7 +130,7 @@ const point_form *point_form_find(const char *space, const column_names *columns
     return first != NULL && first->strict ? first : NULL;
 }
 
-/// The form of the space of which the most columns are there, and the first that is not.
+/// The form of a space with the most existing columns, and its first missing column.
 static const point_form *nearest_form(const char *space, const column_names *columns, const char **missing)
 {
     const point_form *nearest = NULL;
@@ -154,7 +158,7 @@ static bool is_one_of(const char *column, const char *const *names)
     return false;
 }
 
-/// The first column that means nothing to a form, or null.
+/// The first column without a meaning in a form, or null.
 static const char *unknown_column(const point_form *form, const column_names *columns)
 {
     size_t time = column_find_time(columns);
@@ -164,7 +168,7 @@ static const char *unknown_column(const point_form *form, const column_names *co
     return NULL;
 }
 
-/// The first column that is there twice, or null.
+/// The conformal factor 2 / (1 - |p|^2) of the disk, from velocities in its coordinates to tangent vectors.
 static const char *repeated_column(const column_names *columns)
 {
     for (size_t i = 1; i < columns->count; i++)
@@ -281,13 +285,14 @@ void point_form_write(const point_form *form, const double *point, double *numbe
     }
 }
 
-/// Tangent vectors of the disk are measured where the point is moved to the centre: there lengths count twice.
+/// The factor of velocities in the disk: tangent vectors are transported to the centre, where the metric is 4 times the
+/// Euclidean one.
 static double disk_scale(const double *point)
 {
     return 2 / ((1 - hypot(point[0], point[1])) * (1 + hypot(point[0], point[1])));
 }
 
-/// Take off what points out of the sphere, when that is little.
+/// Remove the normal component of a tangent vector of the sphere, if it is within the tolerance.
 static void make_tangent(const double *point, double *tangent)
 {
     double length = hypot(hypot(tangent[0], tangent[1]), tangent[2]);
@@ -331,5 +336,5 @@ void quaternion_continue(const double *before, double *quaternion)
     for (int i = 0; i < 4; i++)
         product += before[i] * quaternion[i];
     for (int i = 0; i < 4 && product < 0; i++)
-        quaternion[i] = 0 - quaternion[i]; // no negative zeros
+        quaternion[i] = 0 - quaternion[i]; // avoids -0
 }

@@ -3,6 +3,9 @@
 #include "base/error.h"
 
 #include <errno.h>
+
+/// @file
+/// Parallel formatting with ordered output: threads format blocks in any order and write them in the order of their numbers.
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -34,7 +37,7 @@ bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format
                         bat_error *error)
 {
     bat_status outcome = BAT_OK;
-    (void)threads; // where there is no OpenMP
+    (void)threads; // unused without OpenMP
 #pragma omp parallel num_threads(thread_count(threads)) if (count > 1)
     {
         text_buffer text = {0};

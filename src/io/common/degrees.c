@@ -1,5 +1,8 @@
 #include "io/common/degrees.h"
 
+/// @file
+/// Trigonometric functions of degrees, exact at multiples of 90 degrees.
+
 const char *degrees_fault(double longitude, double latitude)
 {
     if (!(fabs(latitude) <= 90.0))
@@ -9,7 +12,7 @@ const char *degrees_fault(double longitude, double latitude)
     return NULL;
 }
 
-/// Sine and cosine of |degrees| <= 360, reduced to an eighth of a turn without rounding.
+/// Sine and cosine for |degrees| <= 360, reduced exactly to |angle| <= 45 degrees.
 static void degrees_sine_cosine(double degrees, double *sine, double *cosine)
 {
     static const double radians_per_degree = 0.017453292519943295769236907684886;
@@ -42,7 +45,7 @@ void degrees_to_point(double longitude, double latitude, double point[3])
     double sine_longitude, cosine_longitude, sine_latitude, cosine_latitude;
     degrees_sine_cosine(longitude, &sine_longitude, &cosine_longitude);
     degrees_sine_cosine(latitude, &sine_latitude, &cosine_latitude);
-    // Adding zero turns a negative zero into a positive one.
+    // Adding zero replaces -0 by 0.
     point[0] = cosine_latitude * cosine_longitude + 0.0;
     point[1] = cosine_latitude * sine_longitude + 0.0;
     point[2] = sine_latitude;

@@ -5,34 +5,34 @@
 
 #include <math.h>
 
-/// More decimals of a degree than this, and rounding could show 180 degrees as more.
+/// The most decimals of a degree. With more, rounding could give more than 180 degrees.
 enum
 {
     DEGREE_MAX_DECIMALS = 12
 };
 
-/// Longitude and latitude in degrees as integers, in units of 10^-decimals degrees: what a file shows, compared and printed
-/// without rounding.
+/// Longitude and latitude as integers, in units of 10^-decimals degrees, as a file contains them. Comparison and output need
+/// no rounding.
 typedef struct degree_units
 {
     int64_t longitude; ///< -180 … 180 degrees
     int64_t latitude;  ///< -90 … 90 degrees
 } degree_units;
 
-/// Null when the longitude is within -360 to 360 degrees and the latitude within -90 to 90, else what is wrong.
+/// Null for a longitude within -360 … 360 degrees and a latitude within -90 … 90 degrees, else a text that states the error.
 const char *degrees_fault(double longitude, double latitude);
 
-/// The unit vector of a longitude and latitude in degrees; exact at multiples of 90 degrees.
+/// The unit vector for a longitude and latitude in degrees; exact at multiples of 90 degrees.
 void degrees_to_point(double longitude, double latitude, double point[3]);
 
-/// The number of units in a radian.
+/// The number of units in one radian.
 static inline double degree_units_per_radian(int decimals)
 {
     static const double degrees_per_radian = 57.295779513082320876798154814105;
     return degrees_per_radian * (double)number_power_of_ten(decimals);
 }
 
-/// Longitude and latitude of a unit vector, rounded to units. Both come from atan2, so that they are accurate at the poles.
+/// The longitude and latitude of a unit vector, rounded to units. Both use atan2, which is accurate at the poles.
 static inline degree_units degrees_of_point(const double point[3], double units_per_radian)
 {
     double across = sqrt(point[0] * point[0] + point[1] * point[1]);

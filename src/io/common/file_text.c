@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <sys/stat.h>
 
+/// @file
+/// Input files as text in memory, and their lines.
+
 static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
 
 static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *error)

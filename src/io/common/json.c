@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/// @file
+/// JSON text: a scanner that skips values without a parse tree, and a writer.
+
 void json_scan_blanks(json_scanner *scan)
 {
     while (scan->at < scan->end && (*scan->at == ' ' || *scan->at == '\n' || *scan->at == '\r' || *scan->at == '\t'))
@@ -94,7 +97,7 @@ static bool skip_digits(json_scanner *scan)
     return scan->at > first;
 }
 
-/// Go behind one of the bytes `a` and `b`, with no blanks before it.
+/// Skip one of the bytes `a` and `b`, without blanks before it.
 static bool skip_either(json_scanner *scan, char a, char b)
 {
     bool there = scan->at < scan->end && (*scan->at == a || *scan->at == b);
@@ -102,7 +105,7 @@ static bool skip_either(json_scanner *scan, char a, char b)
     return there;
 }
 
-/// Go behind a number as JSON has them.
+/// Skip a JSON number.
 static bool skip_number(json_scanner *scan)
 {
     (void)skip_either(scan, '-', '-');
@@ -187,7 +190,7 @@ void json_text_string(text_buffer *text, const char *string, size_t length)
 static void append_object(text_buffer *text, const json_t *object)
 {
     const char *separator = "{";
-    // Iterating does not change the object, though the function wants a pointer that could.
+    // The iterator does not change the object, but its parameter is not const.
     json_t *members = (json_t *)(uintptr_t)object;
     for (void *member = json_object_iter(members); member != NULL; member = json_object_iter_next(members, member))
     {
@@ -214,7 +217,7 @@ static void append_array(text_buffer *text, const json_t *array)
     text_append(text, "]", 1);
 }
 
-/// A real number keeps a mark of being one, so that it is read back as one.
+/// Append a real number with a point or an exponent, so that it is read back as a real number.
 static void append_real(text_buffer *text, double value)
 {
     char *begin = text_reserve(text, NUMBER_TEXT_SIZE + 2);

@@ -6,41 +6,41 @@
 
 #include <jansson.h>
 
-/// Find one's way in JSON text without parsing it. Only brackets, quotes and commas are looked at, save by
-/// json_scan_numbers(); it is for a parser to decide whether the whole is JSON. Every function first goes behind blanks.
+/// A position in JSON text. The functions skip values without parsing them: they only examine brackets, quotes and commas,
+/// except for json_scan_numbers(). A parser must check the syntax. Every function skips blanks first.
 typedef struct json_scanner
 {
     const char *at, *end; ///< the byte at `end` is readable
 } json_scanner;
 
-/// Go behind blanks.
+/// Skip blanks.
 void json_scan_blanks(json_scanner *scan);
-/// Whether this byte is next.
+/// Whether the next byte is `byte`.
 bool json_scan_at(json_scanner *scan, char byte);
-/// Go behind this byte if it is next.
+/// Skip the next byte if it is `byte`.
 bool json_scan_take(json_scanner *scan, char byte);
 
-/// Go behind the string that begins here. False when it has no end.
+/// Skip a string. False when it has no end.
 bool json_scan_string(json_scanner *scan);
-/// Go behind the key that begins here and its colon; `key` is what stands between the quotes. False when there is none.
+/// Skip a key and its colon; `key` receives the text between the quotes. False when there is none.
 bool json_scan_key(json_scanner *scan, json_scanner *key);
-/// Whether what lies between `at` and `end` is this text.
+/// Whether the text from `at` to `end` equals `text`.
 bool json_scan_is(const json_scanner *scan, const char *text);
-/// Go behind the value that begins here: to the end of its brackets, or to the comma or bracket that follows a plain value.
+/// Skip a value: up to its closing bracket, or up to the comma or bracket after a plain value.
 bool json_scan_value(json_scanner *scan);
 
-/// Inside an array whose opening bracket was taken and of which `index` elements were passed: go to the next. False, and
-/// behind the array's end, when there is none.
+/// Advance to the next element of an array, after its opening bracket and `index` elements. False, behind the closing
+/// bracket, at the end of the array.
 bool json_scan_element(json_scanner *scan, size_t index);
 
-/// Go behind the array that begins here if it is right JSON and holds nothing but numbers and arrays, at most `depth` deep.
+/// Skip an array if it is valid JSON and holds only numbers and arrays, nested at most `depth` deep.
 bool json_scan_numbers(json_scanner *scan, size_t depth);
 
-/// The line breaks between two places.
+/// The number of line breaks between two positions.
 size_t json_scan_newlines(const char *begin, const char *end);
 
-/// Append a JSON value in compact form. Members keep their order, real numbers have as few digits as bring back the same
-/// double, text is UTF-8. Unlike json_dumps() it may run on several threads for the same value.
+/// Append a JSON value in compact form. Members keep their order, real numbers have the fewest digits that identify the
+/// double, and text is UTF-8. Unlike json_dumps(), several threads may write the same value.
 void json_text(text_buffer *text, const json_t *value);
 
 /// Append a JSON string with its quotes.

@@ -7,6 +7,10 @@
 #include <string.h>
 #include <strings.h>
 
+/// @file
+/// Decimal text to doubles and back, correctly rounded, by exact integers of 128 bits (Clinger, "How to read floating point
+/// numbers accurately", 1990). Rare cases use strtod() and printf().
+
 __extension__ typedef unsigned __int128 wide;
 
 enum
@@ -14,8 +18,8 @@ enum
     MAX_POWER = 18,         ///< the largest power of ten in an int64_t
     EXACT_POWER = 22,       ///< the largest power of ten that is a double
     WIDE_POWER = 27,        ///< the largest power of five in a uint64_t
-    MANTISSA_DIGITS = 19,   ///< so many digits always fit a uint64_t
-    SIGNIFICANT_DIGITS = 17 ///< always enough for a double
+    MANTISSA_DIGITS = 19,   ///< every uint64_t holds this many digits
+    SIGNIFICANT_DIGITS = 17 ///< sufficient for any double
 };
 
 int64_t number_power_of_ten(int decimals)
@@ -99,7 +103,7 @@ char *number_write_fixed(char *out, int64_t units, int decimals)
     return write_decimal(out, units < 0 ? (uint64_t)-units : (uint64_t)units, decimals);
 }
 
-/// The number of digits before the point of 1e-5 <= value < 1e15; zero or negative counts the zeros after it.
+/// The number of digits before the decimal point for 1e-5 <= value < 1e15; zeros after the point count as negative.
 static int leading_digits(double value)
 {
     if (value >= 1.0)
@@ -110,8 +114,8 @@ static int leading_digits(double value)
     return digits;
 }
 
-/// Shortest digits of 1e-5 <= value < 1e15 by exact integers. With value = m 2^-s and N = m 10^k, a decimal c 10^-k is read
-/// back as the value when |c 2^s - N| < 10^k / 2, half a unit in the last place (half of that below a power of two).
+/// Write the shortest digits of 1e-5 <= value < 1e15. Let value = m 2^-s and N = m 10^k. A decimal c 10^-k is read back as
+/// the value when |c 2^s - N| < 10^k / 2, half a unit in the last place, or half of that below a power of two.
 static char *write_fraction(char *out, double value)
 {
     int exponent;
@@ -141,7 +145,7 @@ static char *write_fraction(char *out, double value)
     }
 }
 
-/// What printf() writes for "%.*g" of a positive number, with a point in place of the locale's decimal separator.
+/// Write a positive number as printf("%.*g") does, with a decimal point in every locale.
 static char *write_digits(char *out, double value, int digits)
 {
     char text[2 * NUMBER_TEXT_SIZE];
@@ -157,7 +161,7 @@ static char *write_digits(char *out, double value, int digits)
     return stpcpy(out, at);
 }
 
-/// Any positive finite number, slowly.
+/// Write any positive finite number, by trial of 15 to 17 digits.
 static char *write_general(char *out, double value)
 {
     char text[NUMBER_TEXT_SIZE];
@@ -180,11 +184,11 @@ char *number_write(char *out, double value)
     return write_general(out, value);
 }
 
-/// The parts of a decimal number: all its digits as one integer, times 10^exponent.
+/// A decimal number: its digits as an integer, times 10^exponent.
 typedef struct decimal
 {
-    uint64_t mantissa; ///< that integer modulo 2^64: itself with at most 19 significant digits
-    size_t digits;     ///< with leading zeros
+    uint64_t mantissa; ///< the integer modulo 2^64; exact for up to 19 significant digits
+    size_t digits;     ///< the number of digits, including leading zeros
     int64_t exponent;
     bool negative;
 } decimal;
@@ -207,7 +211,7 @@ static const char *scan_digits(const char *at, const char *end, decimal *number)
 
 static const char *scan_exponent(const char *at, const char *end, decimal *number)
 {
-    static const int64_t cap = INT64_MAX / 1000; // beyond what any number of digits makes up for
+    static const int64_t cap = INT64_MAX / 1000; // no number of digits compensates for a larger exponent
     bool negative = at < end && *at == '-';
     if (at < end && (*at == '-' || *at == '+'))
         at++;
@@ -220,7 +224,7 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
     return at;
 }
 
-/// Read [+-] digits [. digits] [e [+-] digits], with a digit before or after the point; returns where it ends, or null.
+/// Scan [+-] digits [. digits] [e [+-] digits] with at least one digit before the exponent. Returns the end, or null.
 static const char *scan_decimal(const char *at, const char *end, decimal *number)
 {
     *number = (decimal){.negative = at < end && *at == '-'};
@@ -238,8 +242,8 @@ static const char *scan_decimal(const char *at, const char *end, decimal *number
     return at < end && (*at == 'e' || *at == 'E') ? scan_exponent(at + 1, end, number) : at;
 }
 
-/// The digits as an integer and an exponent, which strtod() reads alike in every locale. No number between two doubles that
-/// is halfway has more than 767 digits, so that of those beyond it only matters whether one is not zero.
+/// Convert by strtod(), which reads an integer with an exponent alike in every locale. A midpoint between two doubles has at
+/// most 767 digits. So of the digits beyond 800 it only matters whether one is not zero.
 static double convert_long(const char *at, const char *end, const decimal *number)
 {
     enum
@@ -266,7 +270,7 @@ static double convert_long(const char *at, const char *end, const decimal *numbe
     return strtod(text, NULL);
 }
 
-/// `mantissa` * 2^exponent, rounded; the result is far from the ends of the doubles' range.
+/// `mantissa` * 2^exponent, rounded, for results far from overflow and underflow.
 static double scale_by_two(uint64_t mantissa, int exponent)
 {
     uint64_t bits = (uint64_t)(DBL_MAX_EXP - 1 + exponent) << (DBL_MANT_DIG - 1);
@@ -275,8 +279,8 @@ static double scale_by_two(uint64_t mantissa, int exponent)
     return (double)mantissa * power;
 }
 
-/// `mantissa` * 10^exponent for -27 <= exponent <= 27, by exact integers: at least 62 bits of the product or quotient with
-/// 5^27, the last one set where anything is left over, round as the whole.
+/// `mantissa` * 10^exponent for -27 <= exponent <= 27. The product or quotient with 5^27 has at least 62 exact bits. Its
+/// last bit is set when there is a remainder, so it rounds like the exact value.
 static double convert_wide(uint64_t mantissa, int exponent)
 {
     static const uint64_t fives[WIDE_POWER + 1] = {1,
@@ -327,7 +331,7 @@ static double convert_wide(uint64_t mantissa, int exponent)
     return scale_by_two(quotient | rest, divisor_shift - shift - 63 + exponent);
 }
 
-/// The number whose text goes from `begin` to `end`.
+/// Convert the number from `begin` to `end`.
 static double convert(const char *begin, const char *end, decimal *number)
 {
     static const double exact_powers[EXACT_POWER + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -341,7 +345,7 @@ static double convert(const char *begin, const char *end, decimal *number)
     double value;
     if (exact && number->mantissa == 0)
         value = 0.0;
-    // Both factors are exact doubles, so that one operation rounds right (Clinger 1990).
+    // Both factors are exact doubles, so one operation rounds correctly (Clinger, 1990).
     else if (exact && number->mantissa <= exact_mantissa && exponent >= -EXACT_POWER && exponent <= EXACT_POWER)
         value = exponent < 0 ? (double)number->mantissa / exact_powers[-exponent]
                              : (double)number->mantissa * exact_powers[exponent];

@@ -3,35 +3,35 @@
 
 #include "batten/base.h"
 
-/// Numbers as decimal text, with a point as the decimal separator whatever the locale.
+/// @file
+/// Numbers as decimal text, with a decimal point in every locale.
 
-/// Room that any number needs; no final zero is written.
+/// The most characters of a number, without a terminating zero.
 enum
 {
     NUMBER_TEXT_SIZE = 32
 };
 
-/// Write a finite number with as few of 15, 16 or 17 significant digits as give the same double back; returns the end.
+/// Write a finite number with the fewest of 15, 16 or 17 significant digits that identify the double. Returns the end.
 char *number_write(char *out, double value);
 
-/// Write the number `units` * 10^-decimals without trailing zeros, |units| < 10^18 and 0 <= decimals <= 18; returns the end.
+/// Write `units` * 10^-decimals without trailing zeros, for |units| < 10^18 and 0 <= decimals <= 18. Returns the end.
 char *number_write_fixed(char *out, int64_t units, int decimals);
 
-/// 10^decimals, 0 <= decimals <= 18.
+/// 10^decimals for 0 <= decimals <= 18.
 int64_t number_power_of_ten(int decimals);
 
-/// Read the decimal number that fills the text from `begin` to `end`, rounded to the nearest double. Null when it is one,
-/// else a few words that say why not. Hexadecimal, "nan" and "inf" are not numbers.
+/// Read the decimal number from `begin` to `end`, rounded to the nearest double. Returns null, or a few words that state the
+/// error. Hexadecimal numbers, "nan" and "inf" are errors.
 const char *number_read(const char *begin, const char *end, double *value);
 
-/// Read the decimal number that the text from `begin` to `end` begins with; returns where it ends, or null when the text
-/// begins with none, or with one too large.
+/// Read the decimal number at `begin`. Returns its end, or null when there is none or it is too large.
 const char *number_scan(const char *begin, const char *end, double *value);
 
-/// True when the text begins as something strtod() reads, right or wrong: what decides between a header and a bad number.
+/// Whether strtod() would read something at `begin`. This tells a header from an invalid number.
 bool number_resembles(const char *begin, const char *end);
 
-/// The text from `begin` to `end` for an error message: cut to fit, bytes that do not print replaced. Returns `excerpt`.
+/// The text from `begin` to `end` for an error message: truncated, with unprintable bytes replaced. Returns `excerpt`.
 enum
 {
     EXCERPT_SIZE = 32

@@ -1,5 +1,8 @@
 #include "io/common/word_scan.h"
 
+/// @file
+/// Error messages for words of a text file.
+
 bat_status scan_word_fault(word_scan *scan, size_t index, const char *fault, bat_error *error)
 {
     char excerpt[EXCERPT_SIZE];

@@ -7,11 +7,11 @@
 
 #include <string.h>
 
-/// A place in a text of lines with words, where '#' begins a comment that ends with its line. Words are separated by blanks.
+/// A position in a text of lines of words. '#' begins a comment up to the end of its line. Blanks separate words.
 typedef struct word_scan
 {
     const char *at, *end;
-    size_t line; ///< that `at` is in, counted from 1
+    size_t line; ///< the line of `at`, counted from 1
 } word_scan;
 
 static inline word_scan word_scan_start(const char *text, size_t size)
@@ -25,20 +25,20 @@ static inline void scan_skip_blanks(word_scan *scan)
         scan->at++;
 }
 
-/// Whether a word ends at a place.
+/// Whether a word ends at a position.
 static inline bool scan_word_ends(const word_scan *scan, const char *at)
 {
     return at == scan->end || *at == ' ' || *at == '\n' || *at == '\t' || *at == '\r' || *at == '#';
 }
 
-/// Whether nothing but blanks and a comment is left of the line; goes to the next word otherwise.
+/// Whether only blanks and a comment remain on the line. Advances to the next word otherwise.
 static inline bool scan_line_done(word_scan *scan)
 {
     scan_skip_blanks(scan);
     return scan->at == scan->end || *scan->at == '\n' || *scan->at == '#';
 }
 
-/// Go to the begin of the next line; false at the end of the text.
+/// Advance to the start of the next line; false at the end of the text.
 static inline bool scan_next_line(word_scan *scan)
 {
     const char *newline = scan->at < scan->end ? memchr(scan->at, '\n', (size_t)(scan->end - scan->at)) : NULL;
@@ -47,7 +47,7 @@ static inline bool scan_next_line(word_scan *scan)
     return scan->at < scan->end;
 }
 
-/// Go to the next word, over any number of lines; false at the end of the text.
+/// Advance to the next word, also on later lines; false at the end of the text.
 static inline bool scan_next_content(word_scan *scan)
 {
     while (scan_line_done(scan))
@@ -56,7 +56,7 @@ static inline bool scan_next_content(word_scan *scan)
     return true;
 }
 
-/// Read the next word of the line as a number; false, in place, when it is none.
+/// Read the next word of the line as a number. False, without moving, when it is not a number.
 static inline bool scan_number(word_scan *scan, double *value)
 {
     scan_skip_blanks(scan);
@@ -67,7 +67,7 @@ static inline bool scan_number(word_scan *scan, double *value)
     return true;
 }
 
-/// Read decimal digits as a number below `limit` <= 2^60; false, in place, when there are none or it is not below.
+/// Read decimal digits as a number below `limit` <= 2^60. False, without moving, when there is none.
 static inline bool scan_digits_below(word_scan *scan, uint64_t limit, uint64_t *value)
 {
     uint64_t number = 0;
@@ -81,7 +81,7 @@ static inline bool scan_digits_below(word_scan *scan, uint64_t limit, uint64_t *
     return true;
 }
 
-/// Read the next word of the line as a whole number of 0 or more, below `limit` <= 2^60; false, in place, when it is none.
+/// Read the next word of the line as an integer, 0 <= value < `limit` <= 2^60. False, without moving, when it is not one.
 static inline bool scan_count(word_scan *scan, uint64_t limit, uint64_t *value)
 {
     scan_skip_blanks(scan);
@@ -100,7 +100,7 @@ static inline const char *scan_word_end(const word_scan *scan)
     return at;
 }
 
-/// Whether the next word of the line is `word`, which is then passed over.
+/// Skip the next word of the line if it is `word`.
 static inline bool scan_word(word_scan *scan, const char *word)
 {
     scan_skip_blanks(scan);
@@ -111,10 +111,11 @@ static inline bool scan_word(word_scan *scan, const char *word)
     return true;
 }
 
-/// BAT_BAD_FILE for the line's next word, which should be a number: what is wrong with it, or that `what` is missing.
+/// BAT_BAD_FILE for the next word of the line, which should be a number. The message names its error, or `what` when it is
+/// missing.
 bat_status scan_number_fault(word_scan *scan, size_t index, const char *what, bat_error *error);
 
-/// BAT_BAD_FILE for the line's next word: it `fault`, as in "is not the index of a vertex".
+/// BAT_BAD_FILE for the next word of the line. `fault` follows the word, as in "is not the index of a vertex".
 bat_status scan_word_fault(word_scan *scan, size_t index, const char *fault, bat_error *error);
 
 #endif

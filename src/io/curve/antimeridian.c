@@ -1,5 +1,8 @@
 #include "io/curve/antimeridian.h"
 
+/// @file
+/// Crossings of the antimeridian by geodesic edges, in exact units of the file's decimals.
+
 degree_grid degree_grid_of(int decimals)
 {
     int64_t degree = number_power_of_ten(decimals);
@@ -53,7 +56,8 @@ static bool on_meridian(const degree_grid *grid, degree_units shown)
     return shown.longitude == grid->half_turn || shown.longitude == -grid->half_turn;
 }
 
-/// Give a vertex on the meridian or a pole the side or the longitude of its neighbour.
+/// Assign the longitude of a vertex at a pole, or the sign of the longitude of a vertex on the antimeridian, from its
+/// neighbour.
 static void assign_longitude(const degree_grid *grid, degree_units *shown, degree_units neighbour)
 {
     if (on_pole(grid, *shown))
@@ -62,7 +66,7 @@ static void assign_longitude(const degree_grid *grid, degree_units *shown, degre
         shown->longitude = neighbour.longitude < 0 ? -grid->half_turn : grid->half_turn;
 }
 
-/// The first vertex that is neither on the meridian nor a pole; `count` when there is none.
+/// The first vertex that is neither on the antimeridian nor at a pole; `count` when there is none.
 static size_t first_ordinary(const degree_grid *grid, const globe_curve *curve)
 {
     size_t first = 0;
@@ -97,7 +101,7 @@ static size_t next_vertex(const globe_curve *curve, size_t index)
     return index + 1 < curve->count ? index + 1 : 0;
 }
 
-/// Whether the edge from a vertex to the next crosses the meridian: the shortest arc never spans more than 180 degrees.
+/// Whether the edge from a vertex to the next crosses the antimeridian. A shortest arc spans at most 180 degrees.
 static bool crosses(const degree_grid *grid, const globe_curve *curve, size_t index)
 {
     return llabs(curve->shown[index].longitude - curve->shown[next_vertex(curve, index)].longitude) > grid->half_turn;
@@ -138,8 +142,8 @@ static double chord_angle(const double *p, const double *q)
     return 2.0 * atan2(sqrt(difference), sqrt(sum));
 }
 
-/// Where the arc from a vertex to the next meets the meridian, seen from the vertex's side. The point of the plane y = 0 on
-/// the arc from p to q is along |y_q| p + |y_p| q.
+/// The intersection of the arc from a vertex to the next with the antimeridian, on the vertex's side. On the arc from p to q
+/// the point with y = 0 is parallel to |q_y| p + |p_y| q.
 static globe_position crossing(const degree_grid *grid, const globe_curve *curve, size_t index)
 {
     if (on_meridian(grid, curve->shown[index]))
@@ -191,7 +195,7 @@ static void cut_open(const degree_grid *grid, const globe_curve *curve, globe_li
     globe_lines_end(pieces);
 }
 
-/// Go once around, from the first crossing back to it.
+/// Cut a closed curve, starting at its first crossing.
 static void cut_closed(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces)
 {
     size_t first = 0;

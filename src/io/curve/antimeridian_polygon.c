@@ -1,24 +1,27 @@
 #include "io/curve/antimeridian.h"
 
-/// A crossing of the meridian: one chain ends there and another (or the same) begins, on the other side.
+/// @file
+/// Polygons cut at the antimeridian: rings are cut into chains, whose ends are joined along the antimeridian in pairs.
+
+/// A crossing of the antimeridian: one chain ends there, and a chain on the other side begins there.
 typedef struct border_crossing
 {
     int64_t latitude;
-    size_t ending, beginning; ///< the chains
+    size_t ending, beginning; ///< the indices of these chains
 } border_crossing;
 
-/// The pieces of all rings that cross the meridian, and how they are joined along it. Where the interior touches the
-/// meridian, it does so on both sides between the same latitudes. So the crossings, sorted by latitude, bound it in pairs;
-/// one that is left alone bounds it together with a pole.
+/// The chains of all rings that cross the antimeridian, and their order along it. The interior meets the antimeridian on
+/// both sides between the same latitudes. So crossings sorted by latitude bound it in pairs. A single remaining crossing
+/// bounds it together with a pole.
 typedef struct border
 {
     globe_lines chains;
     border_crossing *crossings; ///< sorted by latitude
     size_t count;
-    size_t *ending, *beginning; ///< for each chain, the crossing it ends at and the one it begins at
+    size_t *ending, *beginning; ///< for each chain: the crossings at its end and its start
     bool *used;                 ///< for each chain
-    bool south;                 ///< the interior has the south pole
-    bool odd;                   ///< one crossing is left alone
+    bool south;                 ///< the interior contains the south pole
+    bool odd;                   ///< the number of crossings is odd
 } border;
 
 static int compare_crossings(const void *a, const void *b)
@@ -29,9 +32,11 @@ static int compare_crossings(const void *a, const void *b)
     return (p->ending > q->ending) - (p->ending < q->ending);
 }
 
-/// Whether the smaller side of a ring that goes around the axis has the south pole. The integral of sin(latitude) over the
-/// longitude along an arc, between the tangents t of half the latitudes, is 2 atan(tan(d / 2) (t1 + t2) / (1 + t1 t2)); over
-/// the ring it is positive where the area between the ring and the north pole is below 2 pi.
+/// Whether the smaller side of a ring around the axis contains the south pole.
+///
+/// Let t_1, t_2 be the tangents of half the latitudes at the ends of an arc, and d its longitude difference. The integral of
+/// sin(latitude) over the longitude is 2 atan(tan(d / 2) (t_1 + t_2) / (1 + t_1 t_2)). Its sum over the ring is positive
+/// when the area north of the ring is less than 2 pi.
 static bool encloses_south(const degree_grid *grid, const globe_curve *ring)
 {
     double turn = 0.0, integral = 0.0;
@@ -72,7 +77,7 @@ static void border_free(border *edge)
     free(edge->used);
 }
 
-/// Cut the rings into chains, and sort the crossings between them.
+/// Cut the rings into chains and sort the crossings.
 static bool border_begin(const degree_grid *grid, const globe_curve *rings, size_t ring_count, border *edge)
 {
     for (size_t i = 0; i < ring_count; i++)
@@ -107,7 +112,7 @@ static bool border_begin(const degree_grid *grid, const globe_curve *rings, size
     return true;
 }
 
-/// The crossing that bounds the interior together with this one; itself when that is a pole.
+/// The crossing that bounds the interior together with this one; itself when the other bound is a pole.
 static size_t partner(const border *edge, size_t crossing)
 {
     size_t first = edge->south ? 1 : 0;
@@ -127,7 +132,7 @@ static bool same_place(globe_position a, globe_position b)
     return a.shown.longitude == b.shown.longitude && a.shown.latitude == b.shown.latitude;
 }
 
-/// Add a position to the ring that begins at `begin`, unless it repeats the last one.
+/// Append a position to the ring that begins at `begin`, unless it equals the last one.
 static void add_to_ring(globe_lines *rings, size_t begin, globe_position position)
 {
     if (rings->position_count == begin || !same_place(rings->positions[rings->position_count - 1], position))
@@ -141,7 +146,7 @@ static void add_chain(const border *edge, size_t chain, bool backward, size_t be
         add_to_ring(rings, begin, edge->chains.positions[backward ? chain_begin + chain_end - 1 - i : i]);
 }
 
-/// Go along the meridian from the place where a walk leaves a chain to where it enters the next.
+/// Follow the antimeridian from the end of a chain to the start of the next.
 static void follow_border(const degree_grid *grid, const border *edge, size_t *chain, bool *backward, size_t begin,
                           globe_lines *rings)
 {
@@ -162,7 +167,7 @@ static void follow_border(const degree_grid *grid, const border *edge, size_t *c
     *backward = at_end;
 }
 
-/// Walk around one part of the interior.
+/// Trace the boundary of one part of the interior.
 static void trace_ring(const degree_grid *grid, border *edge, size_t chain, globe_lines *rings)
 {
     size_t begin = rings->position_count;
@@ -178,7 +183,7 @@ static void trace_ring(const degree_grid *grid, border *edge, size_t chain, glob
     size_t last = rings->position_count - 1;
     if (last > begin && same_place(rings->positions[begin], rings->positions[last]))
         rings->position_count--;
-    // A part without area keeps as many positions as a ring must have.
+    // Rings must have three positions, also around a part without area.
     while (!rings->failed && rings->position_count - begin < 3)
         globe_lines_add(rings, rings->positions[begin]);
     globe_lines_end(rings);
@@ -191,7 +196,7 @@ static void add_whole_ring(const globe_curve *ring, globe_lines *rings)
     globe_lines_end(rings);
 }
 
-/// Whether a place lies inside a ring of longitude and latitude.
+/// Whether a point lies inside a ring in the plane of longitude and latitude.
 static bool ring_holds(const globe_lines *rings, size_t ring, degree_units place)
 {
     bool inside = false;
@@ -207,7 +212,7 @@ static bool ring_holds(const globe_lines *rings, size_t ring, degree_units place
     return inside;
 }
 
-/// The least and the greatest longitude and latitude of a ring.
+/// The bounding box of a ring.
 typedef struct ring_box
 {
     degree_units low, high;
@@ -238,7 +243,7 @@ static bool box_holds(const ring_box *box, degree_units place)
            box->low.latitude <= place.latitude && place.latitude <= box->high.latitude;
 }
 
-/// The outer ring that a hole lies in: the first that holds one of its vertices.
+/// The outer ring of a hole: the first one that contains a vertex of the hole.
 static size_t owner_of(const globe_curve *hole, const globe_lines *outers, const ring_box *boxes)
 {
     for (size_t i = 0; i < hole->count; i++)
@@ -248,7 +253,7 @@ static size_t owner_of(const globe_curve *hole, const globe_lines *outers, const
     return 0;
 }
 
-/// Find the outer ring of each hole; `outers->count` for one that became part of an outline. Null when out of memory.
+/// Find the outer ring of each hole; `outers->count` for a hole that became part of an outer ring. Null when out of memory.
 static size_t *find_owners(const globe_lines *outers, const globe_curve *holes, size_t hole_count)
 {
     size_t *owners = memory_array(hole_count, sizeof *owners);
@@ -273,7 +278,7 @@ static void copy_ring(const globe_lines *from, size_t ring, globe_lines *to)
     globe_lines_end(to);
 }
 
-/// Put the outer rings and the holes that do not cross the meridian together.
+/// Combine the outer rings with the holes that do not cross the antimeridian.
 static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t hole_count, globe_polygons *parts)
 {
     void *counts = parts->ring_counts;

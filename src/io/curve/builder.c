@@ -7,6 +7,9 @@
 
 #include <string.h>
 
+/// @file
+/// Points and channels of curves, appended one by one and checked against their space.
+
 static bool doubles_grow(double **values, size_t *capacity, size_t needed)
 {
     void *array = *values;
@@ -95,8 +98,8 @@ void builder_drop_last(curve_builder *builder)
         builder->line_count--;
 }
 
-/// Take `count` values out of the builder's array: a copy of a few; for many the array itself, so that they are not in
-/// memory twice. Null when out of memory.
+/// Take `count` values out of the builder's array: a copy of a small array, or a large array itself, to avoid a second copy
+/// in memory. Null when out of memory.
 static double *take_doubles(double **values, size_t *capacity, size_t count)
 {
     enum

@@ -7,6 +7,9 @@
 #include <string.h>
 #include <strings.h>
 
+/// @file
+/// Reader of CSV and of trajectories in the TUM format: rows of numbers, an optional header, and directives in comments.
+
 enum
 {
     /// timestamp tx ty tz qx qy qz qw
@@ -22,13 +25,13 @@ typedef struct csv_reader
     double numbers[BAT_SPACE_MAX_DIM]; ///< of a row, coordinates first
     size_t column_count;               ///< 0 before the first row
     size_t coordinate_count;
-    char separator;                ///< a comma, semicolon, tab, or a blank for any run of blanks
-    char space_name[EXCERPT_SIZE]; ///< what a directive says; empty without one
-    bool closed;                   ///< what a directive says of the current curve
+    char separator;                ///< a comma, semicolon or tab, or a blank for runs of blanks
+    char space_name[EXCERPT_SIZE]; ///< from a directive; empty without one
+    bool closed;                   ///< from a directive for the current curve
     size_t header_line;            ///< 0 without a header
     bool begun;                    ///< a row of numbers was read
-    bool unnamed_tum;              ///< rows of a trajectory in a CSV file
-    bool tum; ///< a trajectory in the TUM format, which has no blank lines, headers or directives that mean something
+    bool unnamed_tum;              ///< a CSV file contains rows of a trajectory without a header
+    bool tum;                      ///< the TUM format: blank lines, headers and directives have no meaning
 } csv_reader;
 
 static bat_status bad_row(bat_error *error, const text_line *line, const char *what)
@@ -54,7 +57,7 @@ static char find_separator(const text_line *line)
     return ' ';
 }
 
-/// Where the field that begins at `at` ends.
+/// The end of the field that begins at `at`.
 static const char *field_end(const char *at, const char *end, char separator)
 {
     if (separator != ' ')
@@ -92,7 +95,7 @@ static bool is_header(const csv_reader *reader, size_t count)
     return true;
 }
 
-/// Null when a field can be the name of a column.
+/// Null for a valid name of a column, else an error text.
 static const char *name_fault(const csv_field *field)
 {
     static const char mark[] = "\xEF\xBB\xBF";
@@ -121,7 +124,7 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
     return BAT_OK;
 }
 
-/// The columns of the TUM format, as those of a CSV file with a header.
+/// Name the columns of the TUM format as a CSV header would.
 static bool name_tum_columns(csv_reader *reader)
 {
     static const char *const names[TUM_COLUMNS] = {"timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
@@ -132,8 +135,8 @@ static bool name_tum_columns(csv_reader *reader)
     return csv_columns_name(&reader->attributes->csv, fields, TUM_COLUMNS);
 }
 
-/// Whether a form is meant although no space is named: names of quaternions and matrices are unmistakable; those of flat
-/// spaces change something only beside times or velocities.
+/// Whether the names of columns imply a form. Without a named space, names of quaternions and matrices do; those of flat
+/// spaces only matter with times or velocities.
 static bool is_implied(const csv_reader *reader, const point_form *form, bool named)
 {
     motion_channels channels;
@@ -143,7 +146,7 @@ static bool is_implied(const csv_reader *reader, const point_form *form, bool na
     return channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
 }
 
-/// The form of the points in a space, which may be null; null when the columns are coordinates as they are.
+/// The form of the points in a space, which may be null; null for plain coordinates.
 static const point_form *find_form(const csv_reader *reader, const char *space, const column_names *names)
 {
     static const char *const unnamed[] = {"rigid", "rotation", "euclidean", "plane"};
@@ -178,7 +181,7 @@ static bat_status use_degrees(csv_reader *reader, size_t longitude, size_t latit
     return BAT_OK;
 }
 
-/// The first columns are the coordinates: two, or all.
+/// Use the first two columns or all columns as coordinates.
 static bat_status use_coordinates(csv_reader *reader, const text_line *line, const char *name, bat_error *error)
 {
     size_t count = reader->column_count;
@@ -198,7 +201,7 @@ static bat_status use_coordinates(csv_reader *reader, const text_line *line, con
                                         "%zu columns make no point of the space %s", count, name);
 }
 
-/// Decide on the space, now that the columns are known.
+/// Choose the space from the options, the directives and the columns.
 static bat_status choose_space(csv_reader *reader, const text_line *line, bat_error *error)
 {
     const csv_columns *columns = &reader->attributes->csv;
@@ -283,7 +286,7 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     return BAT_OK;
 }
 
-/// Obey a comment that begins with "space". Without a colon it is one only when it names a space and says nothing else.
+/// Apply a comment that begins with "space". Without a colon it counts only if it names a space and nothing else.
 static bat_status read_space(csv_reader *reader, const text_line *line, const char *rest, const char *end, bat_error *error)
 {
     char name[EXCERPT_SIZE];
@@ -299,7 +302,7 @@ static bat_status read_space(csv_reader *reader, const text_line *line, const ch
     return BAT_OK;
 }
 
-/// Obey a comment that is "closed", "open" or "space: NAME", in either case.
+/// Apply a comment "closed", "open" or "space: NAME", in upper or lower case.
 static bat_status read_comment(csv_reader *reader, const text_line *line, bat_error *error)
 {
     static const char space[] = "space";

@@ -9,13 +9,16 @@
 #include <stdio.h>
 #include <string.h>
 
-/// How the rows look.
+/// @file
+/// Writer of CSV and of trajectories in the TUM format.
+
+/// The columns of the rows.
 typedef struct csv_layout
 {
     size_t column_count;
     size_t coordinate_count;
-    const csv_columns *columns; ///< names and order from the file that was read; null without
-    const point_form *form;     ///< how points are written; null for their coordinates
+    const csv_columns *columns; ///< names and order of the columns in the input file; or null
+    const point_form *form;     ///< the form of the points; null for plain coordinates
     bool degrees;
     int decimals; ///< of degrees
 } csv_layout;
@@ -41,14 +44,14 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
     return BAT_OK;
 }
 
-/// What a reader would take the columns for.
+/// The space that a reader would choose from the columns.
 static const char *implied_space(const csv_layout *layout)
 {
     size_t longitude, latitude;
     if (layout->degrees || (layout->columns != NULL && csv_columns_geographic(layout->columns, &longitude, &latitude)))
         return "sphere";
     if (layout->form != NULL)
-        return ""; // the names depend on the space
+        return ""; // the meaning of the names depends on the space
     return layout->column_count == 2 ? "plane" : "euclidean";
 }
 
@@ -116,7 +119,7 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
         degree_units units = layout->degrees ? degrees_of_point(point, units_per_radian) : (degree_units){0};
         char *out = text_reserve(text, layout->column_count * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
-            return BAT_OK; // the sink reports it
+            return BAT_OK; // the sink reports a lack of memory
         for (size_t j = 0; j < layout->column_count; j++)
         {
             size_t place = layout->columns != NULL && layout->columns->places != NULL ? layout->columns->places[j] : j;
@@ -147,7 +150,7 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
     return status;
 }
 
-/// Places of what a row has, in its order, among the coordinates of a rigid motion.
+/// The coordinates of a rigid motion in the order of a TUM row.
 static const size_t COORDINATES[] = {0, 1, 2, 4, 5, 6, 3};
 enum
 {
@@ -166,7 +169,7 @@ static bat_status format_tum_rows(const void *context, const row_span *span, tex
             row[1 + j] = point[COORDINATES[j]];
         char *out = text_reserve(text, (1 + COORDINATE_COUNT) * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
-            return BAT_OK; // the sink reports it
+            return BAT_OK; // the sink reports a lack of memory
         for (size_t j = 0; j <= COORDINATE_COUNT; j++)
         {
             if (!isfinite(row[j]))
@@ -179,7 +182,7 @@ static bat_status format_tum_rows(const void *context, const row_span *span, tex
     return BAT_OK;
 }
 
-/// The channel that holds the times.
+/// The channel of the times, or BAT_NO_INDEX.
 static size_t time_channel(const bat_curve_set *set)
 {
     const bat_curve_attributes *attributes = set->attributes;

@@ -10,6 +10,9 @@
 #include <string.h>
 #include <strings.h>
 
+/// @file
+/// Reading and writing of curve sets in any format, from files and from memory.
+
 bat_status bat_curve_format_by_name(const char *name, bat_curve_format *format, bat_error *error)
 {
     static const char *const names[] = {[BAT_CURVE_FORMAT_AUTO] = "auto",
@@ -43,7 +46,7 @@ bat_curve_format bat_curve_format_of_path(const char *path)
     return BAT_CURVE_FORMAT_AUTO;
 }
 
-/// The format of a text: GeoJSON begins with a brace, OBJ has a statement before any row of numbers, the rest is CSV.
+/// The format of a text: GeoJSON begins with a brace, OBJ with a statement; all others are CSV.
 static bat_curve_format format_of_text(const file_text *text)
 {
     text_line line = text_line_start(text);
@@ -171,7 +174,7 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
     return BAT_OK;
 }
 
-/// The format that the path's ending stands for. A .txt file is what the set was read from, if that was a trajectory.
+/// The format for a path. A .txt file has the format of the input, if that was a trajectory.
 static bat_curve_format format_of_output(const char *path, const bat_curve_set *set)
 {
     bat_curve_format format = bat_curve_format_of_path(path);
@@ -181,7 +184,7 @@ static bat_curve_format format_of_output(const char *path, const bat_curve_set *
                                                                                               : format;
 }
 
-/// The format to write in: what the options say, else what the path says, else what the set was read from.
+/// The format to write: from the options, else from the path, else that of the input.
 static bat_status choose_format(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
                                 bat_curve_format *format, bat_error *error)
 {

@@ -5,12 +5,13 @@
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
 
-/// One reader and one writer a format. Options are complete and valid; sets have curves and every curve has points.
+/// @file
+/// Readers and writers of curve formats. Options are complete and valid. Sets have curves, and curves have points.
 
 bat_status csv_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
 
-/// The trajectory format of the TUM benchmark: "timestamp tx ty tz qx qy qz qw", in the space rigid.
+/// The trajectory format of the TUM RGB-D benchmark: "timestamp tx ty tz qx qy qz qw", in the space `rigid`.
 bat_status tum_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status tum_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
 

@@ -8,6 +8,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/// @file
+/// Coordinates of GeoJSON geometries (RFC 7946, section 3.1), read from text without a parse tree.
+
 static const size_t NOWHERE = BAT_NO_INDEX;
 
 static void describe(char *text, size_t size, const char *what, size_t index)
@@ -60,7 +63,7 @@ static bat_status read_number(geojson_reader *reader, json_scanner *scan, double
     return fault == NULL ? BAT_OK : geojson_fault(reader, "a number %s", fault);
 }
 
-/// Put a position's numbers behind the points of the current curve.
+/// Append a position to the current curve.
 static bat_status add_point(geojson_reader *reader, const double *numbers, size_t count)
 {
     double *altitude;
@@ -103,13 +106,13 @@ static bat_status read_position(geojson_reader *reader, json_scanner *scan)
     return add_point(reader, numbers, count);
 }
 
-/// Read an array of positions as one curve.
+/// Read an array of positions as a curve.
 static bat_status read_part(geojson_reader *reader, json_scanner *scan)
 {
     enum
     {
         LINE_POSITIONS = 2,
-        RING_POSITIONS = 4 ///< also the fewest of a line that is a closed curve
+        RING_POSITIONS = 4 ///< also the fewest of a line that is read as a closed curve
     };
     size_t count = 0, fewest = reader->rings ? RING_POSITIONS : LINE_POSITIONS;
     if (!json_scan_take(scan, '['))

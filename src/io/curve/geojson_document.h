@@ -5,35 +5,35 @@
 
 #include <jansson.h>
 
-/// A GeoJSON geometry whose positions became curves. In the tree that stays, its "coordinates" are the geometry's index
-/// among those of its feature.
+/// A GeoJSON geometry that became curves. In the stored tree its "coordinates" are its index among the geometries of its
+/// feature.
 typedef struct geojson_geometry
 {
-    size_t curve;         ///< its first curve, among those of its feature
-    size_t curve_count;   ///< its lines or, for polygons, its rings
-    size_t polygon;       ///< its first polygon, among those of its feature
+    size_t curve;         ///< its first curve, within the feature
+    size_t curve_count;   ///< the number of its lines or rings
+    size_t polygon;       ///< its first polygon, within the feature
     size_t polygon_count; ///< 0 for lines
 } geojson_geometry;
 
-/// A feature of a collection; or the whole of a file that is a single feature or geometry.
+/// A feature of a collection, or the single feature or geometry of a file.
 typedef struct geojson_feature
 {
     json_t *tree;
-    size_t line;                     ///< where it begins in the file, counted from 1; 0 when unknown
+    size_t line;                     ///< the line where it begins, counted from 1; 0 when unknown
     size_t curve, curve_count;       ///< its curves in the set
     size_t geometry, geometry_count; ///< its geometries in geojson_document::geometries
     size_t polygon, polygon_count;   ///< its polygons in geojson_document::ring_counts
 } geojson_feature;
 
-/// What is left of a GeoJSON file when the lines and polygons are taken out.
+/// A GeoJSON file without the coordinates of lines and polygons.
 typedef struct geojson_document
 {
-    json_t *collection; ///< the FeatureCollection, "features" being empty; null when the file is one feature or geometry
+    json_t *collection; ///< the FeatureCollection with an empty "features"; null when the file is one feature or geometry
     geojson_feature *features;
     size_t feature_count, feature_capacity;
     geojson_geometry *geometries;
     size_t geometry_count, geometry_capacity;
-    size_t *ring_counts; ///< of each polygon
+    size_t *ring_counts; ///< for each polygon
     size_t polygon_count, polygon_capacity;
 } geojson_document;
 

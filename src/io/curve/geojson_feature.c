@@ -7,20 +7,24 @@
 
 #include <string.h>
 
+/// @file
+/// Features of GeoJSON. Coordinates are cut out of the text before it is parsed, because a parse tree of them would take
+/// many times the memory.
+
 enum
 {
     DEEPEST_ARRAY = 4,   ///< of a MultiPolygon: polygons, rings, positions, numbers
-    DEEPEST_GEOMETRY = 8 ///< collections in collections beyond it are for the parser
+    DEEPEST_GEOMETRY = 8 ///< deeper collections are left to the parser
 };
 
 typedef struct extractor
 {
     json_scanner scan;
-    const char *copied; ///< the text before it is in lift->text
+    const char *copied; ///< the end of the text that is copied already
     geojson_extraction *extraction;
 } extractor;
 
-/// The type of the object that begins here, with its quotes; empty when there is none.
+/// The type of the object at the position, with its quotes; empty when there is none.
 static json_scanner find_type(json_scanner scan)
 {
     json_scanner key, type = {scan.at, scan.at};
@@ -49,7 +53,7 @@ static bool has_escape(const json_scanner *string)
     return memchr(string->at, '\\', (size_t)(string->end - string->at)) != NULL;
 }
 
-/// Put the next number in the place of an array, and go on behind it. One without numbers or with anything else stays.
+/// Replace an array of numbers by its index, and skip it. Other arrays remain.
 static bool extract_array(extractor *job)
 {
     geojson_extraction *extraction = job->extraction;
@@ -91,7 +95,7 @@ static bool extract_objects(extractor *job, size_t depth)
     return true;
 }
 
-/// Lift what the members of an object of this type hold. False where only the parser can tell what is what.
+/// Extract coordinates from the members of an object of this type. False when only the parser can decide.
 static bool extract_object(extractor *job, size_t depth)
 {
     json_scanner *scan = &job->scan, key;
@@ -119,9 +123,9 @@ static bool extract_object(extractor *job, size_t depth)
     return json_scan_take(scan, '}');
 }
 
-/// Lift the coordinates out. Afterwards an array of a single whole number is such a reference, wherever a geometry of lines
-/// or polygons has it for coordinates. False when nothing could be lifted: because of unusual spelling, wrong syntax or want
-/// of memory, or because there are no lines; parse the original text then.
+/// Extract the coordinates. Afterwards an array of one integer in place of the coordinates of lines or polygons is such an
+/// index. False when nothing was extracted, because of unusual spelling, a syntax error, a lack of memory, or a text without
+/// lines; parse the original text then.
 static bool extract_text(geojson_extraction *extraction, const char *begin, const char *end)
 {
     extractor job = {{begin, end}, begin, extraction};
@@ -147,7 +151,7 @@ typedef enum geometry_kind
     KIND_POLYGON = CURVE_POLYGON,
     KIND_POLYGONS = CURVE_POLYGONS,
     KIND_COLLECTION,
-    KIND_OTHER, ///< points, which stay as they are
+    KIND_OTHER, ///< points, which remain unchanged
     KIND_UNKNOWN
 } geometry_kind;
 
@@ -167,7 +171,7 @@ static geometry_kind kind_of(const json_t *geometry)
     return KIND_UNKNOWN;
 }
 
-/// Read coordinates from where they were lifted from or, where they are in the tree, from text that is made of them.
+/// Read coordinates from the text they were extracted from, or from text that is made of the tree.
 static bat_status read_coordinates(geojson_reader *reader, curve_kind kind, const json_t *coordinates)
 {
     const json_t *number = json_array_get(coordinates, 0);
@@ -185,7 +189,7 @@ static bat_status read_coordinates(geojson_reader *reader, curve_kind kind, cons
     return status;
 }
 
-/// Turn the coordinates of a geometry into curves, and put the geometry's index in their place.
+/// Convert the coordinates of a geometry to curves, and replace them by the geometry's index.
 static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json_t *geometry)
 {
     geojson_document *document = &reader->document;

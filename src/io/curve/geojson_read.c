@@ -8,23 +8,27 @@
 
 #include <string.h>
 
+/// @file
+/// Reader of GeoJSON (RFC 7946). A feature collection is split into the texts of its features, which threads read in
+/// parallel.
+
 /// The text of one feature.
 typedef struct feature_text
 {
     const char *begin, *end;
-    size_t line; ///< of its first byte, counted from 1
+    size_t line; ///< the line of its first byte, counted from 1
 } feature_text;
 
-/// A feature collection cut into the texts of its features, which can then be parsed apart from each other.
+/// A feature collection, split into the texts of its features.
 typedef struct feature_split
 {
     feature_text *features;
     size_t count, capacity;
-    char *frame; ///< the text without what is between the brackets of "features", save for its line breaks
+    char *frame; ///< the text without the content of "features", except for its line breaks
     size_t frame_size;
 } feature_split;
 
-/// Go to the bracket that opens the array of features.
+/// Advance to the opening bracket of the features.
 static bool find_features(json_scanner *scan)
 {
     json_scanner key;
@@ -52,7 +56,7 @@ static bool add_feature(feature_split *split, feature_text feature)
     return grown;
 }
 
-/// Take the features between the brackets; the scanner is at the opening one and ends at the closing one.
+/// Collect the features, from the opening bracket to the closing one.
 static bool collect_features(const file_text *text, json_scanner *scan, feature_split *split)
 {
     const char *counted = text->data;
@@ -101,8 +105,8 @@ static void split_free(feature_split *split)
     *split = (feature_split){0};
 }
 
-/// Cut a text. Only brackets, quotes and commas are looked at; it is the parser that decides whether each part is JSON.
-/// False when the text is not a feature collection written in the usual way (or memory is short): parse it whole then.
+/// Split a text. Only brackets, quotes and commas are examined; the parser checks each part. False when the text is not a
+/// feature collection in the usual spelling, or out of memory; parse the whole text then.
 static bool split_text(const file_text *text, feature_split *split)
 {
     *split = (feature_split){0};
@@ -117,7 +121,7 @@ static bool split_text(const file_text *text, feature_split *split)
     return false;
 }
 
-/// Features first … end - 1 of a split text, read by one thread.
+/// The features first, …, end - 1, read by one thread.
 typedef struct feature_batch
 {
     size_t first, end;
@@ -140,7 +144,7 @@ static void read_batch(feature_batch *batch, const feature_split *split)
     }
 }
 
-/// Make room for what a document will hold.
+/// Reserve memory of a document.
 static bool document_reserve(geojson_document *document, size_t features, size_t geometries, size_t polygons)
 {
     void *feature_array = document->features, *geometry_array = document->geometries, *counts = document->ring_counts;
@@ -153,7 +157,7 @@ static bool document_reserve(geojson_document *document, size_t features, size_t
     return grown;
 }
 
-/// Move what a batch has read behind what is in the reader.
+/// Append the curves and features of a batch to a reader.
 static bool append_batch(geojson_reader *reader, geojson_reader *batch)
 {
     geojson_document *document = &reader->document;
@@ -191,7 +195,7 @@ static size_t feature_size(const void *context, size_t feature)
 static bat_status read_batches(geojson_reader *reader, const feature_split *split, feature_batch *batches, size_t count,
                                int threads)
 {
-    (void)threads; // where there is no OpenMP
+    (void)threads; // unused without OpenMP
 #pragma omp parallel for schedule(dynamic, 1) num_threads(thread_count(threads))
     for (size_t i = 0; i < count; i++)
         read_batch(&batches[i], split);
@@ -237,7 +241,7 @@ static bat_status read_split(geojson_reader *reader, const feature_split *split,
     return status;
 }
 
-/// Read a tree that holds the whole file.
+/// Read the tree of a whole file.
 static bat_status read_whole(geojson_reader *reader, json_t *root)
 {
     bool feature = geojson_has_type(root, "Feature");
@@ -257,7 +261,7 @@ static bat_status read_whole(geojson_reader *reader, json_t *root)
     return status;
 }
 
-/// Read feature by feature when the text allows it, which takes less memory and more threads; else as one tree.
+/// Read feature by feature if the text can be split, which takes less memory and uses threads; else as one tree.
 static bat_status read_text(geojson_reader *reader, const file_text *text, const bat_curve_read_options *options)
 {
     feature_split split;

@@ -2,6 +2,9 @@
 
 #include "base/error.h"
 
+/// @file
+/// Curves as the coordinates of a GeoJSON geometry, cut at the antimeridian where needed.
+
 static bool shape_reserve(geojson_shape *shape, size_t curves, size_t points)
 {
     void *curve_array = shape->curves, *shown = shape->shown;
@@ -71,7 +74,7 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
     return BAT_OK;
 }
 
-/// Add a curve that does not cross the meridian to pieces of those that do.
+/// Append a curve that does not cross the antimeridian to pieces of curves that do.
 static void add_uncut(const globe_curve *curve, bool repeat_first, globe_lines *lines)
 {
     for (size_t i = 0; i < curve->count; i++)
@@ -103,7 +106,7 @@ bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style,
     return BAT_OK;
 }
 
-/// Add a polygon that does not cross the meridian to parts of those that do.
+/// Append a polygon that does not cross the antimeridian to parts of polygons that do.
 static bool add_uncut_polygon(const globe_curve *rings, size_t ring_count, globe_polygons *parts)
 {
     void *counts = parts->ring_counts;
@@ -145,7 +148,7 @@ bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *sty
     return BAT_OK;
 }
 
-/// Room for a position: brackets, three numbers and commas.
+/// The most characters of a position: brackets, three numbers and commas.
 enum
 {
     POSITION_TEXT_SIZE = 3 * (NUMBER_TEXT_SIZE + 1) + 2
@@ -188,7 +191,7 @@ static char *write_curve_position(char *out, const geojson_style *style, const g
                         : write_plane_position(out, curve->points + 2 * index, altitude);
 }
 
-/// Write a curve as an array of positions, the first repeated when it is closed.
+/// Write a curve as an array of positions; a closed one repeats the first.
 static void write_curve(const geojson_style *style, const globe_curve *curve, text_buffer *text)
 {
     size_t positions = curve->count + curve->closed;
@@ -205,7 +208,7 @@ static void write_curve(const geojson_style *style, const globe_curve *curve, te
     }
 }
 
-/// Write a piece as an array of positions, the first repeated when it is a ring.
+/// Write a piece as an array of positions; a ring repeats the first.
 static void write_piece(const geojson_style *style, const globe_lines *lines, size_t line, bool ring, bool altitude,
                         text_buffer *text)
 {
@@ -224,7 +227,7 @@ static void write_piece(const geojson_style *style, const globe_lines *lines, si
     text_append_string(text, "]");
 }
 
-/// Write line or ring `index` of the shape, of its curves or of their pieces.
+/// Write line or ring `index` of the curves or of their pieces.
 static void write_part(const geojson_shape *shape, const geojson_style *style, size_t index, text_buffer *text)
 {
     bool altitude = shape->curves[0].altitudes != NULL;

@@ -5,40 +5,40 @@
 #include "batten/curve_file.h"
 #include "io/curve/antimeridian.h"
 
-/// How positions are written.
+/// The form of positions.
 typedef struct geojson_style
 {
-    bool globe;       ///< as degrees, cut at the meridian of 180 degrees; else as they are
+    bool globe;       ///< longitude and latitude, cut at the antimeridian; else plain coordinates
     int decimals;     ///< of degrees
     degree_grid grid; ///< of degrees
-    size_t altitude;  ///< the channel that is the third number, or BAT_NO_INDEX
+    size_t altitude;  ///< the channel of the third number, or BAT_NO_INDEX
 } geojson_style;
 
-/// Curves that make up one geometry, ready to be written. All zero: empty. One shape serves many geometries in turn and
-/// keeps its memory.
+/// The curves of one geometry, prepared for output. All zero: empty. A shape is reused for many geometries and keeps its
+/// memory.
 typedef struct geojson_shape
 {
-    const char *type; ///< the geometry's type in the file
+    const char *type; ///< the type of the geometry in the file
 
     globe_curve *curves;
     size_t curve_count, curve_capacity;
-    degree_units *shown; ///< of all the curves
+    degree_units *shown; ///< for all curves, as in globe_curve
     size_t shown_capacity;
-    const size_t *ring_counts; ///< of each polygon; null for lines
+    const size_t *ring_counts; ///< for each polygon; null for lines
     size_t polygon_count;
 
-    bool cut;             ///< the pieces or parts are to be written instead of the curves
+    bool cut;             ///< write `pieces` or `parts` in place of the curves
     globe_lines pieces;   ///< of lines
     globe_polygons parts; ///< of polygons
 } geojson_shape;
 
-/// Make lines ready: `type` is "LineString" or "MultiLineString", what it was before the meridian cuts it. `first` is the
-/// index of the first curve, for messages.
+/// Prepare lines. `type` is their type before the cut, "LineString" or "MultiLineString". `first` is the index of the first
+/// curve, for messages.
 /// @return BAT_OK, BAT_INVALID_POINT, BAT_UNSUPPORTED (too few points) or BAT_NO_MEMORY
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error);
 
-/// Make polygons ready: `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other.
+/// Prepare polygons. `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other.
 bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
                                   const bat_curve *curves, const size_t *ring_counts, size_t polygon_count, size_t first,
                                   bat_error *error);

@@ -7,16 +7,19 @@
 
 #include <string.h>
 
-/// What all threads write from.
+/// @file
+/// Writer of GeoJSON. A set that was read from GeoJSON keeps its features and their members; "bbox" is dropped.
+
+/// The data that all threads share.
 typedef struct geojson_writer
 {
     const bat_curve_set *set;
-    const geojson_document *document; ///< null when the set did not come from GeoJSON
+    const geojson_document *document; ///< null for a set from another format
     geojson_style style;
     block_cut blocks; ///< of features or, without a document, of curves
 } geojson_writer;
 
-/// What one thread writes with.
+/// The state of one thread.
 typedef struct geojson_output
 {
     const geojson_writer *writer;
@@ -33,8 +36,8 @@ static void write_key(geojson_output *out, const char *separator, const char *ke
     text_append_string(out->text, ":");
 }
 
-/// Write an object's members in their order, save for "bbox", which no longer holds when curves have changed. `write_member`
-/// writes those values that it knows and says so.
+/// Write the members of an object in their order, except for "bbox", which changes with the curves. `write_member` writes
+/// the values that it handles and returns true for them.
 typedef bool member_writer(geojson_output *out, const char *key, json_t *value, bat_status *status);
 
 static bat_status write_members(geojson_output *out, json_t *object, member_writer *write_member)
@@ -137,7 +140,7 @@ static bat_status write_feature(geojson_output *out, const geojson_feature *feat
     return write_geometry(out, feature->tree);
 }
 
-/// A feature for a curve that did not come from GeoJSON.
+/// Write a feature for a curve that did not come from GeoJSON.
 static bat_status write_new_feature(geojson_output *out, size_t curve)
 {
     bat_status status = geojson_shape_lines(&out->shape, &out->writer->style, "LineString", &out->writer->set->curves[curve],
@@ -167,7 +170,7 @@ static bat_status format_block(const void *context, size_t block, text_buffer *t
     return status;
 }
 
-/// Points to write, and a little for the rest of the feature.
+/// The number of points of a job, plus a constant for its feature.
 static size_t job_weight(const void *context, size_t job)
 {
     enum
@@ -186,7 +189,7 @@ static size_t job_weight(const void *context, size_t job)
     return weight;
 }
 
-/// Write the members of a collection before "features" and the opening bracket, and those after it.
+/// Write the members of a collection before and after the content of "features".
 static void write_frame(json_t *collection, text_buffer *before, text_buffer *after)
 {
     text_buffer *text = before;
@@ -251,7 +254,7 @@ static bat_status write_set(geojson_writer *writer, const bat_curve_write_option
     return status;
 }
 
-/// The channel that is the altitude.
+/// The channel of the altitude, or BAT_NO_INDEX.
 static size_t altitude_channel(const bat_curve_set *set)
 {
     const bat_curve_attributes *attributes = set->attributes;

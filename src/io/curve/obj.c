@@ -9,13 +9,16 @@
 #include <math.h>
 #include <string.h>
 
+/// @file
+/// Wavefront OBJ for curves: `v` and `l` statements.
+
 typedef struct obj_vertex
 {
     double x, y, z;
     size_t line;
 } obj_vertex;
 
-/// An `l` statement: its indices are begin … end - 1 of obj_reader::indices.
+/// An `l` statement with the indices begin, …, end - 1 of obj_reader::indices.
 typedef struct obj_element
 {
     size_t begin, end;
@@ -30,7 +33,7 @@ typedef struct obj_reader
     size_t index_count, index_capacity;
     obj_element *elements;
     size_t element_count, element_capacity;
-    bool solid; ///< some vertex has a z that is not zero
+    bool solid; ///< some vertex has a z other than 0
 } obj_reader;
 
 static bool is_blank(char c)
@@ -38,7 +41,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
-/// Go to the next word of a line; false when there is none.
+/// Advance to the next word of a line; false when there is none.
 static bool next_word(const char **at, const char *line_end, const char **word_end)
 {
     while (*at < line_end && is_blank(**at))
@@ -79,7 +82,7 @@ static bat_status read_vertex(obj_reader *reader, const text_line *line, const c
     return BAT_OK;
 }
 
-/// Read "i" or "i/t", where i counts from 1 or, when negative, back from the last vertex so far.
+/// Read "i" or "i/t". The index i counts from 1 or, when negative, backwards from the last vertex.
 static bool read_index(const obj_reader *reader, const char *at, const char *end, size_t *index)
 {
     const char *slash = memchr(at, '/', (size_t)(end - at));
@@ -242,7 +245,7 @@ static bat_status format_vertices(const void *context, const row_span *span, tex
         const double *point = span->curve->points + i * dim;
         char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 2);
         if (out == NULL)
-            return BAT_OK; // the sink reports it
+            return BAT_OK; // the sink reports a lack of memory
         *out++ = 'v';
         for (size_t j = 0; j < 3; j++)
         {
@@ -264,7 +267,7 @@ static char *write_index(char *out, size_t index)
     return number_write_fixed(out, (int64_t)index + 1, 0);
 }
 
-/// `context` is the row of each curve's first point.
+/// `context` holds the row of each curve's first point.
 static bat_status format_elements(const void *context, const row_span *span, text_buffer *text, bat_error *error)
 {
     (void)error;

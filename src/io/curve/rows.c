@@ -2,6 +2,9 @@
 
 #include "base/error.h"
 
+/// @file
+/// Rows of all curves of a set, formatted in blocks.
+
 enum
 {
     ROWS_PER_BLOCK = 1 << 15
@@ -25,7 +28,7 @@ void row_blocks_end(row_blocks *blocks)
     *blocks = (row_blocks){0};
 }
 
-/// The curve that a row belongs to, by bisection.
+/// The curve of a row, by bisection.
 static size_t curve_of_row(const row_blocks *blocks, size_t row)
 {
     size_t low = 0, high = blocks->set->count;

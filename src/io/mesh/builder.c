@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/// @file
+/// Arrays that grow while a mesh is read, and their conversion to a checked triangle mesh.
+
 void mesh_builder_free(mesh_builder *builder)
 {
     free(builder->positions);
@@ -21,7 +24,7 @@ void mesh_builder_free(mesh_builder *builder)
     *builder = (mesh_builder){0};
 }
 
-/// array_grow() through the address of a pointer of any type.
+/// Call array_grow() for a pointer of any type.
 static bool grow(void *place, size_t *capacity, size_t needed, size_t size)
 {
     if (needed <= *capacity)
@@ -87,7 +90,7 @@ bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangl
            GROW(builder->sizes, builder->size_capacity, triangles);
 }
 
-/// Note a corner's texture coordinate. The first one makes the array, in which the corners before have none.
+/// Store the texture coordinate of a corner. The first one allocates the array; earlier corners have none.
 static bool add_texture_corner(mesh_builder *builder, uint32_t texture)
 {
     bool first = builder->texture_corner_capacity == 0;
@@ -135,7 +138,7 @@ bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark)
     return true;
 }
 
-/// Every face has three corners or may be cut, and names what exists.
+/// Check that every face has three corners or may be triangulated, and that its indices are valid.
 static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat_error *error)
 {
     size_t begin = 0;
@@ -163,7 +166,7 @@ static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat
     return BAT_OK;
 }
 
-/// Let corners without texture coordinates, where others have some, name (0, 0).
+/// Assign the texture coordinate (0, 0) to corners without one, if other corners have one.
 static bool complete_texture(mesh_builder *builder)
 {
     if (builder->texture_corners == NULL)
@@ -186,16 +189,16 @@ static bool complete_texture(mesh_builder *builder)
     return true;
 }
 
-/// The corners of triangles, beside those of the polygons they are cut from.
+/// The triangles of the polygons: their corners and texture corners.
 typedef struct triangle_cutter
 {
     const mesh_builder *builder;
     uint32_t *faces, *texture_faces;
-    uint32_t *places; ///< of one polygon's triangles
+    uint32_t *places; ///< the corner numbers of one polygon's triangles
     polygon_workspace room;
 } triangle_cutter;
 
-/// Cut one polygon, whose corners begin at `begin`, into the triangles from `triangle` on.
+/// Triangulate the polygon whose corners begin at `begin`, into the triangles from `triangle` on.
 static bat_status cut_polygon(triangle_cutter *cutter, size_t face, size_t begin, size_t triangle, bat_error *error)
 {
     const mesh_builder *builder = cutter->builder;
@@ -231,7 +234,7 @@ static bat_status cut_all(triangle_cutter *cutter, bat_error *error)
     return status;
 }
 
-/// Replace the builder's polygons by `triangle_count` triangles. `sizes` keeps saying what the polygons were.
+/// Replace the polygons by `triangle_count` triangles. `sizes` still holds the sizes of the polygons.
 static bat_status cut_polygons(mesh_builder *builder, size_t triangle_count, bat_error *error)
 {
     uint32_t largest = 0;
@@ -264,7 +267,7 @@ static bat_status cut_polygons(mesh_builder *builder, size_t triangle_count, bat
     return BAT_OK;
 }
 
-/// No triangle has a vertex twice; the face of the file that it was cut from is at fault.
+/// Check that no triangle has a vertex twice. The error names the polygon in the file.
 static bat_status check_triangles(const mesh_builder *builder, bat_error *error)
 {
     const uint32_t *corner = builder->corners;
@@ -294,7 +297,7 @@ static bat_status prepare(mesh_builder *builder, const bat_mesh_read_options *op
     return status;
 }
 
-/// Give back the room that is not needed.
+/// Release unused memory of an array.
 static void *trim(void *array, size_t count, size_t size)
 {
     void *trimmed = count > 0 ? realloc(array, count * size) : NULL;

@@ -4,7 +4,7 @@
 #include "base/array_grow.h"
 #include "batten/mesh_file.h"
 
-/// A mesh while it is read: faces are polygons and may name vertices that come later. All zero: empty.
+/// A mesh during reading. Faces are polygons and may refer to later vertices. All zero: empty.
 typedef struct mesh_builder
 {
     double *positions; ///< vertex_count x 3
@@ -15,11 +15,11 @@ typedef struct mesh_builder
     size_t channel_count, channel_capacity;
     char **channel_names;
 
-    uint32_t *corners; ///< the vertices of all faces, one after the other
+    uint32_t *corners; ///< the vertices of all faces, one face after the other
     size_t corner_count, corner_capacity;
-    uint32_t *texture_corners; ///< the texture coordinates beside them, or BAT_MESH_NONE; null while no face has any
+    uint32_t *texture_corners; ///< the texture coordinate of each corner, or BAT_MESH_NONE; null while no face has one
     size_t texture_corner_capacity;
-    uint32_t *sizes; ///< the number of corners of every face
+    uint32_t *sizes; ///< the number of corners of each face
     size_t face_count, size_capacity;
 
     bat_mesh_crease *creases;
@@ -27,38 +27,36 @@ typedef struct mesh_builder
     bat_mesh_corner *marks; ///< sharp vertices
     size_t mark_count, mark_capacity;
 
-    bool faceless; ///< a mesh without faces is good
+    bool faceless; ///< a mesh without faces is allowed
 } mesh_builder;
 
 void mesh_builder_free(mesh_builder *builder);
 
-/// Room for one more vertex, texture coordinate or row of channels, which the caller fills in; null when out of memory. All
-/// three count at once, except for channels, which belong to the last vertex.
+/// Add a vertex, a texture coordinate or, for the last vertex, a row of channels. The caller sets the values. Null when out
+/// of memory.
 double *mesh_builder_vertex(mesh_builder *builder);
 double *mesh_builder_texture(mesh_builder *builder);
 double *mesh_builder_channels(mesh_builder *builder);
 
-/// Name the channels, once. False when out of memory.
+/// Set the names of the channels, once. False when out of memory.
 bool mesh_builder_name_channels(mesh_builder *builder, const char *const *names, size_t count);
 
-/// Room for so many vertices and triangles. False when out of memory.
+/// Reserve memory for vertices and triangles. False when out of memory.
 bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangles);
 
-/// Add a corner to the face that is being read; `texture` may be BAT_MESH_NONE. False when out of memory.
+/// Add a corner to the current face; `texture` may be BAT_MESH_NONE. False when out of memory.
 bool mesh_builder_corner(mesh_builder *builder, uint32_t vertex, uint32_t texture);
-/// End the face after `size` corners. False when out of memory.
+/// Complete the current face of `size` corners. False when out of memory.
 bool mesh_builder_end_face(mesh_builder *builder, uint32_t size);
 
-/// Add a crease or a sharp vertex, of vertices that exist. False when out of memory.
+/// Add a crease or a sharp vertex; the vertices must exist. False when out of memory.
 bool mesh_builder_crease(mesh_builder *builder, bat_mesh_crease crease);
 bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark);
 
-/// Check the faces, cut polygons, and hand the mesh over. Where only some faces have texture coordinates, the others get (0,
-/// 0).
+/// Check the faces, triangulate polygons and return the mesh. If only some faces have texture coordinates, the others get
+/// (0, 0). The builder is empty afterwards, also on failure.
 ///
-/// @return BAT_OK; BAT_BAD_FILE with the index of the face of the file at fault, or of none; BAT_TOO_LARGE; BAT_NO_MEMORY.
-/// In any
-///         case the builder is empty afterwards
+/// @return BAT_OK; BAT_BAD_FILE with the index of the invalid face, if any; BAT_TOO_LARGE; BAT_NO_MEMORY
 bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh,
                                bat_error *error);
 

@@ -6,6 +6,9 @@
 
 #include <strings.h>
 
+/// @file
+/// Reading and writing of meshes in any format, from files and from memory.
+
 const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
 
 bat_status bat_mesh_format_by_name(const char *name, bat_mesh_format *format, bat_error *error)
@@ -105,7 +108,7 @@ static bat_status check_format(bat_mesh_format format, bat_error *error)
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no mesh format %d", (int)format);
 }
 
-/// The format of a text. OBJ has no mark at its begin: whatever has no other's is taken for it.
+/// The format of a text. OBJ has no signature; texts without another format's signature are OBJ.
 static bat_mesh_format format_of_text(const file_text *text)
 {
     if (mesh_ply_resembles(text))

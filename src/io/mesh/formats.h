@@ -5,7 +5,8 @@
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
 
-/// What bat_mesh_read() and bat_mesh_write() choose from, one file a format. Readers leave `mesh` untouched on failure.
+/// @file
+/// Readers and writers of mesh formats, one file for each. Readers leave `mesh` untouched on failure.
 
 bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
@@ -17,31 +18,31 @@ bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *op
 bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 
-/// The same for files that may have vertices only: the mesh has no faces then.
+/// Read a file that may have only vertices; the mesh then has no faces.
 bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
                                 bat_error *error);
 bat_status mesh_ply_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
                                 bat_error *error);
 
-/// Whether a text begins as PLY, OFF or STL does; everything else may be OBJ.
+/// Whether a text begins like PLY, OFF or STL. OBJ has no signature.
 bool mesh_ply_resembles(const file_text *text);
 bool mesh_off_resembles(const file_text *text);
 bool mesh_stl_resembles(const file_text *text);
 
-/// The names of the channels that are colours, from 0 to 1; where a format holds whole numbers, those are scaled.
+/// The names of colour channels, whose values are 0 to 1. Formats with integer colours scale them.
 enum
 {
-    MESH_COLOURS = 4 ///< the last one may be missing
+    MESH_COLOURS = 4 ///< the last one is optional
 };
 extern const char *const mesh_colour_names[MESH_COLOURS];
 
-/// The places of a mesh's colours among its channels. Returns how many there are: 0, 3 or 4.
+/// The positions of the colours among a mesh's channels. Returns their number: 0, 3 or 4.
 size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS]);
 
-/// Whether every vertex has one texture coordinate, of its own number.
+/// Whether every vertex has exactly one texture coordinate, with the vertex's index.
 bool mesh_texture_by_vertex(const bat_mesh *mesh);
 
-/// Write rows of text on several threads: `format` appends the rows from `begin` to `end` - 1.
+/// Write rows of text on several threads; `format` appends the rows begin, …, end - 1.
 typedef void mesh_row_format(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text);
 bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,
                            text_sink *sink, bat_error *error);

@@ -8,16 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Decimation maps as safetensors files with the arrays sizes, points, half_edges, kept and collapses.
+
 static const char FORMAT[] = "batten mesh map 1";
 
 enum
 {
-    SIZES = 6,  ///< vertices and faces of the fine mesh, of the coarse one, digests of the two
-    SHAPE = 5,  ///< numbers that say what a collapse looks like
-    ARRAYS = 5, ///< of a file
+    SIZES = 6,  ///< vertices and faces of both meshes, and their digests
+    SHAPE = 5,  ///< numbers of a collapse's shape
+    ARRAYS = 5, ///< arrays of a file
 };
 
-/// A collapse's shape as it stands in a file.
+/// Store the shape of a collapse as in a file.
 static void put_shape(const map_collapse *collapse, uint8_t *shape)
 {
     const uint8_t numbers[SHAPE] = {collapse->count, collapse->vanishing, collapse->j_begin, collapse->j_end,
@@ -48,7 +51,7 @@ bat_status bat_mesh_map_write(const char *path, const bat_mesh_map *map, bat_err
     return status;
 }
 
-/// The elements of an array of that name and type, copied; their number must be a multiple of `width`.
+/// Copy an array of a file with this name and type. The number of its elements must be a multiple of `width`.
 static bat_status take_array(const safetensors *content, const char *name, safetensors_type type, size_t width,
                              void **values, size_t *rows, bat_error *error)
 {
@@ -88,7 +91,7 @@ static bat_status take_sizes(const safetensors *content, bat_mesh_map *map, bat_
     return BAT_OK;
 }
 
-/// Whether a collapse's numbers fit each other.
+/// Whether the numbers of a collapse are consistent.
 static bool shape_is_right(const map_collapse *collapse)
 {
     return collapse->count >= 1 && collapse->count <= COLLAPSE_MAX_FACES && collapse->vanishing >= 1 &&
@@ -96,7 +99,7 @@ static bool shape_is_right(const map_collapse *collapse)
            collapse->closed <= 1;
 }
 
-/// Set the collapses from their shapes, which must use up all entries and points.
+/// Set the collapses from their shapes, which must account for all entries and points.
 static bat_status set_collapses(const uint8_t *shapes, bat_mesh_map *map, bat_error *error)
 {
     size_t entries = 0, points = 0, vanished = 0;

@@ -5,11 +5,14 @@
 
 #include <math.h>
 
+/// @file
+/// Wavefront OBJ: vertices, texture coordinates, faces and colours, with the crease and corner tags of OpenSubdiv.
+
 typedef struct obj_reader
 {
     mesh_builder builder;
     word_scan scan;
-    size_t colours; ///< that every vertex has
+    size_t colours; ///< the number of colour values of every vertex
 } obj_reader;
 
 static bat_status no_memory(const obj_reader *reader, bat_error *error)
@@ -17,13 +20,13 @@ static bat_status no_memory(const obj_reader *reader, bat_error *error)
     return error_memory(error, reader->builder.position_capacity * sizeof(double));
 }
 
-/// BAT_BAD_FILE at the line being read, about the vertex or face of this index.
+/// BAT_BAD_FILE at the current line, for the vertex or face of this index.
 static bat_status fault(const obj_reader *reader, size_t index, const char *text, bat_error *error)
 {
     return error_set(error, BAT_BAD_FILE, index, reader->scan.line, "%s", text);
 }
 
-/// Read the line's numbers, from `min_count` to `max_count` of them.
+/// Read all numbers of the line, at least `min_count` and at most `max_count`.
 static bat_status read_numbers(obj_reader *reader, size_t index, size_t min_count, size_t max_count, double *numbers,
                                size_t *count, const char *what, bat_error *error)
 {
@@ -37,7 +40,7 @@ static bat_status read_numbers(obj_reader *reader, size_t index, size_t min_coun
     return *count < min_count ? fault(reader, index, what, error) : BAT_OK;
 }
 
-/// `v x y z`, `v x y z w`, and with a colour `v x y z r g b` or, as MeshLab writes, `v x y z r g b a`.
+/// Read `v x y z` or `v x y z w`, or with a colour `v x y z r g b` or, as MeshLab writes it, `v x y z r g b a`.
 static bat_status read_vertex(obj_reader *reader, bat_error *error)
 {
     enum
@@ -75,7 +78,7 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
     return BAT_OK;
 }
 
-/// `vt u [v [w]]`; w is dropped.
+/// Read `vt u [v [w]]`; w is ignored.
 static bat_status read_texture(obj_reader *reader, bat_error *error)
 {
     size_t count, index = reader->builder.texture_count;
@@ -91,7 +94,7 @@ static bat_status read_texture(obj_reader *reader, bat_error *error)
     return BAT_OK;
 }
 
-/// Read an index that counts from 1 or, when negative, back from the last of `count`. Null, or what is wrong.
+/// Read an index. It counts from 1 or, when negative, backwards from the last of `count`. Returns null, or an error text.
 static const char *read_index(word_scan *scan, size_t count, uint32_t *index)
 {
     bool negative = scan->at < scan->end && *scan->at == '-';
@@ -114,7 +117,7 @@ static bool skip_slash(word_scan *scan)
     return slash;
 }
 
-/// Read `v`, `v/vt`, `v//vn` or `v/vt/vn`. Normals are dropped. Null, or what is wrong.
+/// Read `v`, `v/vt`, `v//vn` or `v/vt/vn`; normals are ignored. Returns null, or an error text.
 static const char *read_corner(obj_reader *reader, uint32_t *vertex, uint32_t *texture)
 {
     word_scan *scan = &reader->scan;
@@ -161,7 +164,7 @@ static bat_status read_face(obj_reader *reader, bat_error *error)
     return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : no_memory(reader, error);
 }
 
-/// The counts of a tag, `integers/floats/strings`; false when there are none.
+/// Read the counts of a tag, `integers/floats/strings`. False when they are invalid.
 static bool read_counts(word_scan *scan, uint64_t counts[3])
 {
     static const uint64_t max_count = UINT32_MAX;
@@ -171,7 +174,7 @@ static bool read_counts(word_scan *scan, uint64_t counts[3])
            scan_digits_below(scan, max_count, &counts[2]) && scan_word_ends(scan, scan->at);
 }
 
-/// Read a tag's next vertex, which counts from 0 and was given before.
+/// Read a vertex of a tag. It counts from 0 and must be defined above.
 static bat_status read_vertex_number(obj_reader *reader, word_scan *scan, uint32_t *vertex, bat_error *error)
 {
     uint64_t value;
@@ -181,11 +184,11 @@ static bat_status read_vertex_number(obj_reader *reader, word_scan *scan, uint32
     return BAT_OK;
 }
 
-/// Read the creases or corners of a tag whose counts are right.
+/// Read the creases or corners of a tag with valid counts.
 static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t counts[3], bat_error *error)
 {
     mesh_builder *builder = &reader->builder;
-    word_scan values = reader->scan; // sharpnesses follow after all vertices
+    word_scan values = reader->scan; // the values of sharpness follow all vertices
     uint64_t step = crease ? 2 : 1;
     uint32_t vertices[2] = {0};
     double sharpness = 0.0;
@@ -210,8 +213,8 @@ static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t cou
     return status;
 }
 
-/// OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, whose vertices count from 0. One tag
-/// may hold several, with one sharpness or as many.
+/// Read OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, with vertices from 0. A tag may
+/// hold several, with one value of sharpness for all or for each.
 static bat_status read_tag(obj_reader *reader, bat_error *error)
 {
     uint64_t counts[3];
@@ -255,7 +258,7 @@ static bat_status read_statement(obj_reader *reader, bat_error *error)
     return BAT_OK;
 }
 
-/// The line of a face, found by counting; faces whose corners are wrong are rare.
+/// The line of a face, by counting; needed only for errors.
 static size_t line_of_face(const file_text *text, size_t face)
 {
     word_scan scan = word_scan_start(text->data, text->size);
@@ -300,7 +303,7 @@ bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_optio
     return read_obj(text, options, true, mesh, error);
 }
 
-/// Blanks and numbers.
+/// Write numbers, each after a blank.
 static char *write_numbers(char *out, const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -311,13 +314,13 @@ static char *write_numbers(char *out, const double *numbers, size_t count)
     return out;
 }
 
-/// A sharpness that a file can hold.
+/// The sharpness in a finite form.
 static double finite_sharpness(double sharpness)
 {
     return isfinite(sharpness) ? sharpness : BAT_MESH_SHARP;
 }
 
-/// The colours' places among the channels.
+/// The positions of the colours among the channels.
 typedef struct obj_colours
 {
     size_t places[MESH_COLOURS];

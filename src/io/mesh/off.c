@@ -4,6 +4,9 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 
+/// @file
+/// The Object File Format of Geomview in text form, [ST][C][N]OFF: texture coordinates, colours and normals at vertices.
+
 enum
 {
     COORDINATES = 3,
@@ -14,9 +17,9 @@ typedef struct off_reader
 {
     mesh_builder builder;
     word_scan scan;
-    bool textured, coloured, with_normals; ///< what the header word says vertices have
+    bool textured, coloured, with_normals; ///< the data of each vertex, from the header word
     size_t colours;                        ///< numbers of a colour, 3 or 4; 0 before the first vertex
-    size_t vertices, faces;                ///< what the counts say
+    size_t vertices, faces;                ///< from the header
 } off_reader;
 
 static bat_status no_memory(const off_reader *reader, bat_error *error)
@@ -32,7 +35,7 @@ static bool skip_letters(word_scan *scan, const char *letters)
     return there;
 }
 
-/// The header word [ST][C][N]OFF.
+/// Read the header word [ST][C][N]OFF.
 static bool read_header_word(off_reader *reader)
 {
     word_scan *scan = &reader->scan;
@@ -50,7 +53,7 @@ bool mesh_off_resembles(const file_text *text)
     return read_header_word(&reader);
 }
 
-/// The number of vertices or faces. Each takes a line, so that a count in a short file is a lie.
+/// Read a number of vertices or faces. Each of them takes a line, so large numbers in short files are errors.
 static bat_status read_count(off_reader *reader, const char *what, size_t *count, bat_error *error)
 {
     word_scan *scan = &reader->scan;
@@ -65,7 +68,7 @@ static bat_status read_header(off_reader *reader, bat_error *error)
 {
     enum
     {
-        SHORTEST_LINE = 6 ///< of a vertex or a face, with its end
+        SHORTEST_LINE = 6 ///< of a vertex or a face, with its line break
     };
     word_scan *scan = &reader->scan;
     if (!read_header_word(reader))
@@ -92,7 +95,7 @@ static bat_status read_header(off_reader *reader, bat_error *error)
     return status;
 }
 
-/// Sort out a vertex's numbers: x y z, the normal (dropped), the colour, the texture coordinate.
+/// Assign the numbers of a vertex: position, normal (ignored), colour, texture coordinate.
 static bat_status take_vertex(off_reader *reader, const double *numbers, size_t count, bat_error *error)
 {
     mesh_builder *builder = &reader->builder;
@@ -140,7 +143,7 @@ static bat_status read_vertex(off_reader *reader, bat_error *error)
     return take_vertex(reader, numbers, count, error);
 }
 
-/// Pass over a face's colour, 0 to 4 numbers.
+/// Skip the colour of a face, 0 to 4 numbers.
 static bat_status skip_colour(off_reader *reader, bat_error *error)
 {
     enum
@@ -186,7 +189,7 @@ static bat_status read_face(off_reader *reader, bat_error *error)
     return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : no_memory(reader, error);
 }
 
-/// Colours are 0 to 1, or 0 to 255 where any is greater than 1.
+/// Scale colours from 0 … 255 to 0 … 1 if any value is greater than 1.
 static void scale_colours(mesh_builder *builder)
 {
     static const double whole = 255.0;
@@ -210,7 +213,7 @@ static bat_status read_elements(off_reader *reader, bat_error *error)
     return status;
 }
 
-/// The line of a face: as many lines with content follow the vertices.
+/// The line of a face, by counting lines with content.
 static size_t line_of_face(off_reader *reader, const file_text *text, size_t face)
 {
     reader->scan = word_scan_start(text->data, text->size);
@@ -246,7 +249,7 @@ bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *opt
     return status;
 }
 
-/// What is written beside positions and faces.
+/// The optional data to write.
 typedef struct off_parts
 {
     size_t colour_places[MESH_COLOURS];
@@ -299,7 +302,7 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
     }
 }
 
-/// Colours above 1 would be read as 0 to 255.
+/// Check that colours are at most 1; greater ones would be read as 0 … 255.
 static bat_status check_colours(const bat_mesh *mesh, const off_parts *parts, bat_error *error)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++)

@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+/// @file
+/// The header of a PLY file, and numbers as text or bytes.
+
 const char *const ply_texture_names[PLY_TEXTURE_NAMES][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
 
 void ply_header_free(ply_header *header)
@@ -28,7 +31,7 @@ size_t ply_property_find(const ply_element *element, const char *name)
     return i;
 }
 
-/// The line's next word; empty when there is none.
+/// The next word of the line; empty when there is none.
 static ply_name next_name(word_scan *scan)
 {
     scan_skip_blanks(scan);
@@ -123,7 +126,7 @@ static bat_status read_property(word_scan *scan, ply_header *header, bat_error *
     return add_property(&header->elements[header->element_count - 1], property, scan, error);
 }
 
-/// Read a line of the header after the format; `done` when it was the last.
+/// Read a header line after the format; `done` is set at the last one.
 static bat_status read_line(word_scan *scan, ply_header *header, bool *done, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -171,7 +174,7 @@ static const bool machine_is_big_endian = true;
 static const bool machine_is_big_endian = false;
 #endif
 
-/// The bytes of a number as one integer.
+/// The bytes of a number as an integer.
 static uint64_t gather(const char *bytes, size_t size, bool big_endian)
 {
     bool swap = big_endian != machine_is_big_endian;
@@ -228,7 +231,7 @@ static double number_of(ply_type type, uint64_t bits)
     }
 }
 
-/// Whether a number that was read as text is one of its type.
+/// Whether a number from a text file fits its type.
 static bool fits_type(ply_type type, double value)
 {
     static const double low[] = {INT8_MIN, 0, INT16_MIN, 0, INT32_MIN, 0};

@@ -4,7 +4,8 @@
 #include "base/array_grow.h"
 #include "io/common/word_scan.h"
 
-/// What the header of a PLY file says (Turk, "The PLY Polygon File Format", 1994).
+/// @file
+/// The structure of PLY files (Turk, "The PLY polygon file format", 1994).
 
 typedef enum ply_encoding
 {
@@ -32,7 +33,7 @@ static inline size_t ply_type_size(ply_type type)
     return sizes[type];
 }
 
-/// A word of the header, in the text of the file.
+/// A word of the header, within the text of the file.
 typedef struct ply_name
 {
     const char *begin;
@@ -47,9 +48,9 @@ static inline bool ply_name_is(ply_name name, const char *word)
 typedef struct ply_property
 {
     ply_name name;
-    ply_type type; ///< of the number, or of a list's members
+    ply_type type; ///< of the number or of the list's elements
     bool list;
-    ply_type count_type; ///< of a list's length
+    ply_type count_type; ///< of the list's length
 } ply_property;
 
 typedef struct ply_element
@@ -67,34 +68,34 @@ typedef struct ply_header
     size_t element_count, element_capacity;
 } ply_header;
 
-/// Read the header; `scan` is at the begin of the file and goes to the begin of the data.
-/// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED or BAT_NO_MEMORY; in any case release the header with ply_header_free()
+/// Read the header and move `scan` to the data. Release the header with ply_header_free(), also on failure.
+/// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED or BAT_NO_MEMORY
 bat_status ply_header_read(word_scan *scan, ply_header *header, bat_error *error);
 void ply_header_free(ply_header *header);
 
-/// An element by name; null when there is none.
+/// The element with this name, or null.
 const ply_element *ply_header_find(const ply_header *header, const char *name);
-/// The place of a property in an element; property_count when there is none.
+/// The index of a property in an element; property_count when there is none.
 size_t ply_property_find(const ply_element *element, const char *name);
 
-/// Pairs of names that stand for a vertex's texture coordinates.
+/// Pairs of property names for texture coordinates.
 enum
 {
     PLY_TEXTURE_NAMES = 3
 };
 extern const char *const ply_texture_names[PLY_TEXTURE_NAMES][2];
 
-/// Where numbers are read from: lines of words, or bytes.
+/// The source of numbers: lines of words, or bytes.
 typedef struct ply_source
 {
     ply_encoding encoding;
-    word_scan scan; ///< `at` is the next byte in any encoding
+    word_scan scan; ///< `at` is the next byte for every encoding
 } ply_source;
 
-/// Read the next number; false when it is missing, is none, is not finite or, in text, is not of its type.
+/// Read the next number. False when it is missing, invalid, not finite or, in text, out of the range of its type.
 bool ply_number(ply_source *source, ply_type type, double *value);
 
-/// Pass over `count` numbers; false when there are not as many.
+/// Skip `count` numbers. False when there are fewer.
 bool ply_skip(ply_source *source, ply_type type, size_t count);
 
 #endif

@@ -3,16 +3,19 @@
 #include "io/mesh/ply.h"
 #include "mesh/point_table.h"
 
-/// Where a vertex's number goes.
+/// @file
+/// Reader of PLY in text and both binary encodings. Vertex properties without another meaning become channels.
+
+/// The destination of a vertex property.
 typedef struct ply_place
 {
-    size_t column; ///< of the row below, or NO_COLUMN
-    double scale;  ///< what it is divided by
+    size_t column; ///< the column of `row`, or NO_COLUMN
+    double scale;  ///< the divisor of its values
 } ply_place;
 
 #define NO_COLUMN SIZE_MAX
 
-/// The columns of a vertex: its position, its texture coordinate, then its channels.
+/// The columns of a vertex: position, texture coordinate, channels.
 enum
 {
     TEXTURE_COLUMN = 3,
@@ -24,16 +27,16 @@ typedef struct ply_reader
     ply_header header;
     ply_source source;
     mesh_builder builder;
-    size_t vertices; ///< what the header says
+    size_t vertices; ///< from the header
     ply_place *places;
     double *row;
     bool textured;        ///< vertices have texture coordinates
-    size_t corners_at;    ///< places of a face's lists among its properties
-    size_t texture_at;    ///< property_count when there is none
-    word_scan first_face; ///< where faces begin
-    uint32_t *face;       ///< the corners of the face that is being read
+    size_t corners_at;    ///< index of the list of corners among a face's properties
+    size_t texture_at;    ///< index of the list of texture coordinates, or property_count
+    word_scan first_face; ///< the position of the first face
+    uint32_t *face;       ///< the corners of the current face
     size_t face_capacity;
-    double *texture_keys; ///< a vertex and its texture coordinate, for each one in the builder
+    double *texture_keys; ///< for each texture coordinate in the builder: its vertex and the coordinate
     size_t texture_key_capacity;
     point_table texture_table;
 } ply_reader;
@@ -65,7 +68,7 @@ bool mesh_ply_resembles(const file_text *text)
     return scan_word(&scan, "ply") && scan_line_done(&scan);
 }
 
-/// BAT_BAD_FILE for a number that could not be read, of a row of an element.
+/// BAT_BAD_FILE for a number that cannot be read, in a row of an element.
 static bat_status number_fault(ply_reader *reader, const ply_element *element, size_t row, const ply_property *property,
                                bat_error *error)
 {
@@ -83,7 +86,7 @@ static bat_status number_fault(ply_reader *reader, const ply_element *element, s
                      text_excerpt(word, scan->at, scan_word_end(scan)), name, kind, row);
 }
 
-/// Go to the row's line, in text.
+/// Advance to the line of the row, in text.
 static bat_status begin_row(ply_reader *reader, const ply_element *element, size_t row, bat_error *error)
 {
     char kind[EXCERPT_SIZE];
@@ -100,7 +103,7 @@ static bat_status end_row(ply_reader *reader, size_t row, bat_error *error)
     return scan_word_fault(&reader->source.scan, row, "is too much on this line", error);
 }
 
-/// The length of a list; false when it cannot be read or is negative.
+/// Read the length of a list. False when it is invalid or negative.
 static bool read_length(ply_source *source, const ply_property *property, size_t *length)
 {
     double value;
@@ -120,7 +123,7 @@ static bat_status skip_property(ply_reader *reader, const ply_element *element, 
     return BAT_OK;
 }
 
-/// Pass over all rows of an element.
+/// Skip all rows of an element.
 static bat_status skip_element(ply_reader *reader, const ply_element *element, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -135,7 +138,7 @@ static bat_status skip_element(ply_reader *reader, const ply_element *element, b
     return status;
 }
 
-/// What a colour of a type is divided by to be between 0 and 1.
+/// The divisor that maps a colour of the property's type to 0 … 1.
 static double colour_scale(const ply_property *property)
 {
     for (size_t i = 0; i < MESH_COLOURS; i++)
@@ -144,7 +147,7 @@ static double colour_scale(const ply_property *property)
     return 1.0;
 }
 
-/// Give a property of the vertices, if it is there and no list, its column.
+/// Assign a column to a vertex property. False when it is missing or a list.
 static bool place_property(ply_reader *reader, const ply_element *vertex, const char *name, size_t column)
 {
     size_t i = ply_property_find(vertex, name);
@@ -154,7 +157,7 @@ static bool place_property(ply_reader *reader, const ply_element *vertex, const 
     return true;
 }
 
-/// The first pair of texture coordinates that is complete.
+/// Use the first complete pair of texture coordinates.
 static void place_texture(ply_reader *reader, const ply_element *vertex)
 {
     for (size_t i = 0; i < PLY_TEXTURE_NAMES && !reader->textured; i++)
@@ -171,7 +174,7 @@ static void place_texture(ply_reader *reader, const ply_element *vertex)
     }
 }
 
-/// The numbers that have no place yet become channels. Normals follow from the mesh and are dropped; lists are passed over.
+/// Make channels of the remaining numbers. Normals are ignored, because they follow from the mesh; lists are skipped.
 static bat_status place_channels(ply_reader *reader, const ply_element *vertex, bat_error *error)
 {
     static const char *const normals[] = {"nx", "ny", "nz"};
@@ -215,7 +218,7 @@ static bat_status place_columns(ply_reader *reader, const ply_element *vertex, b
     return place_channels(reader, vertex, error);
 }
 
-/// Find the lists that make faces.
+/// Find the properties of faces.
 static bat_status plan_faces(ply_reader *reader, const ply_element *face, bat_error *error)
 {
     size_t count = face->property_count;
@@ -232,7 +235,7 @@ static bat_status plan_faces(ply_reader *reader, const ply_element *face, bat_er
     return BAT_OK;
 }
 
-/// Find out what the header offers, before the data.
+/// Check the header and decide what to read.
 static bat_status plan(ply_reader *reader, bat_error *error)
 {
     const ply_element *vertex = ply_header_find(&reader->header, "vertex");
@@ -293,7 +296,7 @@ static bat_status read_vertices(ply_reader *reader, const ply_element *element, 
     return status;
 }
 
-/// Read a face's corners into reader->face.
+/// Read the corners of a face into reader->face.
 static bat_status read_corners(ply_reader *reader, const ply_element *element, size_t row, size_t *size, bat_error *error)
 {
     const ply_property *property = &element->properties[reader->corners_at];
@@ -316,7 +319,7 @@ static bat_status read_corners(ply_reader *reader, const ply_element *element, s
     return BAT_OK;
 }
 
-/// The number of a texture coordinate: the one that the vertex has already, or a new one. BAT_MESH_NONE when out of memory.
+/// The index of a vertex's texture coordinate, which is added if it is new. BAT_MESH_NONE when out of memory.
 static uint32_t number_texture(ply_reader *reader, uint32_t vertex, const double place[2])
 {
     const double key[3] = {vertex, place[0], place[1]};
@@ -335,7 +338,7 @@ static uint32_t number_texture(ply_reader *reader, uint32_t vertex, const double
     return point_table_add(&reader->texture_table, (uint32_t)count) ? (uint32_t)count : BAT_MESH_NONE;
 }
 
-/// Read the texture coordinates at the corners of a face, or the empty list, and add the corners.
+/// Read the texture coordinates of a face's corners, or an empty list, and add the corners.
 static bat_status read_texture(ply_reader *reader, const ply_element *element, size_t row, word_scan place, size_t size,
                                bat_error *error)
 {
@@ -364,7 +367,7 @@ static bat_status read_texture(ply_reader *reader, const ply_element *element, s
     return BAT_OK;
 }
 
-/// Add the corners of a face whose texture coordinates are its vertices', if any.
+/// Add the corners of a face; its texture coordinates, if any, belong to the vertices.
 static bat_status add_corners(ply_reader *reader, size_t size, bat_error *error)
 {
     for (size_t i = 0; i < size; i++)
@@ -409,7 +412,7 @@ static bat_status read_faces(ply_reader *reader, const ply_element *element, bat
     return status;
 }
 
-/// The fewest bytes that a row of an element can take.
+/// The minimal number of bytes in a row of an element.
 static size_t min_size(const ply_element *element, ply_encoding encoding)
 {
     size_t size = 0;
@@ -454,7 +457,7 @@ static bat_status read_all(ply_reader *reader, bat_error *error)
     return BAT_OK;
 }
 
-/// The line of a face of a text file: so many lines with content come before it.
+/// The line of a face in a text file, by counting lines with content.
 static size_t line_of_face(const ply_reader *reader, size_t face)
 {
     word_scan scan = reader->first_face;

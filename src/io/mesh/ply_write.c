@@ -4,15 +4,18 @@
 
 #include <math.h>
 
-/// What is written, and how.
+/// @file
+/// Writer of PLY in text and both binary encodings. Numbers are doubles; colours that bytes represent exactly are bytes.
+
+/// The data to write, and the encoding.
 typedef struct ply_plan
 {
-    bool *bytes; ///< of every channel: it is a colour whose values are all multiples of 1/255
+    bool *bytes; ///< for each channel: whether it is a colour and all values are multiples of 1/255
     bool texture_by_vertex, texture_by_corner;
     bool text, big_endian;
 } ply_plan;
 
-/// Whether a channel is a colour that bytes hold exactly.
+/// Whether bytes represent a channel exactly, as a colour.
 static bool is_byte_colour(const bat_mesh *mesh, size_t channel)
 {
     bool colour = false;
@@ -26,7 +29,7 @@ static bool is_byte_colour(const bat_mesh *mesh, size_t channel)
     return colour;
 }
 
-/// Whether a name can be a property's, and would be read as a channel's.
+/// Whether a property of this name is read back as a channel.
 static bool is_channel_name(const char *name)
 {
     static const char *const taken[] = {"x", "y", "z", "nx", "ny", "nz"};
@@ -109,7 +112,7 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     return status;
 }
 
-/// Put the `size` lowest bytes of an integer.
+/// Store the `size` lowest bytes of an integer.
 static char *put_bytes(char *out, uint64_t bits, int size, bool big_endian)
 {
     for (int i = 0; i < size; i++)
@@ -139,7 +142,7 @@ static char *put_integer(char *out, uint32_t value, int size, const ply_plan *pl
     return out;
 }
 
-/// In text, a newline in place of the last blank.
+/// In text, replace the last blank by a line break.
 static char *end_row(char *out, const ply_plan *plan)
 {
     if (plan->text)

@@ -9,6 +9,9 @@
 #include <math.h>
 #include <strings.h>
 
+/// @file
+/// STL in text and binary form: triangles without connectivity, in single precision when binary.
+
 enum
 {
     HEADER_SIZE = 80,
@@ -17,7 +20,7 @@ enum
     TRIANGLE_SIZE = 50 ///< a normal, three vertices, two bytes of attributes
 };
 
-/// Triangles without neighbours, while their corners of equal coordinates become one vertex.
+/// The state of a reader. Corners with equal coordinates become one vertex.
 typedef struct stl_reader
 {
     mesh_builder builder;
@@ -64,15 +67,14 @@ static double little_float(const char *bytes)
     return value;
 }
 
-/// Whether the size is exactly what the count of a binary file says. Text files begin with "solid", but so do some binary
-/// ones.
+/// Whether the size agrees with the count of a binary file. Some binary files begin with "solid" like text files.
 static bool is_binary(const file_text *text)
 {
     return text->size >= HEADER_SIZE + COUNT_SIZE &&
            (uint64_t)little_endian(text->data + HEADER_SIZE) * TRIANGLE_SIZE == text->size - HEADER_SIZE - COUNT_SIZE;
 }
 
-/// The next word of the line, in either case.
+/// Skip the next word of the line if it is `word`, in upper or lower case.
 static bool skip_word(word_scan *scan, const char *word)
 {
     scan_skip_blanks(scan);
@@ -121,7 +123,7 @@ static bat_status read_binary(stl_reader *reader, const file_text *text, bat_err
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
                          "the file says that it has %zu triangles, but holds %zu bytes, enough for %zu%s", count, data,
                          data / TRIANGLE_SIZE, data % TRIANGLE_SIZE > 0 ? " and a part" : "");
-    // Closed meshes have half as many vertices as faces.
+    // A closed mesh has about half as many vertices as faces.
     if (!mesh_builder_reserve(&reader->builder, count / 2, count) || !point_table_reserve(&reader->table, count / 2))
         return no_memory(reader, error);
     bat_status status = BAT_OK;
@@ -130,7 +132,7 @@ static bat_status read_binary(stl_reader *reader, const file_text *text, bat_err
     return status;
 }
 
-/// Go to the next line with content, which must begin with these words.
+/// Advance to the next line with content, which must begin with these words.
 static bat_status expect(word_scan *scan, size_t index, const char *first, const char *second, bat_error *error)
 {
     if (!scan_next_content(scan))
@@ -160,7 +162,7 @@ static bat_status read_text_vertex(stl_reader *reader, word_scan *scan, bat_erro
     return add_corner(reader, point) ? BAT_OK : no_memory(reader, error);
 }
 
-/// A facet, after its first word. Its normal follows from its corners, and is passed over.
+/// Read a facet after its first word. Its normal follows from its corners and is skipped.
 static bat_status read_text_facet(stl_reader *reader, word_scan *scan, bat_error *error)
 {
     size_t index = reader->builder.face_count;
@@ -177,7 +179,7 @@ static bat_status read_text_facet(stl_reader *reader, word_scan *scan, bat_error
     return status;
 }
 
-/// One or more solids of facets. Names are passed over.
+/// Read one or more solids. Their names are skipped.
 static bat_status read_text(stl_reader *reader, const file_text *text, bat_error *error)
 {
     word_scan scan = word_scan_start(text->data, text->size);
@@ -195,7 +197,7 @@ static bat_status read_text(stl_reader *reader, const file_text *text, bat_error
     return status;
 }
 
-/// The line of a text file's facet, found by counting.
+/// The line of a facet in a text file, by counting.
 static size_t line_of_facet(const file_text *text, size_t facet)
 {
     word_scan scan = word_scan_start(text->data, text->size);
@@ -227,7 +229,7 @@ bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *opt
     return status;
 }
 
-/// The unit normal of a face, all zero where it has none. Edges are scaled first, so that their products stay in range.
+/// The unit normal of a face, or zero. Edges are scaled first to avoid overflow.
 static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
 {
     const double *p[3];
@@ -320,7 +322,7 @@ static void format_text(const bat_mesh *mesh, const void *context, size_t begin,
     }
 }
 
-/// Single precision must hold every coordinate.
+/// Check that single precision can represent every coordinate.
 static bat_status check_range(const bat_mesh *mesh, bat_error *error)
 {
     for (size_t i = 0; i < 3 * mesh->vertex_count; i++)

@@ -6,6 +6,9 @@
 
 #include <strings.h>
 
+/// @file
+/// Reading of clouds in any format: points, an optional file with the boundary, or the vertices of a mesh.
+
 bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *format, bat_error *error)
 {
     static const char *const names[] = {[BAT_CLOUD_FORMAT_XYZ] = "xyz",
@@ -37,7 +40,7 @@ bat_cloud_format cloud_format_of_path(const char *path)
     return BAT_CLOUD_FORMAT_AUTO;
 }
 
-/// OBJ begins its lines with a word; CSV has names or something between its numbers.
+/// The format of a text. OBJ lines begin with a word; CSV has names, or separators other than blanks.
 bat_cloud_format cloud_format_of_text(const file_text *text)
 {
     static const char *const obj_words[] = {"v", "vn", "vt", "o", "g", "f", "s", "mtllib", "usemtl"};
@@ -59,7 +62,7 @@ bat_cloud_format cloud_format_of_text(const file_text *text)
     return BAT_CLOUD_FORMAT_XYZ;
 }
 
-/// The line of the statement "v" with a number, counted from 0.
+/// The line of statement "v" number `point`, counted from 0.
 static size_t obj_line_of_point(const file_text *text, size_t point)
 {
     word_scan scan = word_scan_start(text->data, text->size);
@@ -71,7 +74,7 @@ static size_t obj_line_of_point(const file_text *text, size_t point)
     return scan.line;
 }
 
-/// A file, and what it holds: points, or a mesh that has faces.
+/// A file and its content: points, or a mesh with faces.
 typedef struct cloud_source
 {
     const file_text *text;
@@ -86,7 +89,7 @@ static void source_free(cloud_source *source)
     bat_mesh_free(&source->mesh);
 }
 
-/// The line of a point; 0 where there are no lines.
+/// The line of a point; 0 in binary files.
 static size_t line_of_point(const cloud_source *source, size_t point)
 {
     switch (source->format)
@@ -122,7 +125,7 @@ static bat_status source_read(cloud_source *source, bat_error *error)
     return BAT_OK;
 }
 
-/// Say that a failure is in the boundary's file: the line in the error is one of the other file.
+/// Report a failure in the boundary's file. The line of the error would be one of the other file, so the text names it.
 static bat_status name_boundary_file(bat_status status, const bat_error *found, bat_error *error)
 {
     if (found->line > 0)
@@ -139,8 +142,8 @@ static bat_status repeats(const cloud_source *source, size_t first, size_t secon
                      line_of_point(source, first));
 }
 
-/// Append a file's points to a cloud with enough room, leaving out or refusing those that repeat another; points of an
-/// earlier file are always left out.
+/// Append the points of a file to a cloud with enough memory. Duplicates are dropped or refused; duplicates of points in an
+/// earlier file are always dropped.
 static bat_status append_distinct(const cloud_source *source, size_t first_place, bool drop, point_table *table,
                                   bat_cloud *cloud, bat_error *error)
 {
@@ -161,7 +164,7 @@ static bat_status append_distinct(const cloud_source *source, size_t first_place
     return BAT_OK;
 }
 
-/// Put the points of the boundary's file, if there is one, and of the main one in a cloud.
+/// Combine the points of the boundary's file, if any, and of the main file.
 static bat_status join(const cloud_source *boundary, const cloud_source *source, bool drop, bat_cloud *cloud,
                        bat_error *error)
 {
@@ -191,7 +194,7 @@ static bat_status join(const cloud_source *boundary, const cloud_source *source,
     return status;
 }
 
-/// How many of the first `count` points of the input are in the cloud.
+/// The number of points of the cloud that are among the first `count` points of the input.
 static size_t count_distinct(const bat_cloud *cloud, size_t count)
 {
     size_t distinct = 0;
@@ -214,7 +217,7 @@ static bat_status check_boundary_count(size_t boundary_count, size_t count, bat_
     return BAT_OK;
 }
 
-/// Take the boundary and corners that the options or the file's remarks tell.
+/// Apply the boundary and the corners given by the options or by the file's comments.
 static bat_status apply_remarks(const cloud_source *source, const bat_cloud_read_options *options, bat_cloud *cloud,
                                 bat_error *error)
 {
@@ -259,7 +262,7 @@ static bat_status cloud_of_points(const cloud_source *boundary, const cloud_sour
     return BAT_OK;
 }
 
-/// Whether the cloud of a mesh begins with the loop as the file has it.
+/// Whether the cloud of a mesh begins with its boundary loop in the order of the file.
 static bool keeps_boundary(const bat_cloud *cloud)
 {
     for (size_t i = 0; i < cloud->boundary_count; i++)

@@ -7,16 +7,16 @@
 #include "io/common/file_text.h"
 
 /// @file
-/// What bat_cloud_read() and bat_cloud_write() choose from.
+/// Readers and writers of cloud formats.
 
-/// Points as a file lists them. All zero: empty.
+/// The points of a file. All zero: empty.
 typedef struct point_listing
 {
     double *points; ///< count x 3
     size_t count, capacity;
 } point_listing;
 
-/// Room for one more point, which the caller fills in; null when out of memory.
+/// Add a point, which the caller sets; null when out of memory.
 static inline double *listing_next(point_listing *listing)
 {
     void *points = listing->points;
@@ -25,41 +25,41 @@ static inline double *listing_next(point_listing *listing)
     return grown ? listing->points + 3 * listing->count++ : NULL;
 }
 
-/// Read the points of a text, which may be none. On failure too the listing is to be freed.
-/// @return BAT_OK; BAT_BAD_FILE, or BAT_INVALID_POINT for a point that is not finite, with line and point; BAT_NO_MEMORY
+/// Read the points of a text, which may be none. Free the listing also on failure.
+/// @return BAT_OK; BAT_BAD_FILE or, for a point that is not finite, BAT_INVALID_POINT, with line and point; BAT_NO_MEMORY
 bat_status cloud_xyz_read(const file_text *text, point_listing *listing, bat_error *error);
 bat_status cloud_csv_read(const file_text *text, point_listing *listing, bat_error *error);
 
-/// The failure that a word is no number, for a point's coordinate.
+/// The failure for a coordinate that is not a number.
 bat_status cloud_number_fault(const char *begin, const char *end, size_t point, size_t line, bat_error *error);
 
-/// The line in which a text that was read has a point.
+/// The line of a point in a text that was read before.
 size_t cloud_xyz_line_of_point(const file_text *text, size_t point);
 size_t cloud_csv_line_of_point(const file_text *text, size_t point);
 
-/// What remarks before the first point say.
+/// The content of comments before the first point.
 typedef struct cloud_remarks
 {
-    size_t boundary; ///< so many points come first; 0 when nothing is said
+    size_t boundary; ///< the number of boundary points, which come first; 0 when not given
     size_t boundary_line;
-    size_t corners[4]; ///< places in the boundary, counted from 0
+    size_t corners[4]; ///< indices in the boundary, from 0
     bool has_corners;
 } cloud_remarks;
 
 cloud_remarks cloud_remarks_read(const file_text *text);
 
-/// The format of a file by its name; BAT_CLOUD_FORMAT_AUTO when the name does not say.
+/// The format for a path, by its ending, or BAT_CLOUD_FORMAT_AUTO.
 bat_cloud_format cloud_format_of_path(const char *path);
 
-/// Make a cloud of a text, and of a second one with the boundary, which may be null. The formats must be known.
+/// Make a cloud from a text and a second one with the boundary, which may be null. The formats are known.
 bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const file_text *boundary_text,
                            bat_cloud_format boundary_format, const bat_cloud_read_options *options, bat_cloud *cloud,
                            bat_error *error);
 
-/// The format that a text is in, by its content.
+/// The format of a text, by its content.
 bat_cloud_format cloud_format_of_text(const file_text *text);
 
-/// Write a cloud that bat_cloud_check() accepts.
+/// Write a cloud that passes bat_cloud_check().
 bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sink *sink, bat_error *error);
 
 #endif

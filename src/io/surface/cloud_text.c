@@ -4,20 +4,23 @@
 #include <ctype.h>
 #include <strings.h>
 
+/// @file
+/// Readers of points as text: comments about the boundary, XYZ and CSV.
+
 enum
 {
-    /// Larger counts than any file has.
+    /// A bound above the counts of any file.
     COUNT_BITS = 60
 };
 
-/// "N boundary points first", whatever follows.
+/// Read "N boundary points first"; more text may follow.
 static bool read_boundary(word_scan scan, uint64_t *count)
 {
     return scan_count(&scan, (uint64_t)1 << COUNT_BITS, count) && scan_word(&scan, "boundary") &&
            scan_word(&scan, "points") && scan.end - scan.at >= 6 && memcmp(scan.at, " first", 6) == 0;
 }
 
-/// "corners A B C D".
+/// Read "corners A B C D".
 static bool read_corners(word_scan scan, size_t corners[4])
 {
     bool read = scan_word(&scan, "corners");
@@ -30,7 +33,7 @@ static bool read_corners(word_scan scan, size_t corners[4])
     return read && scan_line_done(&scan);
 }
 
-/// Where the words of a remark begin; null when the line is none. PLY says "comment" for '#'.
+/// The text of a comment line, or null. PLY writes "comment" for '#'.
 static const char *remark_words(const text_line *line)
 {
     static const char comment[] = "comment ";
@@ -113,16 +116,16 @@ size_t cloud_xyz_line_of_point(const file_text *text, size_t point)
     return scan.line;
 }
 
-/// What the first row of a file settles.
+/// The layout of a file, from its first row.
 typedef struct csv_layout
 {
-    char separator;   ///< a comma, semicolon, tab, or a blank for any run of blanks
-    size_t columns;   ///< of every row
-    size_t places[3]; ///< the columns of x, y, z
-    bool has_names;   ///< the first row holds names
+    char separator;   ///< a comma, semicolon or tab, or a blank for runs of blanks
+    size_t columns;   ///< columns of every row
+    size_t places[3]; ///< the columns of x, y and z
+    bool has_names;   ///< the first row contains names
 } csv_layout;
 
-/// A field of a row, without blanks and quotes around it.
+/// A field of a row, without surrounding blanks and quotes.
 typedef struct field
 {
     const char *begin, *end;
@@ -133,7 +136,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r';
 }
 
-/// The field that begins at *at; *at goes to the next one, or to null after the last.
+/// The field that begins at *at. *at advances to the next field, or becomes null after the last.
 static field next_field(const char **at, const char *end, char separator)
 {
     const char *stop = *at;
@@ -160,7 +163,7 @@ static char find_separator(const text_line *line)
     return ' ';
 }
 
-/// Find the columns from the first row: those named x, y, z when all three are there, else the first three.
+/// Find the columns from the first row: those named x, y and z if all exist, else the first three.
 static csv_layout find_layout(const text_line *line)
 {
     static const char *const names[] = {"x", "y", "z"};
@@ -179,7 +182,7 @@ static csv_layout find_layout(const text_line *line)
     return layout;
 }
 
-/// Read one of the three coordinates, where the column holds one.
+/// Read a field if it is a coordinate.
 static bat_status read_field(const csv_layout *layout, size_t column, field value, size_t index, size_t line, double *point,
                              bat_error *error)
 {
@@ -214,7 +217,7 @@ static bat_status read_row(const csv_layout *layout, const text_line *line, poin
     return BAT_OK;
 }
 
-/// Go to the next row.
+/// Advance to the next row.
 static bool next_row(const file_text *text, text_line *line)
 {
     while (text_line_next(text, line))

@@ -5,23 +5,24 @@
 
 #include "base/error.h"
 
-// All four formats are written as lines of text: remarks or a header, a line for each point, and a line for each triangle
-// where the format has them.
+/// @file
+/// Writers of clouds. All formats are lines of text: comments or a header, a line for each point, and a line for each
+/// triangle in formats that have triangles.
 
 enum
 {
     ROWS_PER_BLOCK = 1 << 14,
-    /// "3 " and three indices, or "f " and the same.
+    /// "3 " or "f " and three indices.
     ROW_SIZE = 4 * (NUMBER_TEXT_SIZE + 1)
 };
 
-/// How a format writes its rows.
+/// The syntax of a format's rows.
 typedef struct row_style
 {
-    const char *remark;   ///< what begins a remark
-    const char *point;    ///< what begins a point
-    char separator;       ///< of numbers
-    const char *triangle; ///< what begins a triangle; null where the format has none
+    const char *remark;   ///< the start of a comment
+    const char *point;    ///< the start of a point
+    char separator;       ///< between numbers
+    const char *triangle; ///< the start of a triangle; null where the format has none
     uint32_t first_index; ///< of points, in triangles
 } row_style;
 
@@ -34,7 +35,7 @@ typedef struct cloud_writer
 {
     const bat_cloud *cloud;
     const row_style *style;
-    bool triangles; ///< that these are written now, not points
+    bool triangles; ///< write triangles in place of points
 } cloud_writer;
 
 static char *put_text(char *out, const char *text)
@@ -90,7 +91,7 @@ static void append_count(text_buffer *text, size_t count, const char *after)
     text_append_string(text, after);
 }
 
-/// The remarks that cloud_remarks_read() understands.
+/// Append the comments that cloud_remarks_read() reads.
 static void append_remarks(const bat_cloud *cloud, const row_style *style, text_buffer *text)
 {
     if (cloud->boundary_count == 0)

@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Knot insertion by blossoms: the control points over new knots are values of the blossom at consecutive knots (Goldman,
+/// "Blossoming and knot insertion algorithms for B-spline curves", 1990).
+
 bat_status cut_knots(const bat_knot_vector *knots, double from, double to, bat_knot_vector *cut, bat_error *error)
 {
     size_t degree = (size_t)knots->degree, count = 0;
@@ -23,8 +27,8 @@ bat_status cut_knots(const bat_knot_vector *knots, double from, double to, bat_k
     return BAT_OK;
 }
 
-/// The blossom of the polynomial on a span at `degree` arguments, in place of the last of its points. Arguments are taken
-/// from the greatest down: those that are knots of the span then copy points.
+/// Evaluate the blossom of the polynomial on a span at `degree` arguments, by de Boor's algorithm, into the last point.
+/// Arguments are taken in decreasing order; arguments that are knots of the span then copy points.
 static void blossom(const bat_knot_vector *knots, size_t span, const double *arguments, size_t dimension, double *points)
 {
     size_t degree = (size_t)knots->degree;
@@ -64,7 +68,7 @@ static bool is_clamped(const bat_knot_vector *knots)
     return knots->knots[0] == knots->knots[degree] && knots->knots[last - degree] == knots->knots[last];
 }
 
-/// Clamp one direction: of v, whole rows of control points are the points of a curve; of u, each row is a curve.
+/// Clamp one direction. For v, rows of control points are the points of one curve; for u, each row is a curve.
 static bat_status clamp_direction(bat_tensor_surface *surface, int direction, bat_error *error)
 {
     bat_knot_vector *knots = &surface->knots[direction], cut = {0};

@@ -5,6 +5,9 @@
 #include <math.h>
 #include <strings.h>
 
+/// @file
+/// Reading and writing of spline surfaces in any format.
+
 bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error)
 {
     static const char *const names[] = {[BAT_SURFACE_FORMAT_XML] = "xml",

@@ -5,8 +5,9 @@
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
 
-/// What bat_surface_write() and bat_surface_read() choose from. Writers take a surface and options that surface_check() has
-/// passed; readers leave `surface` untouched on failure.
+/// @file
+/// Readers and writers of surface formats. Surfaces and options for writers have passed surface_check(). Readers leave
+/// `surface` untouched on failure.
 
 bat_status surface_xml_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
 bat_status surface_json_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
@@ -19,14 +20,14 @@ bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surfac
 bat_status surface_xml_read(const file_text *text, bat_spline_surface *surface, bat_error *error);
 bat_status surface_json_read(const file_text *text, bat_spline_surface *surface, bat_error *error);
 
-/// Read a text in the format that it begins as.
+/// Read a text in the format of its content.
 bat_status surface_read_text(const file_text *text, bat_spline_surface *surface, bat_error *error);
 
-/// See that a surface can be written in a format, with these options.
+/// Check that a surface can be written in a format with these options.
 bat_status surface_check(const bat_spline_surface *surface, bat_surface_format format,
                          const bat_surface_write_options *options, bat_error *error);
 
-/// Write a surface in a format that is not BAT_SURFACE_FORMAT_AUTO.
+/// Write a surface in a format other than BAT_SURFACE_FORMAT_AUTO.
 bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_format format,
                               const bat_surface_write_options *options, text_sink *sink, bat_error *error);
 

@@ -11,7 +11,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/// A file while it is read.
+/// @file
+/// The JSON format of spline surfaces: degrees, spans, boxes of refined cells, functions and control points.
+
+/// The state of a reader.
 typedef struct json_file
 {
     const file_text *text;
@@ -19,7 +22,7 @@ typedef struct json_file
     bat_error *error;
 } json_file;
 
-/// Before the value of a member of the file; at the end of the text where it cannot be found.
+/// The position before the value of a member of the file; the end of the text when it is not found.
 static json_scanner before_value(const json_file *file, const char *member)
 {
     json_scanner scan = {file->text->data, file->text->data + file->text->size}, key;
@@ -36,14 +39,14 @@ static json_scanner before_value(const json_file *file, const char *member)
     return scan;
 }
 
-/// Go behind an element of an array, to the begin of the next.
+/// Skip an element of an array, up to the next one.
 static void next_element(json_scanner *scan)
 {
     if (json_scan_value(scan) && json_scan_take(scan, ','))
         json_scan_blanks(scan);
 }
 
-/// The line on which a member of the file begins, or one of its elements; 0 where it cannot be found.
+/// The line of a member of the file or of one of its elements; 0 when it is not found.
 static size_t line_of(const json_file *file, const char *member, size_t element)
 {
     json_scanner scan = before_value(file, member);
@@ -68,7 +71,7 @@ static bat_status bad_element(const json_file *file, const char *member, size_t 
                      member, what);
 }
 
-/// A whole number of 0 to `max_value`.
+/// Read an integer from 0 to `max_value`.
 static bool whole(const json_t *value, uint64_t max_value, uint64_t *number)
 {
     json_int_t integer = json_integer_value(value);
@@ -76,7 +79,7 @@ static bool whole(const json_t *value, uint64_t max_value, uint64_t *number)
     return json_is_integer(value) && integer >= 0 && *number <= max_value;
 }
 
-/// An array of `count` whole numbers.
+/// Read an array of `count` integers.
 static bool whole_row(const json_t *row, size_t count, uint64_t *numbers)
 {
     bool right = json_is_array(row) && json_array_size(row) == count;
@@ -164,7 +167,7 @@ static bat_status read_point(const json_file *file, size_t index, size_t dimensi
     return BAT_OK;
 }
 
-/// Where each row of "control" belongs: `places` receives the numbers of its functions.
+/// Find the function of each row of "control"; `places` receives their numbers.
 static bat_status read_places(const json_file *file, const bat_hierarchical_space *space, size_t *places)
 {
     size_t count = bat_hierarchical_space_functions(space);
@@ -238,7 +241,7 @@ static bat_status read_surface(const json_file *file, bat_spline_surface *surfac
     if (status != BAT_OK)
         return status;
     surface->dimension = (size_t)dimension;
-    // The first row says how much the whole takes, before it is taken.
+    // Check the dimension before memory for all points is allocated.
     if (json_array_size(json_array_get(control, 0)) != surface->dimension)
         return bad_element(file, "control", 0, "does not have as many coordinates as \"dimension\" says");
     return read_control(file, surface);
@@ -261,7 +264,7 @@ bat_status surface_json_read(const file_text *text, bat_spline_surface *surface,
     return status;
 }
 
-/// JSON readers take "-0" for a whole number, which has no sign.
+/// JSON readers take "-0" for an integer, which loses the sign.
 static void append_number(text_buffer *text, double value)
 {
     char *out = text_reserve(text, NUMBER_TEXT_SIZE + 2);
@@ -272,7 +275,7 @@ static void append_number(text_buffer *text, double value)
         text_append_string(text, ".0");
 }
 
-/// What ends a row of an array of rows.
+/// The end of a row in an array of rows.
 static const char *row_end(size_t row, size_t rows)
 {
     return row + 1 < rows ? "],\n" : "]\n";

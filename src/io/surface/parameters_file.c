@@ -11,7 +11,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// How many points the input had, as far as the cloud knows: those left out after the last one do not count.
+/// @file
+/// Files of parameters (u, v), one row for each point of the cloud's input.
+
+/// The number of points in the input, as far as the cloud has it: points dropped after the last one do not count.
 static size_t input_count(const bat_cloud *cloud)
 {
     size_t count = cloud->order == NULL ? cloud->count : 0;
@@ -67,7 +70,7 @@ bat_status bat_cloud_parameters_write(const char *path, const bat_cloud *cloud, 
     return status;
 }
 
-/// Rows "u v", in the order of a file. NaN stands for a point that was left out.
+/// Rows "u v" in the order of a file; NaN for a dropped point.
 typedef struct row_listing
 {
     double *rows;

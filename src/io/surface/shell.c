@@ -7,20 +7,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// A corner; sorted, those of a line follow each other.
+/// @file
+/// Corners are sorted along lines of both directions. Each side of a face is then split at the vertices on it.
+
+/// A corner. Sorted corners of a line are consecutive.
 typedef struct shell_point
 {
     uint64_t line, along;
     uint32_t vertex;
 } shell_point;
 
-/// A shell in the making.
+/// The state of the construction.
 typedef struct shell_builder
 {
     const shell_face *faces;
     size_t face_count;
-    shell_point *lines[2];   ///< all vertices by lines along u, and along v
-    uint32_t *edge_after[2]; ///< of each vertex: the edge that begins there along u, along v
+    shell_point *lines[2];   ///< all vertices along lines of u, and along lines of v
+    uint32_t *edge_after[2]; ///< for each vertex: the edge that begins there along u, and along v
     size_t edge_capacity, use_count, use_capacity;
     surface_shell *shell;
 } shell_builder;
@@ -33,7 +36,7 @@ static int compare_points(const void *a, const void *b)
     return (x->along > y->along) - (x->along < y->along);
 }
 
-/// All corners, each once, along lines of v = constant.
+/// Collect all corners, each once, sorted along lines v = constant.
 static bat_status find_vertices(shell_builder *builder, bat_error *error)
 {
     size_t corners = 4 * builder->face_count, count = 0;
@@ -58,7 +61,7 @@ static bat_status find_vertices(shell_builder *builder, bat_error *error)
     return BAT_OK;
 }
 
-/// The same by lines of u = constant, and the vertices' places.
+/// Sort the vertices along lines u = constant, and set their coordinates.
 static bat_status sort_vertices(shell_builder *builder, bat_error *error)
 {
     surface_shell *shell = builder->shell;
@@ -87,7 +90,7 @@ static bool grow(void **array, size_t *capacity, size_t count, size_t size)
     return array_grow(array, capacity, count + 1, size);
 }
 
-/// The edge from a vertex to the next one on its line, noted as one of a face's side; SHELL_NONE when out of memory.
+/// The edge from a vertex to the next one on its line, as a part of a side of a face; SHELL_NONE when out of memory.
 static uint32_t use_edge(shell_builder *builder, uint32_t direction, uint32_t from, uint32_t to, uint32_t face,
                          uint32_t side)
 {
@@ -108,7 +111,7 @@ static uint32_t use_edge(shell_builder *builder, uint32_t direction, uint32_t fr
     return *place;
 }
 
-/// Add the edges of a side of a face to its loop.
+/// Append the edges of a side of a face to its loop.
 static bool add_side(shell_builder *builder, uint32_t face, uint32_t side)
 {
     const shell_face *rectangle = &builder->faces[face];
@@ -127,7 +130,7 @@ static bool add_side(shell_builder *builder, uint32_t face, uint32_t side)
         builder->shell->uses = uses;
         builder->shell->uses[builder->use_count++] = (shell_use){edge, side >= 2};
     }
-    // The two sides that run against their direction meet their edges in reverse.
+    // Two sides run against their direction; their edges are reversed.
     shell_use *uses = builder->shell->uses;
     for (size_t i = first, j = builder->use_count; side >= 2 && i + 1 < j; i++)
     {
@@ -160,7 +163,7 @@ bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shel
 {
     enum
     {
-        MAX_FACES = 1 << 29 // with four vertices each, all numbers fit 32 bits
+        MAX_FACES = 1 << 29 // with four vertices each, all numbers fit into 32 bits
     };
     if (count > MAX_FACES)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu faces are more than %d", count, MAX_FACES);

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Hierarchical spline spaces from the boxes of refined cells in files.
+
 static bat_status check_box(const bat_hierarchical_options *options, const surface_box *box, bat_error *error)
 {
     if (box->level >= BAT_HIERARCHICAL_MAX_LEVELS)
@@ -25,8 +28,8 @@ static bat_status check_box(const bat_hierarchical_options *options, const surfa
     return BAT_OK;
 }
 
-/// Files hold at least one number for each function, so that the space that a short file describes is small. A box of w x h
-/// cells brings at least (w - degree) x (h - degree) functions; thin ones may bring none, whence the room.
+/// Check the number of cells against the number of coefficients before memory is allocated. A box of w x h cells adds at
+/// least (w - degree) x (h - degree) functions. Thin boxes may add none, hence the margin.
 static bat_status check_cells(const surface_box *boxes, size_t count, size_t functions, bat_error *error)
 {
     enum
@@ -46,7 +49,7 @@ static bat_status check_cells(const surface_box *boxes, size_t count, size_t fun
     return BAT_OK;
 }
 
-/// The cells of level `shift` levels below each box's own, as boxes to refine; boxes of level 0 say nothing.
+/// Convert boxes to cells to refine, `shift` levels below their own. Boxes of level 0 refine nothing.
 static size_t boxes_to_refine(const surface_box *boxes, size_t count, unsigned shift, bat_spline_box *refine)
 {
     size_t made = 0;
@@ -85,7 +88,7 @@ static bat_status make_refined(const bat_hierarchical_options *options, const su
     return status;
 }
 
-/// The number of cells in the region of each level, counted in the level's own grid times 4^-shift.
+/// The number of cells in the region of each level, in cells of that level, times 4^-shift.
 static bat_status region_sizes(const bat_hierarchical_space *space, unsigned shift,
                                uint64_t sizes[BAT_HIERARCHICAL_MAX_LEVELS + 1], bat_error *error)
 {
@@ -104,7 +107,7 @@ static bat_status region_sizes(const bat_hierarchical_space *space, unsigned shi
     return BAT_OK;
 }
 
-/// Whether a box ends in the midst of a cell of the level before.
+/// Whether a border of a box divides cells of the previous level.
 static bool is_odd(const surface_box *box)
 {
     return box->level > 0 && ((box->low[0] | box->low[1] | box->high[0] | box->high[1]) & 1) != 0;
@@ -127,8 +130,9 @@ static bat_status unfilled(const surface_box *boxes, size_t count, size_t level,
                      "the boxes of level %zu do not fill the cells of level %zu that they touch", level, level - 1);
 }
 
-/// Where a box ends in the midst of a cell of the level before, that cell was taken whole. A space of twice the spans has
-/// the box's own cells one level lower and takes it as it is: the regions of both agree if other boxes fill the cell.
+/// Check boxes that divide cells of the previous level; the space contains these cells whole. In a space of twice the spans,
+/// each level has the cells of the next one. It represents the boxes exactly. The regions of both spaces agree if other
+/// boxes fill the divided cells.
 static bat_status check_filled(const bat_hierarchical_options *options, const surface_box *boxes, size_t count,
                                const bat_hierarchical_space *space, bat_error *error)
 {

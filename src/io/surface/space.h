@@ -4,9 +4,9 @@
 #include "batten/spline_hierarchical.h"
 
 /// @file
-/// Spaces of splines from what files say of them.
+/// Hierarchical spline spaces from the contents of files.
 
-/// A box of a file: its cells, which are of the grid of its level, are of that level or finer.
+/// A box of cells of one level, which the space refines to that level or further.
 typedef struct surface_box
 {
     uint64_t level;
@@ -14,21 +14,19 @@ typedef struct surface_box
     size_t line;
 } surface_box;
 
-/// The number of cells of a level's grid in a direction. It fits 64 bits for every level below BAT_HIERARCHICAL_MAX_LEVELS
-/// and every number of spans below 2^32.
+/// The number of cells of a level in one direction. It fits into 64 bits for all levels below BAT_HIERARCHICAL_MAX_LEVELS
+/// and up to 2^32 spans.
 static inline uint64_t surface_level_cells(const bat_hierarchical_options *options, uint64_t level, int direction)
 {
     return (uint64_t)options->spans[direction] << level;
 }
 
-/// Make the space in which each cell has the highest level of the boxes that hold it, 0 where there is none. Boxes may
-/// overlap, and one may end in the midst of a cell of the level before if others fill that cell.
+/// Make the space in which each cell has the highest level of the boxes that contain it, or 0. Boxes may overlap. A box may
+/// divide cells of the previous level if other boxes fill these cells.
 /// @param line      of the coefficients, for errors
-/// @param functions the number of functions that the file has coefficients for: a space far beyond it is refused before it
-///         takes memory
-/// @return BAT_OK; BAT_BAD_FILE with the line of a box that is not in its grid or has no cells, or where the space does not
-///         have `functions` functions; BAT_UNSUPPORTED where regions are not made of cells of the level before;
-///         BAT_TOO_LARGE; BAT_NO_MEMORY
+/// @param functions the number of coefficients in the file; much larger spaces are refused before memory is allocated
+/// @return BAT_OK; BAT_BAD_FILE with the line of an empty box or one outside its grid, or for a wrong number of functions;
+/// BAT_UNSUPPORTED for regions that divide cells of the previous level; BAT_TOO_LARGE; BAT_NO_MEMORY
 bat_status surface_space_make(const bat_hierarchical_options *options, const surface_box *boxes, size_t count, size_t line,
                               size_t functions, bat_hierarchical_space **space, bat_error *error);
 

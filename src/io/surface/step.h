@@ -6,55 +6,54 @@
 #include "io/surface/shell.h"
 
 /// @file
-/// The clear-text encoding of ISO 10303-21: numbered entities.
+/// STEP files of surfaces: the clear-text encoding of ISO 10303-21 with numbered entities, and the geometry and topology of
+/// the file.
 
-/// Where entities go. All zero but `sink`: none yet.
+/// A STEP file during writing. All zero except for `sink`: no entities yet.
 typedef struct step_text
 {
     text_sink *sink;
-    text_buffer text; ///< not yet in the sink
-    size_t line;      ///< where its last line begins
-    uint32_t count;   ///< of entities so far: the number of the last one
-    bool separate;    ///< whether the next item of a list needs a comma before it
+    text_buffer text; ///< text that is not in the sink yet
+    size_t line;      ///< the start of its last line
+    uint32_t count;   ///< the number of entities, which is the number of the last one
+    bool separate;    ///< the next item of a list needs a comma before it
 } step_text;
 
-/// Append plain text that holds no real numbers.
+/// Append text without real numbers.
 void step_plain(step_text *step, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/// Append a real number, which has a decimal point here.
+/// Append a real number; STEP requires a decimal point.
 void step_real(step_text *step, double value);
 
-/// Begin the next entity: `#number=text`. Returns its number.
+/// Begin an entity: `#number=text`. Returns its number.
 uint32_t step_begin(step_text *step, const char *text);
-/// End an entity: `text;`. The text goes to the sink now and then.
+/// End an entity: `text;`. Passes the text to the sink when there is enough.
 bat_status step_end(step_text *step, const char *text, bat_error *error);
 
-/// Lists: `(`, items with commas, `)`. The line is broken when it is long.
+/// Lists: `(`, items separated by commas, `)`. Long lines are broken.
 void step_list_begin(step_text *step);
 void step_list_reference(step_text *step, uint32_t entity);
 void step_list_real(step_text *step, double value);
 void step_list_whole(step_text *step, size_t value);
 void step_list_end(step_text *step);
 
-/// A whole entity: CARTESIAN_POINT. Returns its number.
+/// Write a CARTESIAN_POINT. Returns its number.
 uint32_t step_point(step_text *step, const double point[3]);
 
-/// Write what is left, and free it.
+/// Write the remaining text and release it.
 bat_status step_finish(step_text *step, bat_status status, bat_error *error);
 
-/// @file
-/// The parts of a STEP file of a surface.
-
-/// The pieces of a surface and how they meet. Release it with step_model_free().
+/// The patches of a surface and their topology. Release it with step_model_free().
 typedef struct step_model
 {
-    bat_tensor_surface *patches; ///< face_count of the shell, clamped
+    bat_tensor_surface *patches; ///< face_count patches, clamped
     surface_shell shell;
-    double tolerance;       ///< below what points count as one
-    double *points;         ///< 3 x vertex_count: where the vertices are
-    uint32_t *same;         ///< vertex_count: the vertex that stands for each; others only where sides have shrunk to points
-    bool *collapsed;        ///< edge_count: those that have
-    bat_knot_vector *knots; ///< edge_count: of the edges' curves
-    double **control;       ///< edge_count: their control points
+    double tolerance; ///< points at smaller distances are identified
+    double *points;   ///< 3 x vertex_count: positions
+    uint32_t *
+        same; ///< vertex_count: the representative of each vertex; vertices on sides that are collapsed to a point share one
+    bool *collapsed;        ///< edge_count: whether the edge is collapsed to a point
+    bat_knot_vector *knots; ///< edge_count: the knots of the edges' curves
+    double **control;       ///< edge_count: the control points of the edges' curves
 } step_model;
 
 bat_status step_model_make(const bat_spline_surface *surface, step_model *model, bat_error *error);

@@ -7,7 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Points closer than this power of ten times the surface's size are one.
+/// @file
+/// Patches, edge curves and vertices of a surface for a STEP file. The curve of an edge is a part of a patch's side.
+
+/// The tolerance is this power of ten times the surface's size.
 static const int smallest_digit = -7;
 
 static size_t first_knot(const bat_knot_vector *knots)
@@ -48,20 +51,20 @@ static bat_status make_shell(const bat_spline_surface *surface, step_model *mode
     return status;
 }
 
-/// Cells of the finest level in a span of the patch of an edge's user.
+/// The width of a span of a patch beside an edge, in cells of the finest level.
 static uint64_t span_width(const step_model *model, const shell_edge *edge, int user)
 {
     const bat_tensor_surface *patch = &model->patches[edge->faces[user]];
     const surface_shell *shell = &model->shell;
     const shell_use *loop = shell->uses + shell->loops[edge->faces[user]];
-    // The loop begins at the lower left corner; where the third side begins is the upper right one.
+    // The loop begins at the lower left corner; its third side begins at the upper right one.
     const uint64_t *low = shell->vertices + 2 * (size_t)shell->edges[loop->edge].from, *high = low;
     for (const shell_use *use = loop; !use->backward; use++)
         high = shell->vertices + 2 * (size_t)shell->edges[use->edge].to;
     return (high[edge->direction] - low[edge->direction]) / span_count(&patch->knots[edge->direction]);
 }
 
-/// The control points of a side of a patch, as those of a curve.
+/// Copy the control points of a side of a patch.
 static void copy_side(const bat_tensor_surface *patch, uint32_t side, double *control)
 {
     size_t columns = bat_knot_vector_functions(&patch->knots[0]), rows = bat_knot_vector_functions(&patch->knots[1]);
@@ -71,7 +74,7 @@ static void copy_side(const bat_tensor_surface *patch, uint32_t side, double *co
         memcpy(control + 3 * i, patch->control + 3 * (first + i * step), 3 * sizeof *control);
 }
 
-/// The curve of an edge is a part of the side of the finer of its faces, which has a knot at either end of it.
+/// Compute the curve of an edge from the finer of its patches, which has a knot at both ends of the edge.
 static bat_status make_curve(step_model *model, size_t index, bat_error *error)
 {
     const shell_edge *edge = &model->shell.edges[index];
@@ -108,7 +111,7 @@ static double *last_point(const step_model *model, size_t edge)
     return model->control[edge] + 3 * (bat_knot_vector_functions(&model->knots[edge]) - 1);
 }
 
-/// A vertex is where the first of its edges has it; the others' ends, which may differ in the last digit, are put there.
+/// Set the positions of vertices from their first edges. Replace the ends of the other edges, which may differ by rounding.
 static bat_status place_vertices(step_model *model, bat_error *error)
 {
     const surface_shell *shell = &model->shell;
@@ -134,7 +137,7 @@ static bat_status place_vertices(step_model *model, bat_error *error)
     return BAT_OK;
 }
 
-/// A power of ten near the share of the diagonal of the box around all control points.
+/// The power of ten below the box's diagonal, times the relative tolerance.
 static double find_tolerance(const step_model *model)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, diagonal = 0;
@@ -160,7 +163,7 @@ static uint32_t representative(const uint32_t *same, uint32_t vertex)
     return vertex;
 }
 
-/// Edges that have shrunk to a point are no edges, and their ends are one vertex.
+/// Find the edges that are collapsed to points. Their ends are one vertex.
 static bat_status find_collapsed(step_model *model, bat_error *error)
 {
     const surface_shell *shell = &model->shell;
@@ -204,7 +207,7 @@ bat_status step_model_make(const bat_spline_surface *surface, step_model *model,
     bat_status status = bat_spline_surface_patches(surface, &made.patches, &count, error);
     if (status != BAT_OK)
         return status;
-    made.shell.face_count = count; // what is freed if the following fails
+    made.shell.face_count = count; // the count for step_model_free() after a failure
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         status = cut_clamp(&made.patches[i], error);
     if (status == BAT_OK)

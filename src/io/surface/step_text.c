@@ -5,6 +5,9 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+/// @file
+/// Entities, lists and numbers in the clear-text encoding.
+
 enum
 {
     LONG_LINE = 100,

@@ -6,7 +6,10 @@
 
 #include <stdlib.h>
 
-/// The numbers of the entities that others refer to.
+/// @file
+/// A spline surface as an open shell of B-spline faces, in the schema AP242 of ISO 10303.
+
+/// Numbers of entities to which others refer.
 typedef struct step_entities
 {
     uint32_t definition_shape, context, placement;
@@ -25,7 +28,7 @@ static void write_header(step_text *step)
                      "DATA;\n");
 }
 
-/// The product that the surface is the shape of.
+/// Write the product whose shape is the surface.
 static bat_status write_product(step_text *step, step_entities *entities, bat_error *error)
 {
     uint32_t application = step_begin(step, "APPLICATION_CONTEXT('managed model based 3d engineering');\n");
@@ -48,7 +51,7 @@ static bat_status write_product(step_text *step, step_entities *entities, bat_er
     return step_end(step, "", error);
 }
 
-/// Units, the distance below which points are one, and the placement at the origin.
+/// Write the units, the tolerance, and the placement at the origin.
 static bat_status write_context(step_text *step, double tolerance, step_entities *entities, bat_error *error)
 {
     static const double origin[3] = {0, 0, 0};
@@ -71,7 +74,7 @@ static bat_status write_context(step_text *step, double tolerance, step_entities
     return step_end(step, "", error);
 }
 
-/// All points of a spline; returns the number of the first.
+/// Write the points of a spline. Returns the number of the first.
 static uint32_t write_points(step_text *step, const double *points, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -79,7 +82,7 @@ static uint32_t write_points(step_text *step, const double *points, size_t count
     return step->count - (uint32_t)count + 1;
 }
 
-/// How often the knot at `at` is there.
+/// The multiplicity of the knot at index `at`.
 static size_t multiplicity(const bat_knot_vector *knots, size_t at)
 {
     size_t count = 1;
@@ -155,7 +158,7 @@ static bat_status write_edges(step_text *step, const step_model *model, step_ent
     return status;
 }
 
-/// The surface of a face. STEP lists the points of each u, going through v.
+/// Write the surface of a face. STEP lists points with v varying fastest.
 static uint32_t write_surface(step_text *step, const bat_tensor_surface *patch)
 {
     size_t columns = bat_knot_vector_functions(&patch->knots[0]), rows = bat_knot_vector_functions(&patch->knots[1]);
@@ -179,7 +182,7 @@ static uint32_t write_surface(step_text *step, const bat_tensor_surface *patch)
     return surface;
 }
 
-/// The loop of a face; 0 where all of its edges have shrunk to points.
+/// Write the loop of a face. Returns 0 when all of its edges are collapsed.
 static uint32_t write_loop(step_text *step, const step_model *model, const step_entities *entities, size_t face)
 {
     const surface_shell *shell = &model->shell;
@@ -249,7 +252,7 @@ static bat_status make_entities(const step_model *model, step_entities *entities
     return BAT_OK;
 }
 
-/// Entities have 32-bit numbers.
+/// Check that 32 bits can number the entities.
 static bat_status check_count(const step_model *model, bat_error *error)
 {
     double count = 0;

@@ -8,26 +8,29 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// The samples of all cells lie on one lattice over the square: `samples` steps across a cell of the finest level. A coarser
-/// cell takes every 2^k-th point.
+/// @file
+/// Sampling of a hierarchical surface on one lattice. Quads beside finer cells become fans around their centres, so that the
+/// triangles have no cracks.
+
+/// The samples of all cells are on one lattice over the square, with `samples` steps across a cell of the finest level. A
+/// cell that is k levels coarser uses every 2^k-th point.
 typedef struct lattice
 {
     const bat_hierarchical_space *space;
     bat_hierarchical_options options;
     size_t samples[2];
-    size_t finest; ///< level
+    size_t finest; ///< the finest level
     key_map vertices;
-    uint32_t *places; ///< vertex_count x 2: where on the lattice
+    uint32_t *places; ///< vertex_count x 2: lattice coordinates
     size_t capacity;
-    uint32_t *
-        centres; ///< of each quad: the vertex in its middle, where a finer neighbour adds points to its border; or NO_VERTEX
+    uint32_t *centres; ///< for each quad with more than four border points: its central vertex; else NO_VERTEX
 } lattice;
 
 #define NO_VERTEX UINT32_MAX
 
 static const double max_vertices = UINT32_MAX;
 
-/// Add `count` places to those of the lattice.
+/// Reserve memory for `count` vertices.
 static bool reserve_places(lattice *grid, size_t count)
 {
     if (count <= grid->capacity)
@@ -48,7 +51,7 @@ static uint64_t place_key(uint32_t u, uint32_t v)
     return (uint64_t)u << 32 | v;
 }
 
-/// The vertex at a place, which is new if need be; NO_VERTEX when out of memory.
+/// The vertex at lattice coordinates, which is added if it is new; NO_VERTEX when out of memory.
 static uint32_t vertex_at(lattice *grid, surface_tessellation *made, uint32_t u, uint32_t v)
 {
     uint32_t *vertex = key_map_at(&grid->vertices, place_key(u, v));
@@ -95,7 +98,7 @@ static void end_lattice(lattice *grid)
     free(grid->centres);
 }
 
-/// The quads of one cell; `quad` is the number of the first. False when out of memory.
+/// Add the quads of a cell; `quad` is the number of the first. False when out of memory.
 static bool sample_cell(lattice *grid, const bat_spline_box *cell, surface_tessellation *made, size_t quad)
 {
     static const uint32_t corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -117,11 +120,11 @@ static bool sample_cell(lattice *grid, const bat_spline_box *cell, surface_tesse
     return true;
 }
 
-/// What is done with each piece of a quad's border, from a vertex to the next one.
+/// Called for each piece of a quad's border between neighbouring vertices.
 typedef void border_piece(void *context, uint32_t from, uint32_t to);
 
-/// Walk along a straight piece of a border through all vertices that lie on it. A finer neighbour has one in the middle of
-/// every piece that it cuts.
+/// Visit a straight piece of a border, divided at all vertices on it. A finer neighbour has a vertex in the middle of each
+/// piece that it divides.
 static void walk_piece(const lattice *grid, uint32_t from, uint32_t to, border_piece *visit, void *context)
 {
     const uint32_t *a = grid->places + 2 * (size_t)from, *b = grid->places + 2 * (size_t)to;
@@ -150,7 +153,7 @@ static void count_piece(void *context, uint32_t from, uint32_t to)
     ++*count;
 }
 
-/// Give every quad with more than four points on its border a vertex in its middle, and count the triangles.
+/// Add a central vertex to every quad with more than four border points, and count the triangles.
 static bat_status add_centres(lattice *grid, surface_tessellation *made, bat_error *error)
 {
     for (size_t q = 0; q < made->quad_count; q++)
@@ -184,7 +187,7 @@ static bat_status find_vertices(lattice *grid, surface_tessellation *made, bat_e
     return add_centres(grid, made, error);
 }
 
-/// normal = the direction of S_u x S_v, or zero.
+/// Set `normal` to the direction of S_u x S_v, or to zero.
 static void set_normal(const double tangents[6], double normal[3])
 {
     vector3_cross(tangents, tangents + 3, normal);
@@ -198,7 +201,7 @@ static bat_status evaluate(const bat_spline_surface *surface, const lattice *gri
 {
     enum
     {
-        NUMBERS = 9 ///< position and two tangents
+        NUMBERS = 9 ///< a position and two tangents
     };
     size_t count = made->vertex_count;
     made->parameters = memory_array(count, 2 * sizeof(double));
@@ -230,7 +233,7 @@ static bat_status evaluate(const bat_spline_surface *surface, const lattice *gri
 /// Triangles between a centre and the pieces of a border.
 typedef struct fan
 {
-    uint32_t *next; ///< where the next triangle goes
+    uint32_t *next; ///< the place of the next triangle
     uint32_t centre;
 } fan;
 
@@ -249,7 +252,7 @@ static double distance_squared(const double *positions, uint32_t a, uint32_t b)
     return vector3_dot(difference, difference);
 }
 
-/// A quad of four points is cut along its shorter diagonal.
+/// Cut a quad without a centre along its shorter diagonal.
 static void cut_quad(const double *positions, const uint32_t *quad, fan *triangles)
 {
     int first = distance_squared(positions, quad[1], quad[3]) < distance_squared(positions, quad[0], quad[2]) ? 1 : 0;
@@ -281,7 +284,7 @@ static bool is_zero(const double *vector)
     return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
 }
 
-/// The normal a little nearer to the middle of the square; of a surface that has none there either, any will do.
+/// The normal at a point slightly nearer to the centre of the square. Where it vanishes as well, use (0, 0, 1).
 static bat_status normal_inside(const bat_spline_surface *surface, const double parameter[2], double normal[3],
                                 bat_error *error)
 {
@@ -297,7 +300,7 @@ static bat_status normal_inside(const bat_spline_surface *surface, const double 
     return BAT_OK;
 }
 
-/// Where a side of the surface has shrunk to a point, the tangents say nothing.
+/// Replace zero normals, which occur where a side is collapsed to a point.
 static bat_status repair_normals(const bat_spline_surface *surface, surface_tessellation *made, bat_error *error)
 {
     bat_status status = BAT_OK;

@@ -4,30 +4,31 @@
 #include "batten/spline_hierarchical.h"
 
 /// @file
-/// Spline surfaces as grids and as triangles without cracks.
+/// Tessellation of spline surfaces into grids of quads and into triangles without cracks.
 
-/// A surface sampled on a grid in each of its cells. Cells share the points of their borders. Release it with
-/// tessellation_free().
+/// A surface sampled on a grid in each cell. Cells share the points of their borders. Release it with tessellation_free().
 typedef struct surface_tessellation
 {
     size_t vertex_count;
-    size_t grid_count;  ///< of those that belong to quads, which come first
+    size_t grid_count;  ///< the number of vertices of quads, which come first
     double *parameters; ///< vertex_count x 2
     double *positions;  ///< vertex_count x 3
-    double *normals;    ///< vertex_count x 3, of length 1: along S_u x S_v, where that is zero as a little further inside
+    double *normals; ///< vertex_count x 3: unit vectors along S_u x S_v; where that is zero, the normal at a nearby interior
+                     ///< point
 
     size_t quad_count;
-    /// quad_count x 4, counter-clockwise from the lower left: the grids of all cells, which do not heed finer neighbours
+    /// quad_count x 4, counter-clockwise from the lower left; finer neighbours are ignored
     uint32_t *quads;
-    uint32_t *levels; ///< quad_count: of the cell
+    uint32_t *levels; ///< quad_count: the level of its cell
 
     size_t triangle_count;
-    uint32_t *triangles; ///< triangle_count x 3, counter-clockwise: the quads with all points on their borders, a manifold
+    uint32_t *triangles; ///< triangle_count x 3, counter-clockwise: a manifold with all border points
 } surface_tessellation;
 
+/// Tessellate a surface.
 /// @param surface of dimension 3
-/// @param samples of each cell and direction; 0: as many as the degree plus 1
-/// @return BAT_OK; BAT_TOO_LARGE beyond 2^32 - 1 vertices or positions along the square's side; BAT_NO_MEMORY
+/// @param samples of each cell and direction; 0: the degree plus 1
+/// @return BAT_OK; BAT_TOO_LARGE beyond 2^32 - 1 vertices or lattice points along a side; BAT_NO_MEMORY
 bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples, surface_tessellation *tessellation,
                               bat_error *error);
 void tessellation_free(surface_tessellation *tessellation);

@@ -7,9 +7,9 @@
 #include <stdio.h>
 
 /// @file
-/// Texts of many rows of numbers, formatted on all threads.
+/// Tessellated surfaces as OBJ triangles and as VTK polygons with data points. Rows are formatted on all threads.
 
-/// Append the text of a row, with its end.
+/// Append the text of a row, with its line break.
 typedef void row_text(const void *context, size_t row, text_buffer *text);
 
 enum
@@ -41,7 +41,7 @@ static bat_status rows_write(text_sink *sink, size_t count, row_text *append, co
     return blocks_write(sink, count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0), 0, format_block, &job, error);
 }
 
-/// Append numbers with blanks between them and the end of the line.
+/// Append numbers, separated by blanks, and a line break.
 static void rows_append_numbers(text_buffer *text, const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -55,8 +55,7 @@ static void rows_append_numbers(text_buffer *text, const double *numbers, size_t
     }
 }
 
-/// Write the text of a format of printf() that holds no floating-point numbers, which would be written as the locale has
-/// them.
+/// Write a formatted text without floating-point numbers, because printf() would use the locale's decimal separator.
 __attribute__((format(printf, 3, 4))) static bat_status rows_heading(text_sink *sink, bat_error *error, const char *format,
                                                                      ...)
 {
@@ -72,10 +71,10 @@ __attribute__((format(printf, 3, 4))) static bat_status rows_heading(text_sink *
     return status;
 }
 
-/// Statements of a keyword and numbers.
+/// Rows of a keyword and numbers.
 typedef struct obj_rows
 {
-    const char *keyword; ///< with the blank behind it
+    const char *keyword; ///< with its blank
     const double *numbers;
     size_t width;
 } obj_rows;
@@ -121,8 +120,7 @@ bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surfac
     return status;
 }
 
-/// What is written: the surface's vertices and quads, and the data points behind the vertices but, as VTK wants it, before
-/// the quads.
+/// The data of a VTK file. Data points come after the surface's vertices, but before its quads.
 typedef struct vtk_content
 {
     const surface_tessellation *surface;
@@ -165,7 +163,7 @@ static void append_quad(const void *context, size_t row, text_buffer *text)
     append_counted(text, cell, 5);
 }
 
-/// The level of a quad's cell; -1 for a data point.
+/// Append the level of a quad's cell, or -1 for a data point.
 static void append_level(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
@@ -177,7 +175,7 @@ static void append_level(const void *context, size_t row, text_buffer *text)
         append_counted(text, &level, 1);
 }
 
-/// The error of a data point; 0 on the surface.
+/// Append the error of a data point, or 0 for a vertex of the surface.
 static void append_error(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;

@@ -12,24 +12,24 @@
 #include <stdlib.h>
 
 /// @file
-/// The elements of a G+Smo file that say a surface, with their numbers as they stand there.
+/// Reader of G+Smo's XML format, for B-spline, HB-spline and THB-spline surfaces.
 
-/// Numbers between two tags.
+/// The numbers of an element.
 typedef struct xml_numbers
 {
     double *values;
     size_t count;
-    size_t line; ///< of the first; 0 when the element was not there
+    size_t line; ///< the line of the first; 0 when the element is missing
 } xml_numbers;
 
-/// A geometry of two parameters.
+/// The content of a geometry with two parameters.
 typedef struct xml_surface
 {
     bool hierarchical, truncated;
-    size_t line; ///< where it begins
+    size_t line; ///< the line where it begins
     int degree[2];
     xml_numbers knots[2];
-    size_t directions; ///< how many knot vectors there are so far
+    size_t directions; ///< the number of knot vectors read
     surface_box *boxes;
     size_t box_count, box_capacity;
     size_t dimension;
@@ -45,12 +45,12 @@ static void xml_surface_free(xml_surface *surface)
     *surface = (xml_surface){0};
 }
 
-/// The elements of a surface. What is no part of one is passed over with all that it holds.
+/// Elements of a surface. Other elements are skipped with their content.
 typedef enum xml_element
 {
     XML_OUTSIDE,
     XML_ROOT,       ///< <xml>
-    XML_OTHER,      ///< not ours
+    XML_OTHER,      ///< any other element
     XML_GEOMETRY,   ///< <Geometry>
     XML_HIERARCHY,  ///< <Basis> of a hierarchical basis
     XML_TENSOR,     ///< <Basis> of a tensor-product basis
@@ -71,9 +71,9 @@ typedef struct xml_state
     xml_surface *surface;
     xml_element open[MAX_DEPTH + 1];
     size_t depth;
-    text_buffer content; ///< of the open element of numbers
+    text_buffer content; ///< the text of the open element, if it holds numbers
     size_t content_line;
-    size_t other_line; ///< of a geometry that is not read
+    size_t other_line; ///< the line of a geometry of an unsupported type
     char other_type[EXCERPT_SIZE];
     bat_status status;
     bat_error *error;
@@ -90,7 +90,7 @@ static void stop(xml_state *state, bat_status status)
     (void)XML_StopParser(state->parser, XML_FALSE);
 }
 
-/// Fail at the line where the parser is.
+/// Fail at the parser's line.
 #define FAIL(state, status, ...)                                                                                            \
     stop(state, error_set((state)->error, status, BAT_NO_INDEX, current_line(state), __VA_ARGS__))
 
@@ -102,7 +102,7 @@ static const char *attribute(const XML_Char **attributes, const char *name)
     return NULL;
 }
 
-/// A whole number that is the value of an attribute, at most `max_value`.
+/// Read an attribute as an integer, at most `max_value`.
 static bool whole_attribute(xml_state *state, const XML_Char **attributes, const char *name, size_t max_value, size_t *value)
 {
     const char *text = attribute(attributes, name);
@@ -124,7 +124,7 @@ static bool type_is(const XML_Char **attributes, const char *type)
     return value != NULL && strcmp(value, type) == 0;
 }
 
-/// A geometry of a type that is not read may stand beside one that is.
+/// Skip a geometry of an unsupported type and remember the first one.
 static xml_element pass_over(xml_state *state, const XML_Char **attributes)
 {
     if (state->other_line == 0)
@@ -168,7 +168,7 @@ static xml_element begin_box(xml_state *state, const XML_Char **attributes)
     return XML_BOX;
 }
 
-/// Numbers other than in plain text and in our order.
+/// Refuse numbers in other encodings or orders.
 static bool is_plain(xml_state *state, const XML_Char **attributes)
 {
     const char *format = attribute(attributes, "format"), *order = attribute(attributes, "order");
@@ -211,7 +211,7 @@ static xml_element begin_hierarchy(xml_state *state, const XML_Char **attributes
     return XML_OTHER;
 }
 
-/// What an element is, by its name, its type and where it stands.
+/// Classify an element by its name, its type and its parent.
 static xml_element begin_element(xml_state *state, const char *name, const XML_Char **attributes)
 {
     const xml_surface *surface = state->surface;
@@ -312,7 +312,7 @@ static bat_status bad_number(const xml_state *state, const char *begin, const ch
                      text_excerpt(excerpt, at, word_end));
 }
 
-/// Read the open element's content.
+/// Read the numbers of the open element.
 static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
 {
     const char *at = state->content.data, *begin = at, *end = at + state->content.size;
@@ -341,7 +341,7 @@ static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
     return status;
 }
 
-/// The four whole numbers of a box.
+/// Read the four integers of a box.
 static bat_status read_box(const xml_state *state, surface_box *box)
 {
     xml_numbers numbers;
@@ -364,7 +364,7 @@ static bat_status read_box(const xml_state *state, surface_box *box)
 
 static void XMLCALL on_end(void *context, const XML_Char *name)
 {
-    (void)name; // the parser sees that it is the open one's
+    (void)name; // the parser checks that it matches
     xml_state *state = context;
     if (state->status != BAT_OK)
         return;
@@ -389,7 +389,7 @@ static void XMLCALL on_end(void *context, const XML_Char *name)
         stop(state, status);
 }
 
-/// Entities can blow up a text without bound, and no file of G+Smo has any.
+/// Refuse document types. Entities can expand without bound, and G+Smo writes none.
 static void XMLCALL on_document_type(void *context, const XML_Char *name, const XML_Char *system,
                                      const XML_Char *public_name, int internal)
 {
@@ -398,7 +398,7 @@ static void XMLCALL on_document_type(void *context, const XML_Char *name, const 
     FAIL(state, BAT_UNSUPPORTED, "document types are not read");
 }
 
-/// Hand the text to the parser in pieces whose size it can count.
+/// Pass the text to the parser in pieces whose size fits an int.
 static void parse_pieces(xml_state *state, const file_text *text)
 {
     enum
@@ -423,7 +423,7 @@ static void parse_pieces(xml_state *state, const file_text *text)
                                                             "%s", XML_ErrorString(code));
 }
 
-/// See that a file held a surface, whole.
+/// Check that the file contains a complete surface.
 static bat_status check_whole(const xml_state *state)
 {
     const xml_surface *surface = state->surface;
@@ -440,8 +440,8 @@ static bat_status check_whole(const xml_state *state)
     return BAT_OK;
 }
 
-/// @return BAT_OK with all elements there; BAT_BAD_FILE or BAT_UNSUPPORTED with the line; BAT_NO_MEMORY. Release `surface`
-///         in any case
+/// Read a surface. Release `surface` also on failure.
+/// @return BAT_OK with all elements; BAT_BAD_FILE or BAT_UNSUPPORTED with the line; BAT_NO_MEMORY
 static bat_status xml_surface_parse(const file_text *text, xml_surface *surface, bat_error *error)
 {
     *surface = (xml_surface){0};
@@ -460,12 +460,12 @@ static bat_status xml_surface_parse(const file_text *text, xml_surface *surface,
     return status;
 }
 
-/// How far a knot may be from its place, as a share of the domain: G+Smo writes knots with six digits.
+/// Tolerance of knots, relative to the domain: G+Smo writes six digits.
 static const double knot_digits = 1e-6;
-/// The same as a share of a span.
+/// Tolerance of knots, relative to a span.
 static const double span_share = 0.01;
 
-/// Whether a range of knots has one value.
+/// Whether all knots of a range are equal.
 static bool all_equal(const double *knots, size_t count)
 {
     for (size_t i = 1; i < count; i++)
@@ -474,7 +474,7 @@ static bool all_equal(const double *knots, size_t count)
     return true;
 }
 
-/// The number of spans of a clamped uniform knot vector; 0 where it is none.
+/// The number of spans of a clamped uniform knot vector; 0 for any other knot vector.
 static size_t uniform_spans(const xml_numbers *knots, size_t degree)
 {
     size_t clamped = degree + 1;

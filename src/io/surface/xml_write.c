@@ -6,6 +6,9 @@
 #include <inttypes.h>
 #include <stdio.h>
 
+/// @file
+/// Writer of G+Smo's XML format. Clamped uniform knots and boxes describe the space.
+
 static void append_number(text_buffer *text, double value, char after)
 {
     char *out = text_reserve(text, NUMBER_TEXT_SIZE + 1);
