@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/// @file
+/// A growing buffer of bytes for writers.
+
 /// A growing buffer of bytes. All zero: empty. After a failed allocation `failed` stays set and nothing more is appended, so
 /// a writer checks once at its end.
 typedef struct text_buffer

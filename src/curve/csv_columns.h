@@ -4,6 +4,9 @@
 #include "curve/curve_attributes.h"
 #include "curve/point_form.h"
 
+/// @file
+/// Columns of CSV files.
+
 enum
 {
     /// The most numbers of a velocity.

@@ -3,6 +3,9 @@
 
 #include "batten/base.h"
 
+/// @file
+/// Search for equal and near points.
+
 /// A hash table of point indices. It finds points by their coordinates or by the cell of a cubic grid. All zero except for
 /// `points` and `cell`: empty.
 typedef struct point_table

@@ -12,7 +12,7 @@
 /// orient the faces, split vertices.
 ///
 /// An edge of more than two faces is cut apart; so is an edge whose two faces cannot be oriented alike. Every fan of faces
-/// then has its own copy of its vertex (Gueziec et al., "Cutting and stitching", 2001). All steps run in linear time by
+/// then has its own copy of its vertex (Guéziec et al., "Cutting and stitching", 2001). All steps run in linear time by
 /// counting sorts.
 
 /// The state of a repair. Half-edges belong to the remaining faces.

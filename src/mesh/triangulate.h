@@ -3,6 +3,9 @@
 
 #include "batten/mesh.h"
 
+/// @file
+/// Triangulation of polygons in space.
+
 /// Memory that polygon_triangulate() reuses. All zero: empty. Release it with polygon_workspace_free().
 typedef struct polygon_workspace
 {

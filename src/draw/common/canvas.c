@@ -16,21 +16,25 @@
 #include <string.h>
 #include <strings.h>
 
+/// @file
+/// Files of pictures by cairo. SVG surfaces are renumbered, so that equal drawings give equal files.
+
 enum
 {
     NUMBER_SIZE = 24
 };
 
-/// What stands before the numbers of surfaces in versions of cairo; a quotation mark follows them. Coded images hold none.
+/// The text before the numbers of surfaces in cairo's versions; a quotation mark ends them. Encoded images do not contain
+/// it.
 static const char *const MARKS[] = {"<g id=\"surface", "\"image", "\"#image", "\"source-", "\"#source-"};
 
 /// A number in the file.
 typedef struct numbered_name
 {
-    size_t digits, end; ///< its first digit, and behind its last
+    size_t digits, end; ///< its first digit, and the end of its digits
 } numbered_name;
 
-/// The name that begins at a place. False for none.
+/// The surface name at a position. False when there is none.
 static bool name_at(const unsigned char *data, size_t size, size_t place, numbered_name *name)
 {
     if (data[place] != '"' && data[place] != '<')
@@ -48,7 +52,7 @@ static bool name_at(const unsigned char *data, size_t size, size_t place, number
     return false;
 }
 
-/// The place in the list of names of one with the same digits as `name`, which is added if it is new.
+/// The number of a name in order of first occurrence; new names are added.
 static size_t number_of(const unsigned char *data, numbered_name name, numbered_name *seen, size_t *count)
 {
     size_t length = name.end - name.digits;
@@ -78,10 +82,10 @@ static size_t copy_renumbered(const unsigned char *data, size_t size, numbered_n
     return written;
 }
 
-/// Cairo numbers the surfaces of a process and writes the numbers into SVG as names. Number them from 1 in the order in
-/// which they appear there, so that equal pictures are equal files.
+/// Renumber the surfaces in an SVG file from 1 in their order. Cairo numbers all surfaces of a process and writes these
+/// numbers as names.
 /// @param data from malloc(); may move
-/// @return false without memory; the file is then as it was
+/// @return false when out of memory; the file is unchanged then
 static bool svg_renumber(unsigned char **data, size_t *size)
 {
     size_t names = 0;
@@ -147,14 +151,14 @@ static cairo_status_t append_bytes(void *context, const unsigned char *data, uns
     return CAIRO_STATUS_SUCCESS;
 }
 
-/// The status for a failure of cairo, whose files are all in memory.
+/// The status for a failure of cairo, which writes to memory only.
 static bat_status drawing_failed(cairo_status_t status, bat_error *error)
 {
     bat_status mine = status == CAIRO_STATUS_INVALID_SIZE ? BAT_TOO_LARGE : BAT_NO_MEMORY;
     return error_set(error, mine, BAT_NO_INDEX, 0, "the picture cannot be drawn: %s", cairo_status_to_string(status));
 }
 
-/// Shape and place text alike in all formats.
+/// Use the same text layout in all formats.
 static void use_exact_text(cairo_t *cairo)
 {
     cairo_font_options_t *options = cairo_font_options_create();

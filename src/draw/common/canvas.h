@@ -7,7 +7,7 @@
 #include <cairo.h>
 
 /// @file
-/// A sheet of paper in memory that becomes an SVG, PNG or PDF file.
+/// A page in memory that is saved as an SVG, PNG or PDF file.
 
 typedef enum canvas_format
 {
@@ -16,11 +16,11 @@ typedef enum canvas_format
     CANVAS_PDF
 } canvas_format;
 
-/// The format that the ending of a path asks for.
+/// The format for a path, by its ending.
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *error);
 
-/// Bytes that grow.
+/// A growing buffer of bytes.
 typedef struct canvas_bytes
 {
     unsigned char *data;
@@ -30,22 +30,22 @@ typedef struct canvas_bytes
 
 typedef struct draw_canvas
 {
-    cairo_t *cairo; ///< the unit is a point, the origin at the top left
+    cairo_t *cairo; ///< the unit is a point, with the origin at the top left
     cairo_surface_t *surface;
     canvas_format format;
     canvas_bytes bytes;
     double pixels_per_point; ///< 1 for SVG and PDF
 } draw_canvas;
 
-/// A white sheet. The canvas must stay where it is until canvas_close().
+/// Open a white page. The canvas must not move in memory until canvas_close().
 bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, double height, double pixels_per_point,
                        bat_error *error);
-/// Finish the drawing and put it into a file, whole or not at all.
+/// Finish the drawing and write the file, completely or not at all.
 bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error);
-/// Free everything. Does nothing to a canvas that is all zero.
+/// Release everything; does nothing to a canvas that is all zero.
 void canvas_close(draw_canvas *canvas);
 
-/// A sink that adds to cairo's current path.
+/// A sink that appends to cairo's current path.
 path_sink canvas_sink(cairo_t *cairo);
 
 #endif

@@ -5,11 +5,14 @@
 
 #include <math.h>
 
+/// @file
+/// Interpolation between stops in Oklab (Ottosson, "A perceptual color space for image processing", 2020).
+
 #define BAR_WIDTH 190.0
 #define BAR_HEIGHT 7.0
 #define BAR_STEPS 128
 
-/// A colour in Oklab (Ottosson, 2020), by lightness, chroma and hue in degrees.
+/// A colour in Oklab: lightness, chroma and hue in degrees.
 typedef struct perceived
 {
     double lightness, chroma, hue;
@@ -32,7 +35,7 @@ static draw_colour to_linear(perceived colour)
 
 draw_colour colour_scale_at(double share)
 {
-    // Lightness falls evenly; hue turns from yellow through red to violet; chroma stays within what screens show.
+    // The lightness decreases uniformly, the hue turns from yellow through red to violet, and the chroma stays within sRGB.
     static const perceived STOPS[] = {{0.95, 0.045, 100}, {0.83, 0.120, 78},  {0.71, 0.165, 45},
                                       {0.59, 0.180, 18},  {0.47, 0.165, -15}, {0.35, 0.130, -45}};
     const int last = sizeof STOPS / sizeof STOPS[0] - 1;

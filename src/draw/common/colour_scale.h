@@ -4,19 +4,20 @@
 #include "draw/common/style.h"
 
 /// @file
-/// Colours for numbers: from pale yellow through orange and red to deep violet, in even steps of perceived lightness.
+/// A colour scale for numbers, from pale yellow through orange and red to deep violet, with uniform steps of perceived
+/// lightness.
 
-/// The colour of a share of the scale, 0 to 1 (beyond: the ends), in linear light.
+/// The colour at a position on the scale, clamped to 0 … 1, in linear light.
 draw_colour colour_scale_at(double share);
-/// From linear light to the sRGB values that cairo takes.
+/// Convert linear light to sRGB, which cairo uses.
 double colour_encode(double linear);
-/// And back.
+/// Convert sRGB to linear light.
 double colour_decode(double encoded);
 
-/// The height of a bar with its numbers and label.
+/// The height of a colour bar with its numbers and label.
 double colour_bar_height(void);
-/// Draw the scale from low to high, centred in the box (x, y, width, height): a bar, round numbers below it, the label
-/// beside.
+/// Draw the scale from `low` to `high`, centred in the box (x, y, width, height): a bar with round numbers below it and the
+/// label beside it.
 void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label, const double box[4]);
 
 #endif

@@ -5,6 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+/// @file
+/// Layout of a legend in one row or in columns of equal width.
+
 #define SAMPLE 22.0
 #define SAMPLE_GAP 6.0
 #define ITEM_GAP 20.0
@@ -68,7 +71,7 @@ static double item_width(cairo_t *cairo, const legend_item *item, double width)
     return fmin(SAMPLE + SAMPLE_GAP + text_width(cairo, item->label), width);
 }
 
-/// The items' widths in sum and at most.
+/// The sum and the maximum of the items' widths.
 static void measure(cairo_t *cairo, const legend_item *items, size_t count, double width, double *sum, double *widest)
 {
     text_use(cairo, TEXT_LEGEND, false);
@@ -82,7 +85,7 @@ static void measure(cairo_t *cairo, const legend_item *items, size_t count, doub
     }
 }
 
-/// How many items stand side by side.
+/// The number of items in a row.
 static size_t columns_of(double sum, double widest, size_t count, double width)
 {
     size_t fitting = (size_t)((width + ITEM_GAP) / (widest + ITEM_GAP));

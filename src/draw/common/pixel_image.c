@@ -4,6 +4,9 @@
 
 #include <math.h>
 
+/// @file
+/// Pixel images aligned with the pixels of the page.
+
 pixel_box pixel_box_align(cairo_t *cairo, double per_point, const double box[4])
 {
     double x = box[0], y = box[1];

@@ -7,6 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/// @file
+/// Layout of a page: heights of rows from their boxes, scaled to a prescribed height.
+
 #define MARGIN 14.0
 #define GAP_ACROSS 16.0
 #define GAP_DOWN 14.0
@@ -24,8 +27,8 @@ typedef struct layout
     double legend;
     double footer;
     size_t rows;
-    double *heights;  ///< of the boxes of each row
-    double *captions; ///< height of the captions of each row
+    double *heights;  ///< for each row: the height of its boxes
+    double *captions; ///< for each row: the height of its captions
 } layout;
 
 double sheet_width(double box_width, size_t columns)
@@ -53,7 +56,7 @@ static double row_caption(const sheet_content *content, size_t row)
     return any ? CAPTION_SPACE : 0.0;
 }
 
-/// Give the rows what a prescribed height of the sheet leaves them, in proportion to what suits them.
+/// Scale the heights of the rows to the remainder of a prescribed page height.
 static void squeeze(layout *plan, double fixed, double natural)
 {
     double available = plan->height - fixed;
@@ -63,7 +66,7 @@ static void squeeze(layout *plan, double fixed, double natural)
     }
 }
 
-/// Whether everything finds room on the sheet.
+/// Check that the page is large enough for its content.
 static bat_status check_room(const layout *plan, double fixed, bat_error *error)
 {
     if (plan->height > LARGEST_SIDE)
@@ -80,7 +83,7 @@ static bat_status check_room(const layout *plan, double fixed, bat_error *error)
     return BAT_OK;
 }
 
-/// The sheet's widths, title and legend.
+/// Compute the widths, the title and the legend of the page.
 static layout plan_page(const sheet_content *content, cairo_t *cairo)
 {
     const bat_curve_picture_options *options = content->options;
@@ -176,7 +179,7 @@ static bat_status draw_sheet(const sheet_content *content, cairo_t *cairo, const
     return BAT_OK;
 }
 
-/// Plan on a small sheet, which knows the fonts.
+/// Lay out on a small page, which provides font metrics.
 static bat_status plan_sheet(const sheet_content *content, layout *plan, bat_error *error)
 {
     draw_canvas small;

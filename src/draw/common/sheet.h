@@ -6,33 +6,33 @@
 #include "draw/common/legend.h"
 
 /// @file
-/// The page that pictures and charts share: a title, a grid of boxes with captions, a legend.
+/// The page of pictures and charts: a title, a grid of boxes with captions, and a legend.
 
-/// What fills the boxes of a sheet.
+/// The content of a page.
 typedef struct sheet_content
 {
-    size_t count;   ///< of boxes
-    size_t columns; ///< of boxes in a row
+    size_t count;   ///< the number of boxes
+    size_t columns; ///< boxes in a row
     const bat_curve_picture_options *options;
     const legend_item *items;
     size_t item_count;
-    double natural_width; ///< of the sheet, when the options leave it open
+    double natural_width; ///< the width of the page if the options leave it open
     const void *context;
-    /// The height that suits box `index` at that width.
+    /// The preferred height of box `index` for a width.
     double (*height)(const void *context, size_t index, double width);
-    /// The text beneath box `index`; may be null.
+    /// The text below box `index`; may be null.
     const char *(*caption)(const void *context, size_t index);
-    /// Fill box `index`, at (x, y, width, height).
+    /// Draw box `index` at (x, y, width, height).
     bat_status (*draw)(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error);
-    double footer_height; ///< of something more below the legend; 0 for none
-    /// Draw it into (x, y, width, height).
+    double footer_height; ///< the height of an additional part below the legend; 0 for none
+    /// Draw that part at (x, y, width, height).
     void (*draw_footer)(const void *context, cairo_t *cairo, const double box[4]);
 } sheet_content;
 
-/// The width of a sheet whose boxes have that width.
+/// The width of a page with boxes of this width.
 double sheet_width(double box_width, size_t columns);
 
-/// Lay out, draw and put into a file.
+/// Lay out the page, draw it and write the file.
 bat_status sheet_write(const char *path, const sheet_content *content, bat_error *error);
 
 #endif

@@ -2,8 +2,11 @@
 
 #include "batten/curve_picture.h"
 
-/// The palette of Okabe and Ito, "Color Universal Design" (2008), which readers with any colour vision tell apart, in an
-/// order that puts the darkest first; yellow is left out because it vanishes on white.
+/// @file
+/// The palette and the styles of lines.
+
+/// The palette of Okabe and Ito, "Color universal design" (2008), which readers with any colour vision can distinguish. The
+/// darkest colours come first; yellow is omitted because it is invisible on white.
 static const draw_colour palette[BAT_CURVE_PICTURE_COLOURS] = {
     {0.000, 0.447, 0.698}, // blue
     {0.835, 0.369, 0.000}, // vermilion

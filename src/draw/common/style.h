@@ -6,20 +6,20 @@
 #include <stdbool.h>
 
 /// @file
-/// The look of all pictures in one place: colours, weights of lines, sizes of text. Lengths are in points.
+/// The style of all pictures: colours, line widths and text sizes. Lengths are in points.
 
 typedef struct draw_colour
 {
     double red, green, blue;
 } draw_colour;
 
-/// A line as it is stroked; `dash` 0 is solid.
+/// The style of a line; `dash` is 0 for a solid line.
 typedef struct line_style
 {
     draw_colour colour;
     double width;
-    double dash; ///< length of a dash
-    double gap;  ///< length between two dashes
+    double dash; ///< the length of a dash
+    double gap;  ///< the length of a gap
 } line_style;
 
 static const draw_colour COLOUR_BACKGROUND = {1.0, 1.0, 1.0};
@@ -45,15 +45,15 @@ static const draw_colour COLOUR_STRONG_GRID = {0.68, 0.715, 0.755};
 #define LINE_FRAME 0.7
 #define MARKER_RADIUS 2.1
 
-/// The colour `index` of the fixed order, from 1; orders repeat after BAT_CURVE_PICTURE_COLOURS.
+/// Colour `index` of the palette, from 1; it repeats after BAT_CURVE_PICTURE_COLOURS.
 draw_colour style_palette(int index);
-/// The line of the curve with colour `index`: solid in the first round of the palette, then with long and with short dashes.
+/// The line of the curve with colour `index`: solid for the first colours, then with long dashes, then with short dashes.
 line_style style_curve(int index);
-/// `share` of draw_colour a, the rest of colour b.
+/// The mixture share a + (1 - share) b.
 draw_colour style_mix(draw_colour a, draw_colour b, double share);
 
 void style_use_colour(cairo_t *cairo, draw_colour colour);
-/// Colour, width and dashes for the next stroke.
+/// Set the colour, width and dashes of the next stroke.
 void style_use_line(cairo_t *cairo, line_style line);
 
 #endif

@@ -2,7 +2,10 @@
 
 #include <string.h>
 
-/// The length in bytes of the well-formed UTF-8 character at `text`; 0 when there is none (RFC 3629, section 4).
+/// @file
+/// Validation, measurement and drawing of texts by cairo's text functions.
+
+/// The length in bytes of the UTF-8 character at `text`; 0 when it is not well-formed (RFC 3629, section 4).
 static size_t character_length(const unsigned char *text)
 {
     if (text[0] < 0x80)

@@ -6,9 +6,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/// @file
+/// Choice of round steps and of the shortest labels that distinguish all ticks.
+
 #define EXPONENT_SHARE 0.72
 
-/// The one of 1, 2, 5 times a power of ten that is next to `step` on a logarithmic scale.
+/// The number 1, 2 or 5 times a power of ten that is nearest to `step` on a logarithmic scale.
 static double nice_step(double step)
 {
     double power = pow(10.0, floor(log10(step)));
@@ -26,7 +29,7 @@ static void add_tick(tick_list *ticks, double value, bool labelled)
     }
 }
 
-/// The decimals that tell multiples of a step apart.
+/// The decimals that distinguish multiples of a step.
 static int decimals_of(double step)
 {
     return (int)fmin(fmax(-floor(log10(step) + 1e-9), 0.0), 12.0);
@@ -44,13 +47,13 @@ tick_list ticks_linear(double low, double high, double wanted)
     return ticks;
 }
 
-/// The smallest power of ten that is not below a positive number.
+/// The smallest power of ten that is not less than a positive number.
 static double power_above(double value)
 {
     return pow(10.0, ceil(log10(value) - 1e-9));
 }
 
-/// Whether numbers of that size are short without a power of ten.
+/// Whether numbers of this size are short without an exponent.
 static bool plain(double size)
 {
     return size < 1e5 && size >= 1e-2;
@@ -108,7 +111,7 @@ void tick_scale_text(tick_scale scale, char *text)
     (void)snprintf(text, TICK_SCALE_SIZE, "%s%s%s%s%s", power, gap, sign, gap, offset);
 }
 
-/// The multiples of powers of ten that get ticks on a logarithmic axis over `decades` powers.
+/// The multiples of powers of ten that have ticks on an axis over `decades` powers.
 static size_t multiples(double decades, const double **shares)
 {
     static const double few[] = {1.0, 2.0, 5.0};
@@ -150,7 +153,7 @@ tick_list ticks_logarithmic(double low, double high, double wanted)
     return ticks;
 }
 
-/// The power of ten of a positive number's leading digit.
+/// The exponent of the leading digit of a positive number.
 static double exponent_of(double value)
 {
     return floor(log10(value) + 1e-9);

@@ -8,9 +8,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// Height over width.
+/// @file
+/// Pages of charts.
+
+/// The aspect ratio of a chart, height over width.
 #define ASPECT 0.68
-/// Width that a chart needs for its numbers.
+/// The width that a chart needs for its numbers.
 #define MIN_WIDTH 180.0
 
 bat_chart bat_chart_defaults(void)
@@ -18,12 +21,12 @@ bat_chart bat_chart_defaults(void)
     return (bat_chart){.x_low = NAN, .x_high = NAN, .y_low = NAN, .y_high = NAN};
 }
 
-/// The charts of a sheet with the ranges of their axes.
+/// The charts of a page with the ranges of their axes.
 typedef struct chart_set
 {
     const bat_chart *charts;
     const bat_curve_picture_options *options;
-    plot_axis *axes; ///< x and y of each chart
+    plot_axis *axes; ///< x and y for each chart
 } chart_set;
 
 static double content_height(const void *context, size_t index, double width)
@@ -45,7 +48,7 @@ static bat_status content_draw(const void *context, cairo_t *cairo, size_t index
     return plot_draw(cairo, &set->charts[index], set->options, set->axes[2 * index], set->axes[2 * index + 1], box, error);
 }
 
-/// The labelled series of all charts, each look once. Release the items with free().
+/// Collect the labelled series of all charts without repetitions. Release the items with free().
 static bat_status collect_legend(const chart_set *set, size_t charts, legend_item **items, size_t *count, bat_error *error)
 {
     size_t max_count = 0;

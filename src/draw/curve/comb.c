@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// The curvature vector at p, with unit tangents a and b towards its neighbours and edges of lengths l_a and l_b, is 2
+/// angle(-a, b) / (l_a + l_b) in the direction of a + b.
+
 static double dot(const double *a, const double *b, size_t n)
 {
     double sum = 0.0;
@@ -17,7 +21,7 @@ static double dot(const double *a, const double *b, size_t n)
     return sum;
 }
 
-/// (z + w) / (1 + conj(w) z) for complex numbers: the translation of the disk that takes 0 to w.
+/// The Möbius translation (z + w) / (1 + conj(w) z) of the disk, which maps 0 to w.
 static void translate(const double *w, const double *z, double *result)
 {
     double real = 1.0 + w[0] * z[0] + w[1] * z[1];
@@ -65,8 +69,8 @@ static double direction_to(const comb *segments, const double *p, const double *
     return segments->space == VIEW_DISK ? 2.0 * atanh(fmin(length, 1.0 - 1e-16)) : length;
 }
 
-/// Minus the curvature vector of the polyline before, p, after at p. With the unit tangent vectors a towards `before` and b
-/// towards `after`, the exterior angle is that between -a and b, and the curvature vector has the direction of a + b.
+/// Set the negative curvature vector at p. With unit tangents a towards `before` and b towards `after`, the exterior angle
+/// is the angle between -a and b, and the direction is that of a + b.
 static void set_vector(const comb *segments, const double *before, const double *p, const double *after, double *scratch,
                        double *vector)
 {
@@ -183,11 +187,11 @@ void comb_tip(const comb *segments, size_t index, double scale, double *tip)
     }
 }
 
-/// Between the feet of two teeth, or where the feet crowd between the tips.
+/// The smallest distance between the starts of two drawn segments or, where these are closer, between their ends.
 #define FOOT_SPACING 2.2
 #define TIP_SPACING 6.6
 
-/// The teeth from vertex `first` to before `end`, with the tips of all vertices.
+/// The segments from vertex `first` to `end` - 1, with the ends of the segments at all vertices.
 typedef struct segment_row
 {
     const comb *segments;
@@ -195,7 +199,7 @@ typedef struct segment_row
     size_t first, end;
 } segment_row;
 
-/// A tooth on paper.
+/// A segment on the page.
 typedef struct comb_segment
 {
     double foot_x, foot_y;
@@ -211,14 +215,14 @@ static comb_segment place_segment(const draw_view *view, const segment_row *row,
     return placed;
 }
 
-/// Whether there is too little room for tooth `a` beside tooth `b`.
+/// Whether segment `a` is too close to segment `b` to be drawn.
 static bool crowded(const comb_segment *a, const comb_segment *b)
 {
     return hypot(a->foot_x - b->foot_x, a->foot_y - b->foot_y) < FOOT_SPACING &&
            hypot(a->tip_x - b->tip_x, a->tip_y - b->tip_y) < TIP_SPACING;
 }
 
-/// Draw as many teeth as have room, the first always.
+/// Draw the segments with sufficient distance, beginning with the first.
 static bat_status draw_segments(cairo_t *cairo, const draw_view *view, const segment_row *row, line_style line,
                                 bat_error *error)
 {

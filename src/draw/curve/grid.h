@@ -7,37 +7,38 @@
 #include <cairo.h>
 
 /// @file
-/// What lies under the curves and around them: graticules, tilings, axes.
+/// Backgrounds and frames of panels: graticules, tilings and axes.
 
-/// The ball of a globe with its soft light.
+/// Draw the sphere of a globe with soft shading.
 void grid_globe_sphere(cairo_t *cairo, const draw_view *view);
-/// The meridians and parallels of the front, every 15 or 30 degrees, the equator and the zero meridian stronger.
+/// Draw the meridians and parallels of the front, every 15 or 30 degrees, with a stronger equator and zero meridian.
 void grid_globe_lines(cairo_t *cairo, const draw_view *view);
-/// The limb, with or without latitudes beside it and the middle's coordinates below.
+/// Draw the outline of a globe, optionally with latitudes beside it and the coordinates of its centre below.
 void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool labels);
-/// The space that labels need on each side of a globe.
+/// The margin for labels on each side of a globe.
 #define GRID_GLOBE_MARGIN 22.0
 
-/// The paper, frame, graticule and labels of a world map.
+/// Draw the background, frame, graticule and labels of a world map.
 void grid_map(cairo_t *cairo, const draw_view *view, bool lines);
-/// Keep the lines that follow within the map's frame.
+/// Clip the following drawing to the frame of the map.
 void grid_map_clip(cairo_t *cairo, const draw_view *view);
 #define GRID_MAP_LEFT 26.0
 #define GRID_MAP_BOTTOM 14.0
 #define GRID_MAP_RIGHT 12.0
 
-/// The disk's paper and, with `lines`, the geodesics of the tiling by right-angled pentagons, four around a vertex.
+/// Draw the background of the disk and, with `lines`, the geodesics of the tiling by right-angled pentagons, four at each
+/// vertex.
 void grid_disk(cairo_t *cairo, const draw_view *view, bool lines);
 void grid_disk_circle(cairo_t *cairo, const draw_view *view);
 
-/// Light lines at round numbers with their labels on the left and below, within the box (x, y, width, height) on paper.
+/// Draw light lines at round numbers, with labels to the left and below, within the box (x, y, width, height).
 void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame, const double box[4]);
-/// The space that the labels need on the left, top, right and below of the frame.
+/// The margins for labels to the left, above, to the right and below.
 void grid_plane_room(const scene_frame *frame, double room[4]);
 
-/// The box around the curves in R^3, its axes named at the low corner.
+/// Draw the bounding box of curves in R^3, with its axes labelled at the lowest corner.
 void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame);
-/// The space that the names of the axes need.
+/// The margin for the labels of the axes.
 #define GRID_SOLID_MARGIN 10.0
 
 #endif

@@ -5,10 +5,13 @@
 
 static const double TURN = 6.28318530717958647693;
 
-/// The tiling {5, 4} of the hyperbolic plane: regular pentagons with right angles, four around each vertex (Coxeter 1957).
-/// Its edges join up to whole geodesics, which are the images of the five sides of one pentagon under the reflections in
-/// these. A geodesic is kept as its unit normal n in Minkowski space, x x' + y y' - t t' = 1, t > 0: in the disk it is the
-/// arc of the circle with centre (x, y) / t and radius 1 / t.
+/// @file
+/// The tiling {5, 4} of the hyperbolic plane: regular right-angled pentagons, four at each vertex (Coxeter, 1957).
+///
+/// Its edges lie on complete geodesics, the images of one pentagon's sides under reflections in these sides. A geodesic is
+/// given by its unit normal n = (x, y, t) in Minkowski space, x x' + y y' - t t' = 1 with t > 0. In the disk it is an arc
+/// with centre (x, y) / t and radius 1 / t.
+
 #define SIDES 5
 #define MAX_GEODESICS 2048
 #define SMALLEST_RADIUS 0.045
@@ -24,7 +27,7 @@ typedef struct tiling
     int count;
 } tiling;
 
-/// The reflection of g in the geodesic `mirror`, g - 2 <g, m> m, with t > 0.
+/// The reflection g - 2 <g, m> m of a geodesic g in the geodesic m, with t > 0.
 static geodesic reflect(geodesic g, geodesic mirror)
 {
     double twice = 2.0 * (g.x * mirror.x + g.y * mirror.y - g.t * mirror.t);
@@ -46,10 +49,11 @@ static bool is_new(const tiling *made, geodesic g)
     return true;
 }
 
-/// All geodesics of the tiling whose arcs have at least the smallest radius, from the middle outwards.
+/// Find all geodesics of the tiling whose arcs have at least the smallest radius, from the centre outwards.
 static void make_tiling(tiling *made)
 {
-    double middle = acosh(cos(TURN / 8.0) / sin(TURN / (2.0 * SIDES))); // from the pentagon's middle to its sides
+    double middle =
+        acosh(cos(TURN / 8.0) / sin(TURN / (2.0 * SIDES))); // the distance from the pentagon's centre to its sides
     made->count = SIDES;
     for (int i = 0; i < SIDES; i++)
     {
@@ -69,11 +73,11 @@ static void make_tiling(tiling *made)
     }
 }
 
-/// Add the arc inside the disk to the path. Its ends on the rim are seen from the centre (x, y) / t under the angle whose
-/// tangent is t, on either side of the direction to the origin.
+/// Append the arc inside the disk to the path. From its centre (x, y) / t, its ends are at angles of tangent t on both sides
+/// of the direction to the origin.
 static void add_arc(cairo_t *cairo, const draw_view *view, geodesic g)
 {
-    double facing = atan2(g.y, -g.x); // towards the origin, on paper, where y points down
+    double facing = atan2(g.y, -g.x); // towards the origin, on the page, where y points down
     double half = atan(g.t);
     double radius = view->scale / g.t;
     cairo_new_sub_path(cairo);

@@ -5,9 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-/// Points between two grid lines that look right.
+/// @file
+/// Grids of the plane and the box of R^3.
+
+/// The preferred distance of grid lines, in points.
 #define SPACING 42.0
-/// The height of the line that says what labels leave out.
+/// The height of the text for the labels' common offset and exponent.
 #define SCALE_SPACE 10.0
 
 /// The width of the widest label.
@@ -21,7 +24,7 @@ static double widest(cairo_t *cairo, const tick_list *ticks)
     return width;
 }
 
-/// What the labels across and upwards leave out: an offset of their own, a power of ten in common.
+/// The offsets and exponents of both axes: each axis has its own offset; the exponent is common.
 static void plane_scales(const scene_frame *frame, tick_scale scales[2])
 {
     for (int k = 0; k < 2; k++)
@@ -73,7 +76,7 @@ static void plane_lines(cairo_t *cairo, const draw_view *view, const tick_list *
     cairo_stroke(cairo);
 }
 
-/// The numbers below and on the left, and what they leave out: below the right end, above the top.
+/// Draw the numbers below and to the left, with offset and exponent below the right end and above the top.
 static void plane_labels(cairo_t *cairo, const draw_view *view, const tick_list *across, const tick_list *upwards,
                          const double box[4])
 {
@@ -118,7 +121,7 @@ void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame,
     plane_labels(cairo, view, &across, &upwards, box);
 }
 
-/// The line from corner to corner of the box.
+/// Draw an edge between two corners of the box.
 static void box_edge(cairo_t *cairo, const draw_view *view, const scene_frame *frame, unsigned from, unsigned to)
 {
     double p[3];
@@ -158,8 +161,8 @@ static void axis_name(cairo_t *cairo, const draw_view *view, const scene_frame *
     text_draw_middle(cairo, names[axis], ends[0] + 0.5 * dx + away * side_x, ends[1] + 0.5 * dy + away * side_y, 0.5);
 }
 
-/// The edges at the lowest, farthest corner are drawn whole, the others fainter. Seen from azimuth -62 degrees above, x runs
-/// to the right at the near low edge, y into the depth on the right, z upwards on the left.
+/// The edges at the lowest, farthest corner are solid, the others are fainter. Seen from above at azimuth -62 degrees, x
+/// runs to the right on the lower front edge, y backwards on the right, and z upwards on the left.
 void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
     for (unsigned corner = 0; corner < 8; corner++)

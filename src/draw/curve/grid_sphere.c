@@ -6,6 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/// @file
+/// Graticules of the globe and of the equirectangular map.
+
 static const double DEGREE = 3.14159265358979323846 / 180.0;
 static const double TURN = 6.28318530717958647693;
 
@@ -35,7 +38,7 @@ static void direction(double longitude, double latitude, double *point)
     point[2] = sin(latitude);
 }
 
-/// Trace the line from (longitude, latitude), given in degrees, along a meridian or, with `parallel`, all around.
+/// Draw a line from (longitude, latitude) in degrees, along a meridian or, with `parallel`, along the whole parallel.
 static void trace_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude, bool parallel)
 {
     enum
@@ -54,7 +57,7 @@ static void trace_line(cairo_t *cairo, const draw_view *view, double longitude, 
     view_trace(view, points, STEPS + 1, false, VIEW_FRONT, &path);
 }
 
-/// Meridians that are no multiples of 90 degrees stop short of the poles, where they would run together.
+/// Meridians that are not multiples of 90 degrees end before the poles, where they would merge.
 void grid_globe_lines(cairo_t *cairo, const draw_view *view)
 {
     int step = view->scale >= FINE_RADIUS ? 15 : 30;
@@ -75,7 +78,7 @@ void grid_globe_lines(cairo_t *cairo, const draw_view *view)
     cairo_stroke(cairo);
 }
 
-/// "30°N", "0°", "180°" for whole degrees.
+/// Write "30°N", "0°" or "180°" for whole degrees.
 static void degree_label(double degrees, const char *positive, const char *negative, char *label, size_t size)
 {
     int whole = (int)lround(degrees);
@@ -84,7 +87,8 @@ static void degree_label(double degrees, const char *positive, const char *negat
     (void)snprintf(label, size, "%d\xc2\xb0%s", abs(whole), side);
 }
 
-/// Parallels meet the limb at v = sin(their latitude) / cos(the middle's latitude). Labels stay within the globe's square.
+/// Label the parallels where they meet the outline, at v = sin(latitude) / cos(latitude of the centre). Labels remain within
+/// the globe's square.
 static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
 {
     text_use(cairo, TEXT_TICK, false);
@@ -103,7 +107,7 @@ static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
     }
 }
 
-/// Name the middle of the globe in the lower right corner of its square, in smaller letters where there is little room.
+/// Write the coordinates of the centre in the lower right corner of the globe's square, reduced where space is short.
 static void middle_label(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
     char east[16];
@@ -186,7 +190,7 @@ static void map_labels(cairo_t *cairo, const draw_view *view)
     }
 }
 
-/// Add the frame of the map, moved outwards by `margin`, to the path.
+/// Append the frame of the map, enlarged by `margin`, to the path.
 static void map_frame(cairo_t *cairo, const draw_view *view, double margin)
 {
     double left = view_x(view, -TURN / 2.0) - margin;

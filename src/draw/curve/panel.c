@@ -7,19 +7,22 @@
 
 #include <math.h>
 
+/// @file
+/// Drawing of one panel: background, lines of all layers, combs, circles at control points, labels.
+
 static const double TURN = 6.28318530717958647693;
 
 /// More open circles would hide each other.
 #define MANY_RINGS 5000
-/// Between a curve and the edge of its box.
+/// The margin between a curve and its box.
 #define FLAT_MARGIN 5.0
 #define ALPHA_BOUNDARY_MARGIN 2.0
-/// The least height of a flat drawing over its width.
+/// The smallest aspect ratio of a flat drawing, height over width.
 #define FLATTEST 0.12
-/// Between a globe and a map.
+/// The gap between a globe and a map.
 #define BETWEEN 10.0
 
-/// Spaces on the left, top, right and below of what is drawn.
+/// Margins to the left, above, to the right and below.
 typedef struct insets
 {
     double left, top, right, bottom;
@@ -54,13 +57,13 @@ static insets map_insets(const bat_curve_picture_options *options)
                     labels ? GRID_MAP_BOTTOM : ALPHA_BOUNDARY_MARGIN};
 }
 
-/// The height at which content of that aspect (height over width) fills a box of that width.
+/// The height of a box of this width that content of this aspect ratio fills.
 static double height_around(insets around, double width, double aspect)
 {
     return fmax(10.0, width - around.left - around.right) * aspect + around.top + around.bottom;
 }
 
-/// With the globe and the map side by side, both as high as the box: the globe's width at that height.
+/// The width of a globe beside a map, when both have the height of the box.
 static double globe_share(const bat_curve_picture_options *options, double height)
 {
     insets globe = globe_insets(options);
@@ -94,7 +97,7 @@ double panel_height(const scene_panel *panel, const bat_curve_picture_options *o
     }
 }
 
-/// Scale and centre the range from (low_u, low_v) to (high_u, high_v) in a box less its insets.
+/// Scale and centre the range from (low_u, low_v) to (high_u, high_v) in a box without its margins.
 static void fit(draw_view *view, const double box[4], insets around, const double low[2], const double high[2])
 {
     double width = fmax(1.0, box[2] - around.left - around.right);
@@ -148,7 +151,7 @@ legend_item panel_legend_item(const bat_curve_picture_panel *panel, size_t index
     return item;
 }
 
-/// What lies behind a globe: paler and thinner.
+/// The style of a line on the back of a globe: paler and thinner.
 static line_style behind(line_style line)
 {
     line.colour = style_mix(line.colour, (draw_colour){0.95, 0.96, 0.97}, 0.32);
@@ -179,7 +182,7 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_p
     return curve->count > 1 ? stroke_line(cairo, &drawn, line, error) : BAT_OK;
 }
 
-/// The radius of the open circles: smaller where many points crowd.
+/// The radius of open circles, smaller for many points.
 static double ring_radius(const draw_view *view, const bat_curve *curve)
 {
     double length = 0.0;
@@ -199,7 +202,7 @@ static double ring_radius(const draw_view *view, const bat_curve *curve)
     return fmin(MARKER_RADIUS, fmax(0.7, 0.2 * spacing));
 }
 
-/// Open circles at the points of one side, but none closer than half a radius to the one before.
+/// Draw open circles at the points of one side, at least half a radius apart.
 static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *curve, view_side side)
 {
     double radius = ring_radius(view, curve);
@@ -221,7 +224,7 @@ static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *c
     }
 }
 
-/// All lines of one role.
+/// Draw all lines of a role.
 static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_curve_layer_role role,
                             view_side side, bat_error *error)
 {
@@ -233,7 +236,7 @@ static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_p
     return status;
 }
 
-/// The points of all control polygons.
+/// Draw the points of all control polygons.
 static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_curve_picture_panel *panel,
                            const bat_curve_picture_options *options, view_side side)
 {
@@ -246,7 +249,7 @@ static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_curv
     }
 }
 
-/// All combs.
+/// Draw all combs.
 static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -261,7 +264,7 @@ static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_
     return status;
 }
 
-/// All lines and combs.
+/// Draw all lines and combs.
 static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
                              const bat_curve_picture_options *options, view_side side, bat_error *error)
 {

@@ -7,14 +7,14 @@
 #include <cairo.h>
 
 /// @file
-/// One panel on paper.
+/// One panel of a picture.
 
-/// The height that suits a panel of that width; a flat drawing is at most `tallest` times as high as wide.
+/// The preferred height of a panel for a width; a flat drawing is at most `tallest` times as high as wide.
 double panel_height(const scene_panel *panel, const bat_curve_picture_options *options, double tallest, double width);
-/// Draw a panel into the box (x, y, width, height), its content in the middle and at true aspect.
+/// Draw a panel into the box (x, y, width, height), centred and with equal scales of both axes.
 bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
                       const double box[4], bat_error *error);
-/// How a layer looks in the legend; the label may be null.
+/// The legend item of a layer; the label may be null.
 legend_item panel_legend_item(const bat_curve_picture_panel *panel, size_t index, const bat_curve_picture_options *options);
 
 #endif

@@ -9,6 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/// @file
+/// Pictures of curves: a page of panels with a legend.
+
 bat_curve_picture_options bat_curve_picture_defaults(void)
 {
     return (bat_curve_picture_options){.pixels_per_point = 2.0,
@@ -20,10 +23,10 @@ bat_curve_picture_options bat_curve_picture_defaults(void)
                                        .legend = true};
 }
 
-/// The greatest height of a flat drawing over its width at the sheet's usual width.
+/// The largest aspect ratio of a flat drawing at the page's usual width, height over width.
 #define TALLEST 1.25
 
-/// The share of its usual width that a sheet needs: less where all panels are taller than they may be.
+/// The fraction of the usual width that a page needs; smaller if all panels exceed the largest aspect ratio.
 static double narrowing(const scene *made)
 {
     const double min_share = 0.55;
@@ -55,7 +58,7 @@ static bat_status content_draw(const void *context, cairo_t *cairo, size_t index
     return panel_draw(cairo, &made->panels[index], made->options, box, error);
 }
 
-/// The labelled layers of all panels, each look once. Release the items with free().
+/// Collect the labelled layers of all panels without repetitions. Release the items with free().
 static bat_status collect_legend(const scene *made, legend_item **items, size_t *count, bat_error *error)
 {
     size_t max_count = 0;
@@ -83,7 +86,7 @@ static bat_status collect_legend(const scene *made, legend_item **items, size_t 
     return BAT_OK;
 }
 
-/// A width that gives the panels of a row room without more than a page needs.
+/// The width for the panels of a row, at most that of a usual page.
 static double natural_width(const scene *made)
 {
     bool wide = false;

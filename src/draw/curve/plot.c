@@ -6,6 +6,9 @@
 #include <math.h>
 #include <stdio.h>
 
+/// @file
+/// Drawing of one chart: axes, bars, lines, dots and labels.
+
 static const double TURN = 6.28318530717958647693;
 
 #define TOLERANCE 0.05
@@ -50,7 +53,7 @@ static tick_list axis_ticks(const plot_axis *axis, double spacing)
     return ticks;
 }
 
-/// The text along an axis: its label and what was left out of the ticks' labels, "error (×10⁻⁶)".
+/// The text of an axis: its label with the offset and exponent of its ticks, as in "error (×10⁻⁶)".
 static void axis_text(const plot_axis *axis, const char *label, char *text, size_t size)
 {
     char left_out[TICK_SCALE_SIZE] = "";
@@ -95,7 +98,7 @@ static void draw_grid(cairo_t *cairo, const plot_axis *x, const plot_axis *y, co
     cairo_stroke(cairo);
 }
 
-/// The lines of the axes with their ticks.
+/// Draw the axes with their ticks.
 static void draw_axes(cairo_t *cairo, const plot_axis *x, const plot_axis *y, const tick_list *across,
                       const tick_list *upwards)
 {
@@ -159,7 +162,7 @@ static void draw_axis_names(cairo_t *cairo, const bat_chart *chart, const plot_a
     cairo_restore(cairo);
 }
 
-/// Shorten [*enter, *leave], shares of a segment, to where from + share * step lies between low and high.
+/// Reduce [*enter, *leave], fractions of a segment, to where from + fraction * step is between low and high.
 static void clip_share(double from, double step, double low, double high, double *enter, double *leave)
 {
     if (step == 0.0)
@@ -173,8 +176,9 @@ static void clip_share(double from, double step, double low, double high, double
     *leave = fmin(*leave, fmax(a, b));
 }
 
-/// Add a segment's part inside the plot to the path (Liang and Barsky 1984). `joined` says whether the path is at p already.
-/// @return whether the path has come to q
+/// Append the visible part of a segment to the path (Liang and Barsky, "A new concept and method for line clipping", 1984).
+/// `joined` is true when the path has reached p.
+/// @return whether the path has reached q
 static bool add_segment(path_simplifier *path, const plot_axis *x, const plot_axis *y, const double p[2], const double q[2],
                         bool joined)
 {
@@ -258,7 +262,7 @@ static void draw_bars(cairo_t *cairo, const bat_chart_series *series, const plot
     legend_fill_bars(cairo, style_palette(colour));
 }
 
-/// Bars first, then lines, then dots.
+/// Draw bars, then lines, then dots.
 static void draw_series(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y)
 {
     for (int layer = 0; layer < 3; layer++)
@@ -284,7 +288,7 @@ static void draw_series(cairo_t *cairo, const bat_chart *chart, const plot_axis 
     }
 }
 
-/// Put the axes on paper: y first, whose labels decide where x begins.
+/// Place the axes: y first, because its labels determine the start of x.
 static void set_axes(cairo_t *cairo, const bat_chart *chart, const double box[4], plot_axis *x, plot_axis *y,
                      tick_list *across, tick_list *upwards)
 {

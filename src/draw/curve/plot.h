@@ -8,10 +8,9 @@
 #include <cairo.h>
 
 /// @file
-/// One chart on paper.
+/// One chart of a page.
 
-/// An axis: numbers (their decimal logarithms when `logarithmic`) from low to high along paper coordinates from start to
-/// end.
+/// An axis that maps [low, high] to [start, end] on the page; logarithmic axes use decimal logarithms.
 typedef struct plot_axis
 {
     double low, high;
@@ -25,19 +24,19 @@ static inline double plot_place(const plot_axis *axis, double number)
 }
 
 /// Check a chart and find the ranges of its axes.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_INVALID_POINT
 bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot_axis *y, bat_error *error);
 /// Draw a chart into the box (x, y, width, height).
 bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
                      plot_axis y, const double box[4], bat_error *error);
-/// How a series looks in the legend; the label may be null.
+/// The legend item of a series; the label may be null.
 legend_item plot_legend_item(const bat_chart *chart, size_t index);
 
-/// A number on an axis: its logarithm where the axis is logarithmic.
+/// A value on an axis: its decimal logarithm if the axis is logarithmic.
 double plot_number(const plot_axis *axis, double value);
-/// The palette's index of a series.
+/// The palette index of a series.
 int plot_colour(const bat_chart *chart, size_t index);
-/// Write the points' labels beside them, where they hide least.
+/// Draw the labels of points beside them, where they cover least.
 bat_status plot_draw_labels(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y,
                             bat_error *error);
 

@@ -6,7 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// Room between the numbers and the ends of an axis, as a share of the range.
+/// @file
+/// Ranges of a chart's axes, and the placement of point labels where they cover least.
+
+/// The margin between the numbers and the ends of an axis, relative to the range.
 #define PADDING 0.04
 
 double plot_number(const plot_axis *axis, double value)
@@ -102,7 +105,7 @@ static void include_series(const bat_chart_series *series, plot_axis *x, plot_ax
     }
 }
 
-/// Pad a range found from the numbers and put the caller's ends in place. With `grounded`, an end at 0 stays there.
+/// Add margins to a range and apply the prescribed ends. With `grounded` an end at 0 remains there.
 static bool finish_range(plot_axis *axis, double low, double high, bool grounded)
 {
     double range = axis->high - axis->low;
@@ -149,7 +152,7 @@ bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot
     return BAT_OK;
 }
 
-/// Between a point and its label.
+/// The distance between a point and its label.
 #define CLEARANCE 4.5
 
 typedef struct rectangle
@@ -164,11 +167,11 @@ static double overlap(const rectangle *a, const rectangle *b)
     return width > 0.0 && height > 0.0 ? width * height : 0.0;
 }
 
-/// Places for a label around its point: eight next to it, eight farther off, eight still farther.
+/// Candidate positions of a label: eight directions at three distances.
 #define DIRECTIONS 8
 #define RINGS 3
 
-/// Where a label of that size goes for a choice from 0 on, in order of preference.
+/// The position of a label for a candidate, in order of preference.
 static rectangle candidate(double x, double y, double width, double height, int choice)
 {
     static const double across[DIRECTIONS] = {0.0, -1.0, -0.5, -0.5, 0.0, -1.0, 0.0, -1.0};
@@ -182,30 +185,30 @@ static rectangle candidate(double x, double y, double width, double height, int 
                        height};
 }
 
-/// A text that belongs to the point at (x, y) on paper.
+/// A text for the point at (x, y) on the page.
 typedef struct point_label
 {
     const char *text;
     double x, y;
 } point_label;
 
-/// What the labels must not cover: dots and the labels that are there.
+/// The areas that labels should not cover: dots and earlier labels.
 typedef struct obstacles
 {
     rectangle plot;
-    rectangle *taken; ///< first the dots
+    rectangle *taken; ///< the dots come first
     size_t dots;
     size_t count;
 } obstacles;
 
-/// The point at which the line from a dot to its label ends.
+/// The end of the line from a dot to its label.
 static void leader_end(const rectangle *label, double x, double y, double *to_x, double *to_y)
 {
     *to_x = fmin(fmax(x, label->x - 1.5), label->x + label->width + 1.5);
     *to_y = fmin(fmax(y, label->y), label->y + label->height);
 }
 
-/// A thin line from the dot towards a label that is not next to it.
+/// Draw a thin line from a dot to a label that is not beside it.
 static void draw_leader(cairo_t *cairo, double x, double y, const rectangle *label)
 {
     double to_x;
@@ -219,7 +222,7 @@ static void draw_leader(cairo_t *cairo, double x, double y, const rectangle *lab
     cairo_stroke(cairo);
 }
 
-/// Whether the line from (x, y) to its label runs over another dot.
+/// Whether the line from (x, y) to its label crosses another dot.
 static bool leader_hits(const obstacles *around, double x, double y, const rectangle *label)
 {
     double to_x;
@@ -242,7 +245,7 @@ static bool leader_hits(const obstacles *around, double x, double y, const recta
     return false;
 }
 
-/// What is hidden by a label, in square points.
+/// The area that a label covers, in square points.
 static double cost(const obstacles *around, const point_label *point, const rectangle *label)
 {
     const double wrong_dot = 40.0;
@@ -281,7 +284,7 @@ static void place_label(cairo_t *cairo, obstacles *around, const point_label *po
     around->taken[around->count++] = best;
 }
 
-/// The points of labelled series that lie in the plot; those without a text too, for they must stay visible.
+/// Collect the visible points of labelled series. Points without a text are included, because labels must not cover them.
 static size_t collect(const bat_chart *chart, const plot_axis *x, const plot_axis *y, point_label *points)
 {
     size_t count = 0;
@@ -301,7 +304,7 @@ static size_t collect(const bat_chart *chart, const plot_axis *x, const plot_axi
     return count;
 }
 
-/// From top to bottom, then from left to right.
+/// Order from top to bottom, then from left to right.
 static int compare(const void *a, const void *b)
 {
     const point_label *p = a;

@@ -10,15 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Frames of a control polygon, and along the path of a rigid motion; of more points, as many of them evenly chosen.
+/// @file
+/// Construction of proxies by sampling geodesics in the original space.
+
+/// The most frames along a control polygon or a path; they are evenly distributed.
 #define MAX_FRAMES 32
 #define MAX_CURVES (3 + 3 * MAX_FRAMES)
-/// The longest step, in radians, along a geodesic of rotations, whose columns do not follow great circles.
+/// The longest step in radians along a geodesic of rotations, whose columns do not follow great circles.
 #define COLUMN_STEP 0.05
-/// The axes of a rigid motion's frames over the diagonal of the box of all paths.
+/// The length of the axes of a rigid motion, relative to the diagonal of all paths.
 #define AXIS_SHARE 0.07
 
-/// Room for the points of one more curve.
+/// Allocate one more curve.
 /// @return BAT_OK or BAT_NO_MEMORY
 static bat_status add_curve(proxy *made, size_t count, bool closed, bat_curve_picture_layer layer, line_style line,
                             bat_error *error)
@@ -40,7 +43,7 @@ static size_t frames_of(const bat_curve *curve)
     return curve->count < MAX_FRAMES ? curve->count : MAX_FRAMES;
 }
 
-/// The index of the point that has frame `k`.
+/// The index of the point with frame `k`.
 static size_t frame_index(const bat_curve *curve, size_t k)
 {
     size_t frames = frames_of(curve);
@@ -68,14 +71,14 @@ static size_t edge_end(const bat_curve *curve, size_t i)
     return i + 1 < curve->count ? i + 1 : 0;
 }
 
-/// The steps that edge `i` is drawn in.
+/// The number of steps along edge `i`.
 static size_t edge_steps(const bat_curve *curve, size_t i)
 {
     const double *q = curve->points + 4 * edge_end(curve, i);
     return 1 + (size_t)(curve->space->distance(curve->space, curve->points + 4 * i, q) / COLUMN_STEP);
 }
 
-/// Put the three columns of the rotations along all edges into the last three curves.
+/// Compute the three columns of the rotations along all edges, into the last three curves.
 static bat_status fill_columns(proxy *made, const bat_curve *curve, bat_error *error)
 {
     bat_curve *columns = made->curves + made->count - 3;
@@ -106,7 +109,7 @@ static bat_status fill_columns(proxy *made, const bat_curve *curve, bat_error *e
     return BAT_OK;
 }
 
-/// The line of column `c`: paler from the first to the last.
+/// The line of column `c`, paler from the first to the last.
 static line_style column_line(bat_curve_layer_role role, draw_colour colour, size_t c)
 {
     static const double shades[3] = {1.0, 0.72, 0.48};
@@ -122,7 +125,7 @@ static line_style column_line(bat_curve_layer_role role, draw_colour colour, siz
 static bat_status add_columns(proxy *made, const bat_curve_picture_layer *layer, draw_colour colour, bat_error *error)
 {
     const bat_curve *curve = layer->curve;
-    // The triangles at control points are the layers with the role of a control polygon.
+    // The triangles at control points are layers with the role of a control polygon.
     bat_curve_layer_role role = layer->role == BAT_CURVE_LAYER_CURVE ? BAT_CURVE_LAYER_CURVE : BAT_CURVE_LAYER_TRUTH;
     bool closed = curve->closed && curve->count > 1;
     size_t count = closed ? 0 : 1;
@@ -187,7 +190,7 @@ static bat_status add_rotations(proxy *made, const bat_curve_picture_panel *pane
     return status;
 }
 
-/// The diagonal of the box of all translations, 1 where there is but one place.
+/// The diagonal of the bounding box of all translations; 1 if it is a point.
 static double paths_extent(const bat_curve_picture_panel *panel)
 {
     double square = 0.0;
@@ -221,7 +224,7 @@ static bat_status add_path(proxy *made, const bat_curve_picture_layer *layer, in
     return status;
 }
 
-/// The body's axes at evenly chosen points: vermilion, green and blue, stronger where they were given.
+/// Add the body's axes at evenly distributed points, in vermilion, green and blue. Axes of given keyframes are stronger.
 static bat_status add_axes(proxy *made, const bat_curve *curve, double length, bool given, bat_error *error)
 {
     static const int colours[3] = {2, 3, 1};
@@ -270,7 +273,7 @@ static bat_status add_motions(proxy *made, const bat_curve_picture_panel *panel,
     return status;
 }
 
-/// z = x / (1 + x0), a hair inside the rim.
+/// z = x / (1 + x_0), kept inside the unit circle despite rounding.
 static bat_status add_hyperboloids(proxy *made, const bat_curve_picture_panel *panel, bat_error *error)
 {
     const double rim = 1.0 - 1e-15;

@@ -9,9 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Checks and measurements of a picture's panels.
+
 #define LARGEST_SIDE 10000.0
 #define MAX_COLUMNS 5
-/// Width that a panel needs for its details to show.
+/// The width that a panel needs for its details.
 #define MIN_PANEL 100.0
 
 bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options)
@@ -198,7 +201,7 @@ static bool same_space(const scene_panel *a, const scene_panel *b)
     return a->space == b->space && a->point_dim == b->point_dim;
 }
 
-/// The panels that share a frame with panel `index`: from `*first` to before `*end`, those of the same space.
+/// The panels that share a frame with panel `index`: *first, …, *end - 1, all in the same space.
 static void sharing(const scene *made, size_t index, size_t *first, size_t *end)
 {
     bool alone = made->options->own_frames;
@@ -227,7 +230,7 @@ static void include_curves(scene_frame *frame, const scene *made, const scene_pa
     }
 }
 
-/// The lengths of usual and longest teeth in the unit of the space.
+/// The typical and the largest length of comb segments, in the unit of the space.
 static void comb_lengths(const scene_frame *frame, view_space space, double *usual, double *longest)
 {
     double extent = hypot(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
@@ -271,7 +274,7 @@ static void include_combs(scene_frame *frame, const scene_panel *panel, double *
     }
 }
 
-/// The scale of the combs of the panels from `first` to before `end` that are like `panel`, and room for the teeth.
+/// Choose a common comb scale for the panels first, …, end - 1 like `panel`, and extend the frame by the segments.
 static bat_status frame_combs(scene_frame *frame, const scene *made, const scene_panel *panel, size_t first, size_t end,
                               bat_error *error)
 {
@@ -298,7 +301,7 @@ static bat_status frame_combs(scene_frame *frame, const scene *made, const scene
     return status;
 }
 
-/// The middle of the globe for the panels from `first` to before `end`.
+/// Choose the centre of the globe for the panels first, …, end - 1.
 static bat_status frame_globe(scene_frame *frame, const scene *made, size_t first, size_t end, bat_error *error)
 {
     const bat_curve_picture_options *options = made->options;
@@ -332,7 +335,7 @@ static bat_status frame_globe(scene_frame *frame, const scene *made, size_t firs
     return BAT_OK;
 }
 
-/// Keep an empty or one-dimensional range drawable.
+/// Enlarge an empty or one-dimensional range.
 static void widen(scene_frame *frame)
 {
     double extent = fmax(frame->high[0] - frame->low[0], frame->high[1] - frame->low[1]);
@@ -386,7 +389,7 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
     return status;
 }
 
-/// The panel itself, or what stands in for it.
+/// Choose the panel itself or its proxy.
 static bat_status choose_drawn(scene_panel *panel, const bat_curve_picture_options *options, bat_error *error)
 {
     const bat_space *space = panel->source->layers[0].curve->space;

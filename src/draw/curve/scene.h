@@ -8,27 +8,27 @@
 #include <cairo.h>
 
 /// @file
-/// What the panels of a picture show, before there is paper.
+/// The content of a picture's panels, before any drawing.
 
-/// What a panel shows of its space. The panels of a row share theirs unless asked otherwise.
+/// The visible part of a panel's space. The panels of a row share it unless the options differ.
 typedef struct scene_frame
 {
     double low[2], high[2];         ///< flat spaces: the range of u and v
     double box_low[3], box_high[3]; ///< R^3: the range of the coordinates
-    double longitude, latitude;     ///< globe: its middle
-    double comb_scale;              ///< 0 for no comb
+    double longitude, latitude;     ///< globe: its centre
+    double comb_scale;              ///< 0 without combs
     double tensor_unit;             ///< tensors: the largest semi-axis
-    size_t tensor_columns;          ///< tensors: the most in a row
+    size_t tensor_columns;          ///< tensors: the maximal number in a row
 } scene_frame;
 
 typedef struct scene_panel
 {
     const bat_curve_picture_panel *source;
-    const bat_curve_picture_panel *drawn; ///< the source, or what stands in for it
+    const bat_curve_picture_panel *drawn; ///< the source, or its proxy's panel
     proxy proxied;                        ///< all zero where the source itself is drawn
-    view_space space;                     ///< of what is drawn
+    view_space space;                     ///< the space that is drawn
     size_t point_dim;
-    comb *combs; ///< one a drawn layer, empty but for curves; null without combs
+    comb *combs; ///< one for each drawn layer, empty except for curves; null without combs
     scene_frame frame;
 } scene_panel;
 
@@ -41,29 +41,29 @@ typedef struct scene
     size_t rows;
 } scene;
 
-/// Check everything, measure everything. Release it with scene_free().
+/// Check and measure all panels. Release the scene with scene_free().
 bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
                       scene *made, bat_error *error);
 void scene_free(scene *made);
 
-/// Check what pictures and charts share: size, resolution, title.
+/// Check the options that pictures and charts share: size, resolution and title.
 bat_status scene_check_options(const bat_curve_picture_options *options, bat_error *error);
-/// The number of panels in a row for `count` panels: when the caller leaves it open, up to five, but of a prescribed width
-/// every one gets at least `min_width`.
+/// The number of panels in a row for `count` panels. Unless the options prescribe it, there are at most five, and each has
+/// at least `min_width` of a prescribed width.
 size_t scene_columns(const bat_curve_picture_options *options, size_t count, double min_width);
 
-/// Whether anything of a layer is drawn.
+/// Whether any part of a layer is drawn.
 bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options);
-/// The palette's index for layer `index` of a panel.
+/// The palette index of layer `index` of a panel.
 int scene_colour(const bat_curve_picture_panel *panel, size_t index);
 
-/// Height over width of what a flat panel shows.
+/// The aspect ratio of a flat panel, height over width.
 static inline double scene_aspect(const scene_frame *frame)
 {
     return (frame->high[1] - frame->low[1]) / (frame->high[0] - frame->low[0]);
 }
 
-/// A corner of the box of R^3, its bits choosing the high coordinates.
+/// A corner of the box in R^3; the bits of `corner` choose the high coordinates.
 static inline void scene_corner(const scene_frame *frame, unsigned corner, double *point)
 {
     for (unsigned k = 0; k < 3; k++)
@@ -72,14 +72,13 @@ static inline void scene_corner(const scene_frame *frame, unsigned corner, doubl
     }
 }
 
-/// @file
-/// Curves of symmetric positive-definite matrices A as rows of ellipses or ellipsoids {x: x^T A^-1 x = 1}, whose semi-axes
-/// are the square roots of the eigenvalues: a row for every layer, the share of the way along the curve to the right.
+/// Curves of symmetric positive-definite matrices A are drawn as rows of ellipses or ellipsoids {x: x^T A^-1 x = 1}, whose
+/// semi-axes are the square roots of the eigenvalues. Each layer is a row; positions in it are parameters of the curve.
 
-/// Make room in a frame for the rows of a panel.
+/// Extend a frame by the rows of a panel.
 /// @return BAT_OK, or BAT_NO_CONVERGENCE where eigenvalues cannot be computed
 bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel *panel, bat_error *error);
-/// Draw the rows of a panel. (u, v) are in units of the largest semi-axis, as the frame has them.
+/// Draw the rows of a panel. (u, v) are in units of the largest semi-axis.
 bat_status tensor_row_draw(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error);
 
 #endif

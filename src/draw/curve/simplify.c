@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+/// @file
+/// The wedge of admissible directions, updated point by point.
+
 path_simplifier simplifier_begin(path_sink sink, double tolerance)
 {
     return (path_simplifier){.sink = sink, .tolerance = tolerance};
@@ -38,7 +41,8 @@ static double cross(double ax, double ay, double bx, double by)
     return ax * by - ay * bx;
 }
 
-/// Cut the wedge down to the directions from the anchor that pass the point at (dx, dy), `distance` away, within `margin`.
+/// Intersect the wedge with the directions from the anchor that pass within `margin` of the point at (dx, dy), at the
+/// distance `distance`.
 static void narrow_wedge(path_simplifier *simplifier, double dx, double dy, double distance, double margin)
 {
     double sine = margin / distance;
@@ -60,8 +64,8 @@ static void narrow_wedge(path_simplifier *simplifier, double dx, double dy, doub
     simplifier->wedge = true;
 }
 
-/// The error adds up from half the tolerance across the line, 0.3 beyond its end, and twice the 0.15 of skipped points:
-/// sqrt(0.5^2 + 0.3^2) + 0.3 < 1.
+/// The total error is half the tolerance across the line, 0.3 beyond its end, and 0.15 twice for skipped points: sqrt(0.5^2
+/// + 0.3^2) + 0.3 < 1.
 void simplifier_consider(path_simplifier *simplifier, double x, double y)
 {
     double margin = 0.5 * simplifier->tolerance;

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Strokes through a path simplifier, and coverage masks for lines that remain too long.
+
 bat_status coverage_begin(double low_x, double low_y, double high_x, double high_y, coverage_map *map, bat_error *error)
 {
     coverage_map made = {.low_x = low_x, .low_y = low_y, .x = low_x, .y = low_y};
@@ -52,7 +55,7 @@ static void mark_start(void *context, double x, double y)
     map->y = y;
 }
 
-/// Steps of a quarter of a cell.
+/// Uses steps of a quarter of a cell.
 static void mark_line(void *context, double x, double y)
 {
     coverage_map *map = context;
@@ -99,10 +102,10 @@ void coverage_trace(const coverage_map *map, cairo_t *cairo)
     }
 }
 
-/// A line that keeps more points is too rough to be drawn one by one.
+/// Lines with more points after simplification are drawn by a coverage mask.
 #define MANY_POINTS 30000
 
-/// A sink for cairo's current path that counts and measures, and gives up after MANY_POINTS.
+/// A sink that appends to cairo's current path, up to MANY_POINTS, and counts and measures all points.
 typedef struct bounded_sink
 {
     cairo_t *cairo;
@@ -110,7 +113,8 @@ typedef struct bounded_sink
     double low_x, low_y, high_x, high_y;
 } bounded_sink;
 
-/// @return whether the point is to be drawn
+/// Count a point.
+/// @return whether to draw it
 static bool sink_accepts(bounded_sink *sink, double x, double y)
 {
     sink->low_x = fmin(sink->low_x, x);

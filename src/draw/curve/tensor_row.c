@@ -7,17 +7,20 @@
 #include <math.h>
 #include <string.h>
 
+/// @file
+/// Ellipses and shaded ellipsoids of matrices, in rows.
+
 static const double TURN = 6.28318530717958647693;
 
 /// The most tensors in a row.
 #define MAX_COLUMNS 13
-/// From the middle of a tensor to that of the next, in units of the largest semi-axis: across and between rows.
+/// The distance of neighbouring tensors' centres in a row, and of rows, in units of the largest semi-axis.
 #define COLUMN_SPACING 2.15
 #define ROW_SPACING 2.3
-/// The thinnest ellipse, in the same unit; flatter ones have no drawing.
+/// The smallest minor axis of a drawn ellipse, in the same unit.
 #define THINNEST 2e-3
 
-/// A tensor in units of the largest semi-axis: its principal semi-axes as vectors. In the plane the third is 0.
+/// The principal semi-axes of a tensor as vectors, in units of the largest semi-axis. The third is 0 in the plane.
 typedef struct ellipsoid
 {
     size_t side;
@@ -54,11 +57,11 @@ static bat_status ellipsoid_of(const bat_curve *curve, size_t index, double unit
 
 static double longest_axis(const ellipsoid *drawn)
 {
-    const double *axis = drawn->axes[drawn->side - 1]; // eigenvalues ascend
+    const double *axis = drawn->axes[drawn->side - 1]; // eigenvalues are in increasing order
     return sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
 }
 
-/// The number of tensors of a curve in a row of so many columns.
+/// The number of tensors of a curve in a row with `columns` columns.
 static size_t shown_of(const bat_curve *curve, size_t columns)
 {
     return curve->count < columns ? curve->count : columns;
@@ -70,7 +73,7 @@ static size_t shown_index(const bat_curve *curve, size_t columns, size_t k)
     return shown > 1 ? (k * (curve->count - 1) + (shown - 1) / 2) / (shown - 1) : 0;
 }
 
-/// Where point `index` is on the way along the curve, 0 to 1.
+/// The parameter of point `index` along the curve, 0 to 1.
 static double share_of(const bat_curve *curve, size_t index)
 {
     size_t edges = curve->closed ? curve->count : curve->count - 1;
@@ -87,7 +90,7 @@ bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel 
         for (size_t k = 0; k < columns; k++)
         {
             ellipsoid drawn;
-            // Numbers far from 1 are brought near it first.
+            // Numbers far from 1 are scaled first.
             double near = sqrt(curve->points[shown_index(curve, columns, k) * curve->space->point_dim]);
             bat_status status = ellipsoid_of(curve, shown_index(curve, columns, k), near, &drawn, error);
             if (status != BAT_OK)
@@ -104,7 +107,7 @@ bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel 
     return BAT_OK;
 }
 
-/// An ellipsoid's axes to the right, upwards and to the eye.
+/// Rotate the axes of an ellipsoid into the directions to the right, upwards and to the eye.
 static void turn(const draw_view *view, ellipsoid *drawn)
 {
     for (size_t k = 0; k < drawn->side && drawn->side == 3; k++)
@@ -115,8 +118,8 @@ static void turn(const draw_view *view, ellipsoid *drawn)
     }
 }
 
-/// The symmetric root of the outline's matrix, which is the sum of (a_x, a_y)^T (a_x, a_y) over the semi-axes a: it brings
-/// the unit circle to the outline, and up nearly upwards.
+/// The symmetric square root of sum_a (a_x, a_y)^T (a_x, a_y) over the semi-axes a. It maps the unit circle to the outline
+/// and keeps the upward direction nearly.
 static void outline_of(const ellipsoid *drawn, double root[3])
 {
     double xx = THINNEST * THINNEST;
@@ -136,7 +139,7 @@ static void outline_of(const ellipsoid *drawn, double root[3])
     root[2] = scale * (yy + area);
 }
 
-/// Colours of a tensor: paler along the curve.
+/// The colour of a tensor: paler along the curve.
 static draw_colour shade_of(const bat_curve_picture_panel *panel, size_t layer, double share)
 {
     switch (panel->layers[layer].role)
@@ -150,7 +153,7 @@ static draw_colour shade_of(const bat_curve_picture_panel *panel, size_t layer, 
     }
 }
 
-/// Fill the outline about (x, y), lit from the upper left.
+/// Fill the outline around (x, y), lit from the upper left.
 static void fill_outline(cairo_t *cairo, const double root[3], double scale, double x, double y, draw_colour colour)
 {
     cairo_matrix_t to_paper = {scale * root[0], -scale * root[1], scale * root[1], -scale * root[2], x, y};
@@ -171,8 +174,8 @@ static void fill_outline(cairo_t *cairo, const double root[3], double scale, dou
     cairo_pattern_destroy(ball);
 }
 
-/// The front half of the principal ellipse of semi-axes a and b: where a cos t + b sin t has a normal towards the eye, which
-/// is where the same of a/|a|^2 and b/|b|^2 points there.
+/// Draw the front half of the principal ellipse with semi-axes a and b. a cos t + b sin t is on the front where a / |a|^2
+/// cos t + b / |b|^2 sin t, the normal, points to the eye.
 static void trace_front(cairo_t *cairo, const double *a, const double *b, double scale, double x, double y)
 {
     enum
@@ -191,7 +194,7 @@ static void trace_front(cairo_t *cairo, const double *a, const double *b, double
     }
 }
 
-/// The principal axes of an ellipse, the principal ellipses of an ellipsoid.
+/// Draw the principal axes of an ellipse, or the principal ellipses of an ellipsoid.
 static void trace_inside(cairo_t *cairo, const ellipsoid *drawn, double scale, double x, double y)
 {
     for (size_t k = 0; k < drawn->side; k++)

@@ -6,7 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/// The arc from p to q of the circle around `centre`, without p, in steps that deviate from it by at most the tolerance.
+/// @file
+/// Flat views, the Poincaré disk, and checks of curves for drawing.
+
+/// Draw the arc from p to q around `centre`, without p, in steps that deviate from it by at most the tolerance.
 static void trace_arc(const draw_view *view, const double *centre, const double *p, const double *q, path_simplifier *path)
 {
     double ax = p[0] - centre[0];
@@ -26,8 +29,8 @@ static void trace_arc(const draw_view *view, const double *centre, const double 
     simplifier_line(path, view_x(view, q[0]), view_y(view, q[1]));
 }
 
-/// The geodesic from p to q, without p: the arc of the circle through both that is orthogonal to the rim. Its centre c
-/// solves 2 <c, p> = 1 + |p|^2 and 2 <c, q> = 1 + |q|^2.
+/// Draw the geodesic from p to q, without p: the arc orthogonal to the unit circle. Its centre c solves 2 <c, p> = 1 + |p|^2
+/// and 2 <c, q> = 1 + |q|^2.
 static void trace_geodesic(const draw_view *view, const double *p, const double *q, path_simplifier *path)
 {
     double chord = hypot(q[0] - p[0], q[1] - p[1]);
@@ -57,7 +60,7 @@ void view_trace_disk(const draw_view *view, const double *points, size_t count, 
     }
 }
 
-/// How far from 1 the length of a point of the sphere may be: single-precision data pass.
+/// The tolerance of points' lengths on the sphere; it admits single-precision data.
 #define UNIT_TOLERANCE 1e-6
 
 view_space view_space_of(const bat_space *space)
@@ -99,7 +102,7 @@ void view_set_globe(draw_view *view, double longitude, double latitude)
 
 void view_set_solid(draw_view *view)
 {
-    const double azimuth = -1.0821;  // -62 degrees: x runs to the right, y to the right and into the depth
+    const double azimuth = -1.0821;  // -62 degrees: x points to the right, y to the right and backwards
     const double elevation = 0.3840; // 22 degrees
     view_set_globe(view, azimuth, elevation);
 }
@@ -165,7 +168,7 @@ void view_trace(const draw_view *view, const double *points, size_t count, bool 
     simplifier_flush(path);
 }
 
-/// Null, or what is wrong with a point.
+/// Null for a valid point, else an error text.
 static const char *point_fault(view_space space, const double *point, size_t point_dim)
 {
     double square = 0.0;
@@ -184,7 +187,7 @@ static const char *point_fault(view_space space, const double *point, size_t poi
     return space == VIEW_DISK && square >= 1.0 ? "is not inside the unit disk" : NULL;
 }
 
-/// Null, or what a space that is drawn by way of another, or as tensors, has against a point.
+/// The same for points of spaces that are drawn by a proxy or as tensors.
 static const char *foreign_fault(const bat_space *space, const double *point, char *text, size_t size)
 {
     const char *fault = space->fault(space, point);

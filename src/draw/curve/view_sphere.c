@@ -4,6 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+/// @file
+/// Geodesics on the sphere: on a globe as cut ellipses, on an equirectangular map by adaptive bisection.
+
 static const double PI = 3.14159265358979323846;
 
 static void normalize(double *vector)
@@ -15,7 +18,7 @@ static void normalize(double *vector)
     }
 }
 
-/// The chord between two points, squared.
+/// The squared chord between two points.
 static double chord_square(const double *p, const double *q)
 {
     double dx = q[0] - p[0];
@@ -24,12 +27,12 @@ static double chord_square(const double *p, const double *q)
     return dx * dx + dy * dy + dz * dz;
 }
 
-/// The path on one half of a globe as it is drawn. Points are rotated: the third coordinate points to the eye.
+/// The path on one half of a globe. Points are rotated: the third coordinate points to the eye.
 typedef struct globe_tracer
 {
     const draw_view *view;
     path_simplifier *path;
-    double sign; ///< 1 in front, -1 behind
+    double sign; ///< 1 for the front, -1 for the back
     double point[3];
     bool visible;
 } globe_tracer;
@@ -39,7 +42,8 @@ static bool globe_visible(const globe_tracer *tracer, const double *point)
     return tracer->sign * point[2] >= 0.0;
 }
 
-/// Continue along an arc so short that its chord is as good. The limb is crossed where the chord's great circle crosses it.
+/// Draw an arc that is short enough to be drawn as its chord. The outline is crossed where the chord's great circle crosses
+/// it.
 static void globe_step(globe_tracer *tracer, const double *point)
 {
     const draw_view *view = tracer->view;
@@ -61,7 +65,7 @@ static void globe_step(globe_tracer *tracer, const double *point)
     tracer->visible = visible;
 }
 
-/// Continue along the shortest arc to `target`, in steps of at most `step` radians.
+/// Draw the shortest arc to `target`, in steps of at most `step` radians.
 static void globe_arc(globe_tracer *tracer, const double *target, double step)
 {
     double from[3];
@@ -83,7 +87,7 @@ static void globe_arc(globe_tracer *tracer, const double *target, double step)
     globe_step(tracer, target);
 }
 
-/// The largest angle whose arc on a circle of that radius deviates by at most `tolerance` from its chord.
+/// The largest angle of an arc of this radius that deviates by at most `tolerance` from its chord.
 static double flat_angle(double radius, double tolerance)
 {
     return fmin(0.1, sqrt(8.0 * tolerance / radius));
@@ -115,7 +119,7 @@ void view_trace_globe(const draw_view *view, const double *points, size_t count,
     }
 }
 
-/// The path on a map as it is drawn.
+/// The path on a map.
 typedef struct map_tracer
 {
     const draw_view *view;
@@ -129,13 +133,13 @@ static double latitude_of(const double *point)
     return atan2(point[2], sqrt(point[0] * point[0] + point[1] * point[1]));
 }
 
-/// The longitude in (-pi, pi]; a negative zero counts as zero.
+/// The longitude in (-pi, pi]; -0 counts as 0.
 static double longitude_of(const double *point)
 {
     return atan2(point[1] + 0.0, point[0]);
 }
 
-/// Continue along an arc so short that it is straight on the map, cut where it crosses the antimeridian.
+/// Draw an arc that is straight on the map, cut at the antimeridian.
 static void map_step(map_tracer *tracer, const double *point)
 {
     const draw_view *view = tracer->view;
@@ -161,7 +165,7 @@ static void map_step(map_tracer *tracer, const double *point)
     tracer->latitude = latitude;
 }
 
-/// Whether the arc from the tracer's point through its midpoint to `target` is straight on the map.
+/// Whether the arc through the midpoint to `target` is straight on the map.
 static bool map_straight(const map_tracer *tracer, const double *middle, const double *target)
 {
     double whole = remainder(longitude_of(target) - tracer->longitude, 2.0 * PI);
@@ -171,8 +175,8 @@ static bool map_straight(const map_tracer *tracer, const double *middle, const d
     return fabs(whole) < 0.5 * PI && hypot(bend_u, bend_v) * tracer->view->scale <= tracer->view->tolerance;
 }
 
-/// Continue along the shortest arc to `target`, halved until its parts are straight on the map or, next to a pole, until
-/// `depth` is used up.
+/// Draw the shortest arc to `target`. It is bisected until its parts are straight on the map or, near a pole, until `depth`
+/// is 0.
 static void map_arc(map_tracer *tracer, const double *target, int depth)
 {
     if (depth == 0)
@@ -195,7 +199,7 @@ static void map_arc(map_tracer *tracer, const double *target, int depth)
     map_arc(tracer, target, depth - 1);
 }
 
-/// Whether the next point of a dense curve is too near to show, and on the same side of the antimeridian's plane.
+/// Whether the next point of a dense curve is too near to be drawn and on the same side of the antimeridian.
 static bool map_skips(const map_tracer *tracer, const double *point)
 {
     double skip = 0.1 * tracer->view->tolerance / tracer->view->scale;
@@ -222,7 +226,7 @@ void view_trace_map(const draw_view *view, const double *points, size_t count, b
     }
 }
 
-/// The sums over the edges of curves on the sphere that place the middle of a globe.
+/// Moments of curves on the sphere, from which the centre of a globe is chosen.
 typedef struct globe_moments
 {
     double weight;
@@ -243,7 +247,7 @@ static void add_direction(globe_moments *moments, const double *direction, doubl
     }
 }
 
-/// Add the middles of the edges, weighted with their lengths; of long curves those of an even choice of points.
+/// Add the midpoints of the edges, weighted by length; of long curves an even selection of points.
 static void add_curve(globe_moments *moments, const bat_curve *curve)
 {
     const size_t enough = 65536;
@@ -266,7 +270,8 @@ static void add_curve(globe_moments *moments, const bat_curve *curve)
     add_direction(moments, last, 1e-9);
 }
 
-/// A view 25 degrees above the best plane through the moments, from its northern side, towards where most of the curve is.
+/// The direction 25 degrees above the plane that fits the moments best, from its northern side, towards the larger part of
+/// the curve.
 static void oblique_direction(globe_moments *moments, double *direction)
 {
     const double elevation = 25.0 * 3.14159265358979323846 / 180.0;
@@ -293,7 +298,7 @@ static void oblique_direction(globe_moments *moments, double *direction)
 
 void view_automatic(const bat_curve *const *curves, size_t count, double *longitude, double *latitude)
 {
-    const double min_share = 0.3; // share of the length; below, the curve surrounds the sphere rather than lies on one side
+    const double min_share = 0.3; // relative to the total length; for smaller means the curve surrounds the sphere
     globe_moments moments = {0};
     for (size_t i = 0; i < count; i++)
     {

@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Angle-limited vertex normals of non-manifold meshes.
+
 /// The cosine of 40 degrees.
 #define SMOOTH_COSINE 0.766044443118978
 
@@ -19,7 +22,7 @@ void mesh_surface_free(mesh_surface *surface)
     *surface = (mesh_surface){0};
 }
 
-/// The faces at every vertex: those of vertex v are faces[begin[v]] … faces[begin[v + 1] - 1].
+/// The faces at each vertex: faces[begin[v]], …, faces[begin[v + 1] - 1].
 typedef struct fan_list
 {
     size_t *begin;
@@ -32,7 +35,7 @@ static bool fans_make(const bat_mesh *mesh, fan_list *fans)
                        .faces = memory_array(3 * mesh->face_count, sizeof *fans->faces)};
     if (fans->begin == NULL || fans->faces == NULL)
         return false;
-    // Counted two places on, summed one place on: filling in moves the sums to where they belong.
+    // Counts are stored two places ahead and sums one place ahead. Filling the list then shifts the sums into place.
     for (size_t i = 0; i < 3 * mesh->face_count; i++)
         fans->begin[mesh->faces[i] + 2]++;
     for (size_t v = 2; v <= mesh->vertex_count; v++)
@@ -42,7 +45,7 @@ static bool fans_make(const bat_mesh *mesh, fan_list *fans)
     return true;
 }
 
-/// The normal of a face, of twice its area.
+/// The normal of a face, with twice its area as length.
 static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
 {
     const uint32_t *corner = mesh->faces + 3 * face;
@@ -61,7 +64,7 @@ static void set_unit(const double normal[3], float unit[3])
         unit[c] = length > 0 ? (float)(normal[c] / length) : 0;
 }
 
-/// The mean normal at a corner of the faces that go on smoothly there.
+/// The mean normal of the faces that continue smoothly at a corner.
 static void corner_normal(const bat_mesh *mesh, const fan_list *fans, uint32_t vertex, const double own[3], float normal[3])
 {
     double sum[3] = {0, 0, 0}, size = vector3_dot(own, own);

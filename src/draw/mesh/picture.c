@@ -13,8 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// @file
+/// Pictures of meshes: a page of shaded panels with a colour scale.
+
 #define USUAL_COLUMNS ((size_t)4)
-/// The greatest and the least height of a panel over its width.
+/// The largest and smallest aspect ratio of a panel, height over width.
 #define TALLEST 1.25
 #define FLATTEST 0.45
 /// The width of wires in points.
@@ -33,14 +36,14 @@ bat_mesh_picture_options bat_mesh_picture_defaults(void)
                                       .value_high = NAN};
 }
 
-/// A picture as it is to be drawn.
+/// A picture to be drawn.
 typedef struct mesh_scene
 {
     const bat_mesh_picture_panel *panels;
     size_t count, columns;
     const bat_mesh_picture_options *options;
-    mesh_view *views;   ///< of every panel
-    mesh_frame *frames; ///< likewise
+    mesh_view *views;   ///< for each panel
+    mesh_frame *frames; ///< for each panel
     bool has_values;
     double value_low, value_high;
 } mesh_scene;
@@ -71,7 +74,7 @@ static bat_status check_options(const bat_mesh_picture_options *options, bat_err
     return BAT_OK;
 }
 
-/// Put the panel's number before the text of an error.
+/// Prefix the text of an error with the number of its panel.
 static bat_status name_panel(bat_error *error, bat_status status, size_t panel)
 {
     if (error != NULL)
@@ -99,7 +102,7 @@ static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index,
     return BAT_OK;
 }
 
-/// The range of the colour scale.
+/// Find the range of the colour scale.
 static void find_values(mesh_scene *made)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -120,7 +123,7 @@ static void find_values(mesh_scene *made)
         made->value_high = made->value_low + fmax(fabs(made->value_low), 1) * 1e-3;
 }
 
-/// The view and frame of every panel, the same along a row unless each has its own.
+/// Choose the view and the frame of every panel; the panels of a row share them unless each has its own.
 static void find_frames(mesh_scene *made)
 {
     for (size_t i = 0; i < made->count; i++)

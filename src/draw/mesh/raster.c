@@ -7,10 +7,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// What is added to faces' edges so that no sample falls between two faces, in samples.
+/// @file
+/// Scan conversion of triangles in bands of rows, one band for each thread.
+
+/// The tolerance at the edges of faces, in samples, so that every sample belongs to a face.
 #define EDGE_SLACK 1e-7
 
-/// Threads that are worth starting have at least so many rows.
+/// The smallest number of rows for a thread.
 #define ROWS_PER_THREAD 64
 
 void mesh_raster_free(mesh_raster *raster)
@@ -21,7 +24,7 @@ void mesh_raster_free(mesh_raster *raster)
     *raster = (mesh_raster){0};
 }
 
-/// The first and last sample, of `count`, whose middles are between low and high. False when there is none.
+/// The first and last of `count` samples with centres between `low` and `high`. False when there is none.
 static bool sample_range(double low, double high, size_t from, size_t to, size_t *first, size_t *last)
 {
     double begin = fmax(ceil(low - 0.5 - EDGE_SLACK), (double)from),
@@ -45,7 +48,7 @@ static double greatest(double a, double b, double c)
     return ab > c ? ab : c;
 }
 
-/// Mark the samples of a face in the rows from `from` to before `to`.
+/// Draw a face into the rows from, …, to - 1.
 static void draw_face(mesh_raster *raster, const uint32_t *corners, uint32_t face, size_t from, size_t to)
 {
     const double *a = raster->places + 3 * (size_t)corners[0], *b = raster->places + 3 * (size_t)corners[1];
@@ -58,7 +61,7 @@ static void draw_face(mesh_raster *raster, const uint32_t *corners, uint32_t fac
     if (area == 0)
         return;
     double inverse = 1 / area;
-    // Barycentric coordinates of b and c: linear in x and y.
+    // Barycentric coordinates for b and c; they are linear in x and y.
     double bx = (c[1] - a[1]) * inverse, by = (a[0] - c[0]) * inverse;
     double cx = (a[1] - b[1]) * inverse, cy = (b[0] - a[0]) * inverse;
     double slack = EDGE_SLACK * (fabs(bx) + fabs(by) + fabs(cx) + fabs(cy));

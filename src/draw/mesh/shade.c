@@ -13,23 +13,24 @@
 #include <string.h>
 
 /// @file
-/// How much of the sky a seen surface has above it, from the depths of its surroundings in the picture.
+/// Shading with two lights, a highlight (Blinn, "Models of light reflection for computer synthesized pictures", 1977) and
+/// screen-space ambient occlusion (Mittring, "Finding next gen: CryEngine 2", 2007).
 
-/// What is seen at the pixels of a picture: depths in pixels towards the eye, -HUGE_VALF where there is nothing; unit
-/// normals, x to the right, y upwards, z to the eye.
+/// The visible surface at the pixels of a picture. Depths are in pixels towards the eye, or -HUGE_VALF for no surface. Unit
+/// normals have x to the right, y upwards, z to the eye.
 typedef struct occlusion_picture
 {
     size_t columns, rows;
     const float *depths;
     const float (*normals)[3];
-    double reach; ///< pixels: what is farther away takes no light
+    double reach; ///< in pixels; farther surfaces do not occlude
 } occlusion_picture;
 
-/// Directions change from pixel to pixel in tiles of TILE x TILE, which a mean over as many evens out.
+/// The sampling pattern changes within tiles of TILE x TILE pixels; a mean over a tile smooths the result.
 #define TILE 4
 #define TAPS 16
 
-/// Where to look from a pixel of a tile, in shares of the reach.
+/// The offsets of samples around a pixel, for each pixel of a tile, relative to the reach.
 typedef struct tap_list
 {
     float offsets[TILE * TILE][TAPS][2];
@@ -41,7 +42,7 @@ static void spread_taps(tap_list *taps)
     for (int cell = 0; cell < TILE * TILE; cell++)
         for (int tap = 0; tap < TAPS; tap++)
         {
-            // A spiral, turned for every cell, the turns in an order that keeps neighbours different.
+            // A spiral, rotated for every pixel so that neighbours differ.
             double share = sqrt((tap + 0.35 + 0.3 * (cell % 3)) / TAPS);
             double angle = golden * tap + 6.283185307179586 * (cell * 7 % (TILE * TILE)) / (TILE * TILE);
             taps->offsets[cell][tap][0] = (float)(share * cos(angle));
@@ -49,8 +50,7 @@ static void spread_taps(tap_list *taps)
         }
 }
 
-/// How much one place above the surface's plane takes away: the more, the steeper it is seen, and nothing from beyond the
-/// reach.
+/// The occlusion by one sample above the surface's tangent plane. It increases with the elevation and is 0 beyond the reach.
 static double shadow_of(const occlusion_picture *picture, size_t here, size_t there, double across, double down)
 {
     double depth = picture->depths[there];
@@ -81,7 +81,7 @@ static double light_at(const occlusion_picture *picture, const tap_list *taps, s
     return fmax(0, 1 - 2.0 * shadow / TAPS);
 }
 
-/// The mean over a tile of those pixels that lie about as deep.
+/// The mean over a tile of the pixels with similar depth.
 static float smooth_at(const occlusion_picture *picture, const float *rough, size_t column, size_t row)
 {
     size_t here = row * picture->columns + column;
@@ -98,9 +98,8 @@ static float smooth_at(const occlusion_picture *picture, const float *rough, siz
     return weight > 0 ? (float)(sum / weight) : rough[here];
 }
 
-/// The share of light from all around that reaches each pixel's surface, 0 to 1 (Mittring, "Finding Next Gen", 2007, with
-/// the surface's own plane as horizon).
-/// @param light receives columns x rows shares
+/// Compute the ambient light at each pixel, 0 to 1: the unoccluded fraction of the hemisphere above the tangent plane.
+/// @param light receives columns x rows values
 /// @return BAT_OK or BAT_NO_MEMORY
 static bat_status ambient_occlusion(const occlusion_picture *picture, int threads, float *light, bat_error *error)
 {
@@ -129,7 +128,7 @@ static bat_status ambient_occlusion(const occlusion_picture *picture, int thread
     return BAT_OK;
 }
 
-/// Colours as cairo takes them; the shading works in linear light.
+/// Colours in sRGB; shading uses linear light.
 static const draw_colour CLAY = {0.90, 0.845, 0.775};
 static const draw_colour INSIDE = {0.55, 0.61, 0.68};
 static const draw_colour NO_VALUE = {0.75, 0.75, 0.75};
@@ -137,12 +136,12 @@ static const draw_colour WIRE = {0.13, 0.15, 0.19};
 static const draw_colour BOUNDARY = {0.02, 0.33, 0.62};
 
 #define WIRE_OPACITY 0.8
-/// Boundaries are so many times as wide as wires.
+/// The width of boundaries, relative to wires.
 #define BOUNDARY_WIDENING 2.6
-/// Hollows reach so far, as a share of the picture's greater side.
+/// The reach of ambient occlusion, relative to the larger side of the picture.
 #define OCCLUSION_REACH 0.055
 
-/// Wires fade where faces are so small, in pixels, that they would cover everything.
+/// Wires fade on faces that are smaller than this, in pixels, because they would cover everything.
 #define WIRE_FADES_FROM 9.0
 #define WIRE_GONE_AT 1.5
 
@@ -151,8 +150,8 @@ typedef struct shading
     const shade_task *task;
     mesh_raster raster;
     mesh_surface surface;
-    float *light;                                       ///< of each pixel: the share that hollows leave
-    unsigned char *lines;                               ///< of each sample: whether a boundary is drawn there; null for none
+    float *light;                                       ///< for each pixel: its ambient light
+    unsigned char *lines;                               ///< for each sample: whether a boundary is drawn there; or null
     draw_colour clay, inside, no_value, wire, boundary; ///< in linear light
 } shading;
 
@@ -161,13 +160,13 @@ static draw_colour linear_colour(draw_colour encoded)
     return (draw_colour){colour_decode(encoded.red), colour_decode(encoded.green), colour_decode(encoded.blue)};
 }
 
-/// What a sample shows.
+/// The visible point of a sample.
 typedef struct visible_point
 {
     uint32_t face;
-    double share[3];  ///< of the corners
-    double normal[3]; ///< to the right, upwards, to the eye; towards the eye
-    bool behind;      ///< the face's back is seen
+    double share[3];  ///< barycentric coordinates
+    double normal[3]; ///< right, up and towards the eye; the side that faces the eye
+    bool behind;      ///< the back of the face is visible
 } visible_point;
 
 static void normalize(double v[3])
@@ -177,7 +176,7 @@ static void normalize(double v[3])
         v[c] /= length;
 }
 
-/// Look at the face of sample (x, y).
+/// Find the visible point of sample (x, y).
 static visible_point visible_at(const shading *s, size_t x, size_t y)
 {
     visible_point visible = {.face = s->raster.faces[y * s->raster.columns + x]};
@@ -185,12 +184,12 @@ static visible_point visible_at(const shading *s, size_t x, size_t y)
     mesh_raster_locate(&s->raster, corners, (double)x + 0.5, (double)y + 0.5, visible.share);
     const double *a = s->raster.places + 3 * (size_t)corners[0], *b = s->raster.places + 3 * (size_t)corners[1];
     const double *c = s->raster.places + 3 * (size_t)corners[2];
-    // y runs downwards: what turns counter-clockwise in space turns clockwise here.
+    // y points downwards, so counter-clockwise faces appear clockwise here.
     visible.behind = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0;
     double mean[3] = {0, 0, 0};
     for (size_t corner = 0; corner < 3; corner++)
     {
-        // Faces seen from their edge have shares of any size.
+        // Faces seen edge-on have coordinates of any size.
         visible.share[corner] = fmin(fmax(visible.share[corner], 0), 1);
         const float *normal = s->surface.normals[3 * (size_t)visible.face + corner];
         for (int i = 0; i < 3; i++)
@@ -204,7 +203,7 @@ static visible_point visible_at(const shading *s, size_t x, size_t y)
     return visible;
 }
 
-/// A smooth 0 … 1 between low and high.
+/// A smooth step from 0 at `low` to 1 at `high`.
 static double ramp(double low, double high, double x)
 {
     double t = fmin(fmax((x - low) / (high - low), 0), 1);
@@ -225,7 +224,8 @@ static draw_colour base_colour(const shading *s, const visible_point *visible)
     return colour_scale_at((value - task->value_low) / (task->value_high - task->value_low));
 }
 
-/// Light from over the viewer's left shoulder, a soft fill from the right, and the sky's, which hollows lose.
+/// The light at a point: a key light from above the viewer's left shoulder, a soft light from the right, and ambient light
+/// times `open`.
 static double illuminate(const double normal[3], double open)
 {
     double key = fmax((-0.467 * normal[0] + 0.571 * normal[1] + 0.675 * normal[2] + 0.12) / 1.12, 0);
@@ -234,7 +234,7 @@ static double illuminate(const double normal[3], double open)
     return open * (0.12 + 0.17 * sky) + (0.3 + 0.7 * open) * (0.86 * key + 0.12 * fill);
 }
 
-/// The light of a shiny spot (Blinn, 1977).
+/// The highlight of a glossy surface (Blinn, 1977).
 static double shine(const double normal[3])
 {
     // half-way between the key light and the eye
@@ -244,7 +244,7 @@ static double shine(const double normal[3])
     return 0.07 * power;
 }
 
-/// How much of a sample the edges of its face cover.
+/// The fraction of a sample that its face's edges cover.
 static double cover_edges(const shading *s, const visible_point *visible, double width)
 {
     const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)visible->face;
@@ -263,7 +263,7 @@ static double cover_edges(const shading *s, const visible_point *visible, double
     return 1 - ramp(half - 0.6, half + 0.6, nearest);
 }
 
-/// The opacity of a face's wires: less where it is small.
+/// The opacity of a face's wires, reduced for small faces.
 static double wire_opacity(const shading *s, const visible_point *visible)
 {
     const uint32_t *corners = s->task->mesh->faces + 3 * (size_t)visible->face;
@@ -302,7 +302,7 @@ static uint32_t to_byte(double share)
     return (uint32_t)(255 * fmin(fmax(share, 0), 1) + 0.5);
 }
 
-/// The mean of a pixel's samples, premultiplied by the share that shows the mesh.
+/// The mean of a pixel's samples, premultiplied by the fraction that shows the mesh.
 static uint32_t shade_pixel(const shading *s, size_t column, size_t row)
 {
     double open = s->light != NULL ? s->light[row * s->task->columns + column] : 1;
@@ -329,7 +329,7 @@ static uint32_t shade_pixel(const shading *s, size_t column, size_t row)
            to_byte(alpha * colour_encode(sum.green / covered)) << 8 | to_byte(alpha * colour_encode(sum.blue / covered));
 }
 
-/// What the middle samples of all pixels show, for the hollows.
+/// The depths and normals at the middle samples of all pixels, for ambient occlusion.
 static void sample_middles(const shading *s, float *depths, float (*normals)[3])
 {
     const shade_task *task = s->task;
@@ -372,7 +372,7 @@ static bat_status find_occlusion(shading *s, bat_error *error)
     return status;
 }
 
-/// Draw the boundaries, where there are any.
+/// Draw the boundaries, if there are any.
 static bat_status draw_boundaries(shading *s, bat_error *error)
 {
     const bat_mesh *mesh = s->task->mesh;

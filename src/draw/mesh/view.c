@@ -2,14 +2,17 @@
 
 #include <math.h>
 
+/// @file
+/// Automatic views from second moments of the surface.
+
 #define DEGREE 0.017453292519943295
 
-/// The automatic view is so far beside the direction that sees most, so far above the horizon, and farther above flat
-/// meshes.
+/// The automatic view is rotated by BESIDE from the direction of the broadest side. It is elevated above the horizon, more
+/// for flat meshes.
 #define BESIDE (35 * DEGREE)
 #define ABOVE (18 * DEGREE)
 #define FAR_ABOVE (42 * DEGREE)
-/// A mesh is flat whose extent upwards is less than this share of the one across.
+/// Meshes are flat when their upward extent, relative to the horizontal one, is smaller.
 #define FLAT_SHARE 0.25
 
 /// The axes of space as (towards longitude 0, towards longitude pi/2, upwards), right-handed.
@@ -20,7 +23,7 @@ static void axes_of(bat_mesh_up up, int axes[3])
         axes[i] = AXES[up][i];
 }
 
-/// Second moments of the surface about its middle, faces taken as points at their centroids, in the order of `axes`.
+/// The second moments of the surface about its centroid, with faces as points at their centroids, in the order of `axes`.
 static void moments_of(const bat_mesh *mesh, const int axes[3], double moments[3][3])
 {
     double sum[3] = {0}, products[3][3] = {{0}}, total = 0;
@@ -53,7 +56,7 @@ static void moments_of(const bat_mesh *mesh, const int axes[3], double moments[3
             moments[i][k] = products[i][k] / total - sum[i] * sum[k] / (total * total);
 }
 
-/// The viewer's longitude that sees the mesh's broad side from 35 degrees beside, from near longitude 35 degrees.
+/// The viewer's longitude: 35 degrees beside the broad side of the mesh, on the side near longitude 35 degrees.
 static double automatic_longitude(double moments[3][3])
 {
     double spread = moments[0][0] + moments[1][1], lean = hypot(moments[0][0] - moments[1][1], 2 * moments[0][1]);

@@ -11,20 +11,24 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// The share of its frame that a cloud fills, as a guess.
+/// @file
+/// Panels of a cloud, a shaded surface, and a surface with errors at its points.
+
+/// The assumed fraction of its frame that a cloud fills.
 #define FILLED_SHARE 0.65
-/// Dots that show errors are so many times as large as a cloud's, and stand out from white paper by an edge of so many
-/// points.
+/// The size of dots for errors, relative to the cloud's, and the width of their light edge in points.
 #define ERROR_GROWTH 1.25
 #define ERROR_EDGE 0.4
-/// A dot lies behind others when one in its cell, so many of its diameters wide, is nearer to the eye by more than a share
-/// of the picture and more than a steep surface falls within a cell; it fades over another share.
+/// A dot is behind another dot in its cell when it is farther from the eye by more than a fraction of the picture and more
+/// than a steep surface descends within a cell. The side of a cell is a multiple of the dots' diameter. The dot fades over
+/// another fraction.
 #define CELL_DIAMETERS 2.2
 #define BEHIND_FROM 0.025
 #define BEHIND_FADE 0.065
 #define STEEPEST 1.5
 #define BEHIND_STRENGTH 0.3
-/// A dot is hidden when the surface is so much nearer to the eye, as a share of the frame, beyond the dot's own distance.
+/// A dot is hidden when the surface is nearer to the eye by more than this fraction of the frame plus the dot's own
+/// distance.
 #define HIDDEN_SHARE 0.02
 #define BOUNDARY_LINE 0.34
 
@@ -38,8 +42,8 @@ typedef struct panel_image
     size_t columns, rows;
     double per_point;
     mesh_placing placing;
-    double highest;      ///< of the colours for errors
-    const double *blank; ///< NaN at every vertex of the surface, for a grey one
+    double highest;      ///< the end of the colour scale for errors
+    const double *blank; ///< NaN at every vertex, for a grey surface
 } panel_image;
 
 static panel_image image_of(const surface_row *row, const pixel_box *place)
@@ -51,7 +55,7 @@ static panel_image image_of(const surface_row *row, const pixel_box *place)
                          .placing = mesh_frame_place(&row->frame, &row->view, place->columns, place->rows)};
 }
 
-/// The radius of dots that lie all over the frame.
+/// The radius of dots that cover the whole frame.
 static double frame_radius(const panel_image *task, size_t count)
 {
     const mesh_frame *frame = &task->row->frame;
@@ -60,7 +64,7 @@ static double frame_radius(const panel_image *task, size_t count)
     return dot_radius(FILLED_SHARE * area, count, task->per_point);
 }
 
-/// The cloud's points where they are seen, ranked by depth.
+/// Compute the positions of the cloud's points in the image, ranked by depth.
 static bat_status place_dots(const panel_image *task, image_dot **dots, bat_error *error)
 {
     const bat_cloud *cloud = task->row->panel->cloud;
@@ -76,7 +80,7 @@ static bat_status place_dots(const panel_image *task, image_dot **dots, bat_erro
     return BAT_OK;
 }
 
-/// Depths of the nearest dots in square cells.
+/// The depths of the nearest dots in square cells.
 typedef struct depth_cells
 {
     double side;
@@ -112,7 +116,7 @@ static bat_status find_depths(const panel_image *task, const image_dot *dots, do
     return BAT_OK;
 }
 
-/// Draw sorted dots, the nearer the darker; those behind others faintly.
+/// Draw sorted dots: nearer ones darker, those behind others faintly.
 static void draw_cloud(const panel_image *task, const image_dot *dots, const depth_cells *cells, double radius,
                        const dot_image *image)
 {
@@ -194,7 +198,7 @@ static bool is_hidden(const panel_image *task, const mesh_raster *raster, const 
     return (double)raster->depths[sample] > dot->rank + slack;
 }
 
-/// Draw the dots that are not hidden, the farthest from the surface last.
+/// Draw the dots that are not hidden; the farthest from the surface come last.
 static void draw_errors(const panel_image *task, const mesh_raster *raster, image_dot *dots, const dot_image *image)
 {
     const double *distances = task->row->panel->distances;

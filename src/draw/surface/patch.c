@@ -7,14 +7,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// Steps of the grid along a side, at least and at most.
+/// @file
+/// Uniform triangulations of spline surfaces.
+
+/// The smallest and largest number of steps along a side.
 #define MIN_STEPS ((size_t)96)
 #define MAX_STEPS ((size_t)320)
 
-/// So many steps take a cell of the finest level where there is room.
+/// Steps across a cell of the finest level, up to the largest number of all steps.
 #define STEPS_OF_CELL ((size_t)3)
 
-/// A patch nearly closes when less than this share of its area faces the eye beyond what faces away.
+/// A patch is nearly closed when the area facing the eye exceeds the area facing away by less than this fraction of the
+/// whole.
 #define OPEN_SHARE 0.2
 
 static size_t steps_for(const bat_hierarchical_space *space, int direction)
@@ -26,7 +30,7 @@ static size_t steps_for(const bat_hierarchical_space *space, int direction)
     return steps < MIN_STEPS ? MIN_STEPS : steps > MAX_STEPS ? MAX_STEPS : steps;
 }
 
-/// The number of the vertex in column i and row j of a grid with so many steps.
+/// The vertex in column i and row j of the grid.
 static uint32_t vertex_at(const size_t steps[2], size_t i, size_t j)
 {
     size_t m = steps[0], n = steps[1], number;

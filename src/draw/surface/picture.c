@@ -11,10 +11,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/// @file
+/// Pictures of surface fits: rows of panels with the cloud, the surface, the errors and the parameter plane.
+
 #define MIN_WIDTH 60
 #define MAX_WIDTH 4000
 
-/// The first number that is not finite; BAT_NO_INDEX for none.
+/// The first number that is not finite, or BAT_NO_INDEX.
 static size_t find_not_finite(const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -37,7 +40,7 @@ static bat_status check_options(const bat_surface_picture_options *options, bat_
     return BAT_OK;
 }
 
-/// What a row has must fit together.
+/// Check that the parts of a row are consistent.
 static bat_status check_parts(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {
     const char *wrong = NULL;
@@ -56,7 +59,7 @@ static bat_status check_parts(const bat_surface_picture_row *row, size_t index, 
     return BAT_OK;
 }
 
-/// The numbers of a row's points.
+/// Check the numbers of a row's points.
 static bat_status check_points(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {
     size_t count = row->cloud->count, wrong = find_not_finite(row->cloud->points, 3 * count);
@@ -82,7 +85,7 @@ static bat_status check_surface(const bat_spline_surface *surface, size_t index,
     return BAT_OK;
 }
 
-/// Whether rows and options can be drawn: what bat_surface_picture_write() returns for those that cannot.
+/// Check that rows and options can be drawn.
 static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
                                         const bat_surface_picture_options *options, bat_error *error)
 {
@@ -99,23 +102,23 @@ static bat_status surface_picture_check(const bat_surface_picture_row *rows, siz
 }
 
 #define USUAL_WIDTH 420
-/// Pixels of a point of paper; in SVG and PDF the images are denser.
+/// Pixels in a point of the page; images in SVG and PDF have more.
 #define PIXELS_PER_POINT 2.0
 #define FINE_PIXELS_PER_POINT 4.0
-/// The greatest and the least height of a panel over its width.
+/// The largest and smallest aspect ratio of a panel, height over width.
 #define TALLEST 1.35
 #define FLATTEST 0.45
 #define TITLE_ROOM 20.0
-/// The surface is drawn as far as the points' box grown by this share of its longest side.
+/// The surface is drawn within the points' bounding box, enlarged by this fraction of its longest side.
 #define BEYOND_SHARE 0.06
-/// The share of distances within the colour scale.
+/// The fraction of distances within the colour scale.
 #define SCALED_SHARE 0.99
 
 typedef struct surface_scene
 {
     surface_row *rows;
     size_t count;
-    surface_panel_kind kinds[SURFACE_PANEL_KINDS]; ///< of the panels that some row has
+    surface_panel_kind kinds[SURFACE_PANEL_KINDS]; ///< the panels that some row has
     size_t columns;
     double highest, per_point;
     double title_room;
@@ -182,7 +185,7 @@ static void describe_row(surface_row *row)
         (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
 }
 
-/// Cut off what of the surface runs away from the points.
+/// Remove the parts of the surface far from the points.
 static void cut_beyond_points(const bat_cloud *cloud, bat_mesh *patch)
 {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, extent = 0;
@@ -201,7 +204,7 @@ static void cut_beyond_points(const bat_cloud *cloud, bat_mesh *patch)
     surface_patch_cut(patch, low, high);
 }
 
-/// The view and the frame of a row: the cloud's if its boundary is known, else the surface's.
+/// Choose the view and the frame of a row: from the cloud if its boundary is known, else from the surface.
 static void choose_view(surface_row *row, size_t loop_count, const bat_surface_picture_options *options)
 {
     const bat_cloud *cloud = row->panel->cloud;
@@ -234,7 +237,7 @@ static bat_status make_row(const bat_surface_picture_row *panel, const bat_surfa
     return BAT_OK;
 }
 
-/// The distance that a share of all points keeps within.
+/// The quantile of the distances of all points.
 static bat_status find_highest(const bat_surface_picture_row *rows, size_t count, double *highest, bat_error *error)
 {
     size_t total = 0;
@@ -263,7 +266,7 @@ static void scene_end(surface_scene *scene)
     free(scene->rows);
 }
 
-/// Which panels there are, and what explains them.
+/// Choose the panels and their captions.
 static void find_panels(const bat_surface_picture_row *rows, surface_scene *scene)
 {
     bool has_boundary = false;
@@ -327,7 +330,7 @@ static const char *panel_caption(const void *context, size_t index)
     return row_at(scene, index)->captions[kind_at(scene, index)];
 }
 
-/// The row's title, above its first panel and beyond.
+/// Draw the title of a row above its panels.
 static void draw_title(const surface_scene *scene, cairo_t *cairo, const char *title, const double box[4])
 {
     char cut[256];

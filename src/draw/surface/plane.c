@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Dots cover about this share of where they lie, within these radii in points.
+/// @file
+/// The parameter plane of a fit, with dots at the parameters and the cells of the spline space.
+
+/// The fraction of the area that dots cover, with bounds of their radii in points.
 #define COVERAGE 0.42
 #define MIN_RADIUS 0.34
 #define MAX_RADIUS 1.7
@@ -32,7 +35,7 @@ void dots_sort(image_dot *dots, size_t count)
     qsort(dots, count, sizeof *dots, compare_dots);
 }
 
-/// Lay a colour over a premultiplied pixel.
+/// Blend a colour over a premultiplied pixel.
 static uint32_t blend(uint32_t under, draw_colour colour, double share)
 {
     const double over[4] = {colour.blue, colour.green, colour.red, 1};
@@ -64,7 +67,7 @@ void dot_draw(const dot_image *image, double x, double y, double radius, draw_co
         }
 }
 
-/// Room for the numbers below and to the left, and for half a dot above and to the right.
+/// Margins for the numbers below and to the left, and for half a dot above and to the right.
 #define LABEL_ROOM 13.0
 #define DOT_ROOM 3.0
 #define CELL_WIDTH 0.32
@@ -76,7 +79,7 @@ double surface_plane_height(double width)
     return width;
 }
 
-/// The square in the middle of a box, as (x, y, side).
+/// The square in the centre of a box, as (x, y, side).
 static void place_square(const double box[4], double square[3])
 {
     double room = LABEL_ROOM + DOT_ROOM;
@@ -85,7 +88,7 @@ static void place_square(const double box[4], double square[3])
     square[1] = box[1] + DOT_ROOM + fmax(0, 0.5 * (box[3] - room - square[2]));
 }
 
-/// Dots of a row's parameters in an image that has a margin about the square.
+/// Dots at a row's parameters, in an image with a margin around the square.
 typedef struct plane_dots
 {
     const surface_row *row;
@@ -102,7 +105,7 @@ static bat_status paint_dots(const void *context, unsigned char *pixels, size_t 
     double radius = dot_radius(0.8 * task->side * task->side, cloud->count, task->per_point);
     for (size_t k = 0; k < cloud->count; k++)
     {
-        // The boundary, which comes first, is drawn last.
+        // The boundary comes first in the cloud and is drawn last.
         size_t i = (k + cloud->boundary_count) % cloud->count;
         const double *parameter = task->row->panel->parameters + 2 * i;
         double x = task->margin + task->side * parameter[0], y = task->margin + task->side * (1 - parameter[1]);
@@ -122,7 +125,7 @@ static bat_status draw_dots(const surface_row *row, cairo_t *cairo, const double
     return pixel_image_draw(cairo, &place, paint_dots, &task, error);
 }
 
-/// The left and lower sides of all cells; the square's frame closes the others.
+/// Draw the left and lower sides of all cells; the square's frame adds the others.
 static void draw_cells(const bat_hierarchical_space *space, cairo_t *cairo, const double square[3])
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(space);

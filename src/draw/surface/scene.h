@@ -9,7 +9,7 @@
 #include "draw/mesh/view.h"
 
 /// @file
-/// What the panels of fitted surfaces share, and the panels.
+/// The content of pictures of fitted surfaces, their panels, and the drawing of patches and dots.
 
 enum
 {
@@ -29,85 +29,78 @@ typedef enum surface_panel_kind
 typedef struct surface_row
 {
     const bat_surface_picture_row *panel;
-    bat_mesh patch; ///< the surface as triangles; no faces where there is none
+    bat_mesh patch; ///< the triangulated surface; no faces without a surface
     mesh_view view;
     mesh_frame frame;
     char captions[SURFACE_PANEL_KINDS][SURFACE_CAPTION_SIZE];
 } surface_row;
 
 static const draw_colour COLOUR_BOUNDARY_POINT = {0.835, 0.369, 0.0};
-/// Boundary points are so many times as large as others.
+/// The size of boundary points relative to other points.
 #define BOUNDARY_POINT_GROWTH 1.35
 
-/// Draw a row's panel into (x, y, width, height), pixels as dense as `per_point` says.
+/// Draw a panel of a row into (x, y, width, height), with `per_point` pixels in a point.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status surface_cloud_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
                               bat_error *error);
 bat_status surface_patch_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
                               bat_error *error);
+/// Draw the errors.
 /// @param highest the end of the colour scale
 bat_status surface_errors_draw(const surface_row *row, double highest, cairo_t *cairo, const double box[4], double per_point,
                                bat_error *error);
 bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
                               bat_error *error);
 
-/// The height that suits the parameter plane at a width.
+/// The preferred height of the parameter plane for a width.
 double surface_plane_height(double width);
 
-/// @file
-/// A spline surface as triangles to be shaded.
-
-/// The vertices are an even grid of parameters, fine enough for the surface's finest cells but no finer than pictures show,
-/// the boundary's first, counter-clockwise from (0, 0).
+/// Triangulate a surface for shading. The vertices are a uniform grid of parameters with cells no larger than the finest
+/// cells of the surface, down to a visible size. Boundary vertices come first, counter-clockwise from (0, 0).
 /// @param mesh       receives the triangles; release it with bat_mesh_free()
-/// @param loop_count receives the number of vertices on the boundary
-/// @return BAT_OK, what bat_spline_surface_evaluate() returns, or BAT_NO_MEMORY
+/// @param loop_count receives the number of boundary vertices
+/// @return BAT_OK, a failure of bat_spline_surface_evaluate(), or BAT_NO_MEMORY
 bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, size_t *loop_count, bat_error *error);
 
-/// Leave out the triangles with a vertex outside of a box.
+/// Remove the triangles with a vertex outside of a box.
 void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3]);
 
-/// Make the side that is seen from a direction the front of the triangles; of a patch that nearly closes the outer side.
+/// Orient the triangles so that their front faces `eye`; of a patch that is nearly closed, the outer side is the front.
 void surface_patch_turn(bat_mesh *mesh, const double eye[3]);
 
-/// @file
-/// From where patches of surface are seen.
-
-/// Points of a patch.
+/// The points of a patch.
 typedef struct patch_points
 {
     const double *points; ///< count x 3
     size_t count;
-    size_t loop_count; ///< the first points, in order around the boundary; 0 when it is not known
+    size_t loop_count; ///< the first points, in order around the boundary; 0 for an unknown boundary
 } patch_points;
 
-/// A view from a direction, with a direction upwards. Zeros leave it open: the eye is then a little above and beside the
-/// mean normal, on the side to which the patch bulges out of its boundary; across the broad side of a patch that nearly
-/// closes or whose boundary is not known; and on the side to which it leans where it is as deep as a head above its neck.
-/// Upwards is z, or y where the patch faces z.
+/// Choose the view of a patch. `direction` and `up` may be zero.
+///
+/// The default direction is slightly above and beside the mean normal, on the side where the patch bulges out of its
+/// boundary. A patch that is nearly closed, or whose boundary is unknown, is seen across its broad side. A deep patch, like
+/// a head above its neck, is seen from the side to which it leans. The default of `up` is z, or y where the patch faces z.
 mesh_view surface_view_of(const patch_points *patch, const double direction[3], const double up[3]);
 
-/// The smallest frame of what is seen of points.
+/// The bounding rectangle of points in a view.
 mesh_frame surface_frame_of(const double *points, size_t count, const mesh_view *view);
 
-/// @file
-/// Many dots in an image.
-
-/// Pixels of four bytes, cairo's ARGB32, that dots are drawn into.
+/// An image of four-byte pixels, cairo's ARGB32.
 typedef struct dot_image
 {
     unsigned char *pixels;
     size_t stride, columns, rows;
 } dot_image;
 
-/// A dot; those of greater `rank` are drawn later.
+/// A dot; dots with a greater `rank` are drawn later.
 typedef struct image_dot
 {
     double x, y, rank;
-    size_t index; ///< of the point; among equal ranks the lower is drawn first
+    size_t index; ///< of the point; of dots with equal ranks the lower index is drawn first
 } image_dot;
 
-/// The radius in pixels that suits `count` dots over an area of so many square pixels, `per_point` of them to a point.
+/// The radius in pixels of `count` dots on an area in square pixels, with `per_point` pixels in a point.
 double dot_radius(double area, size_t count, double per_point);
 void dots_sort(image_dot *dots, size_t count);
 /// Draw a disk with a soft edge.

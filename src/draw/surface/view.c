@@ -5,14 +5,18 @@
 
 #include <math.h>
 
-/// The tangents of the angles by which the eye is above the normal and to the left of it.
+/// @file
+/// Automatic views of patches from their boundary, centroid and principal axes.
+
+/// The tangents of the angles of the eye above the normal and to its left.
 #define ABOVE 0.25
 #define BESIDE 0.36
-/// A patch nearly closes when its mean normal comes from less than this share of what a flat one of its size has.
+/// A patch is nearly closed when its vector area is below this fraction of a flat patch's area.
 #define OPEN_SHARE 0.35
-/// It bulges when its middle is farther from its boundary's than this share of its size.
+/// A patch bulges when its centroid is farther from its boundary's centroid than this fraction of its size.
 #define BULGE_SHARE 0.01
-/// It is deep when that distance is more than this share of its size, and leans when it is so much out of line.
+/// A patch is deep when that distance exceeds this fraction of its size; it leans when the lateral offset exceeds the second
+/// fraction.
 #define DEEP_SHARE 1.5
 #define LEAN_SHARE 0.15
 
@@ -33,7 +37,7 @@ static void mean_of(const double *points, size_t count, double mean[3])
         mean[c] = sum[c] / (double)(count > 0 ? count : 1);
 }
 
-/// The principal axes of points and their variances, the least first.
+/// The principal axes of points and their variances, in increasing order.
 static void principal_axes(const patch_points *patch, const double mean[3], double variances[3], double axes[3][3])
 {
     double moments[9] = {0}, vectors[9];
@@ -62,7 +66,7 @@ static void principal_axes(const patch_points *patch, const double mean[3], doub
     }
 }
 
-/// The integral of the normal over any surface within the loop.
+/// The integral of the normal over any surface bounded by the loop.
 static void vector_area(const patch_points *patch, const double middle[3], double area[3])
 {
     area[0] = area[1] = area[2] = 0;
@@ -77,7 +81,7 @@ static void vector_area(const patch_points *patch, const double middle[3], doubl
     }
 }
 
-/// The normal that points to the side to which the patch bulges.
+/// Orient the normal to the side where the patch bulges.
 static void face_bulge(const patch_points *patch, const double bulge[3], double size, double normal[3])
 {
     double outwards = vector3_dot(bulge, normal);
@@ -89,7 +93,7 @@ static void face_bulge(const patch_points *patch, const double bulge[3], double 
         normal[c] = -normal[c];
 }
 
-/// A patch as deep as a head above its neck is seen from the side to which it leans.
+/// Choose the side to which a deep patch leans.
 static void face_lean(const double bulge[3], double size, double normal[3])
 {
     double deep = vector3_dot(bulge, normal), lean[3];
@@ -101,7 +105,7 @@ static void face_lean(const double bulge[3], double size, double normal[3])
         normal[c] = lean[c];
 }
 
-/// Where the patch faces.
+/// Find the direction that the patch faces.
 static void find_normal(const patch_points *patch, double normal[3])
 {
     double mean[3], variances[3], axes[3][3], middle[3], bulge[3];
@@ -125,7 +129,7 @@ static bool is_given(const double direction[3])
     return direction[0] != 0 || direction[1] != 0 || direction[2] != 0;
 }
 
-/// right = up x forward, or another direction across where the two agree.
+/// right = up x forward, or another perpendicular direction if both are parallel.
 static void find_right(const double up[3], const double forward[3], double right[3])
 {
     vector3_cross(up, forward, right);

@@ -6,6 +6,7 @@
 
 /// @file
 /// Parallel formatting with ordered output: threads format blocks in any order and write them in the order of their numbers.
+
 #ifdef _OPENMP
 #include <omp.h>
 #endif

@@ -5,6 +5,9 @@
 
 #include <stdio.h>
 
+/// @file
+/// Output of text in blocks that several threads format.
+
 /// The destination of text: a stream, or a buffer when `stream` is null.
 typedef struct text_sink
 {

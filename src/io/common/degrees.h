@@ -5,6 +5,9 @@
 
 #include <math.h>
 
+/// @file
+/// Longitudes and latitudes in degrees, as files write them, and unit vectors.
+
 /// The most decimals of a degree. With more, rounding could give more than 180 degrees.
 enum
 {

@@ -3,6 +3,9 @@
 
 #include "batten/base.h"
 
+/// @file
+/// The text of a file and its lines.
+
 /// The content of a file.
 typedef struct file_text
 {

@@ -6,6 +6,9 @@
 
 #include <jansson.h>
 
+/// @file
+/// Scanning and writing of JSON text.
+
 /// A position in JSON text. The functions skip values without parsing them: they only examine brackets, quotes and commas,
 /// except for json_scan_numbers(). A parser must check the syntax. Every function skips blanks first.
 typedef struct json_scanner

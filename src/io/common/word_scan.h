@@ -7,6 +7,9 @@
 
 #include <string.h>
 
+/// @file
+/// Scanning of text files made of words and numbers.
+
 /// A position in a text of lines of words. '#' begins a comment up to the end of its line. Blanks separate words.
 typedef struct word_scan
 {

@@ -3,6 +3,9 @@
 
 #include "batten/curve_file.h"
 
+/// @file
+/// Construction of curves from the points of a file.
+
 /// The curves of a file during reading.
 typedef struct curve_builder
 {

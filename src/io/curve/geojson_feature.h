@@ -7,6 +7,9 @@
 #include "io/curve/geojson_document.h"
 #include "io/curve/builder.h"
 
+/// @file
+/// Parts of the GeoJSON reader: positions for messages, coordinates cut out of the text, features, geometries.
+
 /// The position of a reader in the file, for messages; BAT_NO_INDEX where it does not apply.
 typedef struct geojson_place
 {

@@ -5,6 +5,9 @@
 #include "batten/curve_file.h"
 #include "io/curve/antimeridian.h"
 
+/// @file
+/// GeoJSON geometries during writing.
+
 /// The form of positions.
 typedef struct geojson_style
 {

@@ -4,6 +4,9 @@
 #include "batten/curve_file.h"
 #include "io/common/block_writer.h"
 
+/// @file
+/// Output of curve sets as rows of text.
+
 /// The points of all curves of a set, partitioned into blocks of equal size.
 typedef struct row_blocks
 {

@@ -4,6 +4,9 @@
 #include "base/array_grow.h"
 #include "batten/mesh_file.h"
 
+/// @file
+/// Construction of a mesh from the faces of a file.
+
 /// A mesh during reading. Faces are polygons and may refer to later vertices. All zero: empty.
 typedef struct mesh_builder
 {

@@ -4,6 +4,9 @@
 #include "batten/mesh_decimate.h"
 #include "mesh/decimate/map.h"
 
+/// @file
+/// Subdivisions of a coarse mesh whose vertices a decimation map carries to the fine mesh.
+
 /// The midpoint subdivision of a mesh, as points of that mesh, in the numbering of batten/mesh_refine.h.
 typedef struct midpoint_mesh
 {

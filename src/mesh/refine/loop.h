@@ -3,6 +3,9 @@
 
 #include "mesh/refine/level.h"
 
+/// @file
+/// Limits and weights of Loop's scheme.
+
 /// Compute the limit positions of a level's vertices on Loop's surface; `to` has as many rows as `from`.
 void loop_limit(const mesh_rows *rows, int threads);
 

@@ -3,6 +3,9 @@
 
 #include "batten/mesh_refine.h"
 
+/// @file
+/// The steps of a refinement.
+
 /// The steps of a refinement with checked options.
 typedef struct mesh_plan
 {
