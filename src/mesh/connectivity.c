@@ -121,9 +121,10 @@ static bat_status check_fans(const bat_mesh_connectivity *made, const uint32_t *
             h = bat_mesh_next_around(made, h);
         } while (h != BAT_MESH_NONE && h != first);
         if (fan != faces_at[v])
-            return error_set(error, BAT_NOT_MANIFOLD, first / 3, 0,
-                             "vertex %zu joins several fans of faces: %u of its %u faces hang together, among them face %u",
-                             v, fan, faces_at[v], first / 3);
+            return error_set(
+                error, BAT_NOT_MANIFOLD, first / 3, 0,
+                "vertex %zu joins several fans of faces: one of them has %u of its %u faces, among them face %u", v, fan,
+                faces_at[v], first / 3);
     }
     return BAT_OK;
 }

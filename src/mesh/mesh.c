@@ -134,8 +134,8 @@ static bat_status check_marks(const bat_mesh *mesh, bat_error *error)
     {
         const bat_mesh_crease *crease = &mesh->creases[i];
         if (crease->a >= mesh->vertex_count || crease->b >= mesh->vertex_count || crease->a == crease->b)
-            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are no edge", i,
-                             crease->a, crease->b);
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are not an edge",
+                             i, crease->a, crease->b);
         if (!(crease->sharpness >= 0))
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu has sharpness %g", i, crease->sharpness);
     }

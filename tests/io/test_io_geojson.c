@@ -353,7 +353,7 @@ static void wrong_structure_names_its_place(void **state)
         {COLLECTION(""), 0, "no lines or polygons"},
         {"{\"type\":\"Point\",\"coordinates\":[1,2]}", 0, "no lines or polygons"},
         {LINE("[]"), 0, "no lines or polygons"},
-        {COLLECTION("{}"), 2, "feature 0: it must be an object of the type Feature"},
+        {COLLECTION("{}"), 2, "feature 0: the feature must be an object of the type Feature"},
         {COLLECTION("7"), 0, "feature 0: it must be an object"},
         {COLLECTION(FEATURE("null") ",\n" FEATURE("[]")), 3, "feature 1: the geometry must be an object"},
         {LINE("7"), 0, "no array of coordinates"},

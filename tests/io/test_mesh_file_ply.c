@@ -244,14 +244,14 @@ static void test_bad_headers(void **state)
     assert_bad("ply\nelement vertex 3\n", PLY, 2, "'element' stands where 'format'");
     assert_bad("ply\nformat binary 1.0\n", PLY, 2, "'binary' is not ascii");
     assert_bad("ply\nformat ascii 2.0\n", PLY, 2, "'2.0' is not version 1.0");
-    assert_bad(ASCII "element\n", PLY, 3, "'' stands where the element's name");
+    assert_bad(ASCII "element\n", PLY, 3, "'' was found where the element's name");
     assert_bad(ASCII "element vertex\n", PLY, 3, "'' is not the number of elements");
     assert_bad(ASCII "element vertex -3\n", PLY, 3, "'-3' is not the number of elements");
     assert_bad(ASCII "element vertex 99999999999999999999\n", PLY, 3, "is not the number of elements");
     assert_bad(ASCII "element vertex 3 4\n", PLY, 3, "'4' is too much");
     assert_bad(ASCII "property int x\n", PLY, 3, "belongs to no element");
     assert_bad(ASCII "element vertex 3\nproperty long x\n", PLY, 4, "'long' is not a type");
-    assert_bad(ASCII "element vertex 3\nproperty float\n", PLY, 4, "'' stands where the property's name");
+    assert_bad(ASCII "element vertex 3\nproperty float\n", PLY, 4, "'' was found where the property's name");
     assert_bad(ASCII "element vertex 3\nproperty list float int a\n", PLY, 4, "length must be a whole number");
     assert_bad(ASCII "element vertex 3\nproperty int x\nproperty float x\n", PLY, 5, "the property's name is used already");
     assert_bad(ASCII "element vertex 3\nelement vertex 3\n", PLY, 4, "the element's name is used already");
@@ -287,7 +287,7 @@ static void test_bad_data(void **state)
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n256 0 1 2\n", PLY, 13, "'256' cannot be the 'vertex_indices' of face 0");
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", PLY, 13, "face 0 has 2 corners");
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n\n3 0 1 1\n", PLY, 14, "face 0 has vertex 1, counted from 0, twice");
-    assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", PLY, 14, "something follows the last element");
+    assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", PLY, 14, "there is data after the last element");
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n", PLY, 13, "the file ends at face 0 of 1");
     assert_bad(ASCII "element vertex 4000000000\n" XYZ FACES TRIANGLE "3 0 1 2\n", PLY, 0, "too short for its 4000000000");
     bat_mesh_read_options options = reading_as(PLY);

@@ -94,7 +94,7 @@ static void test_bytes(void **state)
     options.format = STL;
     assert_refused(bytes, 80, &options, BAT_BAD_FILE, 0, "neither begins with 'solid' nor");
     assert_refused(bytes, size - 1, &options, BAT_BAD_FILE, 0,
-                   "says that it has 2 triangles, but holds 99 bytes, enough for 1");
+                   "gives 2 triangles, but the file holds 99 bytes, enough for 1");
     bytes[83] = '\x7f';
     assert_refused(bytes, size, &options, BAT_BAD_FILE, 0, "says that it has 2130706434 triangles");
     bytes[83] = 0;

@@ -233,8 +233,8 @@ bat_status view_check(const bat_curve *curve, bat_error *error)
         size_t next = i + 1 < curve->count ? i + 1 : 0;
         if (antipodal(curve->points + 3 * i, curve->points + 3 * next))
         {
-            return error_set(error, BAT_CUT_LOCUS, i, 0, "points %zu and %zu are antipodal: no shortest arc joins them", i,
-                             next);
+            return error_set(error, BAT_CUT_LOCUS, i, 0,
+                             "points %zu and %zu are antipodal: their shortest arc is not unique", i, next);
         }
     }
     return BAT_OK;

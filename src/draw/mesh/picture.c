@@ -209,8 +209,9 @@ static bat_status panel_draw_mesh(const void *context, cairo_t *cairo, size_t in
     const mesh_scene *made = context;
     pixel_box place = pixel_box_align(cairo, made->options->pixels_per_point, box);
     if ((double)place.columns * (double)place.rows * SHADE_SAMPLES * SHADE_SAMPLES > MAX_SAMPLES)
-        return error_set(error, BAT_TOO_LARGE, index, 0, "panel %zu would have %zu by %zu pixels; give fewer pixels a point",
-                         index, place.columns, place.rows);
+        return error_set(error, BAT_TOO_LARGE, index, 0,
+                         "panel %zu would have %zu by %zu pixels; reduce the pixels for each point", index, place.columns,
+                         place.rows);
     shade_task task = panel_task(made, index, &place);
     return pixel_image_draw(cairo, &place, shade_image, &task, error);
 }

@@ -198,7 +198,7 @@ static bat_status use_coordinates(csv_reader *reader, const text_line *line, con
     status = bat_space_by_name(name, reader->coordinate_count, &reader->builder.space, error);
     return status == BAT_OK ? status
                             : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
-                                        "%zu columns make no point of the space %s", count, name);
+                                        "%zu columns are not a point of the space %s", count, name);
 }
 
 /// Choose the space from the options, the directives and the columns.
@@ -297,7 +297,7 @@ static bat_status read_space(csv_reader *reader, const text_line *line, const ch
     if (bat_space_by_name(name, 0, &unused, NULL) != BAT_OK)
         return colon ? error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "there is no space '%s'", name) : BAT_OK;
     if (reader->begun && strcmp(name, reader->space_name) != 0)
-        return bad_row(error, line, "the space is named after the first row");
+        return bad_row(error, line, "the space must be named before the first row");
     memcpy(reader->space_name, name, sizeof name);
     return BAT_OK;
 }

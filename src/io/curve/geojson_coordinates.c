@@ -102,7 +102,7 @@ static bat_status read_position(geojson_reader *reader, json_scanner *scan)
     if (reader->number_count == 0)
         reader->number_count = count;
     if (count != reader->number_count)
-        return geojson_fault(reader, "some positions of the geometry have an altitude and others not");
+        return geojson_fault(reader, "only some positions of the geometry have an altitude");
     return add_point(reader, numbers, count);
 }
 

@@ -220,7 +220,7 @@ static bat_status read_geometry(geojson_reader *reader, json_t *geometry)
 {
     geometry_kind kind = kind_of(geometry);
     if (kind == KIND_UNKNOWN)
-        return geojson_fault(reader, json_is_object(geometry) ? "the geometry has no type that GeoJSON knows"
+        return geojson_fault(reader, json_is_object(geometry) ? "the geometry has an unknown type"
                                                               : "the geometry must be an object");
     if (kind == KIND_OTHER)
         return BAT_OK;
@@ -265,7 +265,7 @@ bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_
                                  .geometry = document->geometry_count,
                                  .polygon = document->polygon_count};
     if (!bare_geometry && !geojson_has_type(tree, "Feature"))
-        return geojson_fault(reader, "it must be an object of the type Feature");
+        return geojson_fault(reader, "the feature must be an object of the type Feature");
     json_t *geometry = bare_geometry ? tree : json_object_get(tree, "geometry");
     if (geometry == NULL)
         return geojson_fault(reader, "the feature has no geometry");

@@ -149,7 +149,7 @@ static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat
             return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners, fewer than 3", f, size);
         if (size > 3 && !triangulate)
             return error_set(error, BAT_BAD_FILE, f, 0,
-                             "face %zu has %zu corners; the option `triangulate` cuts it in triangles", f, size);
+                             "face %zu has %zu corners; the option `triangulate` divides it into triangles", f, size);
         for (size_t i = begin; i < begin + size; i++)
         {
             if (builder->corners[i] >= builder->vertex_count)

@@ -197,7 +197,7 @@ static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, cons
     if ((unsigned)options->encoding > BAT_MESH_ENCODING_TEXT)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no encoding %d", (int)options->encoding);
     if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY is written with the greater bytes first");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY supports the big-endian encoding");
     if (options->threads < 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
     return bat_mesh_check(mesh, error);

@@ -80,7 +80,7 @@ static bat_status take_sizes(const safetensors *content, bat_mesh_map *map, bat_
         return status;
     for (int i = 0; i < 4; i++)
         if (sizes[i] < 1 || sizes[i] >= BAT_MESH_NONE)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map names a mesh of %lld vertices or faces",
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map gives %lld as a number of vertices or faces",
                              (long long)sizes[i]);
     map->fine_vertices = (size_t)sizes[0];
     map->fine_faces = (size_t)sizes[1];
@@ -112,7 +112,7 @@ static bat_status set_collapses(const uint8_t *shapes, bat_mesh_map *map, bat_er
         map_collapse *collapse = &map->collapses[c];
         *collapse = (map_collapse){(uint32_t)entries, (uint32_t)points, shape[0], shape[1], shape[2], shape[3], shape[4]};
         if (!shape_is_right(collapse))
-            return error_set(error, BAT_BAD_FILE, c, 0, "collapse %zu of the map is none", c);
+            return error_set(error, BAT_BAD_FILE, c, 0, "collapse %zu of the map is invalid", c);
         entries += (size_t)collapse->count + collapse->vanishing;
         points += (size_t)FLAT_RING + collapse->count + (collapse->closed == 0);
         vanished += collapse->vanishing;
@@ -121,7 +121,7 @@ static bat_status set_collapses(const uint8_t *shapes, bat_mesh_map *map, bat_er
     }
     if (entries != map->entry_count || points != map->point_count || entries >= MAP_NONE || points >= MAP_NONE ||
         map->fine_faces != map->coarse_faces + vanished || map->fine_vertices < map->coarse_vertices + map->collapse_count)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's arrays do not fit each other");
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's arrays are inconsistent");
     return BAT_OK;
 }
 
@@ -137,7 +137,7 @@ static bat_status take_arrays(const safetensors *content, bat_mesh_map *map, bat
     if (status == BAT_OK)
         status = take_array(content, "kept", SAFETENSORS_U32, 1, (void **)&map->kept, &kept, error);
     if (status == BAT_OK && kept != map->coarse_faces)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's arrays do not fit each other");
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's arrays are inconsistent");
     if (status == BAT_OK)
         status = take_array(content, "collapses", SAFETENSORS_U8, SHAPE, (void **)&shapes, &map->collapse_count, error);
     if (status == BAT_OK)

@@ -47,7 +47,7 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
     {
         MAX_NUMBERS = 7
     };
-    static const char expected[] = "a vertex has 3 coordinates, and beside them a weight or a colour of 3 or 4 numbers";
+    static const char expected[] = "a vertex has 3 coordinates, optionally with a weight or with a colour of 3 or 4 numbers";
     mesh_builder *builder = &reader->builder;
     size_t count, index = builder->vertex_count;
     double numbers[MAX_NUMBERS];
@@ -64,7 +64,7 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
             return no_memory(reader, error);
     }
     if (colours != reader->colours)
-        return fault(reader, index, "the vertex has not as many colour values as those before it", error);
+        return fault(reader, index, "the vertex has another number of colour values than those before it", error);
     double *position = mesh_builder_vertex(builder);
     if (position == NULL)
         return no_memory(reader, error);
@@ -103,7 +103,7 @@ static const char *read_index(word_scan *scan, size_t count, uint32_t *index)
     if (!scan_digits_below(scan, BAT_MESH_NONE, &value))
         return "is not v, v/vt, v//vn or v/vt/vn";
     if (value == 0)
-        return "has an index of 0, but they count from 1";
+        return "has an index of 0, but indices count from 1";
     if (negative && value > count)
         return "reaches back beyond the first";
     *index = (uint32_t)(negative ? count - value : value - 1);
@@ -147,7 +147,7 @@ static bat_status read_face(obj_reader *reader, bat_error *error)
         uint32_t vertex, texture;
         const char *begin = reader->scan.at, *wrong = read_corner(reader, &vertex, &texture);
         if (wrong == NULL && size > 0 && textured != (texture != BAT_MESH_NONE))
-            wrong = "has a texture coordinate where the corner before has none, or none where that has one";
+            wrong = "and the corner before it: only one of them has a texture coordinate";
         if (wrong != NULL)
         {
             reader->scan.at = begin;
@@ -230,7 +230,7 @@ static bat_status read_tag(obj_reader *reader, bat_error *error)
                      error);
     bat_status status = read_marks(reader, crease, counts, error);
     if (status == BAT_OK && !scan_line_done(&reader->scan))
-        status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "is more than the tag's counts say", error);
+        status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "exceeds the counts of the tag", error);
     return status;
 }
 

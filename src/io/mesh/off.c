@@ -73,7 +73,7 @@ static bat_status read_header(off_reader *reader, bat_error *error)
     word_scan *scan = &reader->scan;
     if (!read_header_word(reader))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
-                         "the file does not begin with OFF, COFF, NOFF, CNOFF, STOFF or their like");
+                         "the file does not begin with OFF, COFF, NOFF, CNOFF, STOFF or a similar word");
     if (scan_word(scan, "BINARY"))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, scan->line, "binary OFF is not read");
     if (!scan_next_content(scan))

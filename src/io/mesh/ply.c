@@ -45,7 +45,7 @@ static bat_status read_encoding(word_scan *scan, ply_header *header, bat_error *
     static const char *const names[] = {
         [PLY_TEXT] = "ascii", [PLY_LITTLE_ENDIAN] = "binary_little_endian", [PLY_BIG_ENDIAN] = "binary_big_endian"};
     if (!scan_word(scan, "format"))
-        return scan_word_fault(scan, BAT_NO_INDEX, "stands where 'format' is expected", error);
+        return scan_word_fault(scan, BAT_NO_INDEX, "was found where 'format' is expected", error);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (scan_word(scan, names[i]))
         {
@@ -76,7 +76,7 @@ static bat_status read_element(word_scan *scan, ply_header *header, bat_error *e
     ply_element element = {.name = next_name(scan)};
     uint64_t count;
     if (element.name.size == 0)
-        return scan_word_fault(scan, BAT_NO_INDEX, "stands where the element's name is expected", error);
+        return scan_word_fault(scan, BAT_NO_INDEX, "was found where the element's name is expected", error);
     if (!scan_count(scan, (uint64_t)1 << 60, &count))
         return scan_word_fault(scan, BAT_NO_INDEX, "is not the number of elements", error);
     for (size_t i = 0; i < header->element_count; i++)
@@ -122,7 +122,7 @@ static bat_status read_property(word_scan *scan, ply_header *header, bat_error *
         return status;
     property.name = next_name(scan);
     if (property.name.size == 0)
-        return scan_word_fault(scan, BAT_NO_INDEX, "stands where the property's name is expected", error);
+        return scan_word_fault(scan, BAT_NO_INDEX, "was found where the property's name is expected", error);
     return add_property(&header->elements[header->element_count - 1], property, scan, error);
 }
 
@@ -141,7 +141,7 @@ static bat_status read_line(word_scan *scan, ply_header *header, bool *done, bat
     else
         return scan_word_fault(scan, BAT_NO_INDEX, "is not comment, obj_info, element, property or end_header", error);
     if (status == BAT_OK && !scan_line_done(scan))
-        return scan_word_fault(scan, BAT_NO_INDEX, "is too much on this line of the header", error);
+        return scan_word_fault(scan, BAT_NO_INDEX, "is superfluous on this line of the header", error);
     return status;
 }
 

@@ -100,7 +100,7 @@ static bat_status end_row(ply_reader *reader, size_t row, bat_error *error)
 {
     if (reader->source.encoding != PLY_TEXT || scan_line_done(&reader->source.scan))
         return BAT_OK;
-    return scan_word_fault(&reader->source.scan, row, "is too much on this line", error);
+    return scan_word_fault(&reader->source.scan, row, "is superfluous on this line", error);
 }
 
 /// Read the length of a list. False when it is invalid or negative.
@@ -453,7 +453,7 @@ static bat_status read_all(ply_reader *reader, bat_error *error)
         return status;
     if (reader->source.encoding == PLY_TEXT ? scan_next_content(&reader->source.scan)
                                             : reader->source.scan.at < reader->source.scan.end)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line_of(reader), "something follows the last element");
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line_of(reader), "there is data after the last element");
     return BAT_OK;
 }
 

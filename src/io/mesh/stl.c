@@ -121,7 +121,7 @@ static bat_status read_binary(stl_reader *reader, const file_text *text, bat_err
     size_t count = little_endian(text->data + HEADER_SIZE), data = text->size - HEADER_SIZE - COUNT_SIZE;
     if (!is_binary(text))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                         "the file says that it has %zu triangles, but holds %zu bytes, enough for %zu%s", count, data,
+                         "the header gives %zu triangles, but the file holds %zu bytes, enough for %zu%s", count, data,
                          data / TRIANGLE_SIZE, data % TRIANGLE_SIZE > 0 ? " and a part" : "");
     // A closed mesh has about half as many vertices as faces.
     if (!mesh_builder_reserve(&reader->builder, count / 2, count) || !point_table_reserve(&reader->table, count / 2))
@@ -141,7 +141,7 @@ static bat_status expect(word_scan *scan, size_t index, const char *first, const
         return BAT_OK;
     char excerpt[EXCERPT_SIZE];
     scan_skip_blanks(scan);
-    return error_set(error, BAT_BAD_FILE, index, scan->line, "'%s' stands where '%s%s%s' is expected",
+    return error_set(error, BAT_BAD_FILE, index, scan->line, "'%s' was found where '%s%s%s' is expected",
                      text_excerpt(excerpt, scan->at, scan_word_end(scan)), first, second != NULL ? " " : "",
                      second != NULL ? second : "");
 }

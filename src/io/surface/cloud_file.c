@@ -213,7 +213,8 @@ static bat_status check_boundary_count(size_t boundary_count, size_t count, bat_
         return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points, but there are only %zu",
                          boundary_count, count);
     if (boundary_count > 0 && boundary_count < MIN_BOUNDARY)
-        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points has no four corners", boundary_count);
+        return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points does not have four corners",
+                         boundary_count);
     return BAT_OK;
 }
 
@@ -305,7 +306,8 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
         if (status == BAT_OK && boundary.mesh.face_count + source.mesh.face_count > 0)
             status = error_set(&found, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a mesh has its own boundary");
         if (status == BAT_OK && boundary.listing.count < 4)
-            status = error_set(&found, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu points are no boundary", boundary.listing.count);
+            status =
+                error_set(&found, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%zu points are not a boundary", boundary.listing.count);
         if (status != BAT_OK)
             status = name_boundary_file(status, &found, error);
     }
@@ -346,7 +348,7 @@ bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *option
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no cloud format %d", (int)options->format);
     if (options->boundary > 0 && options->boundary_path != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the boundary is either the first points or in a file of its own");
+                         "the boundary is either the first points or in a separate file");
     file_text text = {0}, boundary_text = {0};
     bat_cloud made = {0};
     bat_cloud_format format = options->format, boundary_format = BAT_CLOUD_FORMAT_AUTO;

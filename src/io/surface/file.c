@@ -131,7 +131,7 @@ bat_status surface_read_text(const file_text *text, bat_spline_surface *surface,
     if (text->data[blanks] == '{')
         return surface_json_read(text, surface, error);
     if (strncmp(text->data + blanks, step, sizeof step - 1) == 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "surfaces are written as STEP, but not read");
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "STEP is only supported for writing surfaces");
     return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "this is neither XML of G+Smo nor JSON");
 }
 

@@ -161,7 +161,7 @@ static bat_status read_point(const json_file *file, size_t index, size_t dimensi
     {
         const json_t *number = json_array_get(row, c);
         if (!json_is_number(number))
-            return bad_element(file, "control", index, "holds something that is no number");
+            return bad_element(file, "control", index, "contains something that is not a number");
         point[c] = json_number_value(number);
     }
     return BAT_OK;
@@ -191,7 +191,7 @@ static bat_status read_places(const json_file *file, const bat_hierarchical_spac
             const bat_spline_function function = {(uint32_t)numbers[0], (uint32_t)numbers[1], (uint32_t)numbers[2]};
             places[i] = bat_hierarchical_space_find(space, function);
             if (places[i] == BAT_NO_INDEX || taken[places[i]])
-                status = bad_element(file, "functions", i, "is not in the basis, or there twice");
+                status = bad_element(file, "functions", i, "is not in the basis or occurs twice");
             else
                 taken[places[i]] = true;
         }

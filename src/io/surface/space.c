@@ -22,7 +22,7 @@ static bat_status check_box(const bat_hierarchical_options *options, const surfa
                              (unsigned long long)box->level);
         if (box->low[d] >= box->high[d] || box->high[d] > cells)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
-                             "the box from %llu to %llu holds no cells or leaves the %llu of its level",
+                             "the box from %llu to %llu is empty or exceeds the %llu cells of its level",
                              (unsigned long long)box->low[d], (unsigned long long)box->high[d], (unsigned long long)cells);
     }
     return BAT_OK;

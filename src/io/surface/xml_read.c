@@ -144,7 +144,7 @@ static xml_element begin_geometry(xml_state *state, const XML_Char **attributes)
     if (!truncated && !plain && !type_is(attributes, "TensorBSpline2"))
         return pass_over(state, attributes);
     if (surface->line > 0)
-        FAIL(state, BAT_UNSUPPORTED, "this is a second surface; files of one are read");
+        FAIL(state, BAT_UNSUPPORTED, "the file has a second surface; only one is supported");
     surface->hierarchical = truncated || plain;
     surface->truncated = !plain;
     surface->line = current_line(state);
@@ -174,7 +174,7 @@ static bool is_plain(xml_state *state, const XML_Char **attributes)
     const char *format = attribute(attributes, "format"), *order = attribute(attributes, "order");
     if ((format == NULL || strcmp(format, "ASCII") == 0 || strcmp(format, "ascii") == 0) && order == NULL)
         return true;
-    FAIL(state, BAT_UNSUPPORTED, "only numbers in ASCII, point after point, are read");
+    FAIL(state, BAT_UNSUPPORTED, "only numbers in ASCII, one point after the other, are supported");
     return false;
 }
 
@@ -183,7 +183,7 @@ static xml_element begin_knots(xml_state *state, const XML_Char **attributes)
     xml_surface *surface = state->surface;
     size_t degree;
     if (surface->directions == 2)
-        FAIL(state, BAT_BAD_FILE, "a surface has two knot vectors; this is a third");
+        FAIL(state, BAT_BAD_FILE, "the surface has a third knot vector; two are expected");
     else if (whole_attribute(state, attributes, "degree", BAT_SPLINE_MAX_DEGREE, &degree) && is_plain(state, attributes))
     {
         surface->degree[surface->directions] = (int)degree;
@@ -207,7 +207,7 @@ static xml_element begin_hierarchy(xml_state *state, const XML_Char **attributes
     const char *manual = attribute(attributes, "manualLevels");
     if (manual == NULL || strcmp(manual, "true") != 0)
         return XML_HIERARCHY;
-    FAIL(state, BAT_UNSUPPORTED, "levels with knots of their own are not read, only those of halved spans");
+    FAIL(state, BAT_UNSUPPORTED, "levels with their own knots are not supported, only levels with halved spans");
     return XML_OTHER;
 }
 
@@ -254,7 +254,7 @@ static xml_element begin_element(xml_state *state, const char *name, const XML_C
         break;
     }
     char excerpt[EXCERPT_SIZE];
-    FAIL(state, BAT_UNSUPPORTED, "an element <%s> of this type is not known in this place",
+    FAIL(state, BAT_UNSUPPORTED, "an element <%s> of this type is unknown here",
          text_excerpt(excerpt, name, name + strlen(name)));
     return XML_OTHER;
 }
@@ -352,7 +352,7 @@ static bat_status read_box(const xml_state *state, surface_box *box)
                 numbers.values[i] == (double)(uint32_t)numbers.values[i];
     if (status == BAT_OK && !whole)
         status = error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
-                           "a box is four whole numbers: where it begins and ends in each direction");
+                           "a box has four whole numbers: its start and its end in each direction");
     for (size_t d = 0; d < 2 && status == BAT_OK; d++)
     {
         box->low[d] = (uint64_t)numbers.values[d];
@@ -395,7 +395,7 @@ static void XMLCALL on_document_type(void *context, const XML_Char *name, const 
 {
     (void)name, (void)system, (void)public_name, (void)internal;
     xml_state *state = context;
-    FAIL(state, BAT_UNSUPPORTED, "document types are not read");
+    FAIL(state, BAT_UNSUPPORTED, "document types are not supported");
 }
 
 /// Pass the text to the parser in pieces whose size fits an int.
@@ -429,7 +429,7 @@ static bat_status check_whole(const xml_state *state)
     const xml_surface *surface = state->surface;
     if (surface->line == 0 && state->other_line > 0)
         return error_set(state->error, BAT_UNSUPPORTED, BAT_NO_INDEX, state->other_line,
-                         "a geometry of type '%s' is not read; THBSpline2, HBSpline2 and TensorBSpline2 are",
+                         "a geometry of type '%s' is not supported; THBSpline2, HBSpline2 and TensorBSpline2 are",
                          state->other_type);
     if (surface->line == 0)
         return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no element <Geometry>");
@@ -501,12 +501,12 @@ static bat_status read_options(const xml_surface *from, bat_hierarchical_options
     {
         const xml_numbers *knots = &from->knots[d];
         if (from->degree[d] < 1)
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, knots->line, "splines of degree 0 are not read");
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, knots->line, "splines of degree 0 are not supported");
         options->degree[d] = from->degree[d];
         options->spans[d] = uniform_spans(knots, (size_t)from->degree[d]);
         if (options->spans[d] == 0 || options->spans[d] > UINT32_MAX)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, knots->line,
-                             "only uniform knots are read, with %d equal ones at either end", from->degree[d] + 1);
+                             "only uniform knots with %d equal knots at both ends are supported", from->degree[d] + 1);
     }
     return BAT_OK;
 }

@@ -64,8 +64,8 @@ static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, bat_err
         const bat_mesh_crease *crease = &mesh->creases[i];
         uint32_t edge = find_edge(made, crease->a, crease->b);
         if (edge == BAT_MESH_NONE)
-            status = error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are no edge",
-                               i, crease->a, crease->b);
+            status = error_set(error, BAT_INVALID_ARGUMENT, i, 0,
+                               "crease %zu joins vertices %u and %u, which are not an edge", i, crease->a, crease->b);
         else if (crease->sharpness > 0 && made->sharpness[edge] == 0 && made->twin[made->half_edge[edge]] != BAT_MESH_NONE)
         {
             meeting[crease->a] = meeting[crease->a] < 3 ? meeting[crease->a] + 1 : 3;

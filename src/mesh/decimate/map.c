@@ -346,9 +346,10 @@ bat_status map_inspect(const bat_mesh_map *map, bat_error *error)
         if (!faces_are_upright(map, &map->collapses[c]))
             status = invalid_collapse(error, c, "has a face without area");
         else if (!mark_faces(map, (uint32_t)c, state))
-            status = invalid_collapse(error, c, "works on a face that is not there");
+            status = invalid_collapse(error, c, "refers to a removed face");
     if (status == BAT_OK && !kept_is_valid(map, state))
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map does not end with the faces that it keeps");
+        status =
+            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the map's remaining faces differ from those that it lists");
     free(state);
     return status;
 }

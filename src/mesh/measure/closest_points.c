@@ -20,7 +20,8 @@ static bat_status check_points(const double *points, size_t count, const char *w
 {
     for (size_t i = 0; i < 3 * count; i++)
         if (!(fabs(points[i]) <= DBL_MAX / 4))
-            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "%s %zu is not finite or too far out", what, i / 3);
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "%s %zu is not finite or too far from the origin", what,
+                             i / 3);
     return BAT_OK;
 }
 

@@ -351,7 +351,8 @@ static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error 
         return error_set(error, status, own.index, 0, "the %s mesh: %.200s", which, own.text);
     for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
         if (fabs(mesh->positions[i]) > DBL_MAX / 4)
-            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "the %s mesh: vertex %zu is too far out", which, i / 3);
+            return error_set(error, BAT_INVALID_POINT, i / 3, 0, "the %s mesh: vertex %zu is too far from the origin", which,
+                             i / 3);
     return BAT_OK;
 }
 

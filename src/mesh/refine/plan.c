@@ -45,7 +45,7 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
         return BAT_OK;
     if (options->limit)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "square-root-three subdivision has no limit positions here");
+                         "limit positions of square-root-three subdivision are not supported");
     return BAT_OK;
 }
 

@@ -35,8 +35,8 @@ static bat_status take_creases(const bat_mesh *mesh, const bat_mesh_connectivity
         const bat_mesh_crease *crease = &mesh->creases[i];
         uint32_t h = find_half_edge(mesh, links, crease->a, crease->b);
         if (h == BAT_MESH_NONE)
-            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which no edge does", i,
-                             crease->a, crease->b);
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are not an edge",
+                             i, crease->a, crease->b);
         double *edge = &sharpness[links->edge[h]];
         *edge = fmax(*edge, crease->sharpness);
     }
