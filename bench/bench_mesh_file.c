@@ -1,5 +1,5 @@
-// Meshes from and to files: a torus of about 100 MB as OBJ, and the same as PLY, OFF and STL. Rates are compared with that
-// of copying the same bytes from one place of memory to another, measured in the same run: the bound of any reader.
+// Reading and writing of meshes: a torus of about 100 MB as OBJ, and the same as PLY, OFF and STL. Rates are compared with
+// copying the same bytes in memory, measured in the same run, a bound for any reader.
 
 #include "timing.h"
 
@@ -13,7 +13,7 @@
 
 enum
 {
-    AROUND = 1150, ///< vertices around the tube; as many times along it
+    AROUND = 1150, ///< vertices around the tube and along it
     ROUNDS = 3,
     FLOOR = 150 ///< MB/s of reading OBJ
 };
@@ -43,7 +43,7 @@ static bool make_torus(bool rounded, bat_mesh *mesh)
     return true;
 }
 
-/// Seconds that this thread and its helpers have computed.
+/// The processor seconds of this process.
 static double seconds_computed(void)
 {
     struct timespec now;
@@ -51,7 +51,7 @@ static double seconds_computed(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/// Seconds to copy so many bytes to fresh memory; negative when out of memory.
+/// Seconds to copy bytes to new memory; negative when out of memory.
 static double copy_seconds(const char *bytes, size_t size)
 {
     double start = seconds_computed();
@@ -66,10 +66,10 @@ static double copy_seconds(const char *bytes, size_t size)
     return spent;
 }
 
-/// What is measured of a format.
+/// The measurements of a format.
 typedef struct format_rates
 {
-    double read[ROUNDS], write[ROUNDS], ratio[ROUNDS]; ///< MB/s of computing time; reading against copying
+    double read[ROUNDS], write[ROUNDS], ratio[ROUNDS]; ///< MB/s of processor time; reading relative to copying
 } format_rates;
 
 static bool measure_round(const bat_mesh *mesh, const bat_mesh_write_options *writing, int round, format_rates *rates,

@@ -1,5 +1,5 @@
-// Closest points of a mesh: building the tree against sorting the faces, queries against a search that never goes astray,
-// and a whole comparison of two meshes against its queries alone. Everything runs on one thread.
+// Closest points of a mesh: construction of the tree relative to sorting the faces, queries relative to a search without
+// detours, and a comparison of two meshes relative to its queries. All on one thread.
 
 #include "timing.h"
 
@@ -18,7 +18,7 @@ enum
 
 static const double TURN = 6.28318530717958647693;
 
-/// Put the faces in a random order, so that no order helps.
+/// Put the faces in a random order.
 static void shuffle_faces(bat_mesh *mesh)
 {
     bat_random random = bat_random_seed(4);
@@ -34,7 +34,7 @@ static void shuffle_faces(bat_mesh *mesh)
     }
 }
 
-/// A torus with waves, a little rough, of 2 n^2 faces; `size` is about the radius of its tube.
+/// A wavy, slightly rough torus of 2 n^2 faces; `size` is about the radius of its tube.
 static bool make_torus(uint32_t n, double size, bat_mesh *mesh)
 {
     bat_random random = bat_random_seed(3);
@@ -62,7 +62,7 @@ static bool make_torus(uint32_t n, double size, bat_mesh *mesh)
     return true;
 }
 
-/// Where queries lie: along a path close to the surface, here and there close to it, here and there within half the radius.
+/// The positions of queries: along a path near the surface, random near it, random within half the radius.
 typedef enum query_kind
 {
     QUERY_PATH,
@@ -137,8 +137,8 @@ static bool bench_building(const bat_mesh *mesh)
     return true;
 }
 
-/// A search that never goes astray opens one node of each level and one packet; its time is that of a search among eight
-/// faces, times the levels.
+/// A search without detours opens one node of each level and one packet. Its time is that of a search among eight faces,
+/// times the levels.
 static bool bench_queries(const bat_mesh *mesh, double *points)
 {
     static const char *const NAMES[QUERY_KINDS] = {"along a path", "here and there", "here and there, farther out"};

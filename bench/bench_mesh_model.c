@@ -1,5 +1,5 @@
-// Learned refinement of meshes and the training of its network: a small mesh many times, a large one once, and training
-// steps, against the bare products of the network's layers in the same run.
+// Learned refinement of meshes and training of its network: a small mesh many times, a large one once, and training steps,
+// relative to the matrix products of the network's layers in the same run.
 
 #include "timing.h"
 
@@ -70,7 +70,7 @@ static bat_mesh_model *random_model(void)
     return model;
 }
 
-/// CPU seconds on one thread, connectivity included.
+/// Processor seconds on one thread, with connectivity.
 static double time_refinement(const bat_mesh_model *model, const bat_mesh *coarse, bat_mesh *fine)
 {
     const bat_mesh_rule *rule = bat_mesh_model_rule(model);
@@ -84,7 +84,7 @@ static double time_refinement(const bat_mesh_model *model, const bat_mesh *coars
     return cpu_now() - start;
 }
 
-/// CPU seconds of a bare product, rows x inputs by inputs x outputs, a few hundred rows at a time.
+/// Processor seconds of a matrix product, rows x inputs by inputs x outputs, a few hundred rows at a time.
 static double time_product(size_t rows, int inputs, int outputs)
 {
     real *x = calloc((size_t)inputs * PRODUCT_ROWS, sizeof *x), *w = calloc((size_t)inputs * (size_t)outputs, sizeof *w),
@@ -102,16 +102,17 @@ static double time_product(size_t rows, int inputs, int outputs)
     return seconds;
 }
 
-/// Of the layers as they are published: 21 and then 125 numbers of every half-flap.
+/// The products of the published layers: 21 and then 125 inputs for every half-flap.
 static double published_products(size_t vertices)
 {
-    // A torus has six half-flaps a vertex. Once at the begin, twice at level 0, twice at level 1 of four times as many.
+    // A torus has six half-flaps for each vertex: once at the start, twice at level 0, twice at level 1 with four times as
+    // many.
     size_t flaps = 6 * vertices;
     return time_product(flaps, 21, MESH_WIDTH) + time_product(10 * flaps, 125, MESH_WIDTH) +
            time_product(22 * flaps, MESH_WIDTH, MESH_WIDTH);
 }
 
-/// Of those that remain when features are multiplied once for a vertex.
+/// The products that remain when features are multiplied once for each vertex.
 static double own_products(size_t vertices)
 {
     enum

@@ -15,7 +15,7 @@
 enum
 {
     ROUNDS = 5,
-    SEEN_IN_PEAK = 200 << 20 ///< bytes; the process itself counts little beside a larger result
+    SEEN_IN_PEAK = 200 << 20 ///< bytes; the process itself is small compared with larger results
 };
 
 static const struct
@@ -34,7 +34,7 @@ static size_t result_bytes(const bat_mesh *mesh)
     return mesh->vertex_count * 3 * sizeof *mesh->positions + mesh->face_count * 3 * sizeof *mesh->faces;
 }
 
-/// Seconds to take so much new memory and to fill it.
+/// Seconds to allocate and fill new memory.
 static double fill_seconds(size_t bytes)
 {
     double start = seconds_now();
@@ -42,7 +42,7 @@ static double fill_seconds(size_t bytes)
     if (room == NULL)
         return 0;
     memset(room, 1, bytes);
-    // What is written must count as read.
+    // Use what is written.
     volatile unsigned char keep = room[bytes / 2];
     (void)keep;
     double seconds = seconds_now() - start;

@@ -5,7 +5,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/// The promise was broken: stop, so that the fuzzer keeps the input.
+/// Stop at a broken promise, so that the fuzzer keeps the input.
 #define PROMISE(condition)                                                                                                  \
     do                                                                                                                      \
     {                                                                                                                       \
@@ -15,11 +15,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum
 {
-    /// Clouds above this are not searched: that takes the fuzzer's time.
-    MOST_SEARCHED = 300
+    /// Larger clouds are not searched, because that takes too long.
+    MAX_SEARCHED = 300
 };
 
-/// What was read can be written in every format, and read again as it was.
+/// A cloud that was read can be written in every format and read again unchanged.
 static void write_and_read(const bat_cloud *cloud)
 {
     for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_OBJ; format++)
@@ -41,11 +41,11 @@ static void write_and_read(const bat_cloud *cloud)
     }
 }
 
-/// Whatever the points are, a boundary is found or refused, and corners are found on it.
+/// For any points a boundary is found or refused, and corners are found on it.
 static void search(bat_cloud *cloud)
 {
     bat_error error = {0};
-    if (cloud->count > MOST_SEARCHED)
+    if (cloud->count > MAX_SEARCHED)
         return;
     bat_status status = bat_cloud_find_boundary(cloud, &error);
     PROMISE(status == error.status && (status == BAT_OK || status == BAT_NO_CONVERGENCE));

@@ -5,7 +5,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/// The same JSON with the name "type" spelled so that the reader does not lift coordinates out before it parses.
+/// The same JSON with the name "type" spelled so that the reader extracts no coordinates before it parses.
 static char *spell_types(const uint8_t *data, size_t size, size_t *spelled_size)
 {
     static const char name[] = "\"type\"", spelled[] = "\"typ\\u0065\"";
@@ -28,7 +28,7 @@ static void compare_values(const double *a, const double *b, size_t count)
         PROMISE(a[i] == b[i]);
 }
 
-/// What can be read through the parser alone can be read with coordinates lifted out, and gives the same curves.
+/// Reading with and without extracted coordinates gives the same curves.
 static void compare_spellings(const uint8_t *data, size_t size, const char *space)
 {
     bat_curve_read_options options = bat_curve_read_defaults();

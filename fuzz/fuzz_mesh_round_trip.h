@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The promise was broken: stop, so that the fuzzer keeps the input.
+/// Stop at a broken promise, so that the fuzzer keeps the input.
 #define PROMISE(condition)                                                                                                  \
     do                                                                                                                      \
     {                                                                                                                       \
@@ -16,7 +16,7 @@
             abort();                                                                                                        \
     } while (0)
 
-/// What a mesh has in common with itself after it went through a file. STL rounds and renumbers.
+/// Compare a mesh before and after a file. STL rounds and renumbers.
 static inline void compare_meshes(const bat_mesh *before, const bat_mesh *after, bat_mesh_format format)
 {
     PROMISE(after->face_count == before->face_count);
@@ -28,7 +28,7 @@ static inline void compare_meshes(const bat_mesh *before, const bat_mesh *after,
     PROMISE(memcmp(after->faces, before->faces, before->face_count * 3 * sizeof *before->faces) == 0);
 }
 
-/// What was read can be written in any format or is refused with a reason, and what is written can be read again.
+/// A mesh that was read can be written in any format or is refused with a reason; what is written can be read again.
 static inline void write_and_read(const bat_mesh *mesh)
 {
     for (int i = BAT_MESH_FORMAT_OBJ; i <= BAT_MESH_FORMAT_STL; i++)
@@ -39,7 +39,7 @@ static inline void write_and_read(const bat_mesh *mesh)
             writing.format = reading.format = (bat_mesh_format)i;
             writing.encoding = (bat_mesh_encoding)encoding;
             writing.threads = 1;
-            reading.keep_degenerate = i == BAT_MESH_FORMAT_STL; // where vertices were equal or become so
+            reading.keep_degenerate = i == BAT_MESH_FORMAT_STL; // vertices were equal or become equal
             char *bytes = NULL;
             size_t size = 0;
             bat_status status = bat_mesh_write_memory(mesh, &writing, &bytes, &size, NULL);
@@ -54,7 +54,7 @@ static inline void write_and_read(const bat_mesh *mesh)
         }
 }
 
-/// A repaired mesh has neighbours.
+/// A repaired mesh has connectivity.
 static inline void repair_and_connect(const bat_mesh *mesh)
 {
     bat_mesh repaired;
@@ -66,7 +66,7 @@ static inline void repair_and_connect(const bat_mesh *mesh)
     bat_mesh_free(&repaired);
 }
 
-/// Read bytes in a format, in every way.
+/// Read bytes in a format with all options.
 static inline void mesh_round_trip(const uint8_t *data, size_t size, bat_mesh_format format)
 {
     for (int choice = 0; choice < 3; choice++)

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/// The promise was broken: stop, so that the fuzzer keeps the input.
+/// Stop at a broken promise, so that the fuzzer keeps the input.
 #define PROMISE(condition)                                                                                                  \
     do                                                                                                                      \
     {                                                                                                                       \
@@ -13,8 +13,8 @@
             abort();                                                                                                        \
     } while (0)
 
-/// Whether curves that went through a file have the same shape as before. Where the meridian of 180 degrees may have cut
-/// lines or joined holes to their outlines, it is enough that there are any.
+/// Whether curves have the same shape after a file. Where the antimeridian may have cut lines or joined holes to outlines,
+/// only check that there are curves.
 static inline void compare_counts(const bat_curve_set *before, const bat_curve_set *after, bool may_cut)
 {
     PROMISE(after->count > 0);

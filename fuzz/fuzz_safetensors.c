@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Ask for every array as numbers, whatever its type.
+/// Read every array as numbers, of any type.
 static void convert_all(const safetensors *content)
 {
     for (size_t i = 0; i < content->array_count; i++)
@@ -19,7 +19,7 @@ static void convert_all(const safetensors *content)
     }
 }
 
-/// What was read can be written, and comes back the same.
+/// What was read can be written and is preserved.
 static void write_and_read(const safetensors *content)
 {
     text_buffer bytes = {0};

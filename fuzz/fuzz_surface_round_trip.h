@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The promise was broken: stop, so that the fuzzer keeps the input.
+/// Stop at a broken promise, so that the fuzzer keeps the input.
 #define PROMISE(condition)                                                                                                  \
     do                                                                                                                      \
     {                                                                                                                       \
@@ -33,14 +33,14 @@ static inline bat_status write_format(const bat_spline_surface *surface, bat_sur
     return status == BAT_OK ? surface_write_text(surface, format, &options, &sink, NULL) : status;
 }
 
-/// What was read comes back from both exact formats, and goes into the others.
+/// A surface is preserved by both exact formats and can be written in the others.
 static inline void write_and_read(const bat_spline_surface *surface)
 {
     enum
     {
-        MOST_CELLS = 2000 // so that an input takes no longer than a moment
+        MAX_CELLS = 2000 // limits the time of an input
     };
-    bool small = bat_hierarchical_space_cells(surface->space) <= MOST_CELLS;
+    bool small = bat_hierarchical_space_cells(surface->space) <= MAX_CELLS;
     for (int i = BAT_SURFACE_FORMAT_XML; i <= BAT_SURFACE_FORMAT_JSON; i++)
     {
         text_buffer text = {0};

@@ -1,4 +1,4 @@
-// Shaded meshes: what is in front, how large, how light, which colour, and what is refused.
+// Shaded meshes: visibility, size, light, colours, and refusals.
 #include "picture_helpers.h"
 #include "pixel_helpers.h"
 
@@ -55,7 +55,7 @@ static void writes_all_formats(void **state)
     bat_mesh_free(&sheet);
 }
 
-/// Neither threads nor pictures drawn before change a file.
+/// Neither threads nor earlier pictures change a file.
 static void same_bytes_for_any_threads(void **state)
 {
     (void)state;
@@ -85,8 +85,8 @@ static void same_bytes_for_any_threads(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// A ball is seen as a disk from everywhere, of half the size beside one twice as large unless frames are its own; the light
-/// comes from above on the left.
+/// A sphere appears as a disk from everywhere, half as large beside one of twice the size unless each has its own frame. The
+/// light comes from the upper left.
 static void balls_are_disks(void **state)
 {
     (void)state;
@@ -102,7 +102,7 @@ static void balls_are_disks(void **state)
         path_of(path, "balls.png");
         assert_int_equal(bat_mesh_picture_write(path, panels, 2, &options, NULL), BAT_OK);
         pixels picture = open_png(path);
-        inked_area left = find_inked_area(&picture, 0, picture.width / 2),
+        drawn_area left = find_inked_area(&picture, 0, picture.width / 2),
                    right = find_inked_area(&picture, picture.width / 2, picture.width);
         check_near((double)(left.right - left.left) / (left.bottom - left.top), 1, 0.02);
         check_near((double)left.count / ((left.right - left.left) * (left.bottom - left.top)), PI / 4, 0.02);
@@ -117,7 +117,7 @@ static void balls_are_disks(void **state)
     bat_mesh_free(&small);
 }
 
-/// Colours follow the values: a square with 0 at its left edge and 1 at its right one is lighter on the left.
+/// A square with values 0 at its left edge and 1 at its right edge is lighter on the left.
 static void values_are_colours(void **state)
 {
     (void)state;
@@ -131,7 +131,7 @@ static void values_are_colours(void **state)
     path_of(path, "square.png");
     assert_int_equal(bat_mesh_picture_write(path, &panel, 1, &options, NULL), BAT_OK);
     pixels picture = open_png(path);
-    inked_area whole = find_inked_area(&picture, 0, picture.width);
+    drawn_area whole = find_inked_area(&picture, 0, picture.width);
     int middle = whole.top + (whole.right - whole.left) / 2, wide = whole.right - whole.left;
     double last = 2;
     for (int step = 1; step < 10; step++)
@@ -144,7 +144,7 @@ static void values_are_colours(void **state)
     assert_int_equal(unlink(path), 0);
 }
 
-/// Two triangles of a square cover every sample in it, and the nearer of two squares is seen; of two alike the first.
+/// Two triangles of a square cover all its samples. The nearer of two squares is visible; of two equal ones the first.
 static void rasters_cover_and_hide(void **state)
 {
     (void)state;
@@ -183,7 +183,7 @@ static void rasters_cover_and_hide(void **state)
     mesh_raster_free(&raster);
 }
 
-/// Normals go on around blunt edges and stop at sharp ones; edges of one face are boundaries.
+/// Normals are continuous at blunt edges and not at sharp ones; edges of one face are boundaries.
 static void surfaces_know_their_edges(void **state)
 {
     (void)state;
@@ -199,7 +199,7 @@ static void surfaces_know_their_edges(void **state)
     const float *blunt = surface.normals[3 * 1 + 0], *other = surface.normals[3 * 2 + 0];
     for (int i = 0; i < 3; i++)
         check_near((double)blunt[i], (double)other[i], 1e-6);
-    // Two faces lie flat there, one is bent; all are equally large.
+    // Two faces are flat there and one is bent; all have equal areas.
     check_near((double)blunt[0], -sin(atan2(s, 2 + c)), 1e-6);
     const float *flat = surface.normals[3 * 2 + 1], *upright = surface.normals[3 * 4 + 0];
     check_near((double)(flat[0] * upright[0] + flat[1] * upright[1] + flat[2] * upright[2]), 0, 1e-6);
@@ -209,7 +209,7 @@ static void surfaces_know_their_edges(void **state)
     mesh_surface_free(&surface);
 }
 
-/// Lightness in Oklab falls evenly along the scale.
+/// The lightness in Oklab decreases uniformly along the scale.
 static void scale_is_even(void **state)
 {
     (void)state;
@@ -278,7 +278,7 @@ static void bad_input_is_refused(void **state)
     bat_mesh_free(&ball);
 }
 
-/// Meshes that other calls refuse are drawn nevertheless: an edge of three faces, a face without area, a lone point.
+/// Meshes that other functions refuse are drawn: an edge of three faces, a face without area, an isolated point.
 static void odd_meshes_are_drawn(void **state)
 {
     (void)state;

@@ -83,7 +83,7 @@ static void same_input_gives_same_bytes(void **state)
     free(curve.points);
 }
 
-/// Write a picture of one curve that must fail, and look at the error.
+/// Writing a picture of a curve must fail; check the error.
 static void check_refused(const bat_curve *curve, bat_status status, size_t index)
 {
     char path[128];

@@ -1,5 +1,5 @@
-// Paths on paper: simplified within a bound, cut at the edge of the globe and of the map, bent along geodesics, and the
-// views, combs and ink of curves.
+// Paths on the page: simplified within a bound, cut at the outline of the globe and at the edge of the map, drawn along
+// geodesics; views, combs and coverage masks.
 
 #include "picture_helpers.h"
 
@@ -8,7 +8,7 @@
 #include "draw/curve/stroke.h"
 #include "draw/curve/view.h"
 
-/// What a path became.
+/// The segments of a path.
 typedef struct recording
 {
     double (*points)[2];
@@ -64,8 +64,8 @@ static double distance_to_segment(const double *p, const double *a, const double
     return hypot(p[0] - a[0] - share * dx, p[1] - a[1] - share * dy);
 }
 
-/// Simplify a path of `count` points and check it against each point's own piece of the result.
-/// @return the number of points kept
+/// Simplify a path of `count` points and check each point against its segment of the result.
+/// @return the number of remaining points
 static size_t check_simplified(double (*path)[2], size_t count, double tolerance)
 {
     recording log = {0};
@@ -79,7 +79,7 @@ static size_t check_simplified(double (*path)[2], size_t count, double tolerance
     assert_true(log.moves[0]);
     assert_memory_equal(log.points[0], path[0], sizeof path[0]);
     assert_memory_equal(log.points[log.count - 1], path[count - 1], sizeof path[0]);
-    size_t piece = 0; // points before path[i] were drawn by pieces up to this one
+    size_t piece = 0; // the points before path[i] belong to earlier segments or to this one
     for (size_t i = 0; i < count; i++)
     {
         while (piece + 2 < log.count && memcmp(log.points[piece + 1], path[i], sizeof path[i]) == 0)
@@ -94,7 +94,7 @@ static size_t check_simplified(double (*path)[2], size_t count, double tolerance
     return kept;
 }
 
-/// Smooth, rough, straight, turning back: no dropped point is farther from its piece than the tolerance.
+/// Smooth, rough, straight and reversing paths: no dropped point is farther from its segment than the tolerance.
 static void simplifier_keeps_its_bound(void **state)
 {
     (void)state;
@@ -156,8 +156,8 @@ static draw_view unit_view(view_kind kind, const bat_space *space)
         .kind = kind, .space = view_space_of(space), .point_dim = space->point_dim, .scale = 1.0, .tolerance = 1e-4};
 }
 
-/// The coordinates (u, v) of a unit view from those on paper.
-static void unpaper(recording *log)
+/// The coordinates (u, v) of a unit view from those on the page.
+static void to_unit_view(recording *log)
 {
     for (size_t i = 0; i < log->count; i++)
     {
@@ -165,9 +165,9 @@ static void unpaper(recording *log)
     }
 }
 
-/// A triangle whose edges cross the limb: what is drawn on each side begins and ends on the limb and lies on the edges'
+/// A triangle whose edges cross the outline: the path on each side begins and ends on the outline and lies on the edges'
 /// great circles.
-static void globe_is_cut_at_the_limb(void **state)
+static void globe_is_cut_at_the_outline(void **state)
 {
     (void)state;
     const double corners[] = {1.0, 0.0, 0.0, -0.6, 0.8, 0.0, -0.48, -0.36, 0.8};
@@ -178,7 +178,7 @@ static void globe_is_cut_at_the_limb(void **state)
         recording log = {0};
         path_simplifier path = recorder(&log, 0.0);
         view_trace(&view, corners, 3, true, (view_side)side, &path);
-        unpaper(&log);
+        to_unit_view(&log);
         size_t cuts = 0;
         for (size_t i = 0; i < log.count; i++)
         {
@@ -212,7 +212,7 @@ static void globe_is_cut_at_the_limb(void **state)
     }
 }
 
-/// The halves of a great circle seen at an angle are two half ellipses from limb to limb.
+/// The halves of a tilted great circle are two half ellipses between points of the outline.
 static void globe_halves_a_great_circle(void **state)
 {
     (void)state;
@@ -228,7 +228,7 @@ static void globe_halves_a_great_circle(void **state)
         recording log = {0};
         path_simplifier path = recorder(&log, 0.0);
         view_trace(&view, circle.points, circle.count, true, (view_side)side, &path);
-        unpaper(&log);
+        to_unit_view(&log);
         double limit = 0.0;
         for (size_t i = 0; i < log.count; i++)
         {
@@ -244,7 +244,7 @@ static void globe_halves_a_great_circle(void **state)
     free(circle.points);
 }
 
-/// An arc over the antimeridian is cut there, at the latitude where the great circle crosses it.
+/// An arc across the antimeridian is cut where its great circle crosses it.
 static void map_is_cut_at_the_antimeridian(void **state)
 {
     (void)state;
@@ -258,7 +258,7 @@ static void map_is_cut_at_the_antimeridian(void **state)
     recording log = {0};
     path_simplifier path = recorder(&log, 0.0);
     view_trace(&view, arc, 2, false, VIEW_FRONT, &path);
-    unpaper(&log);
+    to_unit_view(&log);
     size_t cuts = 0;
     for (size_t i = 1; i < log.count; i++)
     {
@@ -281,7 +281,7 @@ static void map_is_cut_at_the_antimeridian(void **state)
     forget(&log);
 }
 
-/// Whatever the curve, no line of a map runs across it; points on the antimeridian itself do no harm.
+/// No line of a map crosses it from side to side, also for points on the antimeridian.
 static void map_has_no_streaks(void **state)
 {
     (void)state;
@@ -317,7 +317,7 @@ static double disk_distance(const double *p, const double *q)
     return 2.0 * asinh(sqrt(square / room));
 }
 
-/// Points of a geodesic add their distances up to the whole.
+/// Distances between consecutive points of a geodesic add up to its length.
 static void disk_edges_are_geodesics(void **state)
 {
     (void)state;
@@ -336,7 +336,7 @@ static void disk_edges_are_geodesics(void **state)
         recording log = {0};
         path_simplifier path = recorder(&log, 0.0);
         view_trace(&view, ends, 2, false, VIEW_FRONT, &path);
-        unpaper(&log);
+        to_unit_view(&log);
         double whole = disk_distance(ends, ends + 2);
         for (size_t i = 0; i < log.count; i++)
         {
@@ -389,7 +389,7 @@ static void automatic_view_finds_the_middle(void **state)
     free(flat.points);
 }
 
-/// A great circle has no mean. It is seen from 25 degrees above its plane, from the north.
+/// A great circle has no mean direction. It is seen from 25 degrees above its plane, from the north.
 static void automatic_view_of_a_great_circle_is_oblique(void **state)
 {
     (void)state;
@@ -414,8 +414,8 @@ static void automatic_view_of_a_great_circle_is_oblique(void **state)
     free(circle.points);
 }
 
-/// The regular n-gon of radius r has curvature (2 pi / n) / edge. Its limit is 1/r in the plane, cot r on the sphere and
-/// coth r in the hyperbolic plane; teeth point away from the middle.
+/// The regular n-gon of radius r has the curvature (2 pi / n) / edge. Its limit is 1/r in the plane, cot r on the sphere and
+/// coth r in the hyperbolic plane; segments point away from the centre.
 static void comb_measures_circles(void **state)
 {
     (void)state;
@@ -437,28 +437,28 @@ static void comb_measures_circles(void **state)
                 p[2] = cos(radius);
             }
         }
-        comb teeth;
-        assert_int_equal(comb_make(&circle, &teeth, NULL), BAT_OK);
-        assert_int_equal(teeth.count, circle.count);
-        for (size_t i = 0; i < teeth.count; i++)
+        comb segments;
+        assert_int_equal(comb_make(&circle, &segments, NULL), BAT_OK);
+        assert_int_equal(segments.count, circle.count);
+        for (size_t i = 0; i < segments.count; i++)
         {
-            size_t n = teeth.point_dim;
+            size_t n = segments.point_dim;
             double size = 0.0;
             for (size_t k = 0; k < n; k++)
             {
-                size += teeth.vectors[i * n + k] * teeth.vectors[i * n + k];
+                size += segments.vectors[i * n + k] * segments.vectors[i * n + k];
             }
             assert_true(fabs(sqrt(size) - expected[s]) < 1e-5);
             double tip[3];
-            comb_tip(&teeth, i, 0.1, tip);
+            comb_tip(&segments, i, 0.1, tip);
             double reach = radius + 0.1 * expected[s];
             double paper = s < 2 ? reach : s == 2 ? sin(reach) : tanh(0.5 * reach);
             assert_true(fabs(hypot(tip[0], tip[1]) - paper) < 1e-6);
         }
         double scale;
-        assert_int_equal(comb_natural_scale(&teeth, 0.5, 1.0, &scale, NULL), BAT_OK);
+        assert_int_equal(comb_natural_scale(&segments, 0.5, 1.0, &scale, NULL), BAT_OK);
         assert_true(fabs(scale - 0.5 / expected[s]) < 1e-5);
-        comb_free(&teeth);
+        comb_free(&segments);
         free(circle.points);
     }
 }
@@ -471,18 +471,18 @@ static void comb_of_a_line_is_flat(void **state)
     {
         line.points[2 * i] = (double)i;
     }
-    comb teeth;
-    assert_int_equal(comb_make(&line, &teeth, NULL), BAT_OK);
-    assert_true(teeth.count <= COMB_MAX_POINTS && teeth.count > COMB_MAX_POINTS / 2);
+    comb segments;
+    assert_int_equal(comb_make(&line, &segments, NULL), BAT_OK);
+    assert_true(segments.count <= COMB_MAX_POINTS && segments.count > COMB_MAX_POINTS / 2);
     double scale;
-    assert_int_equal(comb_natural_scale(&teeth, 1.0, 2.0, &scale, NULL), BAT_OK);
+    assert_int_equal(comb_natural_scale(&segments, 1.0, 2.0, &scale, NULL), BAT_OK);
     assert_true(isinf(scale));
-    comb_free(&teeth);
+    comb_free(&segments);
     free(line.points);
 }
 
-/// Noise leaves the ink of its band, whatever the number of points; every point of the line lies on ink.
-static void rough_curves_become_ink(void **state)
+/// The coverage mask of noise is its band, for any number of points; every point of the line is covered.
+static void rough_curves_have_coverage_masks(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(7);
@@ -531,7 +531,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(simplifier_keeps_its_bound),
         cmocka_unit_test(simplifier_thins_circles),
-        cmocka_unit_test(globe_is_cut_at_the_limb),
+        cmocka_unit_test(globe_is_cut_at_the_outline),
         cmocka_unit_test(globe_halves_a_great_circle),
         cmocka_unit_test(map_is_cut_at_the_antimeridian),
         cmocka_unit_test(map_has_no_streaks),
@@ -540,7 +540,7 @@ int main(void)
         cmocka_unit_test(automatic_view_of_a_great_circle_is_oblique),
         cmocka_unit_test(comb_measures_circles),
         cmocka_unit_test(comb_of_a_line_is_flat),
-        cmocka_unit_test(rough_curves_become_ink),
+        cmocka_unit_test(rough_curves_have_coverage_masks),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

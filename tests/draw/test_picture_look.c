@@ -1,15 +1,15 @@
-// What lies on paper: that nothing leaves it, that nothing is missing, that it is no larger than it must be.
+// Layout of pictures: nothing outside, nothing missing, no superfluous space.
 
 #include "picture_helpers.h"
 
 #include "draw/common/style.h"
 #include "draw/curve/panel.h"
 
-/// Where a panel may draw, and how far its lines and letters may stick out.
+/// The box of a panel, and the tolerance for lines and letters.
 static const double box[4] = {100.0, 50.0, 300.0, 200.0};
 static const double slack = 4.0;
 
-/// The extent (x, y, width, height) of the ink of one panel drawn into `box`.
+/// The bounding box (x, y, width, height) of one panel drawn into `box`.
 static void coverage_extent(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, double extent[4])
 {
     scene made;
@@ -32,7 +32,7 @@ static void check_inside(const double extent[4], double allowed)
     assert_true(extent[1] + extent[3] <= box[1] + box[3] + allowed);
 }
 
-/// Stretch and move a curve of a flat space.
+/// Scale and translate a curve of a flat space.
 static void transform(bat_curve *curve, const double *stretch, const double *shift)
 {
     size_t n = curve->space->point_dim;
@@ -69,7 +69,7 @@ static void nothing_leaves_its_box(void **state)
     }
 }
 
-/// The box of R^3 is that of the coordinates, whatever the combs, and has room.
+/// The box in R^3 is that of the coordinates, with or without combs, and has margins.
 static void frames_hold_the_box_of_solid_curves(void **state)
 {
     (void)state;
@@ -104,7 +104,7 @@ static void frames_hold_the_box_of_solid_curves(void **state)
     free(curve.points);
 }
 
-/// A curve through a pole runs along the upper edge of the map and over its sides, and still ends at the frame.
+/// A curve through a pole follows the upper edge of the map and crosses its sides, and ends at the frame.
 static void map_lines_end_at_the_frame(void **state)
 {
     (void)state;
@@ -133,7 +133,7 @@ static void map_lines_end_at_the_frame(void **state)
     free(curve.points);
 }
 
-/// How often a text occurs in the file of a picture of one panel.
+/// The number of occurrences of a text in a picture of one panel.
 static size_t occurrences(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, const char *text)
 {
     char path[128];
@@ -151,8 +151,8 @@ static size_t occurrences(const bat_curve_picture_panel *panel, const bat_curve_
     return count;
 }
 
-/// The feet of a hairpin's teeth are one point on paper, but their tips fan out.
-static void hairpins_have_teeth(void **state)
+/// The segments of a hairpin's comb start at one point on the page, but their ends differ.
+static void hairpins_have_combs(void **state)
 {
     (void)state;
     const size_t count = 60;
@@ -172,7 +172,7 @@ static void hairpins_have_teeth(void **state)
     free(curve.points);
 }
 
-/// A picture of tall panels leaves out the empty paper at their sides, unless its width is prescribed.
+/// A picture of tall panels omits the empty space at their sides, unless its width is prescribed.
 static void tall_pictures_are_narrow(void **state)
 {
     (void)state;
@@ -190,7 +190,7 @@ static void tall_pictures_are_narrow(void **state)
     free(tall.points);
 }
 
-/// Five panels of their own width, two where a column of a page is all there is, what is asked for otherwise.
+/// Five panels in a row by default, two on a page column, or the requested number.
 static void columns_suit_the_width(void **state)
 {
     (void)state;
@@ -223,7 +223,7 @@ int main(void)
         cmocka_unit_test(nothing_leaves_its_box),
         cmocka_unit_test(frames_hold_the_box_of_solid_curves),
         cmocka_unit_test(map_lines_end_at_the_frame),
-        cmocka_unit_test(hairpins_have_teeth),
+        cmocka_unit_test(hairpins_have_combs),
         cmocka_unit_test(tall_pictures_are_narrow),
         cmocka_unit_test(columns_suit_the_width),
         cmocka_unit_test(rounds_of_colours_differ_by_dashes),

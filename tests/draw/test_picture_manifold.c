@@ -1,4 +1,4 @@
-// Pictures of rotations, rigid motions, tensors and the hyperboloid: what stands in for them, and what is refused.
+// Pictures of rotations, rigid motions, tensors and the hyperboloid: their proxies, and refusals.
 
 #include "picture_helpers.h"
 
@@ -59,7 +59,7 @@ static void every_space_is_drawn_in_every_format(void **state)
         bat_curve_picture_options options = bat_curve_picture_defaults();
         options.width = 320;
         options.height = 240;
-        options.comb = options.axes = true; // neither means anything here
+        options.comb = options.axes = true; // neither has an effect here
         for (int variant = 0; variant < 12; variant++)
         {
             char name[32], path[128];
@@ -88,7 +88,7 @@ static char *picture_of(const bat_curve *curve, bat_curve_layer_role role, size_
     return bytes;
 }
 
-/// The same curve gives the same bytes; another curve, and another role, others.
+/// The same curve gives the same bytes; another curve or role gives other bytes.
 static void pictures_differ_where_curves_do(void **state)
 {
     (void)state;
@@ -115,7 +115,7 @@ static void pictures_differ_where_curves_do(void **state)
     }
 }
 
-/// The columns lie on the sphere, are the matrix's, and follow the geodesic of rotations between the given ones.
+/// The columns lie on the sphere, belong to the matrix, and follow the geodesic between the given rotations.
 static void rotations_become_their_columns(void **state)
 {
     (void)state;
@@ -164,7 +164,7 @@ static void the_hyperboloid_becomes_the_disk(void **state)
     free(curve.points);
 }
 
-/// The axes of a rigid motion's frames have one length and stand on the path.
+/// The axes of a rigid motion's frames have equal lengths and start on the path.
 static void motions_become_frames_on_their_path(void **state)
 {
     (void)state;
@@ -188,7 +188,7 @@ static void motions_become_frames_on_their_path(void **state)
     proxy_free(&made);
 }
 
-/// The unit of a row is the root of the largest eigenvalue, however large or small the numbers are.
+/// The unit of a row is the root of the largest eigenvalue, for any scale of the numbers.
 static void rows_fit_the_largest_tensor(void **state)
 {
     (void)state;
@@ -233,7 +233,7 @@ static void bad_points_are_named(void **state)
         for (size_t b = 0; b < 3; b++)
         {
             bat_curve curve = make_ellipse(&spaces[s], COUNT, true, 0.5);
-            // -7 is no part of a unit quaternion, no diagonal entry of a positive-definite matrix, no x0.
+            // -7 is not a component of a unit quaternion, a diagonal entry of a positive-definite matrix, or x_0.
             curve.points[6 * spaces[s].point_dim + (s == 4 ? 3 : 0)] = bad[b];
             check_refused(&curve, BAT_INVALID_POINT, 6);
             free(curve.points);
@@ -250,7 +250,7 @@ static void bad_points_are_named(void **state)
     }
 }
 
-/// Tensors of 2 and of 3 rows are two spaces, and so are rotations and the sphere that they are drawn on.
+/// Tensors with 2 and with 3 rows are two spaces, and so are rotations and the sphere of their proxy.
 static void mixed_panels_are_refused(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Pictures of fitted surfaces: from where they are seen, what is drawn where and in which colour, and what is refused.
+// Pictures of fitted surfaces: views, positions, colours, and refusals.
 #include "picture_helpers.h"
 #include "pixel_helpers.h"
 
@@ -33,7 +33,7 @@ static bat_spline_surface make_flat(size_t spans)
     return flat;
 }
 
-/// All that a row shows of a Bézier cloud on a flat surface.
+/// The parts of a row for a Bézier cloud on a flat surface.
 typedef struct sample_row
 {
     bat_cloud cloud;
@@ -97,7 +97,7 @@ static void writes_all_formats(void **state)
     free_row(&row);
 }
 
-/// The sheet is as wide as the panels that there are: margins of 14 points, gaps of 16, two pixels a point.
+/// The page is as wide as its panels: margins of 14 points, gaps of 16, two pixels in a point.
 static void panels_are_left_out(void **state)
 {
     (void)state;
@@ -154,8 +154,8 @@ static void fill_patch(double bulge, int order, double points[3 * 65])
     }
 }
 
-/// The eye is on the side to which the patch bulges, whichever way its boundary runs; a flat one is seen from the side where
-/// the boundary runs counter-clockwise. It is above and beside the normal.
+/// The eye is on the side where the patch bulges, for both orientations of its boundary. A flat patch is seen from the side
+/// where the boundary is counter-clockwise. The eye is above and beside the normal.
 static void patches_are_seen_from_outside(void **state)
 {
     (void)state;
@@ -170,7 +170,7 @@ static void patches_are_seen_from_outside(void **state)
             double side = bulge != 0 ? bulge : order;
             assert_true(view.rotation[2][2] * side > 0.9 && view.rotation[2][2] * side < 0.95);
             assert_true(view.rotation[2][1] > 0.1 && view.rotation[1][1] > 0.9);
-            // Position, size and the direction of the eye do not matter to each other.
+            // The view does not depend on position and size, nor the direction of the eye on both.
             for (size_t i = 0; i < 3 * 65; i++)
                 points[i] = 1e3 * points[i] + (i % 3 == 0 ? 500 : -70);
             mesh_view moved = surface_view_of(&patch, OPEN, OPEN);
@@ -179,8 +179,8 @@ static void patches_are_seen_from_outside(void **state)
         }
 }
 
-/// Directions that are given are kept; patches without extent or with up along the view still have a view.
-static void views_obey(void **state)
+/// Given directions are kept; patches without extent, or with `up` along the view, still have a view.
+static void given_directions_are_kept(void **state)
 {
     (void)state;
     double points[3 * 65];
@@ -203,7 +203,7 @@ static void views_obey(void **state)
     check_rotation(&view);
 }
 
-/// A half-open tube is seen across its broad side, a cup deeper than wide with a nose from the nose's side.
+/// A half-open tube is seen across its broad side; a deep cup with a nose is seen from the nose's side.
 static void closed_and_deep_patches_are_seen_from_the_side(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void closed_and_deep_patches_are_seen_from_the_side(void **state)
     mesh_view view = surface_view_of(&patch, OPEN, OPEN);
     mesh_frame frame = surface_frame_of(blade.points, blade.count, &view);
     check_rotation(&view);
-    // It stands upright and shows its chord rather than its thickness.
+    // It is upright and shows its chord, not its thickness.
     assert_true(view.rotation[1][2] > 0.95);
     assert_true(frame.high[0] - frame.low[0] > 0.3);
     bat_cloud_free(&blade);
@@ -230,8 +230,8 @@ static void closed_and_deep_patches_are_seen_from_the_side(void **state)
     assert_true(view.rotation[2][0] > 0.85 && view.rotation[1][2] > 0.9);
 }
 
-/// A disk covers pi r^2 pixels, wherever its middle is between pixels; its middle has the colour, and nothing is drawn
-/// outside the image.
+/// A disk covers pi r^2 pixels for all positions of its centre. The centre has the colour, and nothing is drawn outside the
+/// image.
 static void dots_are_disks(void **state)
 {
     (void)state;
@@ -261,7 +261,7 @@ static void dots_are_disks(void **state)
     }
 }
 
-/// A sheet of paper of 200 x 200 points, one pixel each.
+/// A page of 200 x 200 points with one pixel each.
 static cairo_t *open_paper(void)
 {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, 200, 200);
@@ -274,7 +274,7 @@ static cairo_t *open_paper(void)
 
 static const double PAPER[4] = {0, 0, 200, 200};
 
-/// The middle of pixels whose blue exceeds their red, or the other way round, by much.
+/// The mean position of pixels whose blue exceeds their red by far, or the reverse.
 static size_t find_colour(cairo_t *cairo, bool blue, double middle[2])
 {
     pixels picture = pixels_of(cairo_get_target(cairo));
@@ -296,7 +296,7 @@ static size_t find_colour(cairo_t *cairo, bool blue, double middle[2])
     return count;
 }
 
-/// Parameters are where they belong: u to the right, v upwards, to scale.
+/// Parameters are at their positions: u to the right, v upwards, to scale.
 static void parameters_are_in_the_plane(void **state)
 {
     (void)state;
@@ -318,7 +318,7 @@ static void parameters_are_in_the_plane(void **state)
     check_near(places[2][0], places[0][0], 0.2);
 }
 
-/// The number of dark lines that a row of pixels crosses, at a share of the square's height from below.
+/// The number of dark lines across a row of pixels at a fraction of the square's height.
 static int count_lines(cairo_t *cairo, double share)
 {
     pixels picture = pixels_of(cairo_get_target(cairo));
@@ -346,7 +346,7 @@ static int count_lines(cairo_t *cairo, double share)
     return crossings;
 }
 
-/// Every cell has its sides: as many lines cross a row as there are cells in it, and one more.
+/// All sides of cells are drawn: a row crosses one line more than it has cells.
 static void cells_are_drawn(void **state)
 {
     (void)state;
@@ -357,7 +357,7 @@ static void cells_are_drawn(void **state)
     {
         cairo_t *cairo = open_paper();
         assert_int_equal(surface_plane_draw(&row, cairo, PAPER, 1, NULL), BAT_OK);
-        // Cells of the lowest row, then of the highest, which stays as it is.
+        // Cells of the lowest row, then of the highest, which is not refined.
         assert_int_equal(count_lines(cairo, 0.05), 5 + (level > 0) + 2 * (level > 1));
         assert_int_equal(count_lines(cairo, 0.9), 5);
         cairo_destroy(cairo);
@@ -367,7 +367,7 @@ static void cells_are_drawn(void **state)
     bat_spline_surface_free(&flat);
 }
 
-/// A row of which a flat surface in the plane is seen from straight above.
+/// A row whose flat surface is seen from directly above.
 static surface_row row_from_above(const bat_surface_picture_row *panel)
 {
     size_t loop_count;
@@ -400,8 +400,7 @@ static void errors_are_colours(void **state)
     }
 }
 
-/// Points behind the surface are not drawn, points in front of it are, and so are those as far behind as their own distance
-/// says that they may be.
+/// Points behind the surface are hidden, except those no farther behind it than their own distance allows.
 static void surfaces_hide_points(void **state)
 {
     (void)state;
@@ -423,7 +422,7 @@ static void surfaces_hide_points(void **state)
     bat_spline_surface_free(&flat);
 }
 
-/// Triangles lie on the surface and face the eye, or outwards where the surface closes.
+/// Triangles lie on the surface and face the eye, or outwards where the surface is closed.
 static void patches_are_the_surface(void **state)
 {
     (void)state;
@@ -452,7 +451,7 @@ static void patches_are_the_surface(void **state)
         vector3_cross(first, second, normal);
         assert_true(normal[2] * side > 0);
     }
-    // Half of it is left within a box that ends between two columns of vertices, nothing within one beside it.
+    // A box that ends between two columns of vertices keeps half of the patch; a box beside it keeps nothing.
     surface_patch_cut(&patch, (const double[3]){-1, -1, -1}, (const double[3]){0.5 + 1e-9, 1, 1});
     assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
     check_near(summary.area, 0.5, 1e-12);
@@ -463,7 +462,7 @@ static void patches_are_the_surface(void **state)
 }
 
 /// A surface far from all points leaves its panel empty.
-static void stray_surfaces_are_cut(void **state)
+static void surfaces_beyond_the_points_are_cut(void **state)
 {
     (void)state;
     sample_row sample = make_row(50);
@@ -526,7 +525,7 @@ int main(void)
         cmocka_unit_test(writes_all_formats),
         cmocka_unit_test(panels_are_left_out),
         cmocka_unit_test(patches_are_seen_from_outside),
-        cmocka_unit_test(views_obey),
+        cmocka_unit_test(given_directions_are_kept),
         cmocka_unit_test(closed_and_deep_patches_are_seen_from_the_side),
         cmocka_unit_test(dots_are_disks),
         cmocka_unit_test(parameters_are_in_the_plane),
@@ -534,7 +533,7 @@ int main(void)
         cmocka_unit_test(errors_are_colours),
         cmocka_unit_test(surfaces_hide_points),
         cmocka_unit_test(patches_are_the_surface),
-        cmocka_unit_test(stray_surfaces_are_cut),
+        cmocka_unit_test(surfaces_beyond_the_points_are_cut),
         cmocka_unit_test(wrong_input_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -1,4 +1,4 @@
-// Clouds in files: what is read, what is written, what is refused on which line.
+// Clouds in files: reading, writing, and errors with their lines.
 #include "cloud_helpers.h"
 
 #include <unistd.h>
@@ -10,7 +10,7 @@ static char *temporary_path(const char *ending)
     return path;
 }
 
-/// A file with this content, in a place that is used again.
+/// A file with this content; its path is reused.
 static char *file_of(const char *text, size_t size, const char *ending)
 {
     char *path = temporary_path(ending);
@@ -89,7 +89,7 @@ static void test_every_format_gives_the_points(void **state)
         {".ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement "
                  "face 0\nproperty list uchar int vertex_indices\nend_header\n.5 -1 2e3\n1 2 3\n4 5 6.25\n"},
         {".obj", "# remark\no cloud\nv .5 -1 2e3\nvn 0 0 1\nv 1 2 3\nv 4 5 6.25 1\np 1 2 3\n"},
-        // Without an ending that says the format, the content does.
+        // Without a known ending, the content determines the format.
         {".points", ".5 -1 2e3\n1 2 3\n4 5 6.25\n"},
         {".points", ".5,-1,2e3\n1,2,3\n4,5,6.25\n"},
         {".points", "v .5 -1 2e3\nv 1 2 3\nv 4 5 6.25\n"},
@@ -232,7 +232,7 @@ static void test_the_boundary_is_said_in_a_remark(void **state)
     bat_cloud_free(&cloud);
     assert_refused_with(SIX, ".xyz", &seven, BAT_INVALID_ARGUMENT, 0, "only 6");
     assert_refused_with(SIX, ".xyz", &two, BAT_INVALID_ARGUMENT, 0, "four corners");
-    // Points that are dropped from the boundary make it shorter.
+    // Points that are dropped from the boundary shorten it.
     cloud = must_read_with(
         "# 6 boundary points first\n# corners 0 1 2 4\n0 0 0\n1 0 0\n1 0 0\n1 1 0\n0 1 0\n0 .5 0\n.5 .5 0\n", ".xyz", &drop);
     assert_int_equal(cloud.boundary_count, 5);
@@ -264,7 +264,7 @@ static void test_the_boundary_in_a_file_of_its_own(void **state)
     assert_int_equal(cloud.boundary_count, 4);
     assert_memory_equal(cloud.order, order, sizeof order);
     assert_points(&cloud, 6, expected);
-    // The main file may hold other points only.
+    // The main file may contain only other points.
     assert_with_boundary("0,1,0\n1,1,0\n1,0,0\n0,0,0\n", ".5 .25 0\n.75 .5 0\n", BAT_OK, NULL, &cloud);
     assert_null(cloud.order);
     assert_points(&cloud, 6, expected);
@@ -303,7 +303,7 @@ static void test_files_with_faces_are_meshes(void **state)
     assert_refused(SQUARE "f 1 2 9\n", ".obj", BAT_BAD_FILE, 6, "names vertex 8");
     const bat_cloud_read_options five = {.boundary = 4}, drop = {.drop_duplicates = true};
     assert_refused_with(SQUARE "f 1 2 3\n", ".obj", &five, BAT_INVALID_ARGUMENT, 0, "its own boundary");
-    // A mesh whose triangles do not share their vertices is joined where duplicates may be dropped.
+    // A mesh with unshared vertices is welded where duplicates may be dropped.
     static const char soup[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
     assert_refused(soup, ".obj", BAT_UNSUPPORTED, 0, "several");
     cloud = must_read_with(soup, ".obj", &drop);
@@ -312,7 +312,7 @@ static void test_files_with_faces_are_meshes(void **state)
     bat_cloud_free(&cloud);
 }
 
-/// A cloud of numbers of any size, with a boundary and corners.
+/// A cloud with numbers of any magnitude, a boundary and corners.
 static bat_cloud any_cloud(size_t count, size_t boundary)
 {
     bat_random random = bat_random_seed(count);

@@ -18,7 +18,7 @@ static void assert_cut(const char *text, const char *expected)
     assert_rewritten(text, GEOJSON, NULL, line);
 }
 
-/// `expected` with one latitude in degrees, of ten decimals, in place of each %s.
+/// `expected` with a latitude in degrees, of ten decimals, for each %s.
 static void assert_cut_at(const char *text, const char *expected, double latitude)
 {
     char number[32], filled[1024];
@@ -51,7 +51,7 @@ static void a_line_is_cut_where_it_crosses(void **state)
 static void the_crossing_is_on_the_great_circle(void **state)
 {
     (void)state;
-    // The arc between two points of latitude f and a difference of longitude 2 d is highest midway: tan(top) = tan(f) /
+    // The arc between two points of latitude f and longitude difference 2 d is highest in the middle: tan(top) = tan(f) /
     // cos(d).
     double top = atan(tan(45 * PI / 180) / cos(10 * PI / 180)) * 180 / PI;
     assert_cut_at(LINE("[[170,45],[-170,45]]"), LINES("[[[170,45],[180,@]],[[-180,@],[-170,45]]]"), top);
@@ -118,7 +118,7 @@ static void a_polygon_across_falls_into_parts(void **state)
                   POLYGONS("[[[[-180,-@],[-170,-10],[-170,10],[-180,@],[-180,-@]]],"
                            "[[[180,@],[170,10],[170,-10],[180,-@],[180,@]]]]"),
                   side);
-    // Two feet over the meridian on the equator: the body and the feet make three parts.
+    // Two extensions across the antimeridian at the equator: three parts.
     bat_curve_set set =
         must_read(POLYGON("[[[160,-30],[-170,-20],[170,-10],[170,10],[-170,20],[160,30],[160,-30]]]"), GEOJSON, NULL);
     char *text = must_write(&set, GEOJSON);
@@ -181,13 +181,13 @@ static void two_rings_around_the_axis_bound_a_belt(void **state)
                POLYGON("[[[-180,0],[-90,0],[0,0],[90,0],[180,0],[180,60],[90,60],[0,60],[-90,60],[-180,60],[-180,0]]]"));
 }
 
-/// A star-shaped region around a centre: the points whose distance is below a radius that depends on the direction.
+/// A star-shaped region: the points whose distance from a centre is below a radius that depends on the direction.
 typedef struct star
 {
     double axes[3][3]; ///< centre and two directions
     double size;       ///< of the mean radius
     double waves[3];
-    double hole; ///< share of the radius below which there is a hole
+    double hole; ///< the hole's radius, relative to the region's
 } star;
 
 static star random_star(bat_random *random)
@@ -238,7 +238,7 @@ static char *star_ring(const star *shape, double scale, bool backward, char *out
     return out + sprintf(out, "]");
 }
 
-/// 1 inside, 0 outside, -1 too close to the border to say.
+/// 1 inside, 0 outside, -1 too near to the border.
 static int star_holds(const star *shape, const double *point)
 {
     double c[3] = {0};
@@ -267,7 +267,7 @@ static bool ring_holds(const json_t *ring, double x, double y)
     return inside;
 }
 
-/// Whether a place of the map is in one of the polygons and in none of their holes.
+/// Whether a point of the map is in a polygon and in none of its holes.
 static bool polygons_hold(const json_t *polygons, double x, double y)
 {
     for (size_t i = 0; i < json_array_size(polygons); i++)
@@ -282,7 +282,7 @@ static bool polygons_hold(const json_t *polygons, double x, double y)
     return false;
 }
 
-/// Cut a star with a hole in it, and compare the map with the globe at random places.
+/// Cut a star with a hole, and compare the map with the sphere at random points.
 static void check_star(bat_random *random, bool same_direction)
 {
     star shape = random_star(random);

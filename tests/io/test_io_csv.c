@@ -107,7 +107,7 @@ static void a_comment_names_the_space(void **state)
     assert_bad("# space:\n0,0.5\n", CSV, NULL, 1, "no space ''");
 }
 
-/// Line ends, marks and blank lines do not shift the line of an error.
+/// Line ends, byte order marks and blank lines do not change the line of an error.
 static void lines_are_counted_alike(void **state)
 {
     (void)state;

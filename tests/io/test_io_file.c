@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/// A fresh folder for each test, with room for a path inside.
+/// A new folder for each test, with memory for a path inside.
 typedef struct folder
 {
     char name[64];
@@ -174,7 +174,7 @@ static void what_cannot_be_opened_is_told(void **state)
     assert_int_equal(count_files(*state, false), 0);
 }
 
-/// Write as a user to whom rights apply, in a process of its own; its exit status is the bat_status.
+/// Write as an unprivileged user in a separate process; its exit status is the bat_status.
 static int write_as_nobody(const char *path)
 {
     enum
@@ -224,7 +224,7 @@ static void a_failure_in_the_middle_keeps_the_old_file(void **state)
     assert_int_equal(count_files(*state, false), 1);
 }
 
-/// Write more than a file may hold, in a process of its own; its exit status is the bat_status.
+/// Write more than the limit of file sizes in a separate process; its exit status is the bat_status.
 static int write_beyond_limit(const char *path)
 {
     pid_t child = fork();
@@ -258,7 +258,7 @@ static void a_full_disk_keeps_the_old_file(void **state)
     assert_int_equal(write_rows("/dev/full", NULL), BAT_FILE_ACCESS);
 }
 
-/// Whether the folder's file system has files without a name.
+/// Whether the folder's file system supports unnamed files.
 static bool has_nameless_files(const folder *in)
 {
 #ifdef O_TMPFILE
@@ -358,7 +358,7 @@ static void the_ending_tells_the_format(void **state)
 static void a_format_that_nothing_tells_is_asked_for(void **state)
 {
     const char *path = path_in(*state, "curves");
-    assert_int_equal(write_rows(path, NULL), BAT_OK); // as the set was read
+    assert_int_equal(write_rows(path, NULL), BAT_OK); // the format of the input
     double *points = calloc(2, sizeof *points);
     bat_space plane = bat_euclidean(2);
     bat_curve curve = {.space = &plane, .points = points, .count = 1};

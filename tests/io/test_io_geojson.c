@@ -10,7 +10,7 @@ static const bat_curve_format GEOJSON = BAT_CURVE_FORMAT_GEOJSON;
 #define FEATURE(geometry) "{\"type\":\"Feature\",\"properties\":{},\"geometry\":" geometry "}"
 #define COLLECTION(features) "{\"type\":\"FeatureCollection\",\"features\":[\n" features "\n]}\n"
 
-/// Take the bounding boxes out, which no writer keeps where it writes curves; and those of features without curves stay.
+/// Remove bounding boxes, which writers drop for features with curves and keep for others.
 static void drop_boxes(json_t *root)
 {
     (void)json_object_del(root, "bbox");
@@ -68,8 +68,7 @@ static void geometries_become_curves(void **state)
     bat_curve_set_free(&set);
 }
 
-/// Members that only look like coordinates, coordinates that only the parser can find, and every order of members: all come
-/// out as they went in.
+/// Members that resemble coordinates, coordinates that only the parser finds, and any order of members: all are preserved.
 static void what_looks_like_coordinates_survives(void **state)
 {
     (void)state;
@@ -94,7 +93,7 @@ static void what_looks_like_coordinates_survives(void **state)
                              "{ \"type\" : \"LineString\" , \"coordinates\" : [ [ 0 , 0 ] ,\r\n\t[ 1e0 , 1.0 ] ] }"};
     for (size_t i = 0; i < sizeof spelled / sizeof *spelled; i++)
         assert_rewritten(spelled[i], GEOJSON, NULL, LINE("[[0,0],[1,1]]") "\n");
-    // None of these may be taken for the number of an array that was lifted out.
+    // None of these may be mistaken for the index of an extracted array.
     assert_bad("{\"type\":\"GeometryCollection\",\"geometries\":[" LINE(
                    "[[0,0],[1,1]]") ",{\"type\":\"Line\\u0053tring\",\"coordinates\":[0]}]}",
                GEOJSON, NULL, 0, "geometry 1, position 0: a position must be");
@@ -102,7 +101,7 @@ static void what_looks_like_coordinates_survives(void **state)
                0, "geometry 1, position 0: a position must be");
 }
 
-/// What is wrong inside an array of numbers is wrong JSON all the same.
+/// Errors inside an array of numbers are syntax errors.
 static void wrong_numbers_are_wrong_syntax(void **state)
 {
     (void)state;
@@ -123,7 +122,7 @@ static void every_kind_of_root_is_read(void **state)
     assert_rewritten(LINE("[[1,2],[3,4]]"), GEOJSON, NULL, LINE("[[1,2],[3,4]]") "\n");
     assert_rewritten(FEATURE(LINE("[[1,2],[3,4]]")), BAT_CURVE_FORMAT_AUTO, NULL, FEATURE(LINE("[[1,2],[3,4]]")) "\n");
     assert_rewritten(COLLECTION(FEATURE(LINE("[[1,2],[3,4]]"))), GEOJSON, NULL, COLLECTION(FEATURE(LINE("[[1,2],[3,4]]"))));
-    // Keys that are written with escapes, and a collection whose features are not where one looks for them.
+    // Keys with escapes, and a collection whose features are in an unusual place.
     assert_rewritten("{\"type\":\"FeatureCollection\",\"feat\\u0075res\":[" FEATURE(LINE("[[1,2],[3,4]]")) "]}", GEOJSON,
                      NULL, COLLECTION(FEATURE(LINE("[[1,2],[3,4]]"))));
     assert_rewritten("{\"features\":[{}],\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]}", GEOJSON, NULL,
@@ -260,7 +259,7 @@ static void results_do_not_depend_on_threads(void **state)
     }
     assert_string_equal(written[0], written[1]);
     assert_string_equal(written[0], written[2]);
-    // The first of several errors is the one that is told.
+    // Of several errors the first is reported.
     char *late = strstr(strstr(text, "\"id\":8000"), "Feature"),
          *early = strstr(strstr(text, "\"id\":2000"), "\"geometry\"");
     *late = 'f';
@@ -315,7 +314,7 @@ static void bad_syntax_names_its_line(void **state)
     assert_bad("{\"type\":\"LineString\",\"a\":\n\"\xFF\",\"coordinates\":[[0,0],[1,1]]}", GEOJSON, NULL, 2, "");
     assert_bad(LINE("[[0,0],[1,1]]") "x", GEOJSON, NULL, 1, "end of file expected");
     assert_bad("{\"type\":\"LineString\",\"type\":\"Point\"}", GEOJSON, NULL, 1, "duplicate");
-    // The line is right in a collection, whose features are parsed apart.
+    // The line is correct in a collection, whose features are parsed separately.
     assert_bad(COLLECTION(FEATURE(LINE("[[0,0],[1,1]]")) ",\n" FEATURE(LINE("[[0,0],\n[1,,1]]"))), GEOJSON, NULL, 4, "");
     assert_bad(COLLECTION(FEATURE(LINE("[[0,0],[1,1]]")) ",\n"), GEOJSON, NULL, 4, "");
     assert_bad(COLLECTION(FEATURE(LINE("[[0,0],[1,1]]"))) "x", GEOJSON, NULL, 4, "end of file expected");

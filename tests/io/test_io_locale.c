@@ -5,11 +5,11 @@
 #include <locale.h>
 #include <stdio.h>
 
-/// Locales whose decimal separator is no point: a comma, or in the last one a character of two bytes.
+/// Locales with another decimal separator: a comma or, in the last one, a character of two bytes.
 static const char *const LOCALES[] = {"de_DE.UTF-8", "de_DE.utf8",  "fr_FR.UTF-8", "fr_FR.utf8", "nl_NL.UTF-8",
                                       "pt_BR.UTF-8", "ru_RU.UTF-8", "sv_SE.UTF-8", "ps_AF.UTF-8"};
 
-/// Do something in every locale of the list that the system has.
+/// Run a check in every listed locale that the system has.
 static void in_locales(void (*check)(void))
 {
     size_t found = 0;

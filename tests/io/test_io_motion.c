@@ -1,4 +1,4 @@
-// Keyframes in files: named columns of rotations, poses and tensors, trajectories, and the curves that are made of them.
+// Keyframes in files: named columns of rotations, poses and tensors, trajectories, and the curves made from them.
 
 #include "test_io_helpers.h"
 
@@ -16,7 +16,8 @@ static double turn(const double *p, const double *q)
     return rotation.distance(&rotation, p, q);
 }
 
-/// Every way to write the turn by 2 pi / 3 about (1, 1, 1), which takes x to y, y to z and z to x; columns in any order.
+/// All representations of the rotation by 2 pi / 3 about (1, 1, 1), which maps x to y, y to z and z to x; columns in any
+/// order.
 static void rotations_have_three_forms(void **state)
 {
     (void)state;
@@ -181,7 +182,7 @@ static void rounded_rotations_are_taken_and_projection_takes_more(void **state)
     bat_curve_set_free(&set);
 }
 
-/// q and -q are one rotation: the reader makes a row of them continuous, and drops a closed curve's repeated beginning.
+/// q and -q are one rotation: the reader makes a sequence of them continuous, and drops a closed curve's repeated start.
 static void signs_do_not_jump(void **state)
 {
     (void)state;
@@ -222,7 +223,7 @@ static const struct
     {"time,x,y\n0,0,0\n1,10,20\n5,30,20\n", "plane"},
 };
 
-/// From text to curve to text to curve: at the keyframes' times the curve is the keyframe, to 1e-12 in every column.
+/// Text to curve to text to curve: at the keyframes' times the curve is the keyframe, to 1e-12 in every column.
 static void keyframes_come_back(void **state)
 {
     (void)state;
@@ -262,7 +263,7 @@ static void keyframes_come_back(void **state)
         }
 }
 
-/// Neighbours of a smooth curve of quaternions are near each other, and times go from first to last.
+/// Neighbours on a smooth curve of quaternions are close, and times increase from first to last.
 static void smooth_curves_are_continuous(void **state)
 {
     (void)state;
@@ -295,7 +296,7 @@ static void smooth_curves_are_continuous(void **state)
     bat_curve_set_free(&set);
 }
 
-/// A steady turn stays one, in points and velocities, whatever the times and the scheme: angular velocity 1/2 about z.
+/// A uniform rotation remains one, in points and velocities, for all times and schemes: angular velocity 1/2 about z.
 static void steady_turns_have_their_velocity(void **state)
 {
     (void)state;
@@ -328,7 +329,7 @@ static void steady_turns_have_their_velocity(void **state)
     bat_curve_set_free(&set);
 }
 
-/// Steps of 100 degrees are followed round and round, at the ends and by both orders.
+/// Steps of 100 degrees are followed, at the ends and by both orders.
 static void large_steps_are_followed(void **state)
 {
     (void)state;
@@ -389,7 +390,7 @@ static void bad_keyframes_name_their_lines(void **state)
 #undef ROWS
 }
 
-/// A motion may rest where it has times.
+/// A motion with times may rest.
 static void motions_may_rest(void **state)
 {
     (void)state;
@@ -427,7 +428,7 @@ static void forms_agree(void **state)
     bat_curve_set_free(&fine[1]);
 }
 
-/// Velocities in files are dA/dt and dz/dt: differences of the sampled curve's own columns show them.
+/// Velocities in files are dA/dt and dz/dt: they agree with differences of the sampled curve's columns.
 static void velocities_are_derivatives_of_the_columns(void **state)
 {
     (void)state;

@@ -113,7 +113,7 @@ static void what_is_no_decimal_number_is_refused(void **state)
     }
 }
 
-/// Halfway between 1 and the next double, which rounds to the even 1, and by how little it does not.
+/// Halfway between 1 and the next double, which rounds to the even 1, and slightly more.
 static void long_numbers_round_right(void **state)
 {
     (void)state;
@@ -134,7 +134,7 @@ static void long_numbers_round_right(void **state)
         assert_null(number_read(text, text + sizeof halfway + ZEROS, &value));
         assert_true(value == (last == '0' ? 1.0 : 1.0 + DBL_EPSILON));
     }
-    // The exponent may make up for any number of zeros, on either side of the point.
+    // The exponent may compensate for any number of zeros on either side of the point.
     text[0] = '.';
     memset(text + 1, '0', ZEROS);
     (void)strcpy(text + 1 + ZEROS, "125e5001");

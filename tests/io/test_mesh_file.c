@@ -1,4 +1,4 @@
-// Mesh files of any format: formats by name, ending and content, options, files that appear whole, locales, and real meshes.
+// Mesh files of any format: formats by name, ending and content, options, atomic output, locales, and real meshes.
 #include "mesh_file_helpers.h"
 
 #include "batten/mesh.h"
@@ -77,7 +77,7 @@ static void test_files(void **state)
         assert_int_equal(bat_mesh_read(path, NULL, &back, &error), BAT_OK);
         assert_same_shape(&mesh, &back);
         bat_mesh_free(&back);
-        // A failure leaves the file as it was.
+        // A failure does not change the file.
         assert_int_equal(bat_mesh_write(path, &bad, i == 4 ? &writing : NULL, &error), BAT_INVALID_ARGUMENT);
         assert_int_equal(bat_mesh_read(path, NULL, &back, &error), BAT_OK);
         bat_mesh_free(&back);
@@ -94,7 +94,7 @@ static void test_files(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// In locales whose decimal separator is no point.
+/// In locales with another decimal separator.
 static void test_locales(void **state)
 {
     (void)state;
@@ -127,7 +127,7 @@ static void test_locales(void **state)
 
 #define MESHES SHARED_DATA "/data/meshes"
 
-/// One real mesh goes through every format, and comes back the same.
+/// A real mesh is preserved by every format.
 static void check_real(const char *path)
 {
     bat_mesh_read_options options = bat_mesh_read_defaults();

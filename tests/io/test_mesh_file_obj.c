@@ -1,4 +1,4 @@
-// OBJ: what is read, what is written, and what is refused on which line.
+// OBJ: reading, writing, and errors with their lines.
 #include "mesh_file_helpers.h"
 
 static const bat_mesh_format OBJ = BAT_MESH_FORMAT_OBJ;

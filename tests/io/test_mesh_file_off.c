@@ -1,4 +1,4 @@
-// OFF: header words, comments, colours and texture coordinates, and what is refused on which line.
+// OFF: header words, comments, colours and texture coordinates, and errors with their lines.
 #include "mesh_file_helpers.h"
 
 static const bat_mesh_format OFF = BAT_MESH_FORMAT_OFF;

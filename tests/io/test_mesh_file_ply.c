@@ -1,4 +1,4 @@
-// PLY: headers, types, byte orders, elements to pass over, and what is refused.
+// PLY: headers, types, byte orders, skipped elements, and errors.
 #include "mesh_file_helpers.h"
 
 static const bat_mesh_format PLY = BAT_MESH_FORMAT_PLY;
@@ -241,14 +241,14 @@ static void test_bad_headers(void **state)
     assert_bad("plyx\n", PLY, 1, "does not begin with a line 'ply'");
     assert_bad("ply\n", PLY, 2, "the file ends in its header");
     assert_bad("ply\ncomment x\n", PLY, 3, "the file ends in its header");
-    assert_bad("ply\nelement vertex 3\n", PLY, 2, "'element' stands where 'format'");
+    assert_bad("ply\nelement vertex 3\n", PLY, 2, "'element' was found where 'format'");
     assert_bad("ply\nformat binary 1.0\n", PLY, 2, "'binary' is not ascii");
     assert_bad("ply\nformat ascii 2.0\n", PLY, 2, "'2.0' is not version 1.0");
     assert_bad(ASCII "element\n", PLY, 3, "'' was found where the element's name");
     assert_bad(ASCII "element vertex\n", PLY, 3, "'' is not the number of elements");
     assert_bad(ASCII "element vertex -3\n", PLY, 3, "'-3' is not the number of elements");
     assert_bad(ASCII "element vertex 99999999999999999999\n", PLY, 3, "is not the number of elements");
-    assert_bad(ASCII "element vertex 3 4\n", PLY, 3, "'4' is too much");
+    assert_bad(ASCII "element vertex 3 4\n", PLY, 3, "'4' is superfluous");
     assert_bad(ASCII "property int x\n", PLY, 3, "belongs to no element");
     assert_bad(ASCII "element vertex 3\nproperty long x\n", PLY, 4, "'long' is not a type");
     assert_bad(ASCII "element vertex 3\nproperty float\n", PLY, 4, "'' was found where the property's name");
@@ -279,7 +279,7 @@ static void test_bad_data(void **state)
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 zero\n3 0 1 2\n", PLY, 12, "'zero' cannot be the 'z' of vertex 2");
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 nan\n3 0 1 2\n", PLY, 12, "'nan' cannot be the 'z' of vertex 2");
     assert_bad(HEADER "0 0 0\n1 0\n0 1 0\n3 0 1 2\n", PLY, 11, "vertex 1 ends before its 'z'");
-    assert_bad(HEADER "0 0 0\n1 0 0 1\n0 1 0\n3 0 1 2\n", PLY, 11, "'1' is too much");
+    assert_bad(HEADER "0 0 0\n1 0 0 1\n0 1 0\n3 0 1 2\n", PLY, 11, "'1' is superfluous");
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", PLY, 13, "face 0 ends before its 'vertex_indices'");
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", PLY, 13, "face 0 names vertex 3, but there are 3");
     assert_bad(HEADER "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", PLY, 13, "face 0 names vertex -1");

@@ -1,4 +1,4 @@
-// STL: triangles that find their neighbours by equal coordinates, in text and in bytes.
+// STL: triangles joined at equal coordinates, in text and binary form.
 #include "mesh_file_helpers.h"
 
 #include "batten/mesh.h"
@@ -38,17 +38,18 @@ static void test_bad_text(void **state)
     assert_bad("solid\nendsolid\n", STL, 0, "there are no faces");
     assert_bad("solid\n", STL, 2, "the file ends where 'endsolid' is expected");
     assert_bad("solid\nfacet\n", STL, 3, "the file ends where 'outer' is expected");
-    assert_bad("solid\nface normal\n", STL, 2, "'face' stands where 'endsolid'");
-    assert_bad("solid\nfacet\nloop\n", STL, 3, "'loop' stands where 'outer loop'");
-    assert_bad("solid\nfacet\nouter\n", STL, 3, "'' stands where 'outer loop'");
+    assert_bad("solid\nface normal\n", STL, 2, "'face' was found where 'endsolid'");
+    assert_bad("solid\nfacet\nloop\n", STL, 3, "'loop' was found where 'outer loop'");
+    assert_bad("solid\nfacet\nouter\n", STL, 3, "'' was found where 'outer loop'");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2\n", STL, 4, "a vertex has 3 coordinates");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 3 4\n", STL, 4, "a vertex has 3 coordinates");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 x\n", STL, 4, "'x' is not a number");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 nan\n", STL, 4, "'nan' is not a number");
-    assert_bad("solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 3\nendloop\n", STL, 6, "'endloop' stands where 'vertex'");
+    assert_bad("solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 3\nendloop\n", STL, 6,
+               "'endloop' was found where 'vertex'");
     assert_bad("solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 3\nvertex 1 2 3\nvertex 1 2 3\n", STL, 7,
-               "'vertex' stands where 'endloop'");
-    assert_bad("solid\n" TWO "endsolid\nfacet\n", STL, 17, "'facet' stands where 'solid'");
+               "'vertex' was found where 'endloop'");
+    assert_bad("solid\n" TWO "endsolid\nfacet\n", STL, 17, "'facet' was found where 'solid'");
     assert_bad("solid\n" TWO FACET("0 0 0", "0 0 0", "1 1 1") "endsolid\n", STL, 16, "face 2 has vertex 0");
     static const char whole[] = "solid\n" TWO "endsolid\n";
     assert_truncations_fail(whole, sizeof whole - 1, 1, STL);
@@ -132,7 +133,7 @@ static void test_round_trip(void **state)
         assert_int_equal(binary.vertex_count, mesh.vertex_count);
         check_same_corners(&mesh, &text, false);
         check_same_corners(&mesh, &binary, true);
-        // Once more, binary files are the same bytes: nothing but the first rounding is lost.
+        // A second write gives the same bytes: only the first one rounds.
         size_t sizes[2];
         char *once = must_write(&mesh, STL, BAT_MESH_ENCODING_BINARY, &sizes[0]);
         char *twice = must_write(&binary, STL, BAT_MESH_ENCODING_BINARY, &sizes[1]);

@@ -1,4 +1,4 @@
-// Spline surfaces as XML and JSON: what was written comes back to the last bit, what is wrong is refused with its line.
+// Spline surfaces as XML and JSON: exact round trips, and errors with their lines.
 
 #include "surface_helpers.h"
 
@@ -63,7 +63,7 @@ static void test_files(void **state)
     bat_spline_surface_free(&surface);
 }
 
-/// The knots of a direction, moved and scaled, with as many digits as G+Smo gives them.
+/// The knots of a direction, shifted and scaled, with the digits of G+Smo.
 static void append_knots(text_buffer *text, int degree, size_t spans, double from, double length)
 {
     char number[128];
@@ -79,13 +79,13 @@ static void append_knots(text_buffer *text, int degree, size_t spans, double fro
     text_append_string(text, "</KnotVector>\n    </Basis>\n");
 }
 
-/// What G+Smo's tree of boxes has to say of two regions: the first of level 1 is the left half, the second of level 2 a part
-/// of it, and the rest of level 1 is cut in the midst of cells of level 0.
+/// The boxes that G+Smo writes for two regions: the first of level 1 is the left half, the second of level 2 is a part of
+/// it. The rest of level 1 divides cells of level 0.
 static const char leaves[] = "   <box level=\"2\">2 2 6 6 \n</box>\n   <box level=\"1\">0 0 1 6 \n</box>\n"
                              "   <box level=\"1\">3 0 4 6 \n</box>\n   <box level=\"1\">1 0 3 1 \n</box>\n"
                              "   <box level=\"1\">1 3 3 6 \n</box>\n";
 
-/// A file as G+Smo writes it, of the identity on the square: coefficients are Greville points.
+/// A file in the form of G+Smo for the identity of the square: coefficients are Greville points.
 static char *gismo_file(const bat_spline_surface *surface, const char *boxes)
 {
     text_buffer text = {0};
@@ -154,7 +154,7 @@ static void test_gismo(void **state)
     bat_spline_surface_free(&surface);
 }
 
-/// A cell of level 0 that boxes of level 1 fill only in part.
+/// A cell of level 0 that boxes of level 1 fill only partly.
 static void test_gismo_unfilled(void **state)
 {
     (void)state;
@@ -312,7 +312,7 @@ static void test_json_order(void **state)
     bat_spline_surface_free(&surface);
 }
 
-/// A file of a few bytes can speak of spans without end.
+/// A file of a few bytes may specify any number of spans.
 static void test_sizes(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Spline surfaces as STEP: the text is parsed back, its faces evaluate to the surface, and its edges join them.
+// Spline surfaces as STEP: the text is parsed, its faces evaluate to the surface, and its edges join them.
 
 #include "surface_helpers.h"
 
@@ -6,13 +6,13 @@
 #include "io/surface/shell.h"
 #include "io/surface/step.h"
 
-/// An entity: its keyword and what is between its parentheses.
+/// An entity: its keyword and the text between its parentheses.
 typedef struct entity
 {
     const char *keyword, *body;
 } entity;
 
-/// The entities of a file by their numbers, from 1 on.
+/// The entities of a file by number, from 1.
 typedef struct step_file
 {
     char *text;
@@ -20,7 +20,7 @@ typedef struct step_file
     size_t count;
 } step_file;
 
-/// Cut the text into entities in place.
+/// Divide the text into entities, in place.
 static step_file parse_file(char *text)
 {
     step_file file = {.text = text};
@@ -59,7 +59,7 @@ static const entity *must_be(const step_file *file, size_t number, const char *k
     return &file->entities[number];
 }
 
-/// Behind the parameter that begins here and its comma.
+/// The position after the parameter that begins here and its comma.
 static const char *next_parameter(const char *at)
 {
     int depth = 0;
@@ -89,7 +89,7 @@ static const char *skip_marks(const char *at)
     return at;
 }
 
-/// The numbers of a list, whatever lists it is made of; real ones have a decimal point.
+/// The numbers of a list of any depth; real ones have a decimal point.
 static size_t read_list(const char *at, bool real, double *numbers)
 {
     const char *end = next_parameter(at);
@@ -108,7 +108,7 @@ static size_t read_list(const char *at, bool real, double *numbers)
 
 enum
 {
-    MOST_NUMBERS = 10000
+    MAX_NUMBERS = 10000
 };
 
 static void read_point(const step_file *file, size_t number, double point[3])
@@ -119,22 +119,22 @@ static void read_point(const step_file *file, size_t number, double point[3])
 /// The points of a list of references.
 static size_t read_points(const step_file *file, const char *list, double *points)
 {
-    double numbers[MOST_NUMBERS];
+    double numbers[MAX_NUMBERS];
     size_t count = read_list(list, false, numbers);
     for (size_t i = 0; i < count; i++)
         read_point(file, (size_t)numbers[i], points + 3 * i);
     return count;
 }
 
-/// Knots from how often they are there, and where.
+/// Knots from their multiplicities and values.
 static bat_knot_vector read_knots(int degree, const char *multiplicities, const char *places)
 {
-    double often[MOST_NUMBERS], place[MOST_NUMBERS];
-    size_t count = read_list(multiplicities, false, often);
+    double counts[MAX_NUMBERS], place[MAX_NUMBERS];
+    size_t count = read_list(multiplicities, false, counts);
     assert_int_equal(read_list(places, true, place), count);
-    bat_knot_vector knots = {.knots = malloc(MOST_NUMBERS * sizeof(double)), .degree = degree};
+    bat_knot_vector knots = {.knots = malloc(MAX_NUMBERS * sizeof(double)), .degree = degree};
     for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < (int)often[i]; k++)
+        for (int k = 0; k < (int)counts[i]; k++)
             knots.knots[knots.count++] = place[i];
     return knots;
 }
@@ -146,7 +146,7 @@ static bat_tensor_surface read_surface(const step_file *file, size_t number)
     surface.knots[0] = read_knots(atoi(parameter(of, 1)), parameter(of, 8), parameter(of, 10));
     surface.knots[1] = read_knots(atoi(parameter(of, 2)), parameter(of, 9), parameter(of, 11));
     size_t columns = bat_knot_vector_functions(&surface.knots[0]), rows = bat_knot_vector_functions(&surface.knots[1]);
-    double *points = malloc(3 * MOST_NUMBERS * sizeof *points);
+    double *points = malloc(3 * MAX_NUMBERS * sizeof *points);
     assert_int_equal(read_points(file, parameter(of, 3), points), columns * rows);
     surface.control = malloc(3 * columns * rows * sizeof *surface.control);
     for (size_t i = 0; i < columns; i++)
@@ -161,7 +161,7 @@ static bat_tensor_surface read_surface(const step_file *file, size_t number)
 static bat_tensor_surface read_curve(const step_file *file, size_t number)
 {
     const entity *of = must_be(file, number, "B_SPLINE_CURVE_WITH_KNOTS");
-    bat_tensor_surface curve = {.dimension = 3, .control = malloc(3 * MOST_NUMBERS * sizeof *curve.control)};
+    bat_tensor_surface curve = {.dimension = 3, .control = malloc(3 * MAX_NUMBERS * sizeof *curve.control)};
     curve.knots[0] = read_knots(atoi(parameter(of, 1)), parameter(of, 6), parameter(of, 7));
     curve.knots[1] = (bat_knot_vector){.knots = calloc(2, sizeof(double)), .count = 2};
     curve.knots[1].knots[1] = 1;
@@ -178,7 +178,7 @@ static void domain(const bat_knot_vector *knots, double range[2])
     assert_true(knots->knots[0] == range[0] && knots->knots[knots->count - 1] == range[1]);
 }
 
-/// A face's patch says what the surface does; returns the patch's area in the square.
+/// Compare a face's patch with the surface; returns the patch's area in the square.
 static double check_patch(const bat_spline_surface *surface, const bat_tensor_surface *patch)
 {
     double u[2], v[2];
@@ -198,13 +198,13 @@ static double check_patch(const bat_spline_surface *surface, const bat_tensor_su
     return (u[1] - u[0]) * (v[1] - v[0]);
 }
 
-/// How often an edge is used in its direction and against it, and how its curve runs in the square.
+/// The uses of an edge in both directions, and its curve in the square.
 typedef struct edge_uses
 {
     int forward, backward;
 } edge_uses;
 
-/// The parameters at the ends of an edge, in its direction, as a side of a patch: the border that has them.
+/// The parameters at the ends of an edge, in its direction, on a side of a patch.
 static void edge_ends(const bat_tensor_surface *curve, const double point[3], bool begin)
 {
     double range[2], at[2] = {0, 0.5}, found[3];
@@ -219,8 +219,7 @@ static void read_vertex(const step_file *file, size_t number, double point[3])
     read_point(file, reference(parameter(must_be(file, number, "VERTEX_POINT"), 1)), point);
 }
 
-/// An edge's curve lies on a patch along one of its sides: in a sheet (u, v, height) the parameters are the first
-/// coordinates.
+/// The curve of an edge lies on a side of a patch. In a sheet (u, v, height) the first coordinates are the parameters.
 static void check_edge_on_patch(const bat_tensor_surface *curve, const bat_tensor_surface *patch)
 {
     double range[2], u[2], v[2];
@@ -241,10 +240,10 @@ static void check_edge_on_patch(const bat_tensor_surface *curve, const bat_tenso
     }
 }
 
-/// A loop's edges follow one another, around the face on its left.
+/// The edges of a loop are consecutive, with the face on their left.
 static void check_loop(const step_file *file, size_t loop, const bat_tensor_surface *patch, edge_uses *uses)
 {
-    double oriented[MOST_NUMBERS], turn = 0;
+    double oriented[MAX_NUMBERS], turn = 0;
     size_t count = read_list(parameter(must_be(file, loop, "EDGE_LOOP"), 1), false, oriented);
     size_t first = 0, before = 0;
     for (size_t i = 0; i < count; i++)
@@ -283,10 +282,10 @@ static size_t count_keyword(const step_file *file, const char *keyword)
     return count;
 }
 
-/// Every face in the shell, every edge twice, or once where it is a border of the square.
+/// Every face is in the shell; every edge is used twice, or once on the border of the square.
 static void check_shell(const step_file *file, const bat_spline_surface *surface)
 {
-    double faces[MOST_NUMBERS], area = 0, border = 0;
+    double faces[MAX_NUMBERS], area = 0, border = 0;
     size_t shell = 1;
     while (strcmp(file->entities[shell].keyword, "OPEN_SHELL") != 0)
         shell++;
@@ -342,7 +341,7 @@ static void test_sheets(void **state)
         }
 }
 
-/// A side that is a point is no edge, and the vertices at its ends are one.
+/// A collapsed side is not an edge, and its ends are one vertex.
 static void test_cone(void **state)
 {
     (void)state;
@@ -361,7 +360,7 @@ static void test_cone(void **state)
     bat_spline_surface_free(&surface);
 }
 
-/// What a reader looks for to find the shape, its unit and its product.
+/// The entities by which a reader finds the shape, its unit and its product.
 static void test_product(void **state)
 {
     (void)state;
@@ -404,7 +403,7 @@ static void test_reals(void **state)
     }
 }
 
-/// Two long bricks on three short ones: every side is cut where any corner lies on it.
+/// Two long rectangles on three short ones: every side is divided at all corners on it.
 static void test_bricks(void **state)
 {
     (void)state;
@@ -430,7 +429,7 @@ static void test_bricks(void **state)
     shell_free(&shell);
 }
 
-/// A part of a curve is the curve; the whole keeps its bits.
+/// A part of a curve is that curve; the whole keeps its bits.
 static void test_cut(void **state)
 {
     (void)state;
@@ -471,7 +470,7 @@ static void test_cut(void **state)
     }
 }
 
-/// Clamping changes the knots and not the surface.
+/// Clamping changes the knots, not the surface.
 static void test_clamp(void **state)
 {
     (void)state;

@@ -24,7 +24,7 @@ static bat_mesh_decimate_options options_to(size_t vertices, size_t candidates)
     return options;
 }
 
-/// Every way to decimate keeps the topology and reaches the number of vertices.
+/// Every option keeps the topology and reaches the number of vertices.
 static void check_topology(bat_mesh *fine, size_t vertices)
 {
     shape_topology before = shape_topology_of(fine);
@@ -54,7 +54,7 @@ static void test_topology_stays(void **state)
     check_topology(&holed, 60);
 }
 
-/// Two pieces in one mesh: neither vanishes, and vertices without a face do.
+/// Two components in one mesh both remain; vertices without a face vanish.
 static void test_pieces_stay(void **state)
 {
     (void)state;
@@ -90,7 +90,7 @@ static void test_planes_decimate_exactly(void **state)
         assert_int_equal(coarse.vertex_count, 20);
         for (size_t v = 0; v < coarse.vertex_count; v++)
             check_near(0.8 * coarse.positions[3 * v] - 0.6 * coarse.positions[3 * v + 2], 0, 1e-14);
-        // Faces keep their side, so that equal areas mean the same square.
+        // Faces keep their orientation, so equal areas mean the same square.
         check_near(shape_area(&coarse), 1, 1e-12);
         bat_mesh_free(&coarse);
         bat_mesh_free(&sheet);
@@ -123,7 +123,7 @@ static void test_sharp_edges_stay(void **state)
     }
 }
 
-/// A sphere's error falls in proportion to the area of the faces: halving the vertices doubles the lost volume.
+/// The error on a sphere is proportional to the area of the faces: half the vertices, twice the lost volume.
 static void test_error_follows_size(void **state)
 {
     (void)state;
@@ -138,8 +138,8 @@ static void test_error_follows_size(void **state)
             check_near(shape_distance(coarse.positions + 3 * v, (const double[3]){0}), 1, 0.02);
         bat_mesh_free(&coarse);
     }
-    // Equilateral faces with their corners on the sphere, of area A = 4 pi / 796 and edge L, lie L^2 / 8 = A / (2 sqrt(3))
-    // below it on the average; points of least error do better.
+    // Let equilateral faces of area A = 4 pi / 796 and edge L have their corners on the sphere. Their mean distance from it
+    // is L^2 / 8 = A / (2 sqrt(3)); minimizing the error does better.
     assert_true(lost[0] < 4 * 3.14159265358979 * (4 * 3.14159265358979 / 796) / (2 * sqrt(3)));
     check_near(lost[1] / lost[0], 2, 0.4);
     bat_mesh_free(&sphere);
@@ -169,7 +169,7 @@ static void test_seeds(void **state)
     bat_mesh_free(&rough);
 }
 
-/// Decimations side by side do not disturb each other.
+/// Concurrent decimations are independent.
 static void test_threads(void **state)
 {
     (void)state;
@@ -200,7 +200,7 @@ static void test_threads(void **state)
     bat_mesh_free(&rough);
 }
 
-/// Vertices that coincide, faces without area: nothing but the number of vertices changes.
+/// Coincident vertices and faces without area: only the number of vertices changes.
 static void test_degenerate_faces(void **state)
 {
     (void)state;
@@ -215,7 +215,7 @@ static void test_degenerate_faces(void **state)
     check_topology(&point, 60);
 }
 
-/// Vertices of a thousand faces, where rings are too large at first.
+/// Vertices of a thousand faces, whose rings are too large at first.
 static void test_hubs(void **state)
 {
     (void)state;
@@ -237,7 +237,7 @@ static void test_hubs(void **state)
     check_topology(&bipyramid, 20);
 }
 
-/// Sizes by powers of two change nothing but sizes, to the last bit.
+/// Scaling by powers of two only scales the result, exactly.
 static void test_scales(void **state)
 {
     (void)state;
@@ -256,7 +256,7 @@ static void test_scales(void **state)
     bat_mesh_free(&rough);
 }
 
-/// The faces of random decimations keep to the bounds: the sphere's begin well above them.
+/// Faces of random decimations keep the bounds; the faces of the sphere are well above them.
 static void test_bounds_hold(void **state)
 {
     (void)state;
@@ -284,7 +284,7 @@ static void test_bounds_hold(void **state)
     bat_mesh_free(&sphere);
 }
 
-/// A crease across a flat sheet stays a straight line from boundary to boundary; a corner stays where it is.
+/// A crease across a flat sheet remains a straight line between the boundaries; a corner does not move.
 static void test_creases_and_corners_stay(void **state)
 {
     (void)state;
@@ -327,7 +327,7 @@ static void test_creases_and_corners_stay(void **state)
     bat_mesh_free(&sheet);
 }
 
-/// Whether the edge of two vertices may be collapsed.
+/// Whether the edge between two vertices may be collapsed.
 static bool may_collapse(const uint32_t *faces, size_t count, size_t vertices, uint32_t a, uint32_t b)
 {
     double positions[30];
@@ -356,7 +356,7 @@ static void test_link_condition(void **state)
     const uint32_t bipyramid[] = {0, 1, 3, 1, 2, 3, 2, 0, 3, 1, 0, 4, 2, 1, 4, 0, 2, 4};
     assert_false(may_collapse(bipyramid, 6, 5, 0, 1));
     assert_true(may_collapse(bipyramid, 6, 5, 0, 3));
-    // A square: its diagonal joins two boundary vertices, and its sides may go.
+    // A square: its diagonal joins two boundary vertices; its sides may be collapsed.
     const uint32_t square[] = {0, 1, 2, 0, 2, 3};
     assert_false(may_collapse(square, 2, 4, 0, 2));
     assert_true(may_collapse(square, 2, 4, 0, 1));
@@ -366,13 +366,13 @@ static void test_link_condition(void **state)
     const uint32_t open[] = {0, 1, 2, 0, 2, 3, 0, 3, 1};
     assert_false(may_collapse(open, 3, 4, 1, 2));
     assert_true(may_collapse(open, 3, 4, 0, 2));
-    // An annulus of six faces between triangles 0 1 2 and 3 4 5: no boundary edge may go.
+    // An annulus of six faces between triangles 0 1 2 and 3 4 5: no boundary edge may be collapsed.
     const uint32_t annulus[] = {0, 1, 3, 1, 4, 3, 1, 2, 4, 2, 5, 4, 2, 0, 5, 0, 3, 5};
     assert_false(may_collapse(annulus, 6, 6, 0, 1));
     assert_false(may_collapse(annulus, 6, 6, 1, 3));
 }
 
-/// However many random collapses, every ring's faces and twins stay a manifold that connecting from scratch finds too.
+/// After random collapses the faces and twins of every ring are a manifold, equal to one connected from scratch.
 static void test_random_collapses_keep_the_structure(void **state)
 {
     (void)state;
@@ -447,7 +447,7 @@ static void test_queue(void **state)
     edge_queue_free(&queue);
 }
 
-/// Three planes meet in the point of least error; its error is the sum of squared distances, about any centre.
+/// Three planes meet in the point of minimal error; the error is the sum of squared distances, about any centre.
 static void test_quadrics(void **state)
 {
     (void)state;
@@ -455,7 +455,7 @@ static void test_quadrics(void **state)
     quadric sum = {0};
     for (int i = 0; i < 3; i++)
         quadric_add_plane(&sum, normals[i], 1 + i);
-    // The planes go through the centre; seen from elsewhere, the centre lies at -meet.
+    // The planes pass through the centre; about the centre + meet it is at -meet.
     quadric moved = quadric_moved(&sum, (const double[3]){-meet[0], -meet[1], -meet[2]});
     double least[3], at[3] = {1, 1, 1}, expected = 0;
     assert_true(quadric_minimize(&moved, 0, least));

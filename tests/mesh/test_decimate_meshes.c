@@ -1,4 +1,4 @@
-// Decimation of meshes that others made, to as few vertices as training takes, with the default bounds.
+// Decimation of real meshes to as few vertices as the training uses, with the default bounds.
 
 #include "decimate_helpers.h"
 
@@ -15,7 +15,7 @@ enum
     POINTS = 2000
 };
 
-/// Points of the coarse mesh come back from the fine one.
+/// Points of the coarse mesh return unchanged from the fine mesh.
 static void check_round_trip(const bat_mesh *coarse, const bat_mesh_map *map, double size)
 {
     static bat_mesh_point points[POINTS], carried[POINTS];

@@ -1,4 +1,4 @@
-// The closest point of a mesh: against brute force in more than double precision, over good and degenerate triangles.
+// Closest points of a mesh against brute force in extended precision, with good and degenerate triangles.
 #include "check.h"
 
 #include "batten/mesh_measure.h"
@@ -41,8 +41,8 @@ static real triple(const real a[3], const real b[3], const real c[3])
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/// Distance of a point from a triangle another way than the library's: from the plane where the point stands over the inside
-/// of all three edges, else from the edges.
+/// The distance of a point from a triangle by another method: from the plane where the projection is inside all three edges,
+/// else from the edges.
 static double distance_to_face(const bat_mesh *mesh, size_t face, const double point[3])
 {
     real p[3], v[3][3], u[3], w[3], n[3];
@@ -89,13 +89,13 @@ static double distance_by_force(const bat_mesh *mesh, const double point[3])
     return least;
 }
 
-/// Triangles here and there, of size 1 and smaller, as `kind` says.
+/// Random triangles of size 1 and smaller.
 typedef enum soup_kind
 {
     SOUP_PLAIN,
     SOUP_SLIVERS,  ///< heights from 1 down to 1e-17
     SOUP_SEGMENTS, ///< three corners exactly on a line
-    SOUP_POINTS,   ///< three corners in one place
+    SOUP_POINTS,   ///< three corners at one point
     SOUP_FLAT,     ///< all in one plane
     SOUP_KINDS
 } soup_kind;
@@ -136,7 +136,7 @@ static bat_mesh soup(soup_kind kind, size_t faces, uint64_t seed)
     return mesh;
 }
 
-/// What a hit says about itself must agree: face, barycentric coordinates, point, distance.
+/// Check that the face, the barycentric coordinates, the point and the distance of a hit agree.
 static void check_hit(const bat_mesh *mesh, const double point[3], const bat_mesh_closest_point *hit, double expected)
 {
     double sum = 0, squared = 0;
@@ -159,7 +159,7 @@ static void check_hit(const bat_mesh *mesh, const double point[3], const bat_mes
     check_near(hit->distance, expected, 1e-14);
 }
 
-/// Queries everywhere: near, far, on vertices, on edges, in faces.
+/// Queries near, far, at vertices, on edges and in faces.
 static void make_query(const bat_mesh *mesh, bat_random *random, int i, double point[3])
 {
     size_t face = (size_t)(bat_random_uniform(random) * (double)mesh->face_count);
@@ -198,7 +198,7 @@ static void test_brute_force(void **state)
         }
 }
 
-/// Whatever place a query starts from, the distance is the same; and the tree names every face.
+/// The distance does not depend on the starting place, and the tree contains every face.
 static void test_any_start(void **state)
 {
     (void)state;
@@ -227,7 +227,7 @@ static void test_any_start(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// Powers of two magnify results exactly, from tiny to huge.
+/// Scaling by powers of two scales results exactly, from tiny to huge.
 static void test_magnitudes(void **state)
 {
     (void)state;
@@ -255,7 +255,7 @@ static void test_magnitudes(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// All centres in one place, and all along one line, must not slow the building down or break it.
+/// Construction with all centres at one point, or all on a line.
 static void test_piles(void **state)
 {
     (void)state;

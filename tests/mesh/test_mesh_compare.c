@@ -1,4 +1,4 @@
-// Distances between surfaces: values known in closed form, symmetries, invariances, one-sidedness, what is refused.
+// Distances between surfaces: closed forms, symmetries, invariances, one-sided distances, and refusals.
 #include "check.h"
 
 #include "batten/mesh_measure.h"
@@ -16,7 +16,7 @@ static bat_mesh empty_mesh(size_t vertices, size_t faces)
     return mesh;
 }
 
-/// A grid of columns x rows squares, cut in two each, over [0, width] x [0, depth] at height z.
+/// A grid of columns x rows squares, divided into triangles, over [0, width] x [0, depth] at height z.
 static bat_mesh plane(uint32_t columns, uint32_t rows, double width, double depth, double z)
 {
     bat_mesh mesh = empty_mesh((size_t)(columns + 1) * (rows + 1), (size_t)2 * columns * rows);
@@ -56,7 +56,7 @@ static bat_mesh sphere(uint32_t rings, uint32_t sectors, double radius)
             at[1] = radius * sin(polar) * sin(turn);
             at[2] = radius * cos(polar);
             bool last = r + 1 == rings;
-            // The last ring has one face below; the other's place takes one at the top.
+            // The last ring has one face below; the top face takes the place of the other.
             const uint32_t below[3] = {a, last ? 1 : a + sectors, b};
             const uint32_t second[3] = {b, a + sectors, b + sectors}, top[3] = {0, 2 + s, 2 + (s + 1) % sectors};
             memcpy(face, below, sizeof below);
@@ -82,7 +82,7 @@ static bat_mesh_distance compare(const bat_mesh *first, const bat_mesh *second, 
     return distance;
 }
 
-/// Parallel planes: everything is the gap, to rounding.
+/// Parallel planes: every distance is the gap, up to rounding.
 static void test_parallel_planes(void **state)
 {
     (void)state;
@@ -99,8 +99,7 @@ static void test_parallel_planes(void **state)
     bat_mesh_free(&b);
 }
 
-/// A square against a square twice as wide that lies in it: there 0; back the strip's farthest points, in the mean half the
-/// strip's share. All distances are known in closed form.
+/// A square within a square of twice its width. In one direction distances are 0; in the other they have closed forms.
 static void test_one_sided(void **state)
 {
     (void)state;
@@ -119,8 +118,8 @@ static void test_one_sided(void **state)
     bat_mesh_free(&large);
 }
 
-/// A roof over a square: a ridge of height 1 over the middle line. From the flat square the greatest distance is that of the
-/// ridge's foot from the slopes, (1/2) / sqrt(1 + 1/4), and it is reached inside of faces; from the roof it is the height.
+/// A roof over a square, with a ridge of height 1 over the middle line. From the square, the maximum is the distance of the
+/// ridge's foot from the slopes, (1/2) / sqrt(1 + 1/4), inside of faces. From the roof, it is the height.
 static void test_inside_of_faces(void **state)
 {
     (void)state;
@@ -138,7 +137,7 @@ static void test_inside_of_faces(void **state)
     bat_mesh_free(&roof);
 }
 
-/// Concentric spheres: every distance lies between the radii's difference less or plus what the facets cut off.
+/// Concentric spheres: every distance differs from that of the radii by at most the deviation of the facets.
 static void test_spheres(void **state)
 {
     (void)state;
@@ -156,7 +155,7 @@ static void test_spheres(void **state)
     bat_mesh_free(&outer);
 }
 
-/// A mesh and itself: 0 to rounding, and proven so. The same surface in other faces: 0, proven to less than a face's width.
+/// A mesh and itself: 0 up to rounding. The same surface with other faces: 0, proven up to less than a face's width.
 static void test_same_surface(void **state)
 {
     (void)state;
@@ -173,7 +172,7 @@ static void test_same_surface(void **state)
     bat_mesh_free(&fine);
 }
 
-/// The proven bound holds and is near: no random point of the surface is farther out.
+/// The upper bound holds and is sharp: no random point of the surface is farther.
 static void test_bound(void **state)
 {
     (void)state;
@@ -198,7 +197,7 @@ static void test_bound(void **state)
     bat_mesh_free(&b);
 }
 
-/// From vertices alone every figure can be had from the vertices' distances.
+/// The metrics over vertices follow from bat_mesh_vertex_distances().
 static void test_vertices(void **state)
 {
     (void)state;
@@ -224,7 +223,7 @@ static void test_vertices(void **state)
     bat_mesh_free(&b);
 }
 
-/// Vertices without a face are no surface.
+/// Vertices without a face are not part of the surface.
 static void test_isolated_vertices(void **state)
 {
     (void)state;
@@ -241,7 +240,7 @@ static void test_isolated_vertices(void **state)
     bat_mesh_free(&b);
 }
 
-/// Turn by `angle` about an axis, move.
+/// Rotate by `angle` about an axis and translate.
 static void move(bat_mesh *mesh, double angle, const double shift[3])
 {
     double c = cos(angle), s = sin(angle);
@@ -281,7 +280,7 @@ static void test_rigid_motion(void **state)
     bat_mesh_free(&b);
 }
 
-/// Powers of two magnify every figure exactly, where squares would overflow or vanish too.
+/// Scaling by powers of two scales every metric exactly, even where squares overflow or underflow.
 static void test_magnitudes(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Half-edges: who is whose neighbour, around faces, vertices and boundaries, and what is refused.
+// Half-edges: neighbours around faces, vertices and boundaries, and refusals.
 #include "check.h"
 
 #include "batten/mesh.h"
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// A mesh over borrowed arrays; not to be freed.
+/// A mesh over borrowed arrays; do not free it.
 static bat_mesh mesh_of(uint32_t *faces, size_t face_count, size_t vertex_count)
 {
     static double positions[3 * 64];
@@ -109,7 +109,7 @@ static void test_refusals(void **state)
     check_refused(twice, 2, BAT_INVALID_POINT, 1, "face 1 has vertex 3 twice");
 }
 
-/// A wheel of a hundred thousand faces around one vertex: chains must not grow with the hub.
+/// A wheel of a hundred thousand faces around one vertex: chains must not grow with its valence.
 static void test_hub(void **state)
 {
     (void)state;

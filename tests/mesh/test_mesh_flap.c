@@ -1,4 +1,4 @@
-// Half-flaps of closed and open meshes and of their refinements, against what the definitions say.
+// Half-flaps of closed and open meshes and of their refinements, against their definition.
 
 #include "mesh_flap_helpers.h"
 
@@ -34,7 +34,7 @@ static void check_flaps(const bat_mesh *mesh, const mesh_flaps *flaps)
     assert_int_equal(sides, 3 * mesh->face_count);
 }
 
-/// The half-flaps around a vertex turn counter-clockwise: each one's left corner is the next one's end.
+/// The half-flaps around a vertex are counter-clockwise: the left corner of each is the end of the next.
 static void check_order(const mesh_flaps *flaps)
 {
     for (size_t v = 0; v < flaps->vertex_count; v++)
@@ -42,7 +42,7 @@ static void check_order(const mesh_flaps *flaps)
             assert_int_equal(flaps->flap[f].corner[2], flaps->flap[f + 1].corner[1]);
 }
 
-/// A level's half-flaps, worked out from those before, are those of the refined faces.
+/// The half-flaps of a level are those of the refined faces.
 static void check_levels(const bat_mesh *mesh)
 {
     enum

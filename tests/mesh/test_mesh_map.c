@@ -57,8 +57,8 @@ static mesh_pair pair_number(size_t number)
     }
 }
 
-/// In every collapse all flat faces lie the right way round, and before and after they cover the same area: with the same
-/// outside, the two are bijections of one polygon.
+/// All flattened faces of a collapse have positive areas, with the same sum before and after. With the same outer polygon
+/// both are bijections.
 static void test_overlays_cover(void **state)
 {
     (void)state;
@@ -87,7 +87,7 @@ static void test_overlays_cover(void **state)
     }
 }
 
-/// Points all over a mesh: in the faces, on their edges and at their corners.
+/// Points in faces, on edges and at corners of a mesh.
 static bat_mesh_point *scatter(const bat_mesh *mesh, size_t count, uint64_t seed)
 {
     bat_mesh_point *points = malloc(count * sizeof *points);
@@ -144,7 +144,7 @@ static void test_round_trips(void **state)
     }
 }
 
-/// Carry points along all boundary edges of one mesh to the other, where they must lie on boundary edges.
+/// Map points on all boundary edges of one mesh to the other. They must lie on boundary edges.
 static void check_boundary(const mesh_pair *pair, bool to_fine)
 {
     const bat_mesh *from = to_fine ? &pair->coarse : &pair->fine, *to = to_fine ? &pair->fine : &pair->coarse;
@@ -163,7 +163,7 @@ static void check_boundary(const mesh_pair *pair, bool to_fine)
             for (uint32_t c = 0; c < 3; c++)
                 if (there.twin[3 * point.face + c] == BAT_MESH_NONE)
                     nearest = fmin(nearest, point.barycentric[(c + 2) % 3]);
-            // A corner can be that of a face that only touches the boundary there.
+            // A corner may belong to a face that touches the boundary only there.
             for (uint32_t c = 0; c < 3; c++)
                 if (there.twin[there.first[to->faces[3 * point.face + c]]] == BAT_MESH_NONE)
                     nearest = fmin(nearest, 1 - point.barycentric[c]);
@@ -185,7 +185,7 @@ static void test_boundaries_stay(void **state)
     }
 }
 
-/// The solid angle of a triangle seen from the origin, with its sign (van Oosterom and Strackee, 1983).
+/// The signed solid angle of a triangle from the origin (van Oosterom and Strackee, 1983).
 static double solid_angle(const double *a, const double *b, const double *c)
 {
     double triple = 0, la = 0, lb = 0, lc = 0, ab = 0, bc = 0, ca = 0;
@@ -206,7 +206,7 @@ static double solid_angle(const double *a, const double *b, const double *c)
     return 2 * atan2(triple, la * lb * lc + ab * lc + bc * la + ca * lb);
 }
 
-/// Split all faces in four at their edges' midpoints; positions are not set.
+/// Split all faces in four at the midpoints of their edges; positions are not set.
 static bat_mesh split(const bat_mesh *mesh)
 {
     bat_mesh_connectivity connectivity;
@@ -224,8 +224,8 @@ static bat_mesh split(const bat_mesh *mesh)
     return fine;
 }
 
-/// The images of the vertices of a coarse sphere subdivided twice make a mesh that covers the sphere once: seen from the
-/// centre no face is turned over, and their solid angles add up to the whole.
+/// The images of a sphere's vertices, subdivided twice, cover the sphere once: no face is inverted, and the solid angles add
+/// up to 4 pi.
 static void test_images_cover_the_sphere(void **state)
 {
     (void)state;
@@ -248,7 +248,7 @@ static void test_images_cover_the_sphere(void **state)
     }
 }
 
-/// Midpoints come in the order of the edges, and lie where the edges' ends say.
+/// Midpoints are in the order of the edges, at the mean of their ends.
 static void test_midpoints(void **state)
 {
     (void)state;
@@ -302,7 +302,7 @@ static void test_targets(void **state)
         check_near(shape_distance(n, (const double[3]){0}), 1, 1e-14);
         assert_true((n[0] * p[0] + n[1] * p[1] + n[2] * p[2]) / radius > 0.999);
     }
-    // A mesh is not taken for another one.
+    // A map refuses other meshes.
     bat_error error = {0};
     assert_int_equal(bat_mesh_map_targets(pair.map, &pair.coarse, &pair.coarse, 1, refined.positions, NULL, &error),
                      BAT_INVALID_ARGUMENT);
@@ -313,7 +313,7 @@ static void test_targets(void **state)
     pair_free(&pair);
 }
 
-/// A mesh that carries its own coordinates as channels and texture carries the map's images.
+/// A mesh whose channels and texture are its own coordinates gets the map's images.
 static void test_transfer(void **state)
 {
     (void)state;
@@ -357,8 +357,8 @@ static void test_transfer(void **state)
     pair_free(&pair);
 }
 
-/// A torus whose texture is its own angles has seams where they begin anew. Decimated and transferred, no face's texture is
-/// larger than the face; with nothing decimated, the texture comes back to the last bit.
+/// A torus with its angles as texture coordinates has seams. After decimation and transfer no face's texture is larger than
+/// the face. Without decimation, the texture returns exactly.
 static void test_seams(void **state)
 {
     (void)state;
@@ -402,7 +402,7 @@ static void test_seams(void **state)
                 if (!decimated)
                     assert_memory_equal(a, from, 2 * sizeof(double));
             }
-        // Lengths in the texture are lengths on the torus over 2 pi 0.4 at most.
+        // Lengths in the texture are at most lengths on the torus over 2 pi 0.4.
         assert_true(widest < 1.5 / (2 * 3.14159 * 0.4));
         pair_free(&pair);
     }
@@ -489,7 +489,7 @@ static void test_files(void **state)
     (void)unlink(path);
 }
 
-/// Whatever is changed in a file: it is refused, or points can be carried through what it says.
+/// A damaged file is refused, or its map can carry points.
 static void test_spoiled_files(void **state)
 {
     (void)state;

@@ -1,5 +1,4 @@
-// Learned refinement of meshes: the published weights against the published program's meshes, and what holds for any
-// weights.
+// Learned refinement of meshes: published weights against the published program's meshes, and properties for any weights.
 
 #include "mesh_flap_helpers.h"
 
@@ -63,7 +62,7 @@ static void published_weights_give_published_meshes(void **state)
 
 // Any weights
 
-/// A model with weights drawn at random times `factor`, by way of a file.
+/// A model with random weights times `factor`, written to a file and read back.
 static bat_mesh_model *random_model(mesh_network_form form, uint64_t seed, double factor)
 {
     char path[] = "/tmp/test_mesh_model_XXXXXX";
@@ -87,7 +86,8 @@ static bat_mesh_model *random_model(mesh_network_form form, uint64_t seed, doubl
     return model;
 }
 
-/// Against the tape, closed and open, at every level: the tape's state at level l is the inference by l levels.
+/// Compare with the tape, for closed and open meshes at every level: the tape's state at level l is the inference by l
+/// levels.
 static void check_against_tape(mesh_network_form form)
 {
     bat_random random = bat_random_seed(4);
@@ -142,7 +142,7 @@ static void inference_is_the_network_on_the_tape(void **state)
     check_against_tape((mesh_network_form){.relative = true});
 }
 
-/// Of many blocks of vertices and edges.
+/// A mesh of many blocks of vertices and edges.
 static bat_mesh many_faces(bat_random *random)
 {
     bat_mesh base = octahedron(3, 0.2, random), mesh = split(&base, 4);
@@ -171,7 +171,7 @@ static void threads_do_not_change_a_byte(void **state)
     bat_mesh_model_free(model);
 }
 
-/// Scale and place of a mesh do not matter, up to rounding: the unit box is the same.
+/// Similarity transformations commute with refinement up to rounding, because the unit box is the same.
 static void results_move_with_the_mesh(void **state)
 {
     (void)state;
@@ -192,14 +192,14 @@ static void results_move_with_the_mesh(void **state)
     bat_mesh_model_free(model);
 }
 
-/// Degenerate faces and weights that overflow give positions that are numbers, and a count.
+/// Degenerate faces and overflowing weights give finite positions, and are counted.
 static void failures_are_counted_and_displace_nothing(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(7);
     bat_mesh_model *tame = random_model((mesh_network_form){0}, 7, 1), *wild = random_model((mesh_network_form){0}, 7, 1e15);
     bat_mesh coarse = octahedron(0, 0.1, &random);
-    // All faces at vertex 4 lose their area.
+    // All faces at vertex 4 have no area.
     memcpy(coarse.positions + 12, coarse.positions + 6, 3 * sizeof(double));
     memcpy(coarse.positions, coarse.positions + 6, 3 * sizeof(double));
     for (int i = 0; i < 2; i++)
@@ -237,8 +237,8 @@ static double distance(const bat_mesh *fine, const bat_mesh *shape)
     return measured.mean;
 }
 
-/// The weights that come with the library, on shapes that they were not trained on: nearer than the butterfly by the floor
-/// on their quality, and nearer than the flat faces that they begin with.
+/// The shipped weights, on shapes outside of the training: nearer to the surface than butterfly by the required factor, and
+/// nearer than the coarse faces.
 static void weights_of_the_library_are_nearer_than_the_butterfly(void **state)
 {
     (void)state;

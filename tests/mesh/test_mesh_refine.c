@@ -1,4 +1,4 @@
-// Refinement of meshes: numbering, neighbours, and what every scheme keeps.
+// Refinement of meshes: numbering, connectivity and invariances of every scheme.
 #include "check.h"
 #include "mesh_helpers.h"
 
@@ -30,7 +30,7 @@ static void check_same_links(const bat_mesh_connectivity *a, const bat_mesh_conn
     assert_memory_equal(a->first, b->first, a->vertex_count * sizeof *a->first);
 }
 
-/// The neighbours that arithmetic gives are those that a search finds.
+/// The connectivity by arithmetic is the one that a search finds.
 static void check_split_links(const bat_mesh *mesh, int threads)
 {
     bat_mesh_connectivity links, split, found;
@@ -99,13 +99,13 @@ enum
     SCHEME_COUNT = sizeof SCHEMES / sizeof SCHEMES[0]
 };
 
-/// A level after another is two levels.
+/// Two calls with one level are one call with two levels.
 static void test_levels_add_up(void **state)
 {
     (void)state;
     bat_mesh irregular = mesh_irregular(9, 7, 5), grid = mesh_grid(5, 4), joined = mesh_join(&irregular, &grid);
     mesh_shake(&joined, 0.1, 3);
-    // Square-root-three subdivision treats boundaries in turns.
+    // Square-root-three subdivision alternates at boundaries.
     for (size_t s = 0; s < SCHEME_COUNT; s++)
     {
         bool in_turns = SCHEMES[s] == BAT_MESH_SCHEME_SQRT3;
@@ -144,7 +144,7 @@ static void transform(bat_mesh *mesh)
     }
 }
 
-/// Rules whose weights have the sum 1 commute with affine maps, so that planes stay planes.
+/// Rules with weights of sum 1 commute with affine maps, so planes remain planes.
 static void test_affine_maps(void **state)
 {
     (void)state;
@@ -266,7 +266,7 @@ static void test_threads(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// Numbering vertices and faces otherwise, and turning faces' corners, moves nothing.
+/// Renumbering of vertices and faces, and rotation of faces' corners, do not change positions.
 static void test_renumbering(void **state)
 {
     (void)state;
@@ -274,7 +274,7 @@ static void test_renumbering(void **state)
     mesh_shake(&mesh, 0.1, 4);
     size_t vertices = mesh.vertex_count, faces = mesh.face_count;
     bat_mesh other = mesh_with_room(vertices, faces);
-    // Steps that have no divisor in common with the counts go through all.
+    // Steps that are coprime to the counts reach all elements.
     size_t step = 17, face_step = 29;
     assert_true(vertices % 17 != 0 && faces % 29 != 0);
     for (size_t v = 0; v < vertices; v++)
@@ -288,7 +288,7 @@ static void test_renumbering(void **state)
         for (size_t f = 0; f < faces && SCHEMES[s] != BAT_MESH_SCHEME_SQRT3; f++)
             for (size_t c = 0; c < 3; c++)
             {
-                // The faces at a corner hold the vertex and the new ones of its two edges.
+                // The faces at a corner contain the vertex and the new vertices of its two edges.
                 size_t g = f * face_step % faces, d = (c + f) % 3;
                 const uint32_t *a = one.faces + 3 * (4 * f + c), *b = two.faces + 3 * (4 * g + d);
                 for (size_t i = 0; i < 9; i++)
@@ -304,8 +304,8 @@ static void test_renumbering(void **state)
     bat_mesh_free(&other);
 }
 
-/// The new vertex's height at the middle of every inner edge of a regular grid over the plane, for heights by a polynomial.
-/// Only vertices far from the boundary.
+/// The largest height error of new vertices on interior edges of a regular grid, far from the boundary, for polynomial
+/// heights.
 static double worst_height(bat_mesh_scheme scheme, double (*height)(double x, double y))
 {
     bat_mesh grid = mesh_grid(13, 13);
@@ -360,7 +360,7 @@ static void test_polynomials(void **state)
     assert_true(worst_height(BAT_MESH_SCHEME_BUTTERFLY, bowl) < 1e-11);
     assert_true(worst_height(BAT_MESH_SCHEME_BUTTERFLY, cubic) < 1e-9);
     assert_true(worst_height(BAT_MESH_SCHEME_BUTTERFLY, quartic) > 1e-3);
-    // Harmonic heights have no mean curvature, which is all that Loop's scheme smooths away; a bowl it shifts.
+    // Harmonic heights have no mean curvature, which Loop's scheme reduces; paraboloids are shifted.
     assert_true(worst_height(BAT_MESH_SCHEME_LOOP, saddle) < 1e-11);
     assert_true(worst_height(BAT_MESH_SCHEME_LOOP, bowl) > 1e-3);
 }
@@ -619,7 +619,7 @@ static void test_no_levels(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// A rule that lifts every vertex by the number of levels, where the midpoints are.
+/// A rule that adds the number of levels to the height of midpoints.
 static bat_status lift(const bat_mesh_rule *rule, const bat_mesh *coarse, const bat_mesh_connectivity *connectivity,
                        size_t levels, int threads, bat_mesh *fine, size_t *fallback, bat_error *error)
 {
@@ -638,7 +638,7 @@ static bat_status lift(const bat_mesh_rule *rule, const bat_mesh *coarse, const 
     return BAT_OK;
 }
 
-/// The rule makes its levels, the other scheme the rest.
+/// The rule makes its levels, the other scheme the remaining ones.
 static void test_learned(void **state)
 {
     (void)state;
@@ -668,7 +668,7 @@ static void test_learned(void **state)
 static void test_boundary_stands_alone(void **state)
 {
     (void)state;
-    // What lies inside has no part in the boundary.
+    // Interior vertices do not influence the boundary.
     for (size_t s = 0; s < SCHEME_COUNT; s++)
     {
         bat_mesh grid = mesh_grid(6, 5), other = mesh_grid(6, 5);

@@ -60,8 +60,8 @@ static polygon boundary_of(const bat_mesh *mesh, uint32_t begin)
     return made;
 }
 
-/// A level of a curve scheme on a closed polygon: of `arity` new points for each old one, number r is the sum of
-/// mask[r][j] times the point j - 2 away.
+/// One level of a curve scheme on a closed polygon. Each old point gives `arity` new ones; number r is the sum of mask[r][j]
+/// times point j - 2.
 static void refine_polygon(polygon *curve, size_t arity, const double mask[3][5])
 {
     size_t count = curve->count;
@@ -116,7 +116,7 @@ enum
     ACROSS = 7
 };
 
-/// A shaken torus with a crease of some sharpness once around it.
+/// A perturbed torus with a crease once around it.
 static bat_mesh creased_torus(double sharpness)
 {
     bat_mesh mesh = mesh_torus(AROUND, ACROSS);
@@ -131,7 +131,7 @@ static bat_mesh creased_torus(double sharpness)
     return mesh;
 }
 
-/// A crease is the cubic B-spline of its own vertices, and is handed on whole.
+/// A crease is the cubic B-spline of its own vertices and remains a crease.
 static void test_creases_are_curves(void **state)
 {
     (void)state;
@@ -167,7 +167,7 @@ static void check_same_positions(const bat_mesh *a, const bat_mesh *b, double to
         assert_true(difference(a->positions + 3 * v, b->positions + 3 * v) <= tolerance);
 }
 
-/// A sharpness of n is as good as for ever for n levels, and 1 less on each.
+/// A sharpness of n acts like an infinite one for n levels and decreases by 1 on each.
 static void test_sharpness_wears_off(void **state)
 {
     (void)state;
@@ -192,7 +192,7 @@ static void test_sharpness_wears_off(void **state)
     bat_mesh_free(&fine_two);
 }
 
-/// Between 0 and 1, a level lies between the smooth and the sharp one in that proportion.
+/// A sharpness between 0 and 1 blends the smooth and the sharp rule linearly.
 static void test_fractions_blend(void **state)
 {
     (void)state;
@@ -230,7 +230,7 @@ static void test_corners_stay(void **state)
     bat_mesh_free(&two);
 }
 
-/// The faces of an octahedron meet at acos(1/3), 1.23 radians between their normals.
+/// The normals of adjacent faces of an octahedron differ by acos(1/3), 1.23 radians.
 static void test_crease_angle(void **state)
 {
     (void)state;
@@ -249,8 +249,7 @@ static void test_crease_angle(void **state)
         bat_mesh_free(all[i]);
 }
 
-/// A mesh with all there is: irregular vertices, boundaries, creases that end inside, meet each other and the boundary,
-/// corners.
+/// A mesh with irregular vertices, boundaries, corners, and creases that end inside, meet each other and meet the boundary.
 static bat_mesh sharp_mesh(void)
 {
     bat_mesh closed = mesh_irregular(12, 9, 5), grid = mesh_grid(8, 7), mesh = mesh_join(&closed, &grid);
@@ -271,7 +270,7 @@ static bat_mesh sharp_mesh(void)
     return mesh;
 }
 
-/// The limit of a refined mesh is that of the mesh.
+/// A refined mesh has the limit of the mesh.
 static void test_limit_is_fixed(void **state)
 {
     (void)state;
@@ -279,7 +278,7 @@ static void test_limit_is_fixed(void **state)
              later = refine(&mesh, BAT_MESH_SCHEME_LOOP, 3, true);
     for (size_t v = 0; v < mesh.vertex_count; v++)
         assert_true(difference(now.positions + 3 * v, later.positions + 3 * v) < 1e-13 * 3);
-    // And vertices tend there.
+    // Vertices converge to the limit.
     bat_mesh far = refine(&mesh, BAT_MESH_SCHEME_LOOP, 6, false);
     for (size_t v = 0; v < mesh.vertex_count; v++)
         assert_true(difference(now.positions + 3 * v, far.positions + 3 * v) < 0.03);
@@ -288,7 +287,7 @@ static void test_limit_is_fixed(void **state)
         bat_mesh_free(all[i]);
 }
 
-/// How many sharp edges each vertex has; a boundary one has two more.
+/// The number of sharp edges at each vertex; boundary vertices have two more.
 static unsigned *count_sharp(const bat_mesh *mesh)
 {
     unsigned *count = mesh_room(mesh->vertex_count, sizeof *count);
@@ -307,7 +306,7 @@ static unsigned *count_sharp(const bat_mesh *mesh)
     return count;
 }
 
-/// Where there is a tangent plane, refinement does not turn it.
+/// Where there is a tangent plane, refinement preserves it.
 static void test_normals_are_fixed(void **state)
 {
     (void)state;
@@ -333,7 +332,7 @@ static void test_normals_are_fixed(void **state)
     bat_mesh_free(&fine);
 }
 
-/// Normals point outwards, by symmetry away from an icosahedron's centre; in the plane they all point up, on boundaries too.
+/// Normals of an icosahedron point away from its centre; normals of a plane point up, also on boundaries.
 static void test_normals_point_outwards(void **state)
 {
     (void)state;
@@ -360,7 +359,7 @@ static void test_ring_weights(void **state)
     check_near(loop_ring_weight(3), 3.0 / 16, 1e-16);
     check_near(loop_ring_weight(4), (40 - 9) / 64.0 / 4, 1e-16);
     check_near(loop_ring_weight(6), 1.0 / 16, 0);
-    // The tabled weight of a regular vertex is the formula's.
+    // The tabulated weight of a regular vertex is that of the formula.
     double root = 3 + 2 * cos(6.283185307179586 / 6);
     check_near(loop_ring_weight(6), (40 - root * root) / 64 / 6, 1e-16);
 }

@@ -1,9 +1,9 @@
-// Repair and welding: what is dropped, turned, cut and carried along, and that half-edges can hold every result.
+// Repair and welding: dropped, turned, cut and copied data, and results that have connectivity.
 #include "check.h"
 
 #include "batten/mesh.h"
 
-/// A mesh with positions that tell the vertices apart, over its own arrays.
+/// A mesh with distinct positions over its own arrays.
 static bat_mesh mesh_of(const uint32_t *faces, size_t face_count, size_t vertex_count)
 {
     bat_mesh mesh = {.positions = malloc(vertex_count * 3 * sizeof(double)),
@@ -21,7 +21,7 @@ static bool same_report(const bat_mesh_repair_report *a, const bat_mesh_repair_r
     return memcmp(a, b, sizeof *a) == 0;
 }
 
-/// Repair; the result has neighbours, and a second repair finds nothing to do.
+/// Repair a mesh. The result has connectivity, and a second repair changes nothing.
 static bat_mesh must_repair(const bat_mesh *mesh, bat_mesh_repair_report *report, size_t *boundary)
 {
     bat_mesh repaired, again;
@@ -82,7 +82,7 @@ static void test_faces_that_are_dropped(void **state)
 static void test_faces_are_turned(void **state)
 {
     (void)state;
-    // An octahedron and, apart from it, a strip of two.
+    // An octahedron and, separate from it, a strip of two faces.
     const uint32_t faces[] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5, 6, 7, 8, 7, 8, 9};
     for (unsigned turned = 0; turned < 256; turned++)
     {
@@ -101,14 +101,14 @@ static void test_faces_are_turned(void **state)
         bat_mesh repaired = must_repair(&mesh, &report, &boundary);
         check_report(&report, (bat_mesh_repair_report){.flipped_faces = 1 + (count < 8 - count ? count : 8 - count)});
         assert_int_equal(boundary, 4);
-        const uint32_t strip[] = {6, 7, 8, 7, 9, 8}; // of two equal parts, the first face stays
+        const uint32_t strip[] = {6, 7, 8, 7, 9, 8}; // of two groups of equal size, the first face's remains
         assert_memory_equal(repaired.faces + 24, strip, sizeof strip);
         bat_mesh_free(&mesh);
         bat_mesh_free(&repaired);
     }
 }
 
-/// Two solids that touch in an edge become two closed solids.
+/// Two solids that touch along an edge become two closed solids.
 static void test_solids_at_one_edge(void **state)
 {
     (void)state;
@@ -155,7 +155,7 @@ static void test_hourglass(void **state)
     bat_mesh_free(&repaired);
 }
 
-/// A strip of 2 n triangles, closed with a half turn: it is cut across once, and becomes an open strip.
+/// A Möbius strip of 2 n triangles is cut across once and becomes an open strip.
 static void test_moebius_strip(void **state)
 {
     (void)state;
@@ -183,7 +183,7 @@ static void test_moebius_strip(void **state)
     bat_mesh_free(&repaired);
 }
 
-/// A face by its positions, from its least corner on, in the direction that goes to the lesser neighbour first.
+/// The positions of a face, from its smallest corner, towards its smaller neighbour.
 static void face_key(const bat_mesh *mesh, size_t face, double key[9])
 {
     const double *p[3];
@@ -198,7 +198,7 @@ static void face_key(const bat_mesh *mesh, size_t face, double key[9])
     memcpy(key + 6, p[turned ? next : last], 3 * sizeof *key);
 }
 
-/// Random triangles between few vertices, which break every rule many times over.
+/// Random triangles between few vertices, which violate every condition many times.
 static void test_random_soups(void **state)
 {
     (void)state;
@@ -216,7 +216,7 @@ static void test_random_soups(void **state)
         bat_mesh repaired = must_repair(&mesh, &report, NULL);
         assert_int_equal(repaired.face_count + report.degenerate_faces + report.duplicate_faces, count);
         assert_int_equal(repaired.vertex_count, vertices - report.unused_vertices + report.added_vertices);
-        // The faces that are left are those of the soup, in their order.
+        // The remaining faces are those of the input, in their order.
         size_t at = 0;
         for (size_t f = 0; f < repaired.face_count; f++, at++)
         {
@@ -236,7 +236,7 @@ static void test_random_soups(void **state)
 
 static const char *const NAMES[] = {"heat", "dust"};
 
-/// Channels, texture, creases and corners on the two solids that touch in the edge 0-1, one face turned over.
+/// Channels, texture, creases and corners on two solids that touch along the edge 0-1, with one face turned over.
 static bat_mesh dressed_mesh(void)
 {
     const uint32_t faces[] = {0, 1, 2, 0, 3, 2, 0, 3, 1, 3, 2, 1, 0, 1, 4, 0, 4, 5, 0, 5, 1, 5, 4, 1, 6, 6, 1};
@@ -254,7 +254,7 @@ static bat_mesh dressed_mesh(void)
     for (uint32_t i = 0; i < 27; i++)
     {
         mesh.texture_faces[i] = i;
-        mesh.texture[2 * (size_t)i] = mesh.faces[i]; // says which vertex the corner is at
+        mesh.texture[2 * (size_t)i] = mesh.faces[i]; // identifies the vertex at the corner
         mesh.texture[2 * (size_t)i + 1] = i;
     }
     const bat_mesh_crease creases[] = {{1, 0, 2}, {2, 3, 1}, {3, 2, 4}, {2, 4, 9}, {6, 1, 5}};
@@ -291,7 +291,7 @@ static void test_what_is_carried_along(void **state)
         assert_memory_equal(repaired.positions + 3 * (size_t)repaired.faces[i], mesh.positions + 3 * (size_t)texture[0],
                             3 * sizeof(double));
     }
-    // The crease 0-1 is on both solids, the sharper of 2-3 stays, 2-4 is no edge, 6 has no face.
+    // The crease 0-1 is on both solids, the sharper one of 2-3 remains, 2-4 is not an edge, 6 has no face.
     const bat_mesh_crease creases[] = {{0, 1, 2}, {2, 3, 4}, {6, 7, 2}};
     const bat_mesh_corner corners[] = {{0, 3}, {3, 4}, {6, 3}};
     assert_int_equal(repaired.crease_count, 3);
@@ -336,7 +336,7 @@ static void test_what_cannot_be_repaired(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// Every vertex goes where looking at all vertices before it says.
+/// Every vertex is merged with the one that a search among all earlier vertices gives.
 static void check_weld(const bat_mesh *mesh, double distance)
 {
     uint32_t *target = malloc(mesh->vertex_count * sizeof *target), *kept = malloc(mesh->vertex_count * sizeof *kept);
@@ -388,7 +388,7 @@ static void test_welding_as_by_hand(void **state)
     }
 }
 
-/// Triangles that were torn apart find together again, with all they carry.
+/// Separated triangles are joined again, with all their data.
 static void test_a_soup_becomes_a_solid(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// A mesh in figures: closed forms for cubes, tori and grids, and meshes that are no manifolds.
+// Metrics of a mesh: closed forms for cubes, tori and grids, and non-manifold meshes.
 #include "check.h"
 
 #include "batten/mesh_measure.h"
@@ -44,7 +44,7 @@ static void test_cube(void **state)
     check_relative(summary.least_angle, PI / 4, 1e-15);
     assert_int_equal(summary.least_valence, 3);
     assert_int_equal(summary.greatest_valence, 5);
-    // Inside out.
+    // With reversed faces.
     for (int f = 0; f < 12; f++)
     {
         uint32_t kept = faces[3 * f];
@@ -52,7 +52,7 @@ static void test_cube(void **state)
         faces[3 * f + 1] = kept;
     }
     check_relative(summarize(&mesh).volume, -8.0, 1e-15);
-    // One face against the others.
+    // One face reversed.
     uint32_t kept = faces[0];
     faces[0] = faces[1];
     faces[1] = kept;
@@ -120,7 +120,7 @@ static void test_quilts(void **state)
     check_quilt(false, false, 1, 1);
 }
 
-/// Area and volume of a fine torus come to 4 pi^2 R r and 2 pi^2 R r^2, with an error that falls as the square of the width.
+/// Area and volume of a fine torus converge to 4 pi^2 R r and 2 pi^2 R r^2 with second order.
 static void test_torus_converges(void **state)
 {
     (void)state;
@@ -139,7 +139,7 @@ static void test_torus_converges(void **state)
     check_near(errors[1][0] / errors[1][1], 4, 0.05);
 }
 
-/// Punching faces out of a torus adds a loop and lowers the Euler characteristic each.
+/// Each removed face of a torus adds a loop and decreases the Euler characteristic.
 static void test_holes(void **state)
 {
     (void)state;
@@ -161,7 +161,7 @@ static void test_holes(void **state)
     bat_mesh_free(&mesh);
 }
 
-/// What is no manifold is counted, not refused.
+/// Non-manifold edges and vertices are counted, not refused.
 static void test_no_manifolds(void **state)
 {
     (void)state;
@@ -186,7 +186,7 @@ static void test_no_manifolds(void **state)
     assert_int_equal(summary.boundary_loops, 2);
     assert_int_equal(summary.greatest_valence, 4);
     assert_false(summary.manifold);
-    // Apart: two components.
+    // Separate triangles: two components.
     uint32_t apart[6] = {0, 1, 2, 3, 5, 6};
     mesh.faces = apart;
     summary = summarize(&mesh);
@@ -196,7 +196,7 @@ static void test_no_manifolds(void **state)
     assert_int_equal(summary.euler, 2);
 }
 
-/// A Möbius strip has one boundary and no orientation.
+/// A Möbius strip has one boundary loop and no orientation.
 static void test_moebius(void **state)
 {
     (void)state;
@@ -244,7 +244,7 @@ static void test_degenerate_faces(void **state)
     check_near(summary.least_edge, 0, 0);
 }
 
-/// Lengths, areas and volumes scale as they should where their squares leave the range.
+/// Lengths, areas and volumes scale correctly where their squares overflow or underflow.
 static void test_magnitudes(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Polygons cut into triangles: areas add up, nothing turns over, and corners keep their direction.
+// Triangulated polygons: areas add up, no triangle is inverted, and orientation is preserved.
 #include "check.h"
 
 #include "batten/mesh.h"
@@ -40,8 +40,8 @@ static double area_of(const drawing *polygon, size_t i, size_t j, size_t k)
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Cut it: triangles run as the polygon does, none is turned over, and their areas add up to the polygon's. As absolute
-/// areas add up, too, the triangles do not overlap.
+/// Triangulate a polygon. No triangle is inverted, and the areas add up to the polygon's. Since absolute areas add up too,
+/// the triangles do not overlap.
 static void check_cut(drawing *polygon, double tolerance)
 {
     polygon_workspace workspace = {0};
@@ -69,7 +69,7 @@ static void test_quads_take_the_better_diagonal(void **state)
     static const struct
     {
         double points[4][2];
-        uint32_t diagonal; ///< the lesser of its two corners
+        uint32_t diagonal; ///< the smaller of its two corners
     } cases[] = {{{{0, 0}, {3, 1}, {6, 0}, {3, -1}}, 1},
                  {{{3, 1}, {6, 0}, {3, -1}, {0, 0}}, 0},
                  {{{0, 0}, {2, 0}, {.5, .5}, {0, 2}}, 0},
@@ -112,7 +112,7 @@ static void test_convex_polygons_become_fans(void **state)
     }
 }
 
-/// Star-shaped polygons of any roughness, in both directions.
+/// Star-shaped polygons of any roughness, in both orientations.
 static void test_concave_polygons(void **state)
 {
     (void)state;
@@ -135,7 +135,7 @@ static void test_concave_polygons(void **state)
 static void test_difficult_outlines(void **state)
 {
     (void)state;
-    // Straight corners; a comb; a square with a square hole that a bridge joins to it.
+    // Straight corners; a comb; a square with a square hole, joined by a bridge.
     static const double straight[][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
     static const double comb[][2] = {{0, 0}, {7, 0}, {7, 5}, {6, 5}, {6, 1}, {5, 1}, {5, 5}, {4, 5},
                                      {4, 1}, {3, 1}, {3, 5}, {2, 5}, {2, 1}, {1, 1}, {1, 5}, {0, 5}};
@@ -149,7 +149,7 @@ static void test_difficult_outlines(void **state)
     check_cut(&polygon, 1e-12);
 }
 
-/// The cut does not depend on where, how large and in which plane the polygon is.
+/// The triangulation does not depend on the position, the size and the plane of the polygon.
 static void test_any_scale_and_plane(void **state)
 {
     (void)state;
@@ -176,7 +176,7 @@ static void test_any_scale_and_plane(void **state)
     }
 }
 
-/// What is no simple polygon is cut, too, somehow: into as many triangles, of corners there are.
+/// Self-intersecting and flat outlines also give count - 2 triangles with valid corners.
 static void test_crossed_and_flat_outlines(void **state)
 {
     (void)state;

@@ -1,13 +1,13 @@
 #ifndef TESTS_SUPPORT_DECIMATE_HELPERS_H
 #define TESTS_SUPPORT_DECIMATE_HELPERS_H
 
-// Meshes to decimate, and what is measured of them.
+// Meshes to decimate, and their measurements.
 
 #include "check.h"
 
 #include "batten/mesh_decimate.h"
 
-/// A mesh with room, to be released with bat_mesh_free().
+/// A mesh with allocated arrays; release it with bat_mesh_free().
 static inline bat_mesh shape_room(size_t vertices, size_t faces)
 {
     bat_mesh mesh = {.vertex_count = vertices, .face_count = faces};
@@ -44,7 +44,8 @@ static inline bat_mesh shape_torus(size_t n, size_t m, double thickness)
     return mesh;
 }
 
-/// The vertex of a cube's surface grid at integer coordinates from 0 to n, numbered as they come; `numbers` begins all zero.
+/// The vertex of a cube's surface grid at integer coordinates from 0 to n, numbered in order of use; `numbers` begins all
+/// zero.
 static inline uint32_t shape_cube_vertex(bat_mesh *mesh, uint32_t *numbers, size_t n, size_t x, size_t y, size_t z)
 {
     uint32_t *number = &numbers[(x * (n + 1) + y) * (n + 1) + z];
@@ -86,7 +87,7 @@ static inline bat_mesh shape_cube(size_t n)
     return mesh;
 }
 
-/// The unit sphere, a cube's grid blown up; radii vary by `roughness`.
+/// The unit sphere, from the grid of a cube; radii vary by `roughness`.
 static inline bat_mesh shape_sphere(size_t n, double roughness, uint64_t seed)
 {
     bat_mesh mesh = shape_cube(n);
@@ -106,8 +107,8 @@ static inline bat_mesh shape_sphere(size_t n, double roughness, uint64_t seed)
     return mesh;
 }
 
-/// The unit square of n by n cells, lifted by `height` sin(3 x) cos(2 y), in a tilted plane; its middle cells left out where
-/// `hole`.
+/// The unit square of n by n cells with heights `height` sin(3 x) cos(2 y), in a tilted plane; with `hole` the middle cells
+/// are left out.
 static inline bat_mesh shape_sheet(size_t n, double height, bool hole)
 {
     bat_mesh mesh = shape_room((n + 1) * (n + 1), 2 * n * n);
@@ -134,7 +135,7 @@ static inline const double *shape_corner(const bat_mesh *mesh, size_t face, size
     return mesh->positions + 3 * (size_t)mesh->faces[3 * face + corner];
 }
 
-/// Twice the area of a face, along its normal.
+/// The normal of a face, with twice its area as length.
 static inline void shape_vector(const bat_mesh *mesh, size_t face, double *vector)
 {
     const double *a = shape_corner(mesh, face, 0), *b = shape_corner(mesh, face, 1), *c = shape_corner(mesh, face, 2);
@@ -170,14 +171,14 @@ static inline double shape_volume(const bat_mesh *mesh)
     return volume;
 }
 
-/// What collapses must not change.
+/// Topological invariants of collapses.
 typedef struct shape_topology
 {
     long euler;
     size_t loops; ///< of the boundary
 } shape_topology;
 
-/// Fails where the mesh is no manifold.
+/// Fails for a mesh that is not a manifold.
 static inline shape_topology shape_topology_of(const bat_mesh *mesh)
 {
     bat_mesh_connectivity connectivity;

@@ -1,8 +1,8 @@
 #ifndef TESTS_SUPPORT_MANIFOLD_CHECKS_H
 #define TESTS_SUPPORT_MANIFOLD_CHECKS_H
 
-// What the mathematics says of every symmetric space (all that the library makes are): of its exponential, logarithm,
-// transport and geodesics, at all separations, and of subdivision in it.
+// Identities of the exponential, logarithm, transport and geodesics in every symmetric space, at all distances, and of
+// subdivision in it.
 
 #include "check.h"
 
@@ -16,7 +16,7 @@ typedef struct manifold_case
     uint64_t seed;
     int trials;
     double reach;    ///< longest tangent vectors, within the injectivity radius
-    double rounding; ///< what the rounding of the points' coordinates does to distances, at distances up to `reach`
+    double rounding; ///< the effect of rounded coordinates on distances, at distances up to `reach`
 } manifold_case;
 
 static inline double manifold_length(const bat_space *space, const double *p, const double *v)
@@ -37,7 +37,7 @@ static inline void manifold_tangent(const bat_space *space, bat_random *random, 
         v[i] *= length / norm;
 }
 
-/// Half of the lengths between 1e-12 and `reach` by order of magnitude, half of them evenly.
+/// Half of the lengths between 1e-12 and `reach` are uniform in the logarithm, half of them are uniform.
 static inline double manifold_separation(bat_random *random, double reach)
 {
     double u = bat_random_uniform(random);
@@ -80,8 +80,8 @@ static inline void manifold_check_inverses(const manifold_case *c)
     }
 }
 
-/// In a symmetric space the transport of u from p to q is the reflection of exp_p(u) through the middle, seen from q and
-/// turned round, exactly (the pole ladder; Pennec 2018).
+/// In a symmetric space the pole ladder is exact (Pennec, 2018): the transport of u from p to q is minus the logarithm at q
+/// of the reflection of exp_p(u) in the midpoint.
 static inline void manifold_check_pole_ladder(const manifold_case *c, bat_random *random, const double *p, const double *q)
 {
     const bat_space *space = c->space;
@@ -164,7 +164,7 @@ static inline void manifold_check_geodesics(const manifold_case *c)
     }
 }
 
-/// A log-exp scheme keeps equally spaced points of a geodesic on it, ends of open curves included.
+/// A log-exp scheme keeps equidistant points of a geodesic on it, also at the ends of open curves.
 static inline void manifold_check_refinement(const manifold_case *c)
 {
     enum

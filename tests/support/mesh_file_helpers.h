@@ -1,7 +1,7 @@
 #ifndef TESTS_SUPPORT_MESH_FILE_HELPERS_H
 #define TESTS_SUPPORT_MESH_FILE_HELPERS_H
 
-// Meshes in memory as files: made at random, read, written, compared, refused.
+// Mesh files in memory: random meshes, reading, writing, comparison, refusals.
 
 #include "check.h"
 
@@ -12,7 +12,7 @@ static inline double any_number(bat_random *random)
     return ldexp(bat_random_uniform(random) - 0.5, (int)(bat_random_bits(random) % 40) - 20);
 }
 
-/// What a random mesh has beside positions and faces.
+/// The data of a random mesh in addition to positions and faces.
 typedef struct mesh_extras
 {
     size_t texture; ///< texture coordinates; SIZE_MAX: one for every vertex
@@ -45,7 +45,7 @@ static inline void add_random_marks(bat_random *random, bat_mesh *mesh)
     }
 }
 
-/// A soup of triangles between vertices of any magnitude. Every vertex is in some face.
+/// Random triangles between vertices of any magnitude. Every vertex has a face.
 static inline bat_mesh random_mesh(uint64_t seed, size_t vertices, size_t faces, const mesh_extras *extras)
 {
     bat_random random = bat_random_seed(seed);
@@ -103,7 +103,7 @@ static inline bat_mesh must_read(const char *text, bat_mesh_format format)
     return must_read_bytes(text, strlen(text), &options);
 }
 
-/// The same with polygons cut.
+/// Read with triangulation of polygons.
 static inline bat_mesh must_cut(const char *text, bat_mesh_format format)
 {
     bat_mesh_read_options options = reading_as(format);
@@ -111,13 +111,13 @@ static inline bat_mesh must_cut(const char *text, bat_mesh_format format)
     return must_read_bytes(text, strlen(text), &options);
 }
 
-/// Reading these bytes fails so, and nothing is left behind.
+/// Reading these bytes fails with this status, and no memory leaks.
 static inline void assert_refused(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_status expected,
                                   size_t line, const char *words)
 {
     bat_mesh mesh = {.vertex_count = 17};
     bat_error error = {0};
-    // A copy that ends where the bytes end, so that the sanitizer sees whatever is read beyond.
+    // A copy of exact size, so that the sanitizer detects reads beyond its end.
     void *copy = malloc(size + (size == 0));
     memcpy(copy, bytes, size);
     bat_status status = bat_mesh_read_memory(copy, size, options, &mesh, &error);
@@ -146,7 +146,7 @@ static inline bat_mesh_write_options writing_as(bat_mesh_format format, bat_mesh
     return options;
 }
 
-/// The bytes of a mesh as a file, which do not depend on the number of threads.
+/// The bytes of a mesh as a file; they do not depend on the number of threads.
 static inline char *must_write(const bat_mesh *mesh, bat_mesh_format format, bat_mesh_encoding encoding, size_t *size)
 {
     bat_mesh_write_options options = writing_as(format, encoding);
@@ -206,7 +206,7 @@ static inline void assert_same_shape(const bat_mesh *a, const bat_mesh *b)
     assert_memory_equal(a->faces, b->faces, a->face_count * 3 * sizeof(uint32_t));
 }
 
-/// The same texture coordinates at the same corners, however they are numbered.
+/// The same texture coordinates at the same corners, in any numbering.
 static inline void assert_same_texture(const bat_mesh *a, const bat_mesh *b)
 {
     assert_int_equal(a->texture_faces == NULL, b->texture_faces == NULL);
@@ -224,7 +224,7 @@ static inline void assert_same_channels(const bat_mesh *a, const bat_mesh *b)
         assert_memory_equal(a->channels, b->channels, a->vertex_count * a->channel_count * sizeof(double));
 }
 
-/// Every beginning of a file, but for the given number of last bytes that may be missing, is refused without a leak.
+/// Every proper prefix of a file is refused without a leak, except for the given number of last bytes.
 static inline void assert_truncations_fail(const char *bytes, size_t size, size_t spare, bat_mesh_format format)
 {
     bat_mesh_read_options options = reading_as(format);

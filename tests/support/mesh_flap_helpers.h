@@ -1,7 +1,7 @@
 #ifndef TESTS_SUPPORT_MESH_FLAP_HELPERS_H
 #define TESTS_SUPPORT_MESH_FLAP_HELPERS_H
 
-// Meshes to look at, and the published network with what it makes of meshes, where these files are there.
+// Meshes for the networks, and the published network with its results, where these files exist.
 
 #include "check.h"
 
@@ -34,7 +34,7 @@ static inline mesh_levels levels_of(const bat_mesh *mesh, size_t count)
     return levels;
 }
 
-/// Every face split in four, new vertices in the middle.
+/// Split every face in four at the midpoints of edges.
 static inline bat_mesh split(const bat_mesh *mesh, size_t levels)
 {
     bat_mesh fine;
@@ -45,7 +45,7 @@ static inline bat_mesh split(const bat_mesh *mesh, size_t levels)
     return fine;
 }
 
-/// An octahedron with its vertices moved by up to `jitter`; without its last `missing` faces.
+/// An octahedron with vertices moved by up to `jitter`, without its last `missing` faces.
 static inline bat_mesh octahedron(size_t missing, double jitter, bat_random *random)
 {
     static const double positions[18] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
@@ -75,7 +75,7 @@ static inline bat_mesh ball(size_t levels)
     return mesh;
 }
 
-/// False after a message where the file is not there.
+/// False, with a message, where the file does not exist.
 static inline bool read_shared(const char *path, safetensors *content)
 {
     if (safetensors_read(path, content, NULL) == BAT_OK)
@@ -102,8 +102,7 @@ static inline bat_mesh mesh_in(const safetensors *content, const char *positions
     return mesh;
 }
 
-/// Match vertices by position, each one way and no two the same; `match` receives for every vertex of `expected` that of
-/// `actual`.
+/// Match vertices by position, one to one; `match` receives the vertex of `actual` for every vertex of `expected`.
 static inline void match_vertices(const double *actual, const double *expected, size_t count, double tolerance,
                                   uint32_t *match)
 {
@@ -134,7 +133,7 @@ static inline int compare_faces(const void *a, const void *b)
     return memcmp(a, b, 3 * sizeof(uint32_t));
 }
 
-/// Begin every face with its least vertex, and sort them.
+/// Rotate every face to its smallest vertex, and sort the faces.
 static inline void sort_faces(uint32_t *faces, size_t count)
 {
     for (uint32_t *f = faces; f < faces + 3 * count; f += 3)
@@ -148,7 +147,7 @@ static inline void sort_faces(uint32_t *faces, size_t count)
     qsort(faces, count, 3 * sizeof *faces, compare_faces);
 }
 
-/// The same mesh, whatever the order of vertices and faces.
+/// The same mesh for any order of vertices and faces.
 static inline void check_same_mesh(const bat_mesh *actual, const bat_mesh *expected, double tolerance)
 {
     assert_int_equal(actual->vertex_count, expected->vertex_count);

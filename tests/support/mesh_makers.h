@@ -1,7 +1,7 @@
 #ifndef TESTS_SUPPORT_MESH_MAKERS_H
 #define TESTS_SUPPORT_MESH_MAKERS_H
 
-// Meshes to test and to measure with, all owned: release them with bat_mesh_free(). Also for C++.
+// Meshes for tests and benchmarks; release them with bat_mesh_free(). Also for C++.
 
 #include "batten/mesh.h"
 
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// An array of zeros; ends the program when there is no memory.
+/// An array of zeros; exits when out of memory.
 static inline void *mesh_room(size_t count, size_t size)
 {
     void *room = calloc(count > 0 ? count : 1, size);
@@ -18,7 +18,7 @@ static inline void *mesh_room(size_t count, size_t size)
     return room;
 }
 
-/// A mesh with room for so many vertices and faces.
+/// A mesh with allocated positions and faces.
 static inline bat_mesh mesh_with_room(size_t vertices, size_t faces)
 {
     bat_mesh mesh;
@@ -129,7 +129,7 @@ static inline bat_mesh mesh_grid(uint32_t columns, uint32_t rows)
     return mesh;
 }
 
-/// A flat fan of `faces` faces around vertex 0, closed to a disk or, when open, over half of one.
+/// A flat fan of `faces` faces around vertex 0: a disk, or half a disk when open.
 static inline bat_mesh mesh_fan(uint32_t faces, bool closed)
 {
     uint32_t rim = closed ? faces : faces + 1;
@@ -144,7 +144,7 @@ static inline bat_mesh mesh_fan(uint32_t faces, bool closed)
     return mesh;
 }
 
-/// Move all coordinates by up to `size` in a way that repeats.
+/// Move all coordinates by up to `size`, reproducibly.
 static inline void mesh_shake(bat_mesh *mesh, double size, uint64_t seed)
 {
     bat_random random = bat_random_seed(seed);
@@ -152,8 +152,8 @@ static inline void mesh_shake(bat_mesh *mesh, double size, uint64_t seed)
         mesh->positions[i] += size * (2 * bat_random_uniform(&random) - 1);
 }
 
-/// Turn the edge of a half-edge over in its two faces. False, and nothing done, where the turned edge is there already, a
-/// vertex would be left with fewer than 3 faces, or one would get more than 12.
+/// Flip an edge. False, with the mesh unchanged, where the flipped edge exists already or a vertex would have fewer than 3
+/// or more than 12 faces.
 static inline bool mesh_turn_edge(bat_mesh *mesh, const bat_mesh_connectivity *links, unsigned *valence, uint32_t h)
 {
     uint32_t t = links->twin[h];
@@ -179,7 +179,7 @@ static inline bool mesh_turn_edge(bat_mesh *mesh, const bat_mesh_connectivity *l
     return true;
 }
 
-/// A closed mesh with vertices of 3 to 12 faces: a shaken torus with random edges turned over.
+/// A closed mesh with vertices of 3 to 12 faces: a perturbed torus with random edges flipped.
 static inline bat_mesh mesh_irregular(uint32_t around, uint32_t across, uint64_t seed)
 {
     bat_mesh mesh = mesh_torus(around, across);
@@ -189,7 +189,7 @@ static inline bat_mesh mesh_irregular(uint32_t around, uint32_t across, uint64_t
         valence[mesh.faces[i]]++;
     for (int round = 0; round < 6; round++)
     {
-        // An edge's surroundings must be as they were found: of every vertex, only one face may have changed.
+        // The neighbourhood of an edge must be unchanged: only one face at each vertex may have changed.
         bat_mesh_connectivity links;
         if (bat_mesh_connect(&mesh, &links, NULL) != BAT_OK)
             abort();
@@ -214,7 +214,7 @@ static inline bat_mesh mesh_irregular(uint32_t around, uint32_t across, uint64_t
     return mesh;
 }
 
-/// Two meshes in one, the second's vertices and faces after the first's.
+/// The union of two meshes; the second's vertices and faces follow the first's.
 static inline bat_mesh mesh_join(const bat_mesh *a, const bat_mesh *b)
 {
     bat_mesh mesh = mesh_with_room(a->vertex_count + b->vertex_count, a->face_count + b->face_count);

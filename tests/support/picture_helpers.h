@@ -1,7 +1,7 @@
 #ifndef TESTS_SUPPORT_PICTURE_HELPERS_H
 #define TESTS_SUPPORT_PICTURE_HELPERS_H
 
-// Curves to draw in every space, a folder to draw into, and what makes a file a picture.
+// Curves in every space, a folder for pictures, and checks of picture files.
 
 #include "check.h"
 
@@ -60,7 +60,7 @@ static inline void set_direction(double *point, double longitude, double latitud
     point[2] = sin(latitude);
 }
 
-/// A wavy closed curve with `count` points in any of the spaces.
+/// A closed wavy curve with `count` points in any space.
 static inline bat_curve make_sample(const bat_space *space, size_t count)
 {
     bat_curve curve = make_curve(space, count, true);
@@ -118,7 +118,7 @@ static inline size_t folder_entries(void)
     return count;
 }
 
-/// Whether a text is somewhere in bytes that may contain zeros.
+/// Whether bytes, which may include zeros, contain a text.
 static inline bool contains(const char *bytes, size_t size, const char *text)
 {
     size_t length = strlen(text);
@@ -132,7 +132,7 @@ static inline bool contains(const char *bytes, size_t size, const char *text)
     return false;
 }
 
-/// Every tag that opens closes in order, and there is one root.
+/// Check that tags are nested and that there is one root.
 static inline void check_nesting(const char *text)
 {
     int depth = 0;
@@ -153,7 +153,7 @@ static inline unsigned big_endian(const char *bytes)
     return (unsigned)b[0] << 24 | (unsigned)b[1] << 16 | (unsigned)b[2] << 8 | (unsigned)b[3];
 }
 
-/// The file at `path` is a picture of that size, in points, of the format its ending says.
+/// Check that the file at `path` is a picture of this size in points, in the format of its ending.
 static inline void check_picture(const char *path, unsigned width, unsigned height)
 {
     size_t size;

@@ -1,7 +1,7 @@
 #ifndef TESTS_SUPPORT_PIXEL_HELPERS_H
 #define TESTS_SUPPORT_PIXEL_HELPERS_H
 
-// Looking at the pixels of a picture.
+// Access to the pixels of a picture.
 
 #include "check.h"
 
@@ -40,16 +40,16 @@ static inline double lightness(uint32_t pixel)
     return ((double)(pixel >> 16 & 255) + (double)(pixel >> 8 & 255) + (double)(pixel & 255)) / (3 * 255.0);
 }
 
-/// Where a picture is not white, between columns `from` and `to`.
-typedef struct inked_area
+/// The bounding box of non-white pixels in the columns from `from` to `to`.
+typedef struct drawn_area
 {
     int left, right, top, bottom;
     size_t count;
-} inked_area;
+} drawn_area;
 
-static inline inked_area find_inked_area(const pixels *picture, int from, int to)
+static inline drawn_area find_inked_area(const pixels *picture, int from, int to)
 {
-    inked_area found = {picture->width, -1, picture->height, -1, 0};
+    drawn_area found = {picture->width, -1, picture->height, -1, 0};
     for (int y = 0; y < picture->height; y++)
         for (int x = from; x < to; x++)
         {

@@ -32,7 +32,7 @@ static inline bat_curve_set must_read(const char *text, bat_curve_format format,
     return set;
 }
 
-/// Reading fails with BAT_BAD_FILE on this line, with these words in the message.
+/// Reading fails with BAT_BAD_FILE on this line, and the message contains this text.
 static inline void assert_bad(const char *text, bat_curve_format format, const char *space, size_t line, const char *words)
 {
     bat_curve_set set = {0};

@@ -22,7 +22,7 @@ void simplifier_flush(path_simplifier *simplifier)
 {
     if (simplifier->pending)
     {
-        simplifier->sink.line(simplifier->sink.context, simplifier->seen_x, simplifier->seen_y);
+        simplifier->sink.line(simplifier->sink.context, simplifier->last_x, simplifier->last_y);
         simplifier->pending = false;
     }
 }
@@ -31,8 +31,8 @@ void simplifier_move(path_simplifier *simplifier, double x, double y)
 {
     simplifier_flush(simplifier);
     simplifier->sink.move(simplifier->sink.context, x, y);
-    simplifier->considered_x = simplifier->seen_x = x;
-    simplifier->considered_y = simplifier->seen_y = y;
+    simplifier->considered_x = simplifier->last_x = x;
+    simplifier->considered_y = simplifier->last_y = y;
     set_anchor(simplifier, x, y);
 }
 

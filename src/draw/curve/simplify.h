@@ -26,7 +26,7 @@ typedef struct path_simplifier
     double tolerance; ///< 0 keeps every point
     double anchor_x, anchor_y;
     double considered_x, considered_y; ///< the last point that was tested against the wedge
-    double seen_x, seen_y;             ///< the last point of the path
+    double last_x, last_y;             ///< the last point of the path
     double left_x, left_y;             ///< the wedge is to the right of this direction …
     double right_x, right_y;           ///< … and to the left of this one
     bool wedge;                        ///< whether the wedge is defined
@@ -46,8 +46,8 @@ static inline void simplifier_line(path_simplifier *simplifier, double x, double
     double dx = x - simplifier->considered_x;
     double dy = y - simplifier->considered_y;
     double skip = 0.15 * simplifier->tolerance;
-    simplifier->seen_x = x;
-    simplifier->seen_y = y;
+    simplifier->last_x = x;
+    simplifier->last_y = y;
     simplifier->pending = true;
     if (dx * dx + dy * dy >= skip * skip)
     {
