@@ -7,7 +7,7 @@
 #include "mesh/network/network.h"
 
 /// @file
-/// The mesh network of mesh/network/mesh_network.h on a tape, for training, and its operations on half-flaps. A *state* has
+/// The mesh network of src/mesh/network/network.h on a tape, for training, and its operations on half-flaps. A *state* has
 /// a row per vertex: the position, then any number of vectors that rotate with the mesh, then features that do not. All
 /// derivatives are complete, those through edges and frames too. Half-flaps are not copied and must stay until the step has
 /// been differentiated.

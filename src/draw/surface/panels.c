@@ -19,9 +19,9 @@
 /// The size of dots for errors, relative to the cloud's, and the width of their light edge in points.
 #define ERROR_GROWTH 1.25
 #define ERROR_EDGE 0.4
-/// A dot is behind another dot in its cell when it is farther from the eye by more than a fraction of the picture and more
-/// than a steep surface descends within a cell. The side of a cell is a multiple of the dots' diameter. The dot fades over
-/// another fraction.
+/// A dot is behind another dot in its cell when it is much farther from the eye: by a fraction of the picture, plus what a
+/// steep surface descends within a cell. The side of a cell is a multiple of the dots' diameter. The dot fades over another
+/// fraction.
 #define CELL_DIAMETERS 2.2
 #define BEHIND_FROM 0.025
 #define BEHIND_FADE 0.065

@@ -77,9 +77,9 @@ typedef struct globe_polygons
 
 /// Append the parts of a polygon that crosses the antimeridian. No part crosses it; the parts' borders run along it.
 ///
-/// A ring that winds once around the axis encloses the pole on the side with the smaller area, or on its left when both
-/// areas are equal. Such a polygon is closed along the antimeridian through the pole. Two such rings, one of them a hole,
-/// bound a belt.
+/// A ring that winds once around the axis encloses the pole on the side with the smaller area. When both areas are equal, it
+/// is the pole on its left. Such a polygon is closed along the antimeridian through the pole. Two such rings, one of them a
+/// hole, bound a belt.
 ///
 /// @param rings the outer ring and the holes, after globe_curve_show()
 /// @return false when out of memory

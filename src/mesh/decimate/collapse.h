@@ -66,8 +66,8 @@ bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge);
 bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept);
 
 /// Find the ring of an edge. If exactly one of its ends is on the boundary, that end becomes i.
-/// @return false if the collapse would change the topology (the link condition of Dey et al., 1999, fails, or a component
-/// would have fewer faces than a tetrahedron or none) or if the ring is too large
+/// @return false if the ring is too large or the collapse would change the topology. Then the link condition fails (Dey et
+/// al., 1999), or a component would have fewer faces than a tetrahedron or none
 bool collapse_ring_find(collapse_mesh *mesh, uint32_t edge, collapse_ring *ring);
 
 /// The local number of a corner of a face: 0 for i, 1 for j, 2 + k for vertex[k]. `c` counts from the corner where

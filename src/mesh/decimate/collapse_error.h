@@ -25,8 +25,8 @@ typedef struct error_placement
 /// through it that is perpendicular to its face, weighted by its squared length times `curve_weight`.
 void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, double curve_weight, error_vertex *vertices);
 
-/// Place the new vertex of the edge from i to j at the minimum of the error, or at one of its ends or its midpoint where
-/// that is as good. `kept` is the prescribed end, or BAT_MESH_NONE.
+/// Place the new vertex of the edge from i to j at the minimum of the error. An end or the midpoint is preferred where it is
+/// as good. `kept` is the prescribed end, or BAT_MESH_NONE.
 error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j, uint32_t kept);
 
 /// Move vertex i to the new position and add the quadrics of both vertices.

@@ -11,8 +11,8 @@
 /// that loops over half-flaps vectorize.
 ///
 /// Let e_j, e_k, e_l be the vectors from corner i to the other corners. Then x = e_j / |e_j|, z is the normalized sum of the
-/// unit normals of both faces, and y = z x x (Liu et al., 2020, figure 13). Where an edge or an area vanishes, or the faces
-/// are folded onto each other, the frame is zero, and so are all coordinates in it.
+/// unit normals of both faces, and y is the cross product of z and x (Liu et al., 2020, figure 13). The frame and all
+/// coordinates in it are zero where an edge or an area vanishes, or where the faces are folded onto each other.
 
 enum
 {

@@ -47,7 +47,8 @@ typedef struct child_edges
 } child_edges;
 
 /// Number the edges in the children of one face. Edges are numbered by their smaller half-edges. Before the children of face
-/// f come three inner edges for each earlier face and two halves of each of the `owned_before` edges that earlier faces own.
+/// f come three inner edges for each earlier face. The halves of the `owned_before` edges that earlier faces own come before
+/// them as well.
 static child_edges number_children(const uint32_t *twin, uint32_t face, uint32_t owned_before)
 {
     child_edges made;
