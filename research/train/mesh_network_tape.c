@@ -177,7 +177,7 @@ static void localize_back(void *context)
     gather_vectors_back(flaps, local_gradient + FLAP_EDGES * count, l->local.vectors, l->state);
 }
 
-tape_flap_local tape_flap_localize(learn_tape *tape, const mesh_flaps *flaps, flap_view view, learn_array *state,
+tape_flap_local tape_flap_localize(learn_tape *tape, const mesh_flaps *flaps, flap_frame_options view, learn_array *state,
                                    size_t vectors)
 {
     size_t count = flaps->count, numbers = FLAP_EDGES + 12 * vectors;

@@ -31,14 +31,14 @@ learn_array *tape_flap_differences(learn_tape *tape, const mesh_flaps *flaps, le
 typedef struct tape_flap_local
 {
     const mesh_flaps *flaps;
-    flap_view view;
+    flap_frame_options view;
     size_t vectors;           ///< of a state's row, beside the position
     learn_array *frame;       ///< FLAP_FRAME x count, as flap_frames() gives it
     learn_array *coordinates; ///< numbers x count: three edges, then the vectors of corner i, those of j, of k, of l
 } tape_flap_local;
 
 /// Compute the local coordinates of a state of which the first 3 + 3 `vectors` columns are vectors.
-tape_flap_local tape_flap_localize(learn_tape *tape, const mesh_flaps *flaps, flap_view view, learn_array *state,
+tape_flap_local tape_flap_localize(learn_tape *tape, const mesh_flaps *flaps, flap_frame_options view, learn_array *state,
                                    size_t vectors);
 
 /// The first layer of a network on half-flaps: max(0, W x + b), where row f of x has, for each corner of half-flap f, the
