@@ -19,9 +19,6 @@ enum
 
 /// The scheme whose angles a network gives.
 static const char LEARNED[] = "learned";
-/// Up to so many new points the learned scheme is the default where it is made for the space. It takes about a microsecond a
-/// point; and curves that are dense already come out alike by every scheme.
-static const double LEARNED_POINTS = 1e6;
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined curves to OUT (- for standard output)"},
@@ -187,9 +184,10 @@ static bool read_scheme(const arguments *given, curve_job *job)
     }
     if (!argument_number(given, "fairness", 0.5, &job->fairness))
         return false;
-    if (!(job->fairness >= 0 && job->fairness <= 1))
+    bat_curve_scheme learned_scheme = bat_curve_scheme_learned(job->fairness);
+    if (bat_curve_scheme_check(&learned_scheme, &error) != BAT_OK)
     {
-        (void)usage_error(given, "--fairness takes a number from 0 to 1");
+        (void)usage_error(given, "%s", error.text);
         return false;
     }
     if (chooses_network || learned)
@@ -346,7 +344,6 @@ static bool load_model(curve_job *job)
 /// The default scheme.
 static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
 {
-    double points = 0;
     bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension;
     if (plain && bat_motion_suits(coarse))
     {
@@ -355,13 +352,12 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
         job->scheme = "hermite";
         return;
     }
-    for (size_t i = 0; i < coarse->count; i++)
-        points += (double)coarse->curves[i].count;
-    job->scheme = bat_curve_scheme_name_for_space(coarse->space);
-    bool many = ldexp(points, (int)job->refine.levels) > LEARNED_POINTS;
-    if (strcmp(job->scheme, LEARNED) == 0 && (many || job->best_tension))
+    job->refine.scheme = bat_curves_scheme(coarse->curves, coarse->count, &job->refine, &job->scheme);
+    if (job->best_tension && strcmp(job->scheme, LEARNED) == 0)
+    {
         job->scheme = "angle-4";
-    (void)bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, NULL);
+        (void)bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, NULL);
+    }
 }
 
 /// The curves of a job.

@@ -26,7 +26,7 @@ static const option_spec OPTIONS[] = {
     {"limit", 0, NULL, "move the vertices onto the limit surface of Loop's scheme"},
     {"crease-angle", 0, "DEG", "Loop: keep edges sharp at which faces meet at a greater angle, in degrees"},
     {"picture", 0, "FILE", "draw the mesh before and after, side by side (.png, .svg or .pdf)"},
-    {"beside", 0, "NAME", "draw also what this scheme makes of the mesh: loop, butterfly, midpoint or sqrt3"},
+    {"beside", 0, "NAME", "draw also what this scheme makes of the mesh"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
     {"repair", 0, NULL, "split edges of more than two faces and vertices of several fans first"},
     {"from", 0, "FORMAT", "obj, ply, off or stl; default: by the file's ending"},
@@ -51,13 +51,6 @@ static const verb_spec SPEC = {
     .files = FILES,
 };
 
-/// The names of bat_mesh_scheme, in its order.
-static const char *const SCHEMES[] = {"midpoint", "loop", "butterfly", "sqrt3", "learned", NULL};
-/// Those that can be drawn beside another.
-static const char *const BESIDE[] = {"midpoint", "loop", "butterfly", "sqrt3", NULL};
-/// Those that can go on after a learned one.
-static const char *const GOING_ON[] = {"midpoint", "loop", "butterfly", NULL};
-
 /// The command line.
 typedef struct mesh_job
 {
@@ -67,7 +60,8 @@ typedef struct mesh_job
     bat_mesh_read_options read;
     bat_mesh_write_options write;
     bat_mesh_refine_options refine;
-    int beside; ///< a bat_mesh_scheme; -1 for none
+    bat_mesh_scheme beside; ///< where has_beside
+    bool has_beside;
     bool json, quiet;
 } mesh_job;
 
@@ -75,27 +69,44 @@ typedef struct mesh_job
 typedef struct mesh_result
 {
     bat_mesh coarse, fine;
-    bat_mesh_model *model; ///< null when no scheme is learned
+    bat_mesh_model *model; ///< of --model; null for none
     bat_mesh_repair_report repairs;
     size_t boundary_edges, fallback; ///< boundary edges of the coarse mesh
 } mesh_result;
 
+/// Read the name of a scheme, which stays as it is where the option was not given.
+static bool read_scheme(const arguments *given, const char *option, bat_mesh_scheme *scheme)
+{
+    bat_error error;
+    const char *name = argument(given, option);
+    if (name == NULL || bat_mesh_scheme_by_name(name, scheme, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
+}
+
 static bool read_refinement(const arguments *given, bat_mesh_refine_options *options)
 {
-    int scheme, then;
+    bat_error error;
     long levels;
     double degrees;
-    if (!argument_word(given, "scheme", SCHEMES, BAT_MESH_SCHEME_LEARNED, &scheme) ||
-        !argument_word(given, "then", GOING_ON, BAT_MESH_SCHEME_LOOP, &then) ||
-        !argument_whole(given, "levels", 0, MAX_LEVELS, 2, &levels) || !argument_threads(given, &options->threads) ||
-        !argument_number(given, "crease-angle", 0, &degrees))
+    if (!read_scheme(given, "scheme", &options->scheme) || !read_scheme(given, "then", &options->then) ||
+        !argument_whole(given, "levels", 0, MAX_LEVELS, (long)options->levels, &levels) ||
+        !argument_threads(given, &options->threads) ||
+        !argument_number(given, "crease-angle", options->crease_angle / DEGREE, &degrees))
         return false;
-    options->scheme = (bat_mesh_scheme)scheme;
-    options->then = (bat_mesh_scheme)then;
     options->levels = (size_t)levels;
     options->crease_angle = degrees * DEGREE;
     options->limit = argument_flag(given, "limit");
-    return true;
+    if (!(degrees >= 0 && degrees <= 180))
+    {
+        (void)usage_error(given, "--crease-angle takes 0 to 180 degrees");
+        return false;
+    }
+    if (bat_mesh_refine_options_check(options, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
 }
 
 /// What options contradict each other; null for nothing.
@@ -110,12 +121,10 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
     if (!learned && (job->model != NULL || argument(given, "then") != NULL))
         return "--model and --then need --scheme learned";
-    if (job->beside >= 0 && job->picture == NULL)
+    if (job->has_beside && job->picture == NULL)
         return "--beside needs --picture FILE";
     if (last != BAT_MESH_SCHEME_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
         return "--limit and --crease-angle need Loop's scheme";
-    if (job->refine.crease_angle < 0 || job->refine.crease_angle > 180 * DEGREE)
-        return "--crease-angle takes 0 to 180 degrees";
     return NULL;
 }
 
@@ -132,7 +141,8 @@ static bool read_job(const arguments *given, mesh_job *job)
                       .refine = bat_mesh_refine_defaults(),
                       .json = argument_flag(given, "json"),
                       .quiet = argument_flag(given, "quiet")};
-    if (!argument_word(given, "beside", BESIDE, -1, &job->beside))
+    job->has_beside = argument(given, "beside") != NULL;
+    if (!read_scheme(given, "beside", &job->beside))
         return false;
     job->read.triangulate = argument_flag(given, "triangulate");
     job->read.repair = argument_flag(given, "repair");
@@ -166,11 +176,9 @@ static int refine(const mesh_job *job, mesh_result *result)
 {
     bat_error error;
     bat_mesh_refine_options options = job->refine;
-    if (options.scheme == BAT_MESH_SCHEME_LEARNED)
+    if (job->model != NULL)
     {
-        bat_status status = job->model != NULL ? bat_mesh_model_read(job->model, &result->model, &error)
-                                               : bat_mesh_model_builtin(&result->model, &error);
-        if (status != BAT_OK)
+        if (bat_mesh_model_read(job->model, &result->model, &error) != BAT_OK)
             return report_failure(job->model, &error);
         options.rule = bat_mesh_model_rule(result->model);
     }
@@ -182,14 +190,14 @@ static int refine(const mesh_job *job, mesh_result *result)
 
 static void make_title(bat_mesh_scheme scheme, size_t levels, char title[80])
 {
-    (void)snprintf(title, 80, "%s, %zu level%s", SCHEMES[scheme], levels, levels == 1 ? "" : "s");
+    (void)snprintf(title, 80, "%s, %zu level%s", bat_mesh_scheme_name(scheme), levels, levels == 1 ? "" : "s");
 }
 
 /// Refine by the scheme of --beside, which has no limit and no creases by angles unless it is Loop's.
 static bat_status refine_beside(const mesh_job *job, const bat_mesh *coarse, bat_mesh *other, bat_error *error)
 {
     bat_mesh_refine_options options = job->refine;
-    options.scheme = (bat_mesh_scheme)job->beside;
+    options.scheme = job->beside;
     if (options.scheme != BAT_MESH_SCHEME_LOOP)
     {
         options.limit = false;
@@ -203,10 +211,10 @@ static int draw(const mesh_job *job, const mesh_result *result)
     bat_error error;
     bat_mesh other = {0};
     char title[80], beside_title[80];
-    if (job->beside >= 0 && refine_beside(job, &result->coarse, &other, &error) != BAT_OK)
+    if (job->has_beside && refine_beside(job, &result->coarse, &other, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
     make_title(job->refine.scheme, job->refine.levels, title);
-    make_title((bat_mesh_scheme)(job->beside < 0 ? 0 : job->beside), job->refine.levels, beside_title);
+    make_title(job->beside, job->refine.levels, beside_title);
     bat_mesh_picture_panel panels[3] = {
         {.mesh = &result->coarse, .title = "coarse", .wires = true, .flat = true},
         {.mesh = &result->fine, .title = title},
@@ -215,7 +223,7 @@ static int draw(const mesh_job *job, const mesh_result *result)
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.threads = job->refine.threads;
     bat_status status =
-        bat_mesh_picture_write(output_path(&job->files, "picture"), panels, job->beside < 0 ? 2 : 3, &options, &error);
+        bat_mesh_picture_write(output_path(&job->files, "picture"), panels, job->has_beside ? 3 : 2, &options, &error);
     bat_mesh_free(&other);
     return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
 }
@@ -250,18 +258,18 @@ static int report(const mesh_job *job, const mesh_result *result)
 {
     const bat_mesh *coarse = &result->coarse, *fine = &result->fine;
     if (job->json)
-        return report_json(json_pack("{s:s, s:I, s:o, s:o, s:I, s:I, s:I}", "scheme", SCHEMES[job->refine.scheme], "levels",
-                                     (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine),
-                                     "boundary_edges", (json_int_t)result->boundary_edges, "fallback",
-                                     (json_int_t)result->fallback, "repaired",
-                                     (json_int_t)bat_mesh_repair_places(&result->repairs)));
+        return report_json(json_pack("{s:s, s:I, s:o, s:o, s:I, s:I, s:I}", "scheme",
+                                     bat_mesh_scheme_name(job->refine.scheme), "levels", (json_int_t)job->refine.levels,
+                                     "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
+                                     (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback,
+                                     "repaired", (json_int_t)bat_mesh_repair_places(&result->repairs)));
     if (job->quiet)
         return EXIT_DONE;
     if (job->read.repair)
         (void)printf("%zu places repaired\n", bat_mesh_repair_places(&result->repairs));
-    (void)printf("%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n", SCHEMES[job->refine.scheme],
-                 job->refine.levels, coarse->vertex_count, coarse->face_count, fine->vertex_count, fine->face_count,
-                 result->boundary_edges > 0 ? "with boundary" : "closed");
+    (void)printf("%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
+                 bat_mesh_scheme_name(job->refine.scheme), job->refine.levels, coarse->vertex_count, coarse->face_count,
+                 fine->vertex_count, fine->face_count, result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
 

@@ -61,7 +61,6 @@ int main(int argc, char **argv)
     const bat_curve coarse = {.space = &sphere, .points = points, .count = POSITIONS};
 
     bat_curve_refine_options options = bat_curve_refine_defaults();
-    options.scheme = bat_curve_scheme_for_space(&sphere);
     options.levels = LEVELS;
 
     bat_curve fine = {0};

@@ -34,7 +34,6 @@ int main(void)
     const bat_curve coarse = {.space = &plane, .points = deck_line, .count = POINTS};
 
     bat_curve_refine_options options = bat_curve_refine_defaults();
-    options.scheme = bat_curve_scheme_for_space(&plane);
     options.ends = BAT_CURVE_END_EXTRAPOLATE;
     options.levels = LEVELS;
 

@@ -75,6 +75,17 @@ typedef struct bat_progress
     void *context; ///< handed to `report`
 } bat_progress;
 
+/// One choice of a family: a scheme, a space, a format. Each family is one table; bat_..._list() walks its rows,
+/// bat_..._by_name() finds one.
+typedef struct bat_choice
+{
+    const char *name;     ///< as bat_..._by_name() takes it
+    const char *settings; ///< what may follow the name after a colon, with the default values; "" for none
+    const char *summary;  ///< one line
+    const char *endings;  ///< formats: endings of file names, separated by blanks; "" for other families
+    bool reads, writes;   ///< formats: what the library can do
+    int value;            ///< the enumerator, where the family has an enumeration; else 0
+} bat_choice;
 /// Several files that appear together or not at all. Each is written to a temporary file beside its target by any writer of
 /// the library or of your own; then all are renamed at once. Until then nothing is changed.
 ///

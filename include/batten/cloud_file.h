@@ -39,6 +39,12 @@ typedef struct bat_cloud_read_options
     const size_t *corners;
 } bat_cloud_read_options;
 
+/// The options' default values.
+BAT_API bat_cloud_read_options bat_cloud_read_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, bat_error *error);
+
 /// Read a cloud. A PLY or OBJ file with faces is a mesh and goes through bat_cloud_from_mesh().
 /// @param path    "-" for standard input
 /// @param options null for the defaults

@@ -40,6 +40,9 @@ typedef struct bat_cloud_parameterize_options
 } bat_cloud_parameterize_options;
 
 BAT_API bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_cloud_parameterize_options_check(const bat_cloud_parameterize_options *options, bat_error *error);
 
 /// Find the interior parameters.
 /// @param cloud    with boundary

@@ -28,11 +28,11 @@ BAT_API void bat_curve_free(bat_curve *curve);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
 BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 
-/// The name, for bat_curve_scheme_by_name(), of the scheme to begin with in a space: "learned" on the plane, the sphere S^2
-/// and the disk, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
-BAT_API const char *bat_curve_scheme_name_for_space(const bat_space *space);
-/// The scheme of that name.
-BAT_API bat_curve_scheme bat_curve_scheme_for_space(const bat_space *space);
+/// The default scheme of a space, for curves that get `new_points` points in all: "learned" on the plane, the sphere S^2 and
+/// the disk up to a million points, "angle-4" beyond; "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All
+/// keep the given points.
+/// @param name receives the scheme's name for bat_curve_scheme_by_name(); may be null
+BAT_API bat_curve_scheme bat_curve_scheme_for(const bat_space *space, size_t new_points, const char **name);
 
 /// How an open curve goes on beyond its ends, where a rule asks for points that are not there.
 typedef enum bat_curve_end_rule
@@ -52,18 +52,27 @@ typedef enum bat_curve_end_rule
 /// How to refine. Begin with bat_curve_refine_defaults().
 typedef struct bat_curve_refine_options
 {
-    bat_curve_scheme scheme; ///< default: the angle-based four-point scheme, outward, for the plane, sphere and disk
-    size_t levels;           ///< default 5
+    bat_curve_scheme scheme; ///< default BAT_CURVE_SCHEME_AUTO: chosen for the space and the size, bat_curves_scheme()
+    size_t levels;           ///< 0 to 60; default 5
     bat_curve_end_rule ends; ///< open curves; default BAT_CURVE_END_REFLECT
     bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
     size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
-    int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it;
-                 ///< default 0
-    bat_progress progress; ///< default: none
+    int threads;             ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress;   ///< default: none
 } bat_curve_refine_options;
 
 /// The options' default values.
 BAT_API bat_curve_refine_options bat_curve_refine_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT with the field out of range; BAT_UNSUPPORTED for a mask that the scheme cannot use
+BAT_API bat_status bat_curve_refine_options_check(const bat_curve_refine_options *options, bat_error *error);
+
+/// The scheme that bat_curves_refine() uses for curves: that of the options, or where it is BAT_CURVE_SCHEME_AUTO the one of
+/// bat_curve_scheme_for() for the first curve's space and the points of all curves.
+/// @param options null for the defaults
+/// @param name    receives the name of the scheme that was chosen; null where the options have one of their own; may be null
+BAT_API bat_curve_scheme bat_curves_scheme(const bat_curve *curves, size_t count, const bat_curve_refine_options *options,
+                                           const char **name);
 
 /// The number of points that refining gives: count * 2^levels for a closed curve; for an open one
 /// (count - 1) * 2^levels + 1 where the refined curve has a vertex at the ends' parameters (masks of odd length, all
@@ -77,9 +86,7 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_cu
 /// Memory beyond the result is at most as much again; linear schemes need next to none.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
-/// @param options what bat_curve_refine_defaults() gives, changed as wanted; null for the defaults with a classical scheme
-/// of the
-///                space's own: "angle-4" on oriented surfaces, "four-point" in other Euclidean spaces, "log-exp-4" elsewhere
+/// @param options null for bat_curve_refine_defaults()
 /// @param fine    receives the refined curve; release it with bat_curve_free()
 /// @param error   receives what went wrong and at which point; may be null
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or

@@ -41,6 +41,9 @@ typedef struct bat_analysis_options
 } bat_analysis_options;
 
 BAT_API bat_analysis_options bat_analysis_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_analysis_options_check(const bat_analysis_options *options, bat_error *error);
 
 /// Weights of neighbouring points: the sum over k of weights[k] p(i + first + k).
 typedef struct bat_mask_stencil
@@ -171,6 +174,9 @@ typedef struct bat_mask_sweep_options
 } bat_mask_sweep_options;
 
 BAT_API bat_mask_sweep_options bat_mask_sweep_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_mask_sweep_options_check(const bat_mask_sweep_options *options, bat_error *error);
 
 /// Parameters from begin to end, both included, with one verdict for all of them. A single parameter has begin = end, and
 /// then its verdict goes before those of the intervals beside it.

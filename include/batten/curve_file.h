@@ -29,6 +29,9 @@ typedef struct bat_curve_read_options
 
 /// The options' default values.
 BAT_API bat_curve_read_options bat_curve_read_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_curve_read_options_check(const bat_curve_read_options *options, bat_error *error);
 
 /// Read the curves of a file.
 ///
@@ -58,6 +61,9 @@ typedef struct bat_curve_write_options
 
 /// The options' default values.
 BAT_API bat_curve_write_options bat_curve_write_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_curve_write_options_check(const bat_curve_write_options *options, bat_error *error);
 
 /// Write the curves of a set. The file appears whole or not at all; on failure an existing one stays as it was.
 ///

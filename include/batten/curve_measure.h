@@ -31,6 +31,9 @@ typedef struct bat_curve_measure_options
 
 /// The options' default values.
 BAT_API bat_curve_measure_options bat_curve_measure_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_curve_measure_options_check(const bat_curve_measure_options *options, bat_error *error);
 
 /// How near two curves are. Each point's distance is that to the nearest vertex (or edge) of the other curve.
 typedef struct bat_curve_distance

@@ -79,6 +79,9 @@ BAT_API bat_status bat_picture_check(const char *path, bat_error *error);
 
 /// The options' default values.
 BAT_API bat_curve_picture_options bat_curve_picture_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_curve_picture_options_check(const bat_curve_picture_options *options, bat_error *error);
 
 /// Draw panels into a file, whose ending chooses the format: .svg, .png or .pdf, in small or capital letters.
 ///

@@ -32,7 +32,7 @@ BAT_API bat_mask bat_mask_four_point(double w);
 /// w = 3/256, the four-point scheme at w = 0.
 BAT_API bat_mask bat_mask_six_point(double w);
 /// Lane and Riesenfeld (1980): doubling followed by `order` averagings, the uniform B-spline of degree `order`;
-/// 1 <= order <= BAT_MASK_MAX - 2. Order 2 is Chaikin's. Clipped to that range.
+/// 1 <= order <= BAT_MASK_MAX - 2, else the mask is empty, which every call refuses. Order 2 is Chaikin's.
 BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 
 /// The largest insertion angle of the angle-based schemes, pi/4 - 0.02 (Ugail and Howard 2026, Theorem 1).
@@ -48,6 +48,7 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 /// The families of rules.
 typedef enum bat_curve_scheme_kind
 {
+    BAT_CURVE_SCHEME_AUTO,    ///< none yet: chosen for the space and the size, bat_curve_scheme_for()
     BAT_CURVE_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
     BAT_CURVE_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
     BAT_CURVE_SCHEME_LOG_EXP, ///< a mask applied in the tangent space of one point; any space
@@ -131,8 +132,12 @@ BAT_API bat_curve_scheme bat_curve_scheme_angle_rule(const bat_curve_angle_rule 
 /// keep the given points.
 BAT_API bat_curve_scheme bat_curve_scheme_log_exp(bat_mask mask);
 /// Lane-Riesenfeld of an order by geodesic averages (Dyn and Sharon 2017): doubling followed by `order` rounds of midpoints.
-/// In R^n it is the linear scheme. The order is clipped as by bat_mask_lane_riesenfeld().
+/// In R^n it is the linear scheme. The order is that of bat_mask_lane_riesenfeld().
 BAT_API bat_curve_scheme bat_curve_scheme_geodesic(size_t order);
+
+/// Check a scheme: its kind and the fields that the kind uses.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT with the field out of range; BAT_UNSUPPORTED for a mask that the kind cannot use
+BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *error);
 
 /// A scheme by name, as the program's `--scheme` takes it: a name and, after a colon, settings separated by commas.
 ///
@@ -163,7 +168,7 @@ BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
 /// no angle reaches BAT_CURVE_ANGLE_LIMIT whatever the weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md
 /// describes it; `batten train curve --recipe batten` makes its weights.
 ///
-/// @param fairness 0 follows the data most closely, 1 gives the smoothest curve; clipped to that range, NaN is 1/2
+/// @param fairness 0 follows the data most closely, 1 gives the smoothest curve; what is out of this range is refused
 BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
 
 /// A trained network. It does not change, and any number of calls may use it at once.

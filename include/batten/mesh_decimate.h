@@ -34,6 +34,9 @@ typedef struct bat_mesh_decimate_options
 
 /// The options' default values.
 BAT_API bat_mesh_decimate_options bat_mesh_decimate_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *options, bat_error *error);
 
 /// A bijective map between a mesh and its decimation. Opaque.
 typedef struct bat_mesh_map bat_mesh_map;

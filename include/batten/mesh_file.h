@@ -40,6 +40,9 @@ typedef struct bat_mesh_read_options
 
 /// The options' default values.
 BAT_API bat_mesh_read_options bat_mesh_read_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error);
 
 /// Read the mesh of a file: at least one face, finite numbers, faces of vertices that exist. Whether the faces make a
 /// surface is for bat_mesh_connect() to say.
@@ -73,6 +76,9 @@ typedef struct bat_mesh_write_options
 
 /// The options' default values.
 BAT_API bat_mesh_write_options bat_mesh_write_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error);
 
 /// Write a mesh. The file appears whole or not at all; on failure an existing one stays as it was.
 ///

@@ -24,6 +24,15 @@ typedef enum bat_mesh_scheme
     BAT_MESH_SCHEME_LEARNED    ///< by `rule`
 } bat_mesh_scheme;
 
+/// A scheme by name: "learned", "loop", "butterfly", "midpoint" or "sqrt3".
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
+BAT_API bat_status bat_mesh_scheme_by_name(const char *name, bat_mesh_scheme *scheme, bat_error *error);
+/// The name of a scheme. Never null.
+BAT_API const char *bat_mesh_scheme_name(bat_mesh_scheme scheme);
+/// The schemes, one by one; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_mesh_scheme_list(size_t index, bat_choice *choice);
+
 typedef struct bat_mesh_rule bat_mesh_rule;
 
 /// A rule for refinement that lives outside of the classical schemes, such as a network.
@@ -44,8 +53,8 @@ struct bat_mesh_rule
 /// How to refine. Begin with bat_mesh_refine_defaults().
 typedef struct bat_mesh_refine_options
 {
-    bat_mesh_scheme scheme;    ///< default BAT_MESH_SCHEME_LOOP
-    const bat_mesh_rule *rule; ///< of BAT_MESH_SCHEME_LEARNED; default null
+    bat_mesh_scheme scheme;    ///< default BAT_MESH_SCHEME_LEARNED
+    const bat_mesh_rule *rule; ///< of BAT_MESH_SCHEME_LEARNED; null: the model that comes with the library; default null
     bat_mesh_scheme then;      ///< the scheme of the levels beyond the rule's; default BAT_MESH_SCHEME_LOOP
     size_t levels;             ///< default 2
     /// Move the vertices at the end to where the scheme, or after a learned one `then`, would take them in infinitely many
@@ -59,6 +68,9 @@ typedef struct bat_mesh_refine_options
 
 /// The options' default values.
 BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options, bat_error *error);
 
 /// Refine a mesh by subdivision.
 ///
@@ -70,7 +82,7 @@ BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
 /// left out of its fine mesh.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
-/// @param options  what bat_mesh_refine_defaults() gives, changed as wanted
+/// @param options  null for bat_mesh_refine_defaults()
 /// @param fine     receives the refined mesh; release it with bat_mesh_free()
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
 /// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for an option out of range, a

@@ -21,6 +21,9 @@ typedef struct bat_motion_options
 
 /// The options' default values.
 BAT_API bat_motion_options bat_motion_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_motion_options_check(const bat_motion_options *options, bat_error *error);
 
 /// Whether the curves of a set have times, or velocities: channels that came from columns of these names.
 BAT_API bool bat_motion_has_times(const bat_curve_set *set);

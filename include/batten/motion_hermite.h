@@ -109,6 +109,9 @@ typedef struct bat_hermite_options
 
 /// The options' default values.
 BAT_API bat_hermite_options bat_hermite_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_hermite_options_check(const bat_hermite_options *options, bat_error *error);
 
 /// Options by a scheme's name, as the program's `--scheme` takes it:
 ///

@@ -42,6 +42,9 @@ typedef struct bat_surface_options
 } bat_surface_options;
 
 BAT_API bat_surface_options bat_surface_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_surface_options_check(const bat_surface_options *options, bat_error *error);
 
 /// One candidate of BAT_SURFACE_PARAMETERS_AUTO, or the one that was asked for.
 typedef struct bat_surface_candidate

@@ -35,6 +35,12 @@ typedef struct bat_surface_write_options
     size_t point_count;
 } bat_surface_write_options;
 
+/// The options' default values.
+BAT_API bat_surface_write_options bat_surface_write_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_surface_write_options_check(const bat_surface_write_options *options, bat_error *error);
+
 /// Write a surface; the file appears whole or not at all.
 /// @param path    "-" for standard output (with a format)
 /// @param surface of dimension 3 (XML and JSON: any)

@@ -58,6 +58,9 @@ typedef struct bat_surface_fit_options
 } bat_surface_fit_options;
 
 BAT_API bat_surface_fit_options bat_surface_fit_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options, bat_error *error);
 
 /// One round of the loop. Distances are |S(u_i) - x_i|.
 typedef struct bat_surface_fit_round

@@ -30,6 +30,12 @@ typedef struct bat_surface_picture_options
     double up[3]; ///< what is upwards; zeros: z, or y where the surface faces z
 } bat_surface_picture_options;
 
+/// The options' default values.
+BAT_API bat_surface_picture_options bat_surface_picture_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_surface_picture_options_check(const bat_surface_picture_options *options, bat_error *error);
+
 /// Draw rows of: cloud, surface, points coloured by error, parameter plane with the hierarchical mesh. PNG, SVG or PDF by
 /// the ending. The file appears whole or not at all; the same input gives the same bytes.
 /// @param options null for the defaults

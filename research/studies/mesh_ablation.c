@@ -148,6 +148,7 @@ static bat_status trial_measure(const probe *p, size_t index, size_t levels, con
     bat_mesh fine, target = {0};
     how.levels = levels;
     how.threads = threads;
+    how.scheme = BAT_MESH_SCHEME_LOOP;
     bat_status status = loop ? bat_mesh_refine(&p->trials[index], &how, &target, NULL, error) : BAT_OK;
     if (status != BAT_OK)
         return status;

@@ -96,11 +96,8 @@ bat_mask bat_mask_six_point(double w)
 
 bat_mask bat_mask_lane_riesenfeld(size_t order)
 {
-    if (order < 1)
-        order = 1;
-    if (order > BAT_MASK_MAX - 2)
-        order = BAT_MASK_MAX - 2;
-
+    if (order < 1 || order > BAT_MASK_MAX - 2)
+        return (bat_mask){.count = 0};
     bat_mask mask = {.coefficients = {1.0, 1.0}, .count = 2};
     for (size_t averaging = 0; averaging < order; averaging++)
     {

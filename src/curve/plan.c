@@ -1,6 +1,7 @@
 #include "curve/plan.h"
 
 #include "base/error.h"
+#include "base/option.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -8,27 +9,12 @@
 #include <stdlib.h>
 
 /// A larger tension is a mistake.
-static const double TENSION_LIMIT = 1e6;
-
-const char *scheme_classical_name(const bat_space *space)
-{
-    if (space->exterior_angle != NULL && space->apex != NULL)
-        return "angle-4";
-    return space_is_euclidean(space) ? "four-point" : "log-exp-4";
-}
-
-bat_curve_scheme scheme_classical(const bat_space *space)
-{
-    if (space->exterior_angle != NULL && space->apex != NULL)
-        return bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT);
-    bat_mask mask = bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT);
-    return space_is_euclidean(space) ? bat_curve_scheme_linear(mask) : bat_curve_scheme_log_exp(mask);
-}
+#define TENSION_LIMIT 1e6
 
 bat_curve_refine_options bat_curve_refine_defaults(void)
 {
     return (bat_curve_refine_options){
-        .scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT),
+        .scheme = {.kind = BAT_CURVE_SCHEME_AUTO},
         .levels = 5,
         .ends = BAT_CURVE_END_REFLECT,
         .max_points = SIZE_MAX >> 24,
@@ -46,6 +32,7 @@ refine_kernel kernel_for(const bat_space *space, const bat_curve_scheme *scheme)
     case BAT_CURVE_SCHEME_GEODESIC:
         return kernel_geodesic(space, scheme);
     case BAT_CURVE_SCHEME_LINEAR:
+    case BAT_CURVE_SCHEME_AUTO:
     default:
         return kernel_linear(scheme, space->point_dim);
     }
@@ -76,6 +63,9 @@ static bat_status check_mask(const bat_mask *mask, bool affine, bat_error *error
 
 static bat_status check_lane_riesenfeld(const bat_mask *mask, bat_error *error)
 {
+    bat_status status = mask_check(mask, error);
+    if (status != BAT_OK)
+        return status;
     bat_mask expected = bat_mask_lane_riesenfeld(mask->count < 3 ? 1 : mask->count - 2);
     bool same = mask->count == expected.count && mask->first == expected.first;
     for (size_t k = 0; k < expected.count && same; k++)
@@ -84,60 +74,91 @@ static bat_status check_lane_riesenfeld(const bat_mask *mask, bat_error *error)
                 : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a geodesic scheme needs a Lane-Riesenfeld mask");
 }
 
-static bat_status check_rule(const bat_space *space, const bat_curve_scheme *scheme, bat_error *error)
+static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
 {
-    const bat_curve_angle_rule *rule = scheme->rule;
-    if (!isfinite(scheme->fairness))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fairness is not a number");
-    if (rule->angles == NULL || rule->reach < 1 || rule->reach > BAT_CURVE_ANGLE_RULE_REACH ||
-        rule->scratch_size > SIZE_MAX / 2)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
-                         BAT_CURVE_ANGLE_RULE_REACH);
-    const char *fault = rule->fault != NULL ? rule->fault(rule, space) : NULL;
-    if (fault != NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the rule %s is not made for this %s: %s", rule->name,
-                         space->name, fault);
-    return BAT_OK;
+    if (rule == NULL || (rule->angles != NULL && rule->reach >= 1 && rule->reach <= BAT_CURVE_ANGLE_RULE_REACH &&
+                         rule->scratch_size <= SIZE_MAX / 2))
+        return BAT_OK;
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "an angle rule needs a function, a reach from 1 to %d and scratch memory of a size that can be had",
+                     BAT_CURVE_ANGLE_RULE_REACH);
 }
 
-static bat_status check_options(const bat_space *space, const bat_curve_refine_options *options, bat_error *error)
+bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *error)
 {
-    const bat_curve_scheme *scheme = &options->scheme;
-    if (options->ends < BAT_CURVE_END_REFLECT || options->ends > BAT_CURVE_END_FREE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no end rule %d", (int)options->ends);
-    if (scheme->kind != BAT_CURVE_SCHEME_LINEAR && (options->snap || options->ends == BAT_CURVE_END_FREE))
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
-                         options->snap ? "be moved to their limit" : "leave the ends free");
+    static const option_field KIND[] = {
+        OPTION_FIELD(bat_curve_scheme, kind, OPTION_CHOICE, 0, BAT_CURVE_SCHEME_GEODESIC),
+    };
+    static const option_field ANGLE[] = {
+        OPTION_FIELD(bat_curve_scheme, tension, OPTION_NUMBER, -TENSION_LIMIT, TENSION_LIMIT),
+        OPTION_FIELD(bat_curve_scheme, sign, OPTION_CHOICE, 0, BAT_CURVE_ANGLE_PRINTED),
+        OPTION_FIELD(bat_curve_scheme, fairness, OPTION_NUMBER, 0, 1),
+    };
+    static const option_field LOG_EXP[] = {
+        OPTION_FIELD(bat_curve_scheme, base, OPTION_CHOICE, 0, BAT_CURVE_BASE_MIDPOINT),
+    };
+    bat_status status = OPTIONS_CHECK(scheme, KIND, error);
+    if (status != BAT_OK)
+        return status;
     switch (scheme->kind)
     {
     case BAT_CURVE_SCHEME_LINEAR:
-        if (!space_is_euclidean(space))
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4", space->name);
         return check_mask(&scheme->mask, false, error);
     case BAT_CURVE_SCHEME_ANGLE:
-        if (space->exterior_angle == NULL || space->apex == NULL)
-            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
-                             "dimension %zu; try log-exp-4",
-                             space->name, space->dimension);
-        if (scheme->rule != NULL)
-            return check_rule(space, scheme, error);
-        if (!(fabs(scheme->tension) <= TENSION_LIMIT))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the tension %g is not within %g of 0",
-                             scheme->tension, TENSION_LIMIT);
-        if (scheme->sign != BAT_CURVE_ANGLE_OUTWARD && scheme->sign != BAT_CURVE_ANGLE_PRINTED)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no sign %d", (int)scheme->sign);
-        return BAT_OK;
+        status = OPTIONS_CHECK(scheme, ANGLE, error);
+        return status == BAT_OK ? check_rule(scheme->rule, error) : status;
     case BAT_CURVE_SCHEME_LOG_EXP:
-        if (scheme->base != BAT_CURVE_BASE_VERTEX && scheme->base != BAT_CURVE_BASE_MIDPOINT)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no base %d", (int)scheme->base);
-        return check_mask(&scheme->mask, true, error);
+        status = OPTIONS_CHECK(scheme, LOG_EXP, error);
+        return status == BAT_OK ? check_mask(&scheme->mask, true, error) : status;
     case BAT_CURVE_SCHEME_GEODESIC:
         return check_lane_riesenfeld(&scheme->mask, error);
+    case BAT_CURVE_SCHEME_AUTO:
+        break;
     }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no scheme of kind %d", (int)scheme->kind);
+    return BAT_OK;
+}
+
+bat_status bat_curve_refine_options_check(const bat_curve_refine_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_curve_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
+        OPTION_FIELD(bat_curve_refine_options, ends, OPTION_CHOICE, 0, BAT_CURVE_END_FREE),
+        OPTION_FIELD(bat_curve_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
+        OPTION_THREADS(bat_curve_refine_options),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    return status == BAT_OK ? bat_curve_scheme_check(&options->scheme, error) : status;
+}
+
+/// Whether a rule is made for a space.
+static bat_status check_rule_space(const bat_space *space, const bat_curve_angle_rule *rule, bat_error *error)
+{
+    const char *fault = rule->fault != NULL ? rule->fault(rule, space) : NULL;
+    return fault == NULL ? BAT_OK
+                         : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the rule %s is not made for this %s: %s",
+                                     rule->name, space->name, fault);
+}
+
+/// Whether a checked scheme has a meaning in a space, with the other options.
+static bat_status check_space(const bat_space *space, const bat_curve_refine_options *options, bat_error *error)
+{
+    const bat_curve_scheme *scheme = &options->scheme;
+    if (scheme->kind != BAT_CURVE_SCHEME_LINEAR && (options->snap || options->ends == BAT_CURVE_END_FREE))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
+                         options->snap ? "be moved to their limit" : "leave the ends free");
+    if (scheme->kind == BAT_CURVE_SCHEME_LINEAR && !space_is_euclidean(space))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4", space->name);
+    if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
+        return BAT_OK;
+    if (space->exterior_angle == NULL || space->apex == NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "an angle-based scheme needs an oriented surface (plane, sphere in R^3, disk), not the %s of "
+                         "dimension %zu; try log-exp-4",
+                         space->name, space->dimension);
+    return scheme->rule != NULL ? check_rule_space(space, scheme->rule, error) : BAT_OK;
 }
 
 /// A mask has a vertex where its centre is whole: new point i lies at (i - centre) / 2 in units of old indices. `first` and
@@ -211,9 +232,11 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_opti
                             bat_error *error)
 {
     *plan = (refine_plan){.options = options != NULL ? *options : bat_curve_refine_defaults()};
-    if (options == NULL)
-        plan->options.scheme = scheme_classical(coarse->space);
-    bat_status status = check_options(coarse->space, &plan->options, error);
+    bat_status status = bat_curve_refine_options_check(&plan->options, error);
+    if (status != BAT_OK)
+        return status;
+    plan->options.scheme = bat_curves_scheme(coarse, 1, &plan->options, NULL);
+    status = check_space(coarse->space, &plan->options, error);
     if (status == BAT_OK)
         status = bat_curve_check(coarse, error);
     if (status == BAT_OK && plan->options.snap)

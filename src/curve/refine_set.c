@@ -12,24 +12,27 @@ enum
     MANY = 4
 };
 
-static bat_curve_refine_options options_for(const bat_curve *curve, const bat_curve_refine_options *options)
+/// The options for one curve: its scheme, where the options leave it open, is that for as many points as all curves get.
+static bat_curve_refine_options options_for(const bat_curve *curve, const bat_curve_refine_options *options,
+                                            size_t new_points)
 {
-    bat_curve_refine_options how = options != NULL ? *options : bat_curve_refine_defaults();
-    if (options == NULL)
-        how.scheme = scheme_classical(curve->space);
+    bat_curve_refine_options how = *options;
+    if (how.scheme.kind == BAT_CURVE_SCHEME_AUTO)
+        how.scheme = bat_curve_scheme_for(curve->space, new_points, NULL);
     return how;
 }
 
 static void refine_many(const bat_curve *coarse, const bat_curve_refine_options *options, int threads, bat_curve *fine,
                         shared_work *work)
 {
+    size_t new_points = curves_new_points(coarse, work->total, options->levels);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (size_t i = 0; i < work->total; i++)
     {
         if (!shared_work_wants(work, i))
             continue;
         bat_error error;
-        bat_curve_refine_options how = options_for(&coarse[i], options);
+        bat_curve_refine_options how = options_for(&coarse[i], options, new_points);
         how.threads = 1;
         how.progress = (bat_progress){0};
         bat_status status = bat_curve_refine(&coarse[i], &how, &fine[i], &error);
@@ -41,10 +44,11 @@ static void refine_many(const bat_curve *coarse, const bat_curve_refine_options 
 static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
                              size_t *failed, bat_error *error)
 {
+    size_t new_points = curves_new_points(coarse, count, options->levels);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        bat_curve_refine_options how = options_for(&coarse[i], options);
+        bat_curve_refine_options how = options_for(&coarse[i], options, new_points);
         progress_part part = {how.progress, (double)i / (double)count, 1 / (double)count};
         how.progress = progress_of_part(&part);
         status = bat_curve_refine(&coarse[i], &how, &fine[i], error);
@@ -56,16 +60,20 @@ static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_cu
 bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
                              size_t *failed_curve, bat_error *error)
 {
-    int threads = threads_for(options != NULL ? options->threads : 0, SIZE_MAX);
+    const bat_curve_refine_options defaults = bat_curve_refine_defaults();
+    options = options != NULL ? options : &defaults;
     size_t failed = 0;
-    bat_status status;
     for (size_t i = 0; i < count; i++)
         fine[i] = (bat_curve){.space = coarse[i].space};
+    bat_status status = bat_curve_refine_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
+    int threads = threads_for(options->threads, SIZE_MAX);
     if (count < MANY * (size_t)threads)
         status = refine_few(coarse, count, options, fine, &failed, error);
     else
     {
-        shared_work work = shared_work_make(count, options != NULL ? options->progress : (bat_progress){0});
+        shared_work work = shared_work_make(count, options->progress);
         refine_many(coarse, options, threads, fine, &work);
         status = shared_work_end(&work, error);
         failed = work.failed;

@@ -2,8 +2,7 @@
 #include "batten/curve_scheme.h"
 
 #include "base/error.h"
-#include "curve/plan.h"
-#include "space/known.h"
+#include "base/option.h"
 
 #include <errno.h>
 #include <math.h>
@@ -298,17 +297,15 @@ static bat_status read_settings(const entry *e, const char *text, settings *s, b
 
 static bat_status check_settings(const entry *e, const settings *s, bat_error *error)
 {
+    static const option_field ORDER[] = {OPTION_FIELD(settings, order, OPTION_NUMBER, 1, BAT_MASK_MAX - 2)};
     if (e->make == make_corner_cutting && !(0 < s->r && s->r < s->s && s->s < 1))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "corner cutting needs 0 < r < s < 1, not r = %g, s = %g", s->r, s->s);
     bool has_order = e->make == make_lane_riesenfeld || e->make == make_log_exp_lane_riesenfeld || e->make == make_geodesic;
-    if (has_order && !(s->order >= 1 && s->order <= BAT_MASK_MAX - 2 && s->order == floor(s->order)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the order must be a whole number from 1 to %d, not %g", BAT_MASK_MAX - 2, s->order);
-    if (e->make == make_learned && !(s->fairness >= 0 && s->fairness <= 1))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the fairness must lie between 0 and 1, not be %g",
-                         s->fairness);
-    return BAT_OK;
+    if (has_order && s->order != floor(s->order))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "order is %.10g, but must be a whole number",
+                         s->order);
+    return has_order ? OPTIONS_CHECK(s, ORDER, error) : BAT_OK;
 }
 
 bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, bat_error *error)
@@ -326,27 +323,14 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
         bat_status status = read_settings(e, text, &s, error);
         if (status == BAT_OK)
             status = check_settings(e, &s, error);
+        if (status != BAT_OK)
+            return status;
+        bat_curve_scheme made = e->make(&s);
+        status = bat_curve_scheme_check(&made, error);
         if (status == BAT_OK)
-            *scheme = e->make(&s);
+            *scheme = made;
         return status;
     }
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                      "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
-}
-
-/// Whether the network knows the space.
-static bool is_learned(const bat_space *space)
-{
-    int curvature;
-    return space_is_surface(space, &curvature);
-}
-
-const char *bat_curve_scheme_name_for_space(const bat_space *space)
-{
-    return is_learned(space) ? "learned" : scheme_classical_name(space);
-}
-
-bat_curve_scheme bat_curve_scheme_for_space(const bat_space *space)
-{
-    return is_learned(space) ? bat_curve_scheme_learned(0.5) : scheme_classical(space);
 }

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "base/progress.h"
 #include "curve/plan.h"
 #include "motion/hermite_average.h"
@@ -44,18 +45,19 @@ typedef struct hermite_plan
     double *buffer, *rows; ///< coarse rows; row 0 is `rows`
 } hermite_plan;
 
-static bat_status check_options(const bat_hermite_options *options, bat_error *error)
+bat_status bat_hermite_options_check(const bat_hermite_options *options, bat_error *error)
 {
-    if (options->kind == BAT_HERMITE_LANE_RIESENFELD)
-        return options->order >= 1 && options->order <= BAT_HERMITE_MAX_ORDER
-                   ? BAT_OK
-                   : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the order is 1 to %d, not %zu",
-                               BAT_HERMITE_MAX_ORDER, options->order);
-    if (options->kind != BAT_HERMITE_TRANSPORT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no Hermite scheme of kind %d",
-                         (int)options->kind);
-    if (options->base != BAT_CURVE_BASE_VERTEX && options->base != BAT_CURVE_BASE_MIDPOINT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no base %d", (int)options->base);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_hermite_options, kind, OPTION_CHOICE, 0, BAT_HERMITE_TRANSPORT),
+        OPTION_FIELD(bat_hermite_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
+        OPTION_FIELD(bat_hermite_options, base, OPTION_CHOICE, 0, BAT_CURVE_BASE_MIDPOINT),
+        OPTION_FIELD(bat_hermite_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
+        OPTION_FIELD(bat_hermite_options, max_points, OPTION_SIZE, 1, INFINITY),
+        OPTION_THREADS(bat_hermite_options),
+    };
+    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    if (status != BAT_OK || options == NULL || options->kind != BAT_HERMITE_TRANSPORT)
+        return status;
     return hermite_mask_check(&options->mask, error);
 }
 
@@ -303,7 +305,7 @@ bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite
     // Without a step, or with one that does not check its edges, every edge is checked here.
     hermite_check_parts parts = {.unit = directions, .edges = !directions || plan.options->levels == 0};
     parts.admissible = directions && parts.edges;
-    bat_status status = check_options(plan.options, error);
+    bat_status status = bat_hermite_options_check(plan.options, error);
     if (status == BAT_OK)
         status = hermite_check(coarse, parts, plan.options->threads, error);
     if (status == BAT_OK)

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "curve/csv_columns.h"
 
 #include <math.h>
@@ -199,12 +200,25 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
     return status == BAT_OK ? make_tangents(keys, given, options, error) : status;
 }
 
-static bat_status check_options(const bat_curve_set *set, const bat_motion_options *options, const motion_channels *channels,
+bat_status bat_motion_options_check(const bat_motion_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_motion_options, rate, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_options, tangent_order, OPTION_SIZE, 2, 4),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status == BAT_OK && options->tangent_order == 3)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangent_order is 3, but must be 2 or 4");
+    return status == BAT_OK ? bat_hermite_options_check(&options->scheme, error) : status;
+}
+
+/// Whether the options fit the columns of a set.
+static bat_status check_columns(const bat_curve_set *set, const bat_motion_options *options, const motion_channels *channels,
                                 bat_error *error)
 {
     size_t known = channels->velocity_count + (channels->time != BAT_NO_INDEX);
-    if (!(options->rate >= 0 && isfinite(options->rate)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the rate must be positive, not %g", options->rate);
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].channel_count != known)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -226,7 +240,9 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
     if (options == NULL)
         options = &defaults;
     motion_channels channels = channels_of(set);
-    bat_status status = check_options(set, options, &channels, &fault);
+    bat_status status = bat_motion_options_check(options, &fault);
+    if (status == BAT_OK)
+        status = check_columns(set, options, &channels, &fault);
     bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_TRANSPORT;
     if (status == BAT_OK)
         status = data_allocate(&set->curves[curve], timed, &made, &fault);
@@ -446,7 +462,9 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_op
     if (failed != NULL)
         *failed = 0;
     motion_channels channels = channels_of(keyframes);
-    bat_status status = check_options(keyframes, options, &channels, error);
+    bat_status status = bat_motion_options_check(options, error);
+    if (status == BAT_OK)
+        status = check_columns(keyframes, options, &channels, error);
     if (status == BAT_OK)
         status = choose_columns(keyframes, options, &columns, error);
     if (status != BAT_OK)

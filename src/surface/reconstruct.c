@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "base/progress.h"
 #include "surface/candidate.h"
 
@@ -53,21 +54,28 @@ void bat_surface_result_free(bat_surface_result *result)
     *result = (bat_surface_result){0};
 }
 
-static bat_status check_options(const bat_surface_options *options, bat_error *error)
+bat_status bat_surface_options_check(const bat_surface_options *options, bat_error *error)
 {
-    const char *wrong = NULL;
-    if ((unsigned)options->parameters >= BAT_SURFACE_PARAMETERS_COUNT)
-        wrong = "unknown method of parameterization";
-    else if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
-        wrong = "the method is 'given', but no parameters are given";
-    if (wrong != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_surface_options, parameters, OPTION_CHOICE, 0, BAT_SURFACE_PARAMETERS_COUNT - 1),
+        OPTION_FIELD(bat_surface_options, sides, OPTION_CHOICE, 0, BAT_CLOUD_SIDES_UNIFORM),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status == BAT_OK)
+        status = bat_surface_fit_options_check(&options->fit, error);
+    if (status != BAT_OK)
+        return status;
+    if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "given is null, but must hold the parameters where these are given");
     const bat_hierarchical_options *space = &options->fit.space;
     size_t minimum = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
     if (options->fit.functions > 0 && options->fit.functions < minimum)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the coarsest spline has %zu functions, more than the allowed %zu", minimum,
-                         options->fit.functions);
+                         "functions is %zu, but must be 0 or at least the %zu of the coarsest spline",
+                         options->fit.functions, minimum);
     return BAT_OK;
 }
 
@@ -203,11 +211,13 @@ static bat_status store_result(reconstruction *work, bat_error *error)
 bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
                                    bat_error *error)
 {
-    reconstruction work = {.cloud = cloud, .options = options};
-    bat_status status = check_options(options, error);
+    const bat_surface_options defaults = bat_surface_defaults();
+    reconstruction work = {.cloud = cloud, .options = options != NULL ? options : &defaults};
+    bat_status status = bat_surface_options_check(options, error);
     if (status == BAT_OK)
         status = prepare(&work, error);
-    list_kinds(&work);
+    if (status == BAT_OK)
+        list_kinds(&work);
     if (status == BAT_OK)
         status = fit_kinds(&work, error);
     if (status == BAT_OK)

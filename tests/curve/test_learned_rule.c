@@ -345,7 +345,7 @@ static void check_levels(const bat_curve_angle_rule *rule, const geometry_polygo
 static void no_weights_make_an_invalid_vertex(void **state)
 {
     (void)state;
-    static const double fairnesses[] = {0, 1, -1e300, 1e300};
+    static const double fairnesses[] = {0, 1, 0.25, 0.75};
     bat_random random = bat_random_seed(4);
     double points[MAX_COORDINATES];
     learn_parameters parameters = {0};
@@ -388,29 +388,39 @@ static void overflowing_weights_leave_the_six_point_rule(void **state)
 
 // Arguments
 
-static void fairness_is_clipped(void **state)
+static void fairness_is_kept(void **state)
 {
     (void)state;
-    const double cases[][2] = {{NAN, 0.5}, {-0.1, 0}, {-INFINITY, 0}, {1.1, 1}, {INFINITY, 1}, {0, 0}, {0.25, 0.25}, {1, 1}};
+    const double cases[] = {0, 0.25, 1};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {
-        bat_curve_scheme learned = bat_curve_scheme_learned(cases[i][0]);
-        assert_true(learned.fairness == cases[i][1]);
+        bat_curve_scheme learned = bat_curve_scheme_learned(cases[i]);
+        assert_true(learned.fairness == cases[i]);
         assert_int_equal(learned.kind, BAT_CURVE_SCHEME_ANGLE);
         assert_string_equal(learned.rule->name, "learned");
+        check_status(bat_curve_scheme_check(&learned, NULL), BAT_OK);
     }
 }
 
-static void fairness_must_be_a_number(void **state)
+/// The same text for the struct and for the name.
+static void fairness_out_of_range_is_refused(void **state)
 {
     (void)state;
     double points[] = {0, 0, 1, 0, 1, 1};
     bat_space plane = bat_euclidean(2);
     bat_curve coarse = {.space = &plane, .points = points, .count = 3, .closed = true}, fine;
     bat_curve_refine_options how = bat_curve_refine_defaults();
-    how.scheme = bat_curve_scheme_learned(0);
-    how.scheme.fairness = NAN;
-    check_status(bat_curve_refine(&coarse, &how, &fine, NULL), BAT_INVALID_ARGUMENT);
+    const double cases[] = {7, -0.1, NAN, INFINITY};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_error error;
+        how.scheme = bat_curve_scheme_learned(cases[i]);
+        check_status(bat_curve_refine(&coarse, &how, &fine, &error), BAT_INVALID_ARGUMENT);
+        assert_non_null(strstr(error.text, "fairness is"));
+    }
+    bat_error error;
+    check_status(bat_curve_scheme_by_name("learned:fairness=7", &how.scheme, &error), BAT_INVALID_ARGUMENT);
+    assert_string_equal(error.text, "fairness is 7, but must be from 0 to 1");
 }
 
 static void check_unsupported(const bat_space *space)
@@ -473,8 +483,8 @@ int main(void)
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(no_weights_make_an_invalid_vertex),
         cmocka_unit_test(overflowing_weights_leave_the_six_point_rule),
-        cmocka_unit_test(fairness_is_clipped),
-        cmocka_unit_test(fairness_must_be_a_number),
+        cmocka_unit_test(fairness_is_kept),
+        cmocka_unit_test(fairness_out_of_range_is_refused),
         cmocka_unit_test(other_spaces_are_refused),
         cmocka_unit_test(short_curves_are_refined),
     };

@@ -405,6 +405,7 @@ static void test_isolated_vertices(void **state)
         bat_mesh_free(&fine);
     }
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.scheme = BAT_MESH_SCHEME_LOOP;
     options.limit = true;
     bat_mesh fine = refine_with(&mesh, &options);
     assert_true(fine.positions[12] == 7 && fine.positions[13] == 8 && fine.positions[14] == 9);
@@ -568,8 +569,9 @@ static void test_refusals(void **state)
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.levels = 15;
     check_refused(&mesh, &options, BAT_TOO_LARGE);
-    options.levels = SIZE_MAX;
-    check_refused(&mesh, &options, BAT_TOO_LARGE);
+    options.levels = 33;
+    check_refused(&mesh, &options, BAT_INVALID_ARGUMENT);
+    options.levels = 32;
     options.scheme = BAT_MESH_SCHEME_SQRT3;
     check_refused(&mesh, &options, BAT_TOO_LARGE);
     options = bat_mesh_refine_defaults();
@@ -579,8 +581,9 @@ static void test_refusals(void **state)
     options.scheme = BAT_MESH_SCHEME_BUTTERFLY;
     check_refused(&mesh, &options, BAT_UNSUPPORTED);
     options = bat_mesh_refine_defaults();
-    options.scheme = BAT_MESH_SCHEME_LEARNED;
+    options.then = BAT_MESH_SCHEME_SQRT3;
     check_refused(&mesh, &options, BAT_INVALID_ARGUMENT);
+    options = bat_mesh_refine_defaults();
     options.scheme = (bat_mesh_scheme)17;
     check_refused(&mesh, &options, BAT_INVALID_ARGUMENT);
     options = bat_mesh_refine_defaults();

@@ -236,6 +236,7 @@ static void test_crease_angle(void **state)
     (void)state;
     bat_mesh mesh = mesh_octahedron();
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.scheme = BAT_MESH_SCHEME_LOOP;
     options.crease_angle = 1.2;
     bat_mesh sharp = refine_with(&mesh, &options), halved = refine(&mesh, BAT_MESH_SCHEME_MIDPOINT, 2, false);
     check_same_positions(&sharp, &halved, 1e-15);

@@ -162,7 +162,7 @@ refused 2 'model goes with --scheme learned' curve good.in.csv --scheme angle-4 
 refused 2 'fairness goes with --scheme learned' curve good.in.csv --scheme angle-4 --fairness 0.5 -o out.csv
 refused 2 'from 0 to 1' curve good.in.csv --fairness 1.5 -o out.csv
 refused 2 'fairness' curve good.in.csv --fairness nan -o out.csv
-refused 2 'between 0 and 1' curve good.in.csv --scheme learned:fairness=2 -o out.csv
+refused 2 'fairness is 2, but must be from 0 to 1' curve good.in.csv --scheme learned:fairness=2 -o out.csv
 refused 1 'good.in.csv: ' curve good.in.csv --scheme learned --model good.in.csv -o out.csv
 refused 1 'none.in: cannot open' curve good.in.csv --scheme learned --model none.in -o out.csv
 refused 1 'none.in: cannot open' reproduce tension-iss --model none.in
@@ -280,7 +280,7 @@ refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map 
 
 refused 2 'missing' mesh
 refused 2 'there is no output' mesh mesh.in.obj --quiet
-refused 2 'one of midpoint' mesh mesh.in.obj -o out.csv --scheme chaikin
+refused 2 'there are learned, loop, butterfly, midpoint, sqrt3' mesh mesh.in.obj -o out.csv --scheme chaikin
 refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --scheme loop --then loop
 refused 2 "need Loop's scheme" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
 refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
@@ -289,7 +289,7 @@ refused 2 'exclude each other' mesh mesh.in.obj -o out.csv --to obj --json --qui
 refused 1 'more faces or vertices' mesh mesh.in.obj -o out.csv --to obj --levels 32
 refused 1 'fins.in.obj: .*third at the edge' mesh fins.in.obj -o out.csv --to obj
 refused 2 'needs --picture' mesh mesh.in.obj -o out.csv --to obj --beside loop
-refused 2 'one of midpoint' mesh mesh.in.obj --picture out.png --beside learned
+refused 2 'there is no mesh scheme' mesh mesh.in.obj --picture out.png --beside chaikin
 refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj
 refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned --model mesh.in.obj
 
@@ -332,8 +332,8 @@ surface 'two.in.xyz: .*boundary loops' two.in.xyz
 surface 'sphere.in.xyz: no boundary loop' sphere.in.xyz
 surface 'closed.in.obj: .*closed' closed.in.obj
 surface 'none.in.xyz: cannot open' none.in.xyz
-surface 'coarsest spline has 9 functions' cloud.in.xyz --functions 8
-surface 'coarsest spline has 16 functions' cloud.in.xyz --functions 15 --degree 3
+surface 'functions is 8, but must be 0 or at least the 9' cloud.in.xyz --functions 8
+surface 'functions is 15, but must be 0 or at least the 16' cloud.in.xyz --functions 15 --degree 3
 surface 'boundary of 301 points' cloud.in.xyz --boundary 301
 surface "boundary's file: cannot open" cloud.in.xyz --boundary none.in.xyz
 surface 'corner 1000 is no point' cloud.in.xyz --corners 1000,0,1,2

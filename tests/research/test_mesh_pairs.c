@@ -56,6 +56,7 @@ static void targets_of_loop_are_its_levels(void **state)
     check_status(mesh_pair_make(&shape, &plan, 1, &pair, NULL), BAT_OK);
     assert_null(pair.normals);
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.scheme = BAT_MESH_SCHEME_LOOP;
     for (size_t level = 0; level <= plan.levels; level++)
     {
         bat_mesh fine;

@@ -252,7 +252,6 @@ static void test_other_examples(void **state)
         assert_int_equal(set.curves[0].closed, EXAMPLE[i].closed);
         bat_curve_refine_options how = bat_curve_refine_defaults();
         how.levels = 4;
-        check_status(bat_curve_scheme_by_name(bat_curve_scheme_name_for_space(set.space), &how.scheme, NULL), BAT_OK);
         bat_curve fine;
         check_status(bat_curve_refine(&set.curves[0], &how, &fine, NULL), BAT_OK);
         assert_int_equal(fine.count, EXAMPLE[i].closed ? 16 * EXAMPLE[i].count : 16 * (EXAMPLE[i].count - 1) + 1);

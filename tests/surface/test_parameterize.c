@@ -314,7 +314,7 @@ static void bad_input_is_refused(void **state)
     patch cloud = patch_scatter(patch_waves, 9, 50, 0, 1);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults(), wrong = options;
     wrong.method = BAT_CLOUD_PARAMETERIZE_COUNT;
-    check_refused(&cloud.cloud, cloud.parameters, &wrong, BAT_INVALID_ARGUMENT, "unknown parameterization");
+    check_refused(&cloud.cloud, cloud.parameters, &wrong, BAT_INVALID_ARGUMENT, "method is");
     wrong = options;
     wrong.radius = -1;
     check_refused(&cloud.cloud, cloud.parameters, &wrong, BAT_INVALID_ARGUMENT, "radius");

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "curve/analysis/analysis_limit.h"
 #include "curve/analysis/analysis_smoothness.h"
 #include "curve/analysis/analysis_symbol.h"
@@ -28,19 +29,14 @@ bat_analysis_options bat_analysis_defaults(void)
     return (bat_analysis_options){.depth = 12, .tolerance = 1e-10, .vertices = 1000};
 }
 
-bat_status analysis_check_options(const bat_analysis_options *options, bat_error *error)
+bat_status bat_analysis_options_check(const bat_analysis_options *options, bat_error *error)
 {
-    if (options->depth < 1 || options->depth > BAT_ANALYSIS_MAX_DEPTH)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the depth of an analysis is 1 to %d, not %zu",
-                         BAT_ANALYSIS_MAX_DEPTH, options->depth);
-    if (!(options->tolerance > 0.0 && options->tolerance < 1.0))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the tolerance of an analysis is between 0 and 1, not %g", options->tolerance);
-    if (options->vertices < 1 || options->vertices > ANALYSIS_VERTEX_LIMIT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the polytope of an analysis has 1 to %d vertices, not %zu", ANALYSIS_VERTEX_LIMIT,
-                         options->vertices);
-    return BAT_OK;
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_analysis_options, depth, OPTION_SIZE, 1, BAT_ANALYSIS_MAX_DEPTH),
+        OPTION_FIELD(bat_analysis_options, tolerance, OPTION_ABOVE, 0, 1),
+        OPTION_FIELD(bat_analysis_options, vertices, OPTION_SIZE, 1, ANALYSIS_VERTEX_LIMIT),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
 /// The largest k >= 0 with radius < 2^-k, or -1: limits are C^k where differences of order k + 1 shrink faster than 2^-k,
@@ -174,7 +170,7 @@ bat_status bat_mask_analyze(const bat_mask *mask, const bat_analysis_options *op
 {
     const bat_analysis_options chosen = options != NULL ? *options : bat_analysis_defaults();
     mask_symbol symbol;
-    bat_status status = analysis_check_options(&chosen, error);
+    bat_status status = bat_analysis_options_check(&chosen, error);
     if (status == BAT_OK)
         status = symbol_make(mask, &symbol, error);
     if (status != BAT_OK)

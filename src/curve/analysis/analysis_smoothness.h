@@ -7,9 +7,6 @@
 /// The most vertices that an analysis may be told to use.
 #define ANALYSIS_VERTEX_LIMIT 100000
 
-/// BAT_OK or BAT_INVALID_ARGUMENT.
-bat_status analysis_check_options(const bat_analysis_options *options, bat_error *error);
-
 /// The two matrices by which a mask of count coefficients takes count - 1 (at least 1) neighbouring values to the next
 /// level: entry (r, c) of matrix e is mask(r - 2 c + count - 1 - e), with the mask's indices counted from 0.
 /// @param matrices a set of two with that dimension

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "linalg/dense.h"
 
 #include <math.h>
@@ -341,19 +342,21 @@ static size_t common_factors(const sweep *s, const bat_mask *begin, const bat_ma
     return factors;
 }
 
-static bat_status check_sweep(const bat_mask_sweep_options *options, bat_error *error)
+bat_status bat_mask_sweep_options_check(const bat_mask_sweep_options *options, bat_error *error)
 {
-    if (!(isfinite(options->begin) && isfinite(options->end) && options->begin < options->end))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the range of a sweep goes from a number to a larger one, not from %g to %g", options->begin,
-                         options->end);
-    if (options->smoothness > SMOOTHNESS_LIMIT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a sweep looks for C^0 to C^%d, not C^%zu",
-                         SMOOTHNESS_LIMIT, options->smoothness);
-    if (!(options->tolerance >= 0.0))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the tolerance of a sweep is not %g",
-                         options->tolerance);
-    return analysis_check_options(&options->analysis, error);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mask_sweep_options, begin, OPTION_NUMBER, -INFINITY, INFINITY),
+        OPTION_FIELD(bat_mask_sweep_options, end, OPTION_NUMBER, -INFINITY, INFINITY),
+        OPTION_FIELD(bat_mask_sweep_options, smoothness, OPTION_SIZE, 0, SMOOTHNESS_LIMIT),
+        OPTION_FIELD(bat_mask_sweep_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status == BAT_OK && !(options->begin < options->end))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "end is %.10g, but must be above begin, %.10g",
+                           options->end, options->begin);
+    return status == BAT_OK ? bat_analysis_options_check(&options->analysis, error) : status;
 }
 
 static bat_status check_masks(const sweep *s, const bat_mask *begin, const bat_mask *end)
@@ -397,7 +400,9 @@ static bat_status sweep_run(sweep *s, const bat_mask *begin, const bat_mask *end
 bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_mask_sweep_options *options,
                           bat_mask_interval **intervals, size_t *count, bat_error *error)
 {
-    bat_status status = check_sweep(options, error);
+    const bat_mask_sweep_options defaults = bat_mask_sweep_defaults();
+    options = options != NULL ? options : &defaults;
+    bat_status status = bat_mask_sweep_options_check(options, error);
     if (status != BAT_OK)
         return status;
     const double length = options->end - options->begin;

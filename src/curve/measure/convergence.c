@@ -132,6 +132,9 @@ static bat_status greatest_distance(const question *asked, const bat_curve_measu
 bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine, const bat_curve_measure_options *options,
                                     double *distance, bat_error *error)
 {
+    bat_status status = bat_curve_measure_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
     if (coarse->count < 2 || fine->count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s curve has too few points",
                          fine->count == 0 ? "fine" : "coarse");
@@ -139,7 +142,7 @@ bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fi
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the coarse curve has %zu coordinates a point and the fine one %zu", coarse->space->point_dim,
                          fine->space->point_dim);
-    bat_status status = coordinates_check(coarse, "coarse", error);
+    status = coordinates_check(coarse, "coarse", error);
     if (status == BAT_OK)
         status = coordinates_check(fine, "fine", error);
     question asked = {.curve = fine, .coarse = coarse, .distance = distance_from_edges, .end = fine->count};
@@ -149,12 +152,15 @@ bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fi
 bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stencil *stencil,
                                     const bat_curve_measure_options *options, double *distance, bat_error *error)
 {
+    bat_status status = bat_curve_measure_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
     if (curve->count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the curve has no points");
     if (!space_is_euclidean(curve->space))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a limit stencil has no meaning in the space %s",
                          curve->space->name);
-    bat_status status = coordinates_check(curve, "refined", error);
+    status = coordinates_check(curve, "refined", error);
     question asked = {.curve = curve, .stencil = stencil, .distance = distance_from_limit, .end = curve->count};
     if (!curve->closed)
     {

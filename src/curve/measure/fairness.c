@@ -126,10 +126,11 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_op
                               bat_curve_fairness_values *fairness, bat_error *error)
 {
     double offset = options == NULL ? BAT_CURVE_BENDING_OFFSET : options->bending_offset;
-    if (curve->count == 0 || !(offset >= 0) || !isfinite(offset))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         curve->count == 0 ? "the curve has no points" : "the bending offset must be 0 or more");
-    bat_status status = bat_space_check(curve->space, curve->points, curve->count, error);
+    bat_status status = bat_curve_measure_options_check(options, error);
+    if (status == BAT_OK && curve->count == 0)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the curve has no points");
+    if (status == BAT_OK)
+        status = bat_space_check(curve->space, curve->points, curve->count, error);
     walk walker = {0};
     for (size_t i = 1; i < curve->count && status == BAT_OK; i++)
         status = walk_to(&walker, curve, i, offset, error);

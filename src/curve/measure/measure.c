@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/coordinates.h"
@@ -24,6 +25,15 @@ enum
 bat_curve_measure_options bat_curve_measure_defaults(void)
 {
     return (bat_curve_measure_options){.bending_offset = BAT_CURVE_BENDING_OFFSET};
+}
+
+bat_status bat_curve_measure_options_check(const bat_curve_measure_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_curve_measure_options, bending_offset, OPTION_NUMBER, 0, INFINITY),
+        OPTION_THREADS(bat_curve_measure_options),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
 /// What answers for a curve when asked for the nearest of its vertices or edges.
@@ -231,7 +241,9 @@ bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, co
     bat_curve_measure_options defaults = bat_curve_measure_defaults();
     options = options == NULL ? &defaults : options;
     one_way there = {0}, back = {0};
-    bat_status status = check_pair(first, second, options, error);
+    bat_status status = bat_curve_measure_options_check(options, error);
+    if (status == BAT_OK)
+        status = check_pair(first, second, options, error);
     if (status != BAT_OK)
         return status;
     shared_work work = shared_work_make(blocks_of(first) + blocks_of(second), options->progress);

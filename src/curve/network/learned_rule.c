@@ -53,6 +53,6 @@ bat_curve_angle_rule learned_rule(const real *weights)
 bat_curve_scheme bat_curve_scheme_learned(double fairness)
 {
     bat_curve_scheme scheme = bat_curve_scheme_angle_rule(&SHIPPED);
-    scheme.fairness = isnan(fairness) ? 0.5 : fmin(fmax(fairness, 0), 1);
+    scheme.fairness = fairness;
     return scheme;
 }

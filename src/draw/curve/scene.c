@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "draw/common/text.h"
 #include "draw/curve/scene.h"
 
@@ -12,7 +13,11 @@
 /// @file
 /// Checks and measurements of a picture's panels.
 
+#define SMALLEST_SIDE 20.0
 #define LARGEST_SIDE 10000.0
+/// The limits of the middle of the globe, in radians; pi/2 and rounding.
+#define LARGEST_LONGITUDE 1e6
+#define LARGEST_LATITUDE 1.57079632679489662
 #define MAX_COLUMNS 5
 /// The width that a panel needs for its details.
 #define MIN_PANEL 100.0
@@ -47,46 +52,21 @@ size_t scene_columns(const bat_curve_picture_options *options, size_t count, dou
     return (count + rows - 1) / rows;
 }
 
-static bool side_is_valid(double side)
+bat_status bat_curve_picture_options_check(const bat_curve_picture_options *options, bat_error *error)
 {
-    return side == 0.0 || (side >= 20.0 && side <= LARGEST_SIDE);
-}
-
-bat_status scene_check_options(const bat_curve_picture_options *options, bat_error *error)
-{
-    const char *fault = NULL;
-    if (!side_is_valid(options->width) || !side_is_valid(options->height))
-    {
-        fault = "the width and height of a picture must be 0 or from 20 to 10000 points";
-    }
-    else if (!(options->pixels_per_point >= 0.1 && options->pixels_per_point <= 20.0))
-    {
-        fault = "pixels per point must be from 0.1 to 20";
-    }
-    else if (!text_is_valid(options->title))
-    {
-        fault = "the picture's title is not plain UTF-8 text";
-    }
-    return fault == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
-}
-
-static bat_status check_view_options(const bat_curve_picture_options *options, bat_error *error)
-{
-    const double quarter = 1.57079632679489662;
-    const char *fault = NULL;
-    if (options->projection < BAT_CURVE_PROJECTION_GLOBE || options->projection > BAT_CURVE_PROJECTION_BOTH)
-    {
-        fault = "there is no such projection";
-    }
-    else if (isinf(options->longitude) || fabs(options->latitude) > quarter + 1e-12)
-    {
-        fault = "the middle of the globe must have a finite longitude and a latitude from -pi/2 to pi/2";
-    }
-    else if (!(options->comb_scale >= 0.0 && isfinite(options->comb_scale)))
-    {
-        fault = "the scale of the comb must be 0 or positive";
-    }
-    return fault == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_curve_picture_options, width, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
+        OPTION_FIELD(bat_curve_picture_options, height, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
+        OPTION_FIELD(bat_curve_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
+        OPTION_FIELD(bat_curve_picture_options, projection, OPTION_CHOICE, 0, BAT_CURVE_PROJECTION_BOTH),
+        OPTION_FIELD(bat_curve_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
+        OPTION_FIELD(bat_curve_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
+        OPTION_FIELD(bat_curve_picture_options, comb_scale, OPTION_NUMBER, 0, INFINITY),
+    };
+    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    if (status == BAT_OK && options != NULL && !text_is_valid(options->title))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "title must be UTF-8 without control characters");
+    return status;
 }
 
 static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel, size_t index, bat_error *error)
@@ -436,8 +416,7 @@ static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_e
 bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
                       scene *made, bat_error *error)
 {
-    bat_status status = scene_check_options(options, error);
-    status = status == BAT_OK ? check_view_options(options, error) : status;
+    bat_status status = bat_curve_picture_options_check(options, error);
     if (status != BAT_OK)
     {
         return status;

@@ -46,8 +46,6 @@ bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const
                       scene *made, bat_error *error);
 void scene_free(scene *made);
 
-/// Check the options that pictures and charts share: size, resolution and title.
-bat_status scene_check_options(const bat_curve_picture_options *options, bat_error *error);
 /// The number of panels in a row for `count` panels. Unless the options prescribe it, there are at most five, and each has
 /// at least `min_width` of a prescribed width.
 size_t scene_columns(const bat_curve_picture_options *options, size_t count, double min_width);

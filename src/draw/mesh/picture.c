@@ -2,12 +2,14 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "draw/common/colour_scale.h"
 #include "draw/common/pixel_image.h"
 #include "draw/common/sheet.h"
 #include "draw/common/text.h"
 #include "draw/mesh/shade.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,6 +26,9 @@
 #define WIRE_WIDTH 0.42
 #define MAX_SAMPLES ((double)(1 << 28))
 #define LARGEST_SIDE 10000.0
+/// Of the viewer, in radians; pi/2 and rounding.
+#define LARGEST_LONGITUDE 1e6
+#define LARGEST_LATITUDE 1.5707963267948968
 
 bat_mesh_picture_options bat_mesh_picture_defaults(void)
 {
@@ -48,30 +53,33 @@ typedef struct mesh_scene
     double value_low, value_high;
 } mesh_scene;
 
-static bool is_angle(double angle, double limit)
+bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options *options, bat_error *error)
 {
-    return isnan(angle) || fabs(angle) <= limit;
-}
-
-static bat_status check_options(const bat_mesh_picture_options *options, bat_error *error)
-{
-    const char *wrong = NULL;
-    if (!(options->width >= 0 && options->width <= LARGEST_SIDE) ||
-        !(options->height >= 0 && options->height <= LARGEST_SIDE))
-        wrong = "the picture's width and height are 0 to 10000 points";
-    else if (!(options->pixels_per_point >= 0.1 && options->pixels_per_point <= 20))
-        wrong = "there are 0.1 to 20 pixels a point";
-    else if ((unsigned)options->up > BAT_MESH_UP_X)
-        wrong = "no axis of space is upwards";
-    else if (!is_angle(options->longitude, 1e6) || !is_angle(options->latitude, 1.5707963267948968))
-        wrong = "the viewer's latitude is -pi/2 to pi/2, the longitude finite";
-    else if (!text_is_valid(options->title) || !text_is_valid(options->value_label))
-        wrong = "the picture's title and label are UTF-8 without control characters";
-    else if (isinf(options->value_low) || isinf(options->value_high) || options->value_low >= options->value_high)
-        wrong = "the scale's low end is below its high end";
-    if (wrong != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
-    return BAT_OK;
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mesh_picture_options, width, OPTION_NUMBER, 0, LARGEST_SIDE),
+        OPTION_FIELD(bat_mesh_picture_options, height, OPTION_NUMBER, 0, LARGEST_SIDE),
+        OPTION_FIELD(bat_mesh_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
+        OPTION_FIELD(bat_mesh_picture_options, up, OPTION_CHOICE, 0, BAT_MESH_UP_X),
+        OPTION_FIELD(bat_mesh_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
+        OPTION_FIELD(bat_mesh_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
+        OPTION_FIELD(bat_mesh_picture_options, value_low, OPTION_ANGLE, -DBL_MAX, DBL_MAX),
+        OPTION_FIELD(bat_mesh_picture_options, value_high, OPTION_ANGLE, -DBL_MAX, DBL_MAX),
+        OPTION_THREADS(bat_mesh_picture_options),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status != BAT_OK)
+        return status;
+    if (options->value_low >= options->value_high)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "value_low is %.10g, but must be below value_high",
+                         options->value_low);
+    const char *wrong = !text_is_valid(options->title)         ? "title"
+                        : !text_is_valid(options->value_label) ? "value_label"
+                                                               : NULL;
+    return wrong == NULL ? BAT_OK
+                         : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                                     "%s must be UTF-8 without control characters", wrong);
 }
 
 /// Prefix the text of an error with the number of its panel.
@@ -141,7 +149,7 @@ static void find_frames(mesh_scene *made)
 static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count, const bat_mesh_picture_options *options,
                               mesh_scene *made, bat_error *error)
 {
-    bat_status status = check_options(options, error);
+    bat_status status = bat_mesh_picture_options_check(options, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         status = check_panel(&panels[i], i, error);
     if (status != BAT_OK)

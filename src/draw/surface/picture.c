@@ -1,5 +1,6 @@
 #include "base/ascending.h"
 #include "base/error.h"
+#include "base/option.h"
 #include "base/memory.h"
 #include "batten/surface_picture.h"
 #include "draw/common/colour_scale.h"
@@ -26,18 +27,28 @@ static size_t find_not_finite(const double *numbers, size_t count)
     return BAT_NO_INDEX;
 }
 
-static bat_status check_options(const bat_surface_picture_options *options, bat_error *error)
+bat_surface_picture_options bat_surface_picture_defaults(void)
 {
-    const char *wrong = NULL;
+    return (bat_surface_picture_options){.width = 0};
+}
+
+bat_status bat_surface_picture_options_check(const bat_surface_picture_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_surface_picture_options, largest_error, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_surface_picture_options, view[0], OPTION_NUMBER, -INFINITY, INFINITY),
+        OPTION_FIELD(bat_surface_picture_options, view[1], OPTION_NUMBER, -INFINITY, INFINITY),
+        OPTION_FIELD(bat_surface_picture_options, view[2], OPTION_NUMBER, -INFINITY, INFINITY),
+        OPTION_FIELD(bat_surface_picture_options, up[0], OPTION_NUMBER, -INFINITY, INFINITY),
+        OPTION_FIELD(bat_surface_picture_options, up[1], OPTION_NUMBER, -INFINITY, INFINITY),
+        OPTION_FIELD(bat_surface_picture_options, up[2], OPTION_NUMBER, -INFINITY, INFINITY),
+    };
+    if (options == NULL)
+        return BAT_OK;
     if (options->width != 0 && (options->width < MIN_WIDTH || options->width > MAX_WIDTH))
-        wrong = "panels are 60 to 4000 pixels wide";
-    else if (!(options->largest_error >= 0 && isfinite(options->largest_error)))
-        wrong = "the end of the scale of errors is finite and not below zero";
-    else if (find_not_finite(options->view, 3) != BAT_NO_INDEX || find_not_finite(options->up, 3) != BAT_NO_INDEX)
-        wrong = "the view's directions are finite";
-    if (wrong != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
-    return BAT_OK;
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "width is %d, but must be 0 or from %d to %d",
+                         options->width, MIN_WIDTH, MAX_WIDTH);
+    return OPTIONS_CHECK(options, FIELDS, error);
 }
 
 /// Check that the parts of a row are consistent.
@@ -89,7 +100,7 @@ static bat_status check_surface(const bat_spline_surface *surface, size_t index,
 static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
                                         const bat_surface_picture_options *options, bat_error *error)
 {
-    bat_status status = check_options(options, error);
+    bat_status status = bat_surface_picture_options_check(options, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         status = check_parts(&rows[i], i, error);
@@ -391,7 +402,7 @@ static bat_status write_scene(const char *path, const surface_scene *scene, int 
 bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
                                      const bat_surface_picture_options *options, bat_error *error)
 {
-    const bat_surface_picture_options defaults = {0};
+    const bat_surface_picture_options defaults = bat_surface_picture_defaults();
     canvas_format format;
     if (path == NULL || rows == NULL || count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one row");

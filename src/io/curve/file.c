@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/option.h"
 #include "curve/curve_attributes.h"
 #include "io/common/degrees.h"
 #include "io/curve/formats.h"
@@ -79,23 +80,24 @@ bat_curve_write_options bat_curve_write_defaults(void)
     return (bat_curve_write_options){.format = BAT_CURVE_FORMAT_AUTO, .precision = 10};
 }
 
-static bool format_exists(bat_curve_format format)
+bat_status bat_curve_read_options_check(const bat_curve_read_options *options, bat_error *error)
 {
-    return (unsigned)format <= BAT_CURVE_FORMAT_TUM;
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_curve_read_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_TUM),
+        OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
+        OPTION_THREADS(bat_curve_read_options),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
-static bat_status check_read_options(const bat_curve_read_options *options, bat_error *error)
+bat_status bat_curve_write_options_check(const bat_curve_write_options *options, bat_error *error)
 {
-    if (!format_exists(options->format))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no format %d", (int)options->format);
-    if (options->closed < -1 || options->closed > 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "closed must be -1, 0 or 1, not %d", options->closed);
-    if (!(options->translation_weight >= 0 && isfinite(options->translation_weight)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the weight of translations is %g, not positive",
-                         options->translation_weight);
-    if (options->threads < 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
-    return BAT_OK;
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_curve_write_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_TUM),
+        OPTION_FIELD(bat_curve_write_options, precision, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
+        OPTION_THREADS(bat_curve_write_options),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
 static bat_status read_format(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
@@ -126,7 +128,7 @@ bat_status bat_curve_read(const char *path, const bat_curve_read_options *option
     bat_curve_read_options defaults = bat_curve_read_defaults();
     if (options == NULL)
         options = &defaults;
-    bat_status status = check_read_options(options, error);
+    bat_status status = bat_curve_read_options_check(options, error);
     if (status != BAT_OK)
         return status;
     file_text text;
@@ -145,7 +147,7 @@ bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_
     bat_curve_read_options defaults = bat_curve_read_defaults();
     if (options == NULL)
         options = &defaults;
-    bat_status status = check_read_options(options, error);
+    bat_status status = bat_curve_read_options_check(options, error);
     if (status != BAT_OK)
         return status;
     file_text copy;
@@ -159,13 +161,9 @@ bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_
 
 static bat_status check_write(const bat_curve_set *set, const bat_curve_write_options *options, bat_error *error)
 {
-    if (!format_exists(options->format))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no format %d", (int)options->format);
-    if (options->precision < 0 || options->precision > DEGREE_MAX_DECIMALS)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the precision must be 0 to %d decimals, not %d",
-                         DEGREE_MAX_DECIMALS, options->precision);
-    if (options->threads < 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
+    bat_status status = bat_curve_write_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
     if (set->count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to write");
     for (size_t i = 0; i < set->count; i++)

@@ -2,6 +2,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/option.h"
 #include "io/mesh/formats.h"
 
 #include <strings.h>
@@ -101,11 +102,22 @@ bat_mesh_write_options bat_mesh_write_defaults(void)
     return (bat_mesh_write_options){.format = BAT_MESH_FORMAT_AUTO, .encoding = BAT_MESH_ENCODING_BINARY};
 }
 
-static bat_status check_format(bat_mesh_format format, bat_error *error)
+bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error)
 {
-    if ((unsigned)format <= BAT_MESH_FORMAT_STL)
-        return BAT_OK;
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no mesh format %d", (int)format);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mesh_read_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_STL),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+}
+
+bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mesh_write_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_STL),
+        OPTION_FIELD(bat_mesh_write_options, encoding, OPTION_CHOICE, 0, BAT_MESH_ENCODING_TEXT),
+        OPTION_THREADS(bat_mesh_write_options),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
 /// The format of a text. OBJ has no signature; texts without another format's signature are OBJ.
@@ -157,7 +169,7 @@ bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options,
     if (options == NULL)
         options = &defaults;
     file_text text;
-    bat_status status = check_format(options->format, error);
+    bat_status status = bat_mesh_read_options_check(options, error);
     if (status == BAT_OK)
         status = file_text_read(path, &text, error);
     if (status != BAT_OK)
@@ -175,7 +187,7 @@ bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_r
     if (options == NULL)
         options = &defaults;
     file_text text;
-    bat_status status = check_format(options->format, error);
+    bat_status status = bat_mesh_read_options_check(options, error);
     if (status == BAT_OK)
         status = file_text_copy(bytes, size, &text, error);
     if (status != BAT_OK)
@@ -188,18 +200,14 @@ bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_r
 static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, const bat_mesh_write_options *options,
                               bat_error *error)
 {
-    bat_status status = check_format(format, error);
+    bat_status status = bat_mesh_write_options_check(options, error);
     if (status != BAT_OK)
         return status;
     if (format == BAT_MESH_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "cannot tell what format to write; the endings are .obj, .ply, .off, .stl");
-    if ((unsigned)options->encoding > BAT_MESH_ENCODING_TEXT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no encoding %d", (int)options->encoding);
     if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY supports the big-endian encoding");
-    if (options->threads < 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the number of threads is negative");
     return bat_mesh_check(mesh, error);
 }
 

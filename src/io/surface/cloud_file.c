@@ -1,3 +1,4 @@
+#include "base/option.h"
 #include "batten/mesh.h"
 #include "io/common/word_scan.h"
 #include "io/mesh/formats.h"
@@ -340,20 +341,37 @@ static bat_status place_corners(const bat_cloud_read_options *options, bat_cloud
     return status == BAT_OK ? bat_cloud_set_corners(cloud, options->corners, error) : status;
 }
 
-bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
+bat_cloud_read_options bat_cloud_read_defaults(void)
 {
-    static const bat_cloud_read_options defaults = {0};
-    options = options != NULL ? options : &defaults;
-    if ((unsigned)options->format > BAT_CLOUD_FORMAT_OBJ)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no cloud format %d", (int)options->format);
+    return (bat_cloud_read_options){.format = BAT_CLOUD_FORMAT_AUTO};
+}
+
+bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_cloud_read_options, format, OPTION_CHOICE, 0, BAT_CLOUD_FORMAT_OBJ),
+    };
+    if (options == NULL)
+        return BAT_OK;
     if (options->boundary > 0 && options->boundary_path != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the boundary is either the first points or in a separate file");
+                         "boundary is %zu, but must be 0 beside a boundary_path: it is the first points or a file",
+                         options->boundary);
+    return OPTIONS_CHECK(options, FIELDS, error);
+}
+
+bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
+{
+    const bat_cloud_read_options defaults = bat_cloud_read_defaults();
+    options = options != NULL ? options : &defaults;
+    bat_status status = bat_cloud_read_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
     file_text text = {0}, boundary_text = {0};
     bat_cloud made = {0};
     bat_cloud_format format = options->format, boundary_format = BAT_CLOUD_FORMAT_AUTO;
     bat_error found = {.index = BAT_NO_INDEX};
-    bat_status status = read_file(path, &format, &text, error);
+    status = read_file(path, &format, &text, error);
     if (status == BAT_OK && options->boundary_path != NULL)
     {
         status = read_file(options->boundary_path, &boundary_format, &boundary_text, &found);

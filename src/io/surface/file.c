@@ -1,5 +1,6 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/option.h"
 #include "io/surface/formats.h"
 
 #include <math.h>
@@ -40,17 +41,29 @@ bat_surface_format bat_surface_format_of_path(const char *path)
     return BAT_SURFACE_FORMAT_AUTO;
 }
 
-static bat_status check_options(const bat_surface_write_options *options, bat_error *error)
+bat_surface_write_options bat_surface_write_defaults(void)
+{
+    return (bat_surface_write_options){.format = BAT_SURFACE_FORMAT_AUTO};
+}
+
+bat_status bat_surface_write_options_check(const bat_surface_write_options *options, bat_error *error)
 {
     enum
     {
         MOST_SAMPLES = 1024
     };
-    if (options->samples > MOST_SAMPLES)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu samples of a cell are more than %d",
-                         options->samples, MOST_SAMPLES);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_surface_write_options, format, OPTION_CHOICE, 0, BAT_SURFACE_FORMAT_JSON),
+        OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MOST_SAMPLES),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status != BAT_OK)
+        return status;
     if (options->point_count > 0 && options->points == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are data points without their positions");
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "points is null, but must hold the point_count data points");
     for (size_t i = 0; i < options->point_count; i++)
     {
         const double *point = options->points + 3 * i;
@@ -64,8 +77,9 @@ static bat_status check_options(const bat_surface_write_options *options, bat_er
 bat_status surface_check(const bat_spline_surface *surface, bat_surface_format format,
                          const bat_surface_write_options *options, bat_error *error)
 {
-    if ((unsigned)format > BAT_SURFACE_FORMAT_JSON)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no surface format %d", (int)format);
+    bat_status status = bat_surface_write_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
     if (format == BAT_SURFACE_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "cannot tell what format to write; the endings are .xml, .step, .stp, .vtk, .obj, .json");
@@ -79,7 +93,7 @@ bat_status surface_check(const bat_spline_surface *surface, bat_surface_format f
         if (!isfinite(surface->control[i]))
             return error_set(error, BAT_INVALID_POINT, i / surface->dimension, 0, "control point %zu is not finite",
                              i / surface->dimension);
-    return check_options(options, error);
+    return BAT_OK;
 }
 
 bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_format format,
@@ -106,7 +120,7 @@ bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_for
 bat_status bat_surface_write(const char *path, const bat_spline_surface *surface, const bat_surface_write_options *options,
                              bat_error *error)
 {
-    const bat_surface_write_options defaults = {0};
+    const bat_surface_write_options defaults = bat_surface_write_defaults();
     if (options == NULL)
         options = &defaults;
     bat_surface_format format =

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/edge_queue.h"
@@ -43,16 +44,14 @@ typedef struct decimation
     double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
 } decimation;
 
-static bat_status check_options(const bat_mesh_decimate_options *options, bat_error *error)
+bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *options, bat_error *error)
 {
-    const char *wrong = NULL;
-    if (!(options->least_normal >= -1 && options->least_normal <= 1))
-        wrong = "the least scalar product of normals must be from -1 to 1";
-    else if (!(options->least_quality >= 0 && options->least_quality <= 1))
-        wrong = "the least triangle quality must be from 0 to 1";
-    else if (!(options->boundary_weight >= 0 && isfinite(options->boundary_weight)))
-        wrong = "the boundary's weight must be finite and not negative";
-    return wrong == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mesh_decimate_options, least_normal, OPTION_NUMBER, -1, 1),
+        OPTION_FIELD(bat_mesh_decimate_options, least_quality, OPTION_NUMBER, 0, 1),
+        OPTION_FIELD(bat_mesh_decimate_options, boundary_weight, OPTION_NUMBER, 0, INFINITY),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
 static void free_all(decimation *all)
@@ -301,7 +300,9 @@ static bat_status finish(const bat_mesh *fine, decimation *all, bat_mesh *coarse
 bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_options *options, bat_mesh *coarse,
                              bat_mesh_map **map, bat_error *error)
 {
-    bat_status status = check_options(options, error);
+    const bat_mesh_decimate_options defaults = bat_mesh_decimate_defaults();
+    options = options != NULL ? options : &defaults;
+    bat_status status = bat_mesh_decimate_options_check(options, error);
     if (status == BAT_OK)
         status = bat_mesh_check(fine, error);
     if (status != BAT_OK)

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "base/threads.h"
 
 #include <float.h>
@@ -356,16 +357,14 @@ static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error 
     return BAT_OK;
 }
 
-static bat_status check_options(const bat_mesh_compare_options *options, bat_error *error)
+bat_status bat_mesh_compare_options_check(const bat_mesh_compare_options *options, bat_error *error)
 {
-    if (!options->vertices && options->samples == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "at least one sample is needed");
-    if (!options->vertices && options->samples > MAX_SAMPLES)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu samples are too many", options->samples);
-    if (!(options->tolerance >= 0) || isinf(options->tolerance))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the tolerance is %g, but must be finite and at least 0", options->tolerance);
-    return BAT_OK;
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mesh_compare_options, samples, OPTION_SIZE, 1, MAX_SAMPLES),
+        OPTION_FIELD(bat_mesh_compare_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_THREADS(bat_mesh_compare_options),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
 bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const bat_mesh_compare_options *options,
@@ -373,7 +372,7 @@ bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const
 {
     bat_mesh_compare_options defaults = bat_mesh_compare_defaults();
     options = options == NULL ? &defaults : options;
-    bat_status status = check_options(options, error);
+    bat_status status = bat_mesh_compare_options_check(options, error);
     if (status == BAT_OK)
         status = check_side(first, "first", error);
     if (status == BAT_OK)

@@ -1,47 +1,62 @@
 #include "mesh/refine/plan.h"
 
 #include "base/error.h"
+#include "base/option.h"
 
 #include <math.h>
 
 /// @file
 /// Options of a refinement, checked, and the sizes of all levels.
 
+/// The largest crease angle: pi, with rounding.
+#define LARGEST_ANGLE 3.1415926535897936
+
+enum
+{
+    MAX_LEVELS = 32
+};
+
 bat_mesh_refine_options bat_mesh_refine_defaults(void)
 {
-    return (bat_mesh_refine_options){.scheme = BAT_MESH_SCHEME_LOOP, .then = BAT_MESH_SCHEME_LOOP, .levels = 2};
+    return (bat_mesh_refine_options){.scheme = BAT_MESH_SCHEME_LEARNED, .then = BAT_MESH_SCHEME_LOOP, .levels = 2};
 }
 
 /// The scheme of all levels after the learned ones.
-static bat_mesh_scheme last_scheme(const bat_mesh_refine_options *options)
+static const mesh_scheme *last_scheme(const bat_mesh_refine_options *options)
 {
-    return options->scheme == BAT_MESH_SCHEME_LEARNED ? options->then : options->scheme;
+    const mesh_scheme *scheme = mesh_scheme_of(options->scheme);
+    return scheme->learned ? mesh_scheme_of(options->then) : scheme;
 }
 
-static bat_status check_options(const bat_mesh_refine_options *options, bat_error *error)
+bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options, bat_error *error)
 {
-    if (options->scheme < BAT_MESH_SCHEME_MIDPOINT || options->scheme > BAT_MESH_SCHEME_LEARNED)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no mesh scheme %d", (int)options->scheme);
-    if (!(options->crease_angle >= 0) || !isfinite(options->crease_angle))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the crease angle %g is not an angle of 0 or more",
-                         options->crease_angle);
-    if (options->scheme != BAT_MESH_SCHEME_LEARNED)
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mesh_refine_options, scheme, OPTION_CHOICE, 0, BAT_MESH_SCHEME_LEARNED),
+        OPTION_FIELD(bat_mesh_refine_options, then, OPTION_CHOICE, 0, BAT_MESH_SCHEME_LEARNED),
+        OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
+        OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
+        OPTION_THREADS(bat_mesh_refine_options),
+    };
+    if (options == NULL)
         return BAT_OK;
-    if (options->rule == NULL || options->rule->levels == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the learned scheme needs a rule");
-    if (options->then != BAT_MESH_SCHEME_MIDPOINT && options->then != BAT_MESH_SCHEME_LOOP &&
-        options->then != BAT_MESH_SCHEME_BUTTERFLY)
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status != BAT_OK)
+        return status;
+    if (!mesh_scheme_of(options->then)->continues)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "after learned levels only midpoint, Loop or butterfly can go on");
+                         "then is %s, but only midpoint, loop or butterfly can follow learned levels",
+                         bat_mesh_scheme_name(options->then));
+    if (options->rule != NULL && (options->rule->levels == 0 || options->rule->refine == NULL))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "rule has no levels or no function");
     return BAT_OK;
 }
 
 static bat_status check_support(const bat_mesh_refine_options *options, bat_error *error)
 {
-    bat_mesh_scheme last = last_scheme(options);
-    if (options->crease_angle > 0 && last != BAT_MESH_SCHEME_LOOP)
+    const mesh_scheme *last = last_scheme(options);
+    if (options->crease_angle > 0 && !last->creases)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only Loop's scheme makes creases");
-    if (last != BAT_MESH_SCHEME_SQRT3)
+    if (!last->turns)
         return BAT_OK;
     if (options->limit)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -51,22 +66,19 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
 
 bat_status mesh_plan_make(const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error)
 {
-    bat_status status = check_options(options, error);
-    if (status == BAT_OK)
-        status = check_support(options, error);
+    bat_status status = check_support(options, error);
     if (status != BAT_OK)
         return status;
     *plan = (mesh_plan){.options = *options};
-    if (options->scheme == BAT_MESH_SCHEME_LEARNED)
+    if (mesh_scheme_of(options->scheme)->learned)
         plan->learned_levels = options->levels < options->rule->levels ? options->levels : options->rule->levels;
-    // The vertices of the other schemes lie on their limit surfaces at every level.
-    plan->limit = options->limit && last_scheme(options) == BAT_MESH_SCHEME_LOOP;
+    plan->limit = options->limit ? last_scheme(options)->limit : NULL;
     return BAT_OK;
 }
 
-bat_mesh_scheme mesh_plan_scheme(const mesh_plan *plan, size_t level)
+const mesh_scheme *mesh_plan_scheme(const mesh_plan *plan, size_t level)
 {
-    return level < plan->learned_levels ? BAT_MESH_SCHEME_LEARNED : last_scheme(&plan->options);
+    return level < plan->learned_levels ? mesh_scheme_of(plan->options.scheme) : last_scheme(&plan->options);
 }
 
 /// The number of elements of a mesh.
@@ -106,7 +118,7 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
     mesh_size mesh = size_of(links), texture = size_of(texture_links);
     for (size_t level = 0; level < plan->options.levels; level++)
     {
-        bool turned = mesh_plan_scheme(plan, level) == BAT_MESH_SCHEME_SQRT3;
+        bool turned = mesh_plan_scheme(plan, level)->turns;
         mesh = turned ? size_of_turned(mesh, level % 2 == 1) : size_of_split(mesh);
         texture = size_of_split(texture);
         if (!is_numbered(mesh) || !is_numbered(texture))
@@ -120,6 +132,6 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
 
 double mesh_plan_share(const mesh_plan *plan, size_t level)
 {
-    double growth = plan->options.scheme == BAT_MESH_SCHEME_SQRT3 ? 3 : 4;
+    double growth = mesh_scheme_of(plan->options.scheme)->turns ? 3 : 4;
     return (pow(growth, (double)level) - 1) / (pow(growth, (double)plan->options.levels) - 1);
 }

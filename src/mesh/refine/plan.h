@@ -1,7 +1,7 @@
 #ifndef MESH_REFINE_PLAN_H
 #define MESH_REFINE_PLAN_H
 
-#include "batten/mesh_refine.h"
+#include "mesh/refine/scheme.h"
 
 /// @file
 /// The steps of a refinement.
@@ -11,11 +11,11 @@ typedef struct mesh_plan
 {
     bat_mesh_refine_options options;
     size_t learned_levels; ///< the number of first levels that the learned rule makes
-    bool limit;            ///< whether vertices move to the limit surface at the end
+    mesh_rule *limit;      ///< moves the vertices to the limit surface at the end; null: they stay
 } mesh_plan;
 
-/// Check the options.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED
+/// Plan a refinement by checked options, whose rule is there where the scheme is learned.
+/// @return BAT_OK, BAT_UNSUPPORTED
 bat_status mesh_plan_make(const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error);
 
 /// Check that 32-bit indices can number the finest mesh. `texture_links` is all zero for a mesh without texture.
@@ -24,7 +24,7 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
                                 const bat_mesh_connectivity *texture_links, bat_error *error);
 
 /// The scheme of a level, counted from 0.
-bat_mesh_scheme mesh_plan_scheme(const mesh_plan *plan, size_t level);
+const mesh_scheme *mesh_plan_scheme(const mesh_plan *plan, size_t level);
 
 /// The fraction of the work that the first `level` levels take.
 double mesh_plan_share(const mesh_plan *plan, size_t level);

@@ -2,9 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "batten/mesh.h"
 #include "mesh/refine/level.h"
-#include "mesh/refine/loop.h"
 #include "mesh/refine/plan.h"
 #include "mesh/refine/sharpness.h"
 #include "mesh/refine/split.h"
@@ -125,13 +123,6 @@ static bat_status find_irregular(refinement *work, bat_error *error)
     return BAT_OK;
 }
 
-static mesh_rule *rule_of(bat_mesh_scheme scheme)
-{
-    if (scheme == BAT_MESH_SCHEME_LOOP)
-        return loop_rule;
-    return scheme == BAT_MESH_SCHEME_BUTTERFLY ? butterfly_rule : midpoint_rule;
-}
-
 /// Compute values at the vertices of the next level.
 static bat_status refine_rows(const refinement *work, mesh_rule *rule, const double *from, size_t dim, size_t fine_count,
                               double **to, bat_error *error)
@@ -177,7 +168,7 @@ static bat_status split_level(const refinement *work, bool last, refined_level *
     bat_status status = BAT_OK;
     if (now->mesh.texture_faces != NULL)
         status = split_texture(work, last, next, error);
-    if (status == BAT_OK && (!last || work->plan->limit))
+    if (status == BAT_OK && (!last || work->plan->limit != NULL))
         status = split_links(&now->links, threads, &next->links, error);
     if (status == BAT_OK && now->edge_sharpness != NULL && next->links.edge != NULL)
         status = sharpness_split(now->edge_sharpness, &now->links, &next->links, &next->edge_sharpness, error);
@@ -191,18 +182,17 @@ static bat_status split_level(const refinement *work, bool last, refined_level *
 
 /// One level of a scheme that splits faces in four. On a learned level learn_positions() computes the positions later, and
 /// channels are interpolated linearly.
-static bat_status split_step(const refinement *work, bat_mesh_scheme scheme, bool last, refined_level *next,
+static bat_status split_step(const refinement *work, const mesh_scheme *scheme, bool last, refined_level *next,
                              bat_error *error)
 {
     const bat_mesh *mesh = &work->now.mesh;
-    mesh_rule *rule = rule_of(scheme);
     size_t count = work->now.links.vertex_count + work->now.links.edge_count;
     next->mesh.vertex_count = count;
     bat_status status = BAT_OK;
-    if (scheme != BAT_MESH_SCHEME_LEARNED)
-        status = refine_rows(work, rule, mesh->positions, 3, count, &next->mesh.positions, error);
+    if (!scheme->learned)
+        status = refine_rows(work, scheme->rule, mesh->positions, 3, count, &next->mesh.positions, error);
     if (status == BAT_OK && mesh->channel_count > 0)
-        status = refine_rows(work, rule, mesh->channels, mesh->channel_count, count, &next->mesh.channels, error);
+        status = refine_rows(work, scheme->rule, mesh->channels, mesh->channel_count, count, &next->mesh.channels, error);
     return status == BAT_OK ? split_level(work, last, next, error) : status;
 }
 
@@ -291,11 +281,11 @@ static void advance(refinement *work, refined_level *next, bool keep)
 static bat_status step(refinement *work, size_t level, bat_error *error)
 {
     const mesh_plan *plan = work->plan;
-    bat_mesh_scheme scheme = mesh_plan_scheme(plan, level);
+    const mesh_scheme *scheme = mesh_plan_scheme(plan, level);
     bool last = level + 1 == plan->options.levels;
     refined_level next = {.mesh.channel_count = work->coarse->channel_count};
-    bat_status status = scheme == BAT_MESH_SCHEME_SQRT3 ? sqrt3_step(work, level, last, &next, error)
-                                                        : split_step(work, scheme, last, &next, error);
+    bat_status status =
+        scheme->turns ? sqrt3_step(work, level, last, &next, error) : split_step(work, scheme, last, &next, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)
         status = learn_positions(work, &next, error);
     if (status != BAT_OK)
@@ -304,7 +294,7 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
         return status;
     }
     decay_corners(work);
-    advance(work, &next, scheme != BAT_MESH_SCHEME_SQRT3 && !last);
+    advance(work, &next, !scheme->turns && !last);
     return BAT_OK;
 }
 
@@ -317,7 +307,7 @@ static bat_status move_to_limit(refinement *work, bat_error *error)
         return error_memory(error, mesh->vertex_count * 3 * sizeof *moved);
     mesh_level level = level_of(work);
     mesh_rows rows = {&level, mesh->positions, moved, 3};
-    loop_limit(&rows, work->plan->options.threads);
+    work->plan->limit(&rows, work->plan->options.threads);
     free(mesh->positions);
     mesh->positions = moved;
     return BAT_OK;
@@ -347,7 +337,7 @@ static bat_status run_levels(refinement *work, bat_error *error)
             return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "refinement was stopped");
         status = step(work, level, error);
     }
-    if (status == BAT_OK && work->plan->limit)
+    if (status == BAT_OK && work->plan->limit != NULL)
         status = move_to_limit(work, error);
     if (status == BAT_OK && progress->report != NULL)
         (void)progress->report(progress->context, 1);
@@ -397,7 +387,7 @@ static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivit
     bat_status status = prepare(&work, error);
     if (status == BAT_OK)
         status = bat_mesh_copy(coarse, &work.now.mesh, error);
-    if (status == BAT_OK && plan->limit)
+    if (status == BAT_OK && plan->limit != NULL)
         status = move_to_limit(&work, error);
     if (status == BAT_OK)
         *fine = work.now.mesh;
@@ -422,17 +412,14 @@ static bat_mesh without_edges(const bat_mesh *coarse)
     return plain;
 }
 
-bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
-                           bat_error *error)
+/// Refine a checked mesh by complete options.
+static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
+                                 size_t *fallback, bat_error *error)
 {
     mesh_plan plan;
     bat_mesh plain;
-    size_t fallbacks = 0;
-    bat_mesh made = {0};
     bat_mesh_connectivity links = {0};
-    bat_status status = bat_mesh_check(coarse, error);
-    if (status == BAT_OK)
-        status = mesh_plan_make(options, &plan, error);
+    bat_status status = mesh_plan_make(options, &plan, error);
     if (status == BAT_OK && plan.options.scheme == BAT_MESH_SCHEME_SQRT3)
     {
         plain = without_edges(coarse);
@@ -441,10 +428,31 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = bat_mesh_connect(coarse, &links, error);
     if (status == BAT_OK && options->levels > 0)
-        status = refine_connected(coarse, &links, &plan, &made, &fallbacks, error);
+        status = refine_connected(coarse, &links, &plan, fine, fallback, error);
     else if (status == BAT_OK)
-        status = refine_copy(coarse, &links, &plan, &made, error);
+        status = refine_copy(coarse, &links, &plan, fine, error);
     bat_mesh_connectivity_free(&links);
+    return status;
+}
+
+bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
+                           bat_error *error)
+{
+    bat_mesh_refine_options how = options != NULL ? *options : bat_mesh_refine_defaults();
+    bat_mesh_model *model = NULL;
+    size_t fallbacks = 0;
+    bat_mesh made = {0};
+    bat_status status = bat_mesh_check(coarse, error);
+    if (status == BAT_OK)
+        status = bat_mesh_refine_options_check(&how, error);
+    if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
+    {
+        status = bat_mesh_model_builtin(&model, error);
+        how.rule = status == BAT_OK ? bat_mesh_model_rule(model) : NULL;
+    }
+    if (status == BAT_OK)
+        status = refine_checked(coarse, &how, &made, &fallbacks, error);
+    bat_mesh_model_free(model);
     if (status != BAT_OK)
         return status;
     *fine = made;

@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "batten/surface_fit.h"
 #include "surface/fit/foot_points.h"
 #include "surface/fit/marking.h"
@@ -27,7 +28,8 @@ enum
     TRIALS_FIRST = 12,       ///< weights evaluated in the first round and for small systems,
     TRIALS = 4,              ///< for larger systems,
     TRIALS_LAST = 6,         ///< and in the round that fills the budget
-    NEWTON_STEPS = 3         ///< Newton steps of a parameter in one correction
+    NEWTON_STEPS = 3,        ///< Newton steps of a parameter in one correction
+    MAX_ROUNDS = 1000        ///< the largest number of rounds in the options
 };
 
 // Newton's method for a parameter stops when a step is at most this long, in cells.
@@ -56,22 +58,27 @@ void bat_surface_fit_report_free(bat_surface_fit_report *report)
     *report = (bat_surface_fit_report){0};
 }
 
-static bat_status check_options(const bat_surface_fit_options *options, bat_error *error)
+bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options, bat_error *error)
 {
-    const char *wrong = NULL;
-    if (!(options->tolerance >= 0 && isfinite(options->tolerance)))
-        wrong = "the tolerance must be finite and not negative";
-    else if (!(options->share > 0 && options->share <= 1))
-        wrong = "the share of points must be above 0 and at most 1";
-    else if (options->iterations < 0 || options->corrections < 0 || options->final_corrections < 0)
-        wrong = "iterations and corrections must not be negative";
-    else if (options->neighbours < 0 || options->neighbours > BAT_SURFACE_FIT_MAX_NEIGHBOURS)
-        wrong = "the rings of neighbours must be from 0 to 64";
-    else if (options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN && !(options->weight >= 0 && isfinite(options->weight)))
-        wrong = "the weight of smoothing must be finite and not negative";
-    else if (options->smoothing == BAT_SURFACE_SMOOTHING_DISCREPANCY && !(options->noise > 0 && isfinite(options->noise)))
-        wrong = "the noise must be finite and above 0";
-    return wrong == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_surface_fit_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_surface_fit_options, share, OPTION_ABOVE, 0, 1),
+        OPTION_FIELD(bat_surface_fit_options, iterations, OPTION_INT, 0, MAX_ROUNDS),
+        OPTION_FIELD(bat_surface_fit_options, neighbours, OPTION_INT, 0, BAT_SURFACE_FIT_MAX_NEIGHBOURS),
+        OPTION_FIELD(bat_surface_fit_options, smoothing, OPTION_CHOICE, 0, BAT_SURFACE_SMOOTHING_GIVEN),
+        OPTION_FIELD(bat_surface_fit_options, weight, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_surface_fit_options, noise, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_surface_fit_options, corrections, OPTION_INT, 0, MAX_ROUNDS),
+        OPTION_FIELD(bat_surface_fit_options, final_corrections, OPTION_INT, 0, MAX_ROUNDS),
+        OPTION_THREADS(bat_surface_fit_options),
+    };
+    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    if (status != BAT_OK || options == NULL)
+        return status;
+    if (options->smoothing == BAT_SURFACE_SMOOTHING_DISCREPANCY && !(options->noise > 0))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "noise is %.10g, but must be finite and above 0",
+                         options->noise);
+    return bat_hierarchical_options_check(&options->space, error);
 }
 
 enum
@@ -426,7 +433,9 @@ bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_opt
                            bat_surface_fit_report *report, bat_error *error)
 {
     fit_loop loop = {0};
-    bat_status status = check_options(options, error);
+    const bat_surface_fit_options defaults = bat_surface_fit_defaults();
+    options = options != NULL ? options : &defaults;
+    bat_status status = bat_surface_fit_options_check(options, error);
     if (status == BAT_OK)
         status = fit_points_check(data, error);
     if (status == BAT_OK)

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -33,14 +34,19 @@ bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
     return (bat_cloud_parameterize_options){.method = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING};
 }
 
-static bat_status check_options(const bat_cloud *cloud, const double *boundary,
-                                const bat_cloud_parameterize_options *options, bat_error *error)
+bat_status bat_cloud_parameterize_options_check(const bat_cloud_parameterize_options *options, bat_error *error)
 {
-    if ((size_t)options->method >= BAT_CLOUD_PARAMETERIZE_COUNT)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unknown parameterization %d", (int)options->method);
-    if (!(options->radius >= 0 && isfinite(options->radius)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the radius %g must be finite and not negative",
-                         options->radius);
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_cloud_parameterize_options, method, OPTION_CHOICE, 0, BAT_CLOUD_PARAMETERIZE_COUNT - 1),
+        OPTION_FIELD(bat_cloud_parameterize_options, radius, OPTION_NUMBER, 0, INFINITY),
+        OPTION_THREADS(bat_cloud_parameterize_options),
+    };
+    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+}
+
+static bat_status check_cloud(const bat_cloud *cloud, const double *boundary, const bat_cloud_parameterize_options *options,
+                              bat_error *error)
+{
     bat_status status = bat_cloud_check(cloud, error);
     if (status != BAT_OK)
         return status;
@@ -116,7 +122,11 @@ static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *bo
 bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary,
                                   const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
-    bat_status status = check_options(cloud, boundary, options, error);
+    const bat_cloud_parameterize_options defaults = bat_cloud_parameterize_defaults();
+    options = options != NULL ? options : &defaults;
+    bat_status status = bat_cloud_parameterize_options_check(options, error);
+    if (status == BAT_OK)
+        status = check_cloud(cloud, boundary, options, error);
     if (status != BAT_OK)
         return status;
     if (options->published && options->method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE)

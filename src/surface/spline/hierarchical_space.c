@@ -6,7 +6,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/option.h"
 
+#include <limits.h>
 #include <stdlib.h>
 
 enum
@@ -19,21 +21,19 @@ bat_hierarchical_options bat_hierarchical_defaults(void)
     return (bat_hierarchical_options){.degree = {2, 2}, .spans = {1, 1}, .truncated = true};
 }
 
-static bat_status check_options(const bat_hierarchical_options *options, bat_error *error)
+bat_status bat_hierarchical_options_check(const bat_hierarchical_options *options, bat_error *error)
 {
-    for (int d = 0; d < 2; d++)
-    {
-        if (options->degree[d] < 1 || options->degree[d] > BAT_SPLINE_MAX_DEGREE)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 1 and %d",
-                             options->degree[d], BAT_SPLINE_MAX_DEGREE);
-        if (options->spans[d] == 0)
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "a space needs at least one span in each direction");
-    }
-    if (options->admissible < 0 || options->admissible == 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the class of admissibility %d must be 0 or at least 2", options->admissible);
-    return BAT_OK;
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_hierarchical_options, degree[0], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
+        OPTION_FIELD(bat_hierarchical_options, degree[1], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
+        OPTION_FIELD(bat_hierarchical_options, spans[0], OPTION_SIZE, 1, INFINITY),
+        OPTION_FIELD(bat_hierarchical_options, spans[1], OPTION_SIZE, 1, INFINITY),
+        OPTION_FIELD(bat_hierarchical_options, admissible, OPTION_INT, 0, INT_MAX),
+    };
+    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    if (status == BAT_OK && options != NULL && options->admissible == 1)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "admissible is 1, but must be 0 or at least 2");
+    return status;
 }
 
 /// Whether the cells and functions of a level in each direction can be numbered with 32 bits.
@@ -72,7 +72,9 @@ static bat_status make_of_tree(const bat_hierarchical_options *options, box_tree
 bat_status bat_hierarchical_space_make(const bat_hierarchical_options *options, bat_hierarchical_space **space,
                                        bat_error *error)
 {
-    bat_status status = check_options(options, error);
+    const bat_hierarchical_options defaults = bat_hierarchical_defaults();
+    options = options != NULL ? options : &defaults;
+    bat_status status = bat_hierarchical_options_check(options, error);
     if (status != BAT_OK)
         return status;
     if (!level_fits(options, 0))

@@ -1,0 +1,37 @@
+#ifndef BASE_CHOICE_H
+#define BASE_CHOICE_H
+
+#include "batten/base.h"
+
+/// @file
+/// Choices by name: every family of schemes, formats and so on is one table, whose rows begin with a bat_choice.
+
+typedef struct choice_table
+{
+    const char *what; ///< what a row is, for messages: "mesh scheme"
+    const void *rows; ///< `count` rows of `size` bytes; each begins with a bat_choice
+    size_t size, count;
+} choice_table;
+
+/// The table of an array of rows.
+#define CHOICE_TABLE(what, rows) {what, rows, sizeof *(rows), sizeof(rows) / sizeof *(rows)}
+
+/// The row of a number; null past the last.
+const bat_choice *choice_at(const choice_table *table, size_t index);
+/// The row of a name of `length` characters; null for none.
+const bat_choice *choice_find(const choice_table *table, const char *name, size_t length);
+/// The row with an enumerator; null for none.
+const bat_choice *choice_of_value(const choice_table *table, int value);
+/// The row whose endings have that of a path, in either case; null for none.
+const bat_choice *choice_of_path(const choice_table *table, const char *path);
+
+/// What a public bat_..._list() does.
+/// @return false past the last row
+bool choice_list(const choice_table *table, size_t index, bat_choice *choice);
+/// What a public bat_..._by_name() does.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names all rows
+bat_status choice_by_name(const choice_table *table, const char *name, int *value, bat_error *error);
+/// What a public bat_..._name() does: "unknown" for no row.
+const char *choice_name(const choice_table *table, int value);
+
+#endif

@@ -1,0 +1,69 @@
+#include "base/option.h"
+
+#include "base/error.h"
+
+#include <stdio.h>
+
+enum
+{
+    RANGE_SIZE = 80
+};
+
+static double value_of(const void *options, const option_field *field)
+{
+    const char *at = (const char *)options + field->offset;
+    switch (field->kind)
+    {
+    case OPTION_CHOICE:
+    case OPTION_INT:
+        return (double)*(const int *)(const void *)at;
+    case OPTION_SIZE:
+        return (double)*(const size_t *)(const void *)at;
+    default:
+        return *(const double *)(const void *)at;
+    }
+}
+
+static bool is_in_range(const option_field *field, double value)
+{
+    if (field->kind == OPTION_ANGLE && isnan(value))
+        return true;
+    if (field->kind == OPTION_ZERO && value == 0)
+        return true;
+    if (field->kind == OPTION_ABOVE && !(value > field->low))
+        return false;
+    bool bounded = field->kind == OPTION_SIZE || isfinite(value);
+    return bounded && value >= field->low && value <= field->high;
+}
+
+static void describe_range(const option_field *field, char range[RANGE_SIZE])
+{
+    bool number = field->kind == OPTION_NUMBER || field->kind == OPTION_ABOVE;
+    const char *finite = number && isinf(field->high) ? "finite and " : "";
+    if (isinf(field->low))
+        (void)snprintf(range, RANGE_SIZE, "finite");
+    else if (field->kind == OPTION_ABOVE && isinf(field->high))
+        (void)snprintf(range, RANGE_SIZE, "%sabove %.10g", finite, field->low);
+    else if (field->kind == OPTION_ABOVE)
+        (void)snprintf(range, RANGE_SIZE, "above %.10g and at most %.10g", field->low, field->high);
+    else if (isinf(field->high))
+        (void)snprintf(range, RANGE_SIZE, "%sat least %.10g", finite, field->low);
+    else
+        (void)snprintf(range, RANGE_SIZE, "%sfrom %.10g to %.10g%s", field->kind == OPTION_ZERO ? "0 or " : "", field->low,
+                       field->high, field->kind == OPTION_ANGLE ? ", or NaN" : "");
+}
+
+bat_status options_check(const void *options, const option_field *fields, size_t count, bat_error *error)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        double value = value_of(options, &fields[i]);
+        if (is_in_range(&fields[i], value))
+            continue;
+        char range[RANGE_SIZE];
+        describe_range(&fields[i], range);
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s is %.10g, but must be %s", fields[i].name, value,
+                         range);
+    }
+    return BAT_OK;
+}

@@ -1,0 +1,47 @@
+#ifndef BASE_OPTION_H
+#define BASE_OPTION_H
+
+#include "batten/base.h"
+
+#include <math.h>
+
+/// @file
+/// Ranges of options. One table describes the fields of an options struct; one text refuses a value out of its range.
+
+/// How a field is stored, and what its range means.
+typedef enum option_kind
+{
+    OPTION_CHOICE, ///< an enumeration from `low` to `high`
+    OPTION_INT,    ///< an int from `low` to `high`
+    OPTION_SIZE,   ///< a size_t from `low` to `high`; INFINITY: no upper bound
+    OPTION_NUMBER, ///< a finite double from `low` to `high`; -INFINITY and INFINITY: no bound
+    OPTION_ABOVE,  ///< a finite double above `low`, up to `high`
+    OPTION_ZERO,   ///< a double: 0 for an automatic value, or from `low` to `high`
+    OPTION_ANGLE,  ///< a finite double from `low` to `high`, or NaN for an automatic value
+} option_kind;
+
+/// A field of an options struct and its range.
+typedef struct option_field
+{
+    const char *name;
+    size_t offset;
+    option_kind kind;
+    double low, high;
+} option_field;
+
+/// The row of a field. `type` is the options struct.
+#define OPTION_FIELD(type, field, kind, low, high) {#field, offsetof(type, field), kind, low, high}
+
+/// The largest number of threads that an option may ask for.
+#define OPTION_MAX_THREADS 1024
+/// The row of `threads`.
+#define OPTION_THREADS(type) OPTION_FIELD(type, threads, OPTION_INT, 0, OPTION_MAX_THREADS)
+
+/// Check the fields of `options` in the order of the table.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field, its value and its range
+bat_status options_check(const void *options, const option_field *fields, size_t count, bat_error *error);
+
+/// options_check() of a whole table.
+#define OPTIONS_CHECK(options, fields, error) options_check(options, fields, sizeof(fields) / sizeof *(fields), error)
+
+#endif
