@@ -105,10 +105,13 @@ static int read_sweep_options(const arguments *given, const bat_analysis_options
     family->scheme = given->positional[0];
     if (!read_sweep(argument(given, "sweep"), family, options))
         return usage_error(given, "--sweep takes NAME=A:B, as in w=0:0.25, not '%s'", argument(given, "sweep"));
-    if (!argument_whole(given, "smoothness", 0, 30, 1, &smoothness) ||
-        !argument_number(given, "tolerance", 0, &options->tolerance))
+    if (!argument_whole(given, "smoothness", 0, 30, (long)options->smoothness, &smoothness) ||
+        !argument_number(given, "tolerance", options->tolerance, &options->tolerance))
         return EXIT_BAD_USAGE;
     options->smoothness = (size_t)smoothness;
+    bat_error wrong;
+    if (bat_mask_sweep_options_check(options, &wrong) != BAT_OK)
+        return usage_error(given, "%s", wrong.text);
     double ends[] = {options->begin, options->end};
     for (size_t i = 0; i < 2; i++)
     {

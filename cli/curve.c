@@ -107,14 +107,14 @@ static bool read_format(const arguments *given, const char *option, bat_curve_fo
 
 static bool read_choices(const arguments *given, curve_job *job)
 {
-    static const char *const END_RULES[] = {"reflect", "extrapolate", "free", NULL};
-    static const char *const PROJECTIONS[] = {"globe", "map", "both", NULL};
-    int ends, projection;
-    if (!argument_word(given, "ends", END_RULES, BAT_CURVE_END_REFLECT, &ends) ||
-        !argument_word(given, "projection", PROJECTIONS, BAT_CURVE_PROJECTION_GLOBE, &projection))
+    bat_error error;
+    const char *ends = argument(given, "ends"), *projection = argument(given, "projection");
+    if ((ends != NULL && bat_curve_end_rule_by_name(ends, &job->refine.ends, &error) != BAT_OK) ||
+        (projection != NULL && bat_curve_projection_by_name(projection, &job->draw.projection, &error) != BAT_OK))
+    {
+        (void)usage_error(given, "%s", error.text);
         return false;
-    job->refine.ends = (bat_curve_end_rule)ends;
-    job->draw.projection = (bat_curve_projection)projection;
+    }
     job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
     return read_format(given, "from", &job->read.format) && read_format(given, "to", &job->write.format);
 }

@@ -69,25 +69,20 @@ static bool read_numbers(const arguments *given, bat_mesh_decimate_options *opti
 {
     long vertices, candidates, seed;
     if (!argument_whole(given, "vertices", 0, BAT_MESH_NONE, -1, &vertices) ||
-        !argument_whole(given, "random", 1, 1000000, 0, &candidates) ||
-        !argument_whole(given, "seed", 0, 1000000000, 1, &seed) ||
+        !argument_whole(given, "random", 1, 1000000, (long)options->candidates, &candidates) ||
+        !argument_whole(given, "seed", 0, 1000000000, (long)options->seed, &seed) ||
         !argument_number(given, "min-normal", options->least_normal, &options->least_normal) ||
         !argument_number(given, "min-quality", options->least_quality, &options->least_quality) ||
         !argument_number(given, "boundary-weight", options->boundary_weight, &options->boundary_weight))
         return false;
-    const char *fault = NULL;
-    if (!(options->least_normal >= -1 && options->least_normal <= 1))
-        fault = "--min-normal takes a number from -1 to 1";
-    else if (!(options->least_quality >= 0 && options->least_quality <= 1))
-        fault = "--min-quality takes a number from 0 to 1";
-    else if (!(options->boundary_weight >= 0))
-        fault = "--boundary-weight takes a number of at least 0";
-    if (fault != NULL)
-        (void)usage_error(given, "%s", fault);
     options->vertices = vertices < 0 ? 0 : (size_t)vertices;
     options->candidates = (size_t)candidates;
     options->seed = (uint64_t)seed;
-    return fault == NULL;
+    bat_error error;
+    if (bat_mesh_decimate_options_check(options, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
 }
 
 /// False after a message.

@@ -356,6 +356,7 @@ static bool check_options(const arguments *given)
 static bool read_job(const arguments *given, mesh_job *job)
 {
     long samples;
+    bat_error error;
     *job = (mesh_job){.given = given,
                       .read = bat_mesh_read_defaults(),
                       .compare = bat_mesh_compare_defaults(),
@@ -372,9 +373,9 @@ static bool read_job(const arguments *given, mesh_job *job)
     job->read.triangulate = argument_flag(given, "triangulate");
     if (!argument_mesh_format(given, "from", &job->read.format))
         return false;
-    if (job->compare.tolerance < 0)
+    if (bat_mesh_compare_options_check(&job->compare, &error) != BAT_OK)
     {
-        (void)usage_error(given, "--tolerance is at least 0");
+        (void)usage_error(given, "%s", error.text);
         return false;
     }
     return true;

@@ -75,15 +75,17 @@ static bool read_numbers(const arguments *given, curve_job *job)
 {
     bat_motion_options *motion = &job->motion;
     long order;
-    if (!argument_number(given, "rate", 0, &motion->rate) || !argument_whole(given, "tangents", 2, 4, 2, &order) ||
+    bat_error error;
+    if (!argument_number(given, "rate", motion->rate, &motion->rate) ||
+        !argument_whole(given, "tangents", 2, 4, (long)motion->tangent_order, &order) ||
         !argument_number(given, "translation-weight", 0, &job->read.translation_weight))
         return false;
     motion->tangent_order = (size_t)order;
     motion->velocities = argument_flag(given, "velocities");
     if (argument(given, "rate") != NULL && !(motion->rate > 0))
         (void)usage_error(given, "--rate takes a positive number");
-    else if (order == 3)
-        (void)usage_error(given, "--tangents takes 2 or 4");
+    else if (bat_motion_options_check(motion, &error) != BAT_OK)
+        (void)usage_error(given, "%s", error.text);
     else if (argument(given, "translation-weight") != NULL && !(job->read.translation_weight > 0))
         (void)usage_error(given, "--translation-weight takes a positive number");
     else

@@ -177,7 +177,8 @@ static bool read_degrees(const arguments *given, int degree[2])
 
 static bool read_smoothing(const arguments *given, bat_surface_fit_options *fit)
 {
-    if (!argument_number(given, "smoothing", 0, &fit->weight) || !argument_number(given, "noise", 0, &fit->noise))
+    if (!argument_number(given, "smoothing", fit->weight, &fit->weight) ||
+        !argument_number(given, "noise", fit->noise, &fit->noise))
         return false;
     if (argument(given, "smoothing") != NULL)
         fit->smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
@@ -189,12 +190,12 @@ static bool read_smoothing(const arguments *given, bat_surface_fit_options *fit)
 static bool read_fit(const arguments *given, bat_surface_fit_options *fit)
 {
     long functions, iterations, corrections, final_corrections;
-    if (!read_degrees(given, fit->space.degree) || !argument_number(given, "tolerance", 0, &fit->tolerance) ||
-        !argument_number(given, "share", 1, &fit->share) || !read_smoothing(given, fit) ||
-        !argument_whole(given, "functions", 1, MAX_FUNCTIONS, 0, &functions) ||
+    if (!read_degrees(given, fit->space.degree) || !argument_number(given, "tolerance", fit->tolerance, &fit->tolerance) ||
+        !argument_number(given, "share", fit->share, &fit->share) || !read_smoothing(given, fit) ||
+        !argument_whole(given, "functions", 1, MAX_FUNCTIONS, (long)fit->functions, &functions) ||
         !argument_whole(given, "iterations", 0, MAX_ROUNDS, fit->iterations, &iterations) ||
         !argument_whole(given, "corrections", 0, MAX_ROUNDS, fit->corrections, &corrections) ||
-        !argument_whole(given, "final-corrections", 0, MAX_ROUNDS, 0, &final_corrections) ||
+        !argument_whole(given, "final-corrections", 0, MAX_ROUNDS, fit->final_corrections, &final_corrections) ||
         !argument_threads(given, &fit->threads))
         return false;
     fit->functions = (size_t)functions;
@@ -202,7 +203,11 @@ static bool read_fit(const arguments *given, bat_surface_fit_options *fit)
     fit->corrections = (int)corrections;
     fit->final_corrections = (int)final_corrections;
     fit->robust = argument_flag(given, "robust");
-    return true;
+    bat_error error;
+    if (bat_surface_fit_options_check(fit, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
 }
 
 /// A name, or the file of given parameters, which has a dot or a slash in its name.
@@ -211,21 +216,25 @@ static bool read_parameterization(const arguments *given, surface_job *job)
     const char *text = argument(given, "parameterization");
     if (text == NULL)
         return true;
-    for (int i = BAT_SURFACE_PARAMETERS_AUTO; i < BAT_SURFACE_PARAMETERS_GIVEN; i++)
-        if (strcmp(text, bat_surface_parameters_name((bat_surface_parameters)i)) == 0)
-        {
-            job->options.parameters = (bat_surface_parameters)i;
-            return true;
-        }
+    bat_error error;
+    if (bat_surface_parameters_by_name(text, &job->options.parameters, &error) == BAT_OK)
+        return true;
     job->options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
     job->parameter_file = text;
     if (strpbrk(text, "./") != NULL)
         return true;
-    (void)usage_error(given,
-                      "--parameterization takes auto, learned, shape-preserving, stretch-minimizing, inverse-distance, "
-                      "uniform, mean-value or a "
-                      "file such as ./%s, not '%s'",
-                      text, text);
+    (void)usage_error(given, "%s, or a file such as ./%s", error.text, text);
+    return false;
+}
+
+/// False after a message.
+static bool read_sides(const arguments *given, bat_cloud_sides *sides)
+{
+    bat_error error;
+    const char *name = argument(given, "sides");
+    if (name == NULL || bat_cloud_sides_by_name(name, sides, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
     return false;
 }
 
@@ -234,14 +243,8 @@ static const char *find_fault(const arguments *given, const surface_job *job)
 {
     const bat_surface_fit_options *fit = &job->options.fit;
     bool piped = is_standard_output(job->output);
-    if (fit->tolerance < 0 || (fit->tolerance == 0 && argument(given, "tolerance") != NULL))
+    if (fit->tolerance == 0 && argument(given, "tolerance") != NULL)
         return "--tolerance takes a number above 0";
-    if (!(fit->share > 0 && fit->share <= 1))
-        return "--share takes a number above 0 and at most 1";
-    if (fit->weight < 0)
-        return "--smoothing takes a number of at least 0";
-    if (argument(given, "noise") != NULL && !(fit->noise > 0))
-        return "--noise takes a number above 0";
     if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
         return "--noise and --smoothing exclude each other";
     if (argument(given, "share") != NULL && argument(given, "tolerance") == NULL)
@@ -258,8 +261,6 @@ static const char *find_fault(const arguments *given, const surface_job *job)
 /// False after a message.
 static bool read_job(const arguments *given, surface_job *job)
 {
-    static const char *const SIDES[] = {"chord-length", "centripetal", "uniform", NULL};
-    int sides;
     long samples;
     bat_error error;
     const char *to = argument(given, "to");
@@ -273,10 +274,8 @@ static bool read_job(const arguments *given, surface_job *job)
                          .json = argument_flag(given, "json"),
                          .quiet = argument_flag(given, "quiet")};
     if (!read_input(given, job) || !read_fit(given, &job->options.fit) || !read_parameterization(given, job) ||
-        !argument_word(given, "sides", SIDES, BAT_CLOUD_SIDES_CHORD_LENGTH, &sides) ||
-        !argument_whole(given, "samples", 1, MAX_ROUNDS, 0, &samples))
+        !read_sides(given, &job->options.sides) || !argument_whole(given, "samples", 1, MAX_ROUNDS, 0, &samples))
         return false;
-    job->options.sides = (bat_cloud_sides)sides;
     job->options.published = argument_flag(given, "published");
     job->options.no_repair = argument_flag(given, "no-repair");
     job->options.slide_boundary = argument_flag(given, "slide-boundary");

@@ -18,9 +18,16 @@ typedef enum bat_cloud_format
     BAT_CLOUD_FORMAT_OBJ   ///< vertices; faces, if there are, make it a mesh
 } bat_cloud_format;
 
-/// The format of a name: xyz, csv, ply or obj.
-/// @return BAT_OK or BAT_INVALID_ARGUMENT, `format` being untouched
-BAT_API bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *format, bat_error *error);
+/// A format, or "auto", by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_cloud_format_name(bat_cloud_format value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_cloud_format_list(size_t index, bat_choice *choice);
+/// The format that a path's ending stands for, in either case; else BAT_CLOUD_FORMAT_AUTO.
+BAT_API bat_cloud_format bat_cloud_format_of_path(const char *path);
 
 /// How to read. All zero: the defaults.
 typedef struct bat_cloud_read_options

@@ -49,6 +49,15 @@ typedef enum bat_curve_end_rule
     BAT_CURVE_END_FREE
 } bat_curve_end_rule;
 
+/// An end rule by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_curve_end_rule_by_name(const char *name, bat_curve_end_rule *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_curve_end_rule_name(bat_curve_end_rule value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_curve_end_rule_list(size_t index, bat_choice *choice);
+
 /// How to refine. Begin with bat_curve_refine_defaults().
 typedef struct bat_curve_refine_options
 {

@@ -9,9 +9,14 @@ BAT_C_BEGIN
 /// Curves from files and to files: CSV, GeoJSON, OBJ line elements and TUM trajectories. docs/formats.md says what each
 /// format means.
 
-/// A format by name: "auto", "csv", "geojson", "obj" or "tum".
-/// @return BAT_OK or BAT_INVALID_ARGUMENT
-BAT_API bat_status bat_curve_format_by_name(const char *name, bat_curve_format *format, bat_error *error);
+/// A format, or "auto", by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_curve_format_by_name(const char *name, bat_curve_format *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_curve_format_name(bat_curve_format value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_curve_format_list(size_t index, bat_choice *choice);
 /// The format that a path's ending stands for, in either case: .csv .txt, .geojson .json, .obj, .tum; else
 /// BAT_CURVE_FORMAT_AUTO.
 BAT_API bat_curve_format bat_curve_format_of_path(const char *path);

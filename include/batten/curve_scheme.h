@@ -151,9 +151,9 @@ BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_er
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
 BAT_API bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, bat_error *error);
 
-/// The names that bat_curve_scheme_by_name() knows, each with its settings and one line on what it is; `index` from 0 on.
+/// The table of schemes, row by row; `index` from 0 on.
 /// @return false past the last
-BAT_API bool bat_curve_scheme_list(size_t index, const char **name, const char **settings, const char **summary);
+BAT_API bool bat_curve_scheme_list(size_t index, bat_choice *choice);
 
 /// Whether the refined curve contains the vertices of the coarse one: a(0) = 1 and every other even coefficient 0.
 BAT_API bool bat_mask_is_interpolatory(const bat_mask *mask);
@@ -187,6 +187,9 @@ BAT_API bat_status bat_curve_model_read(const char *path, bat_curve_model **mode
 /// The network of the published recipe that the library's project trained (weights/tension-published.md), to compare with.
 /// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error);
+/// The models that come with the library, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_curve_model_list(size_t index, bat_choice *choice);
 /// Whether bat_curve_scheme's fairness means something to a model.
 BAT_API bool bat_curve_model_has_fairness(const bat_curve_model *model);
 /// Does nothing to null.

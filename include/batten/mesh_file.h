@@ -19,9 +19,14 @@ typedef enum bat_mesh_format
     BAT_MESH_FORMAT_STL
 } bat_mesh_format;
 
-/// A format by name: "auto", "obj", "ply", "off" or "stl".
-/// @return BAT_OK or BAT_INVALID_ARGUMENT
-BAT_API bat_status bat_mesh_format_by_name(const char *name, bat_mesh_format *format, bat_error *error);
+/// A format, or "auto", by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_mesh_format_by_name(const char *name, bat_mesh_format *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_mesh_format_name(bat_mesh_format value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_mesh_format_list(size_t index, bat_choice *choice);
 /// The format that a path's ending stands for, in either case: .obj, .ply, .off, .stl; else BAT_MESH_FORMAT_AUTO.
 BAT_API bat_mesh_format bat_mesh_format_of_path(const char *path);
 

@@ -24,12 +24,12 @@ typedef enum bat_mesh_scheme
     BAT_MESH_SCHEME_LEARNED    ///< by `rule`
 } bat_mesh_scheme;
 
-/// A scheme by name: "learned", "loop", "butterfly", "midpoint" or "sqrt3".
-/// @return BAT_OK or BAT_INVALID_ARGUMENT
-BAT_API bat_status bat_mesh_scheme_by_name(const char *name, bat_mesh_scheme *scheme, bat_error *error);
-/// The name of a scheme. Never null.
-BAT_API const char *bat_mesh_scheme_name(bat_mesh_scheme scheme);
-/// The schemes, one by one; `index` from 0 on.
+/// A scheme by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_mesh_scheme_by_name(const char *name, bat_mesh_scheme *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_mesh_scheme_name(bat_mesh_scheme value);
+/// The table, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_mesh_scheme_list(size_t index, bat_choice *choice);
 

@@ -122,9 +122,9 @@ BAT_API bat_status bat_hermite_options_check(const bat_hermite_options *options,
 /// @param options what the name does not say stays as it is
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
 BAT_API bat_status bat_hermite_by_name(const char *name, bat_hermite_options *options, bat_error *error);
-/// The names that bat_hermite_by_name() knows, each with its settings and one line on what it is; `index` from 0 on.
+/// The table of Hermite schemes, row by row; `index` from 0 on.
 /// @return false past the last
-BAT_API bool bat_hermite_list(size_t index, const char **name, const char **settings, const char **summary);
+BAT_API bool bat_hermite_list(size_t index, bat_choice *choice);
 
 /// Refine Hermite data by repeated subdivision. Old point i becomes new point i 2^levels where the scheme has vertices (odd
 /// orders, masks of odd length): count 2^levels points for a closed curve, (count - 1) 2^levels + 1 for an open one. Even

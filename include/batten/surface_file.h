@@ -19,9 +19,14 @@ typedef enum bat_surface_format
     BAT_SURFACE_FORMAT_JSON ///< degrees, boxes, functions, control points; exact
 } bat_surface_format;
 
-/// The format of a name: xml, step, vtk, obj or json.
-/// @return BAT_OK or BAT_INVALID_ARGUMENT, `format` being untouched
-BAT_API bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error);
+/// A format, or "auto", by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_surface_format_by_name(const char *name, bat_surface_format *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_surface_format_name(bat_surface_format value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_surface_format_list(size_t index, bat_choice *choice);
 /// The format that a path's ending stands for, in either case; else BAT_SURFACE_FORMAT_AUTO.
 BAT_API bat_surface_format bat_surface_format_of_path(const char *path);
 

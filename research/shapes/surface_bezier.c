@@ -4,6 +4,7 @@
 #include "research/shapes/surface_bezier.h"
 
 #include "base/error.h"
+#include "base/option.h"
 #include "research/data/wave.h"
 #include "research/shapes/cloud_sampling.h"
 
@@ -80,18 +81,17 @@ void bezier_surface_at(const bezier_surface *surface, const double parameter[2],
         point[c] = sum[c];
 }
 
-static bat_status check_options(const bat_cloud_bezier_options *options, bat_error *error)
+bat_status bat_cloud_bezier_options_check(const bat_cloud_bezier_options *options, bat_error *error)
 {
-    const char *wrong = NULL;
-    if (options->degree < 1 || options->degree > BEZIER_MAX_DEGREE)
-        wrong = "the degree of a Bézier cloud must be between 1 and 15";
-    else if (options->side == 1)
-        wrong = "a side of a Bézier cloud needs at least its two corners";
-    else if (!(options->noise >= 0 && isfinite(options->noise)))
-        wrong = "the noise of a Bézier cloud must be finite and not negative";
-    if (wrong != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
-    return BAT_OK;
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_cloud_bezier_options, degree, OPTION_INT, 1, BEZIER_MAX_DEGREE),
+        OPTION_FIELD(bat_cloud_bezier_options, noise, OPTION_NUMBER, 0, INFINITY),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    if (options->side == 1)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "side is 1, but must be 0 or at least 2");
+    return OPTIONS_CHECK(options, FIELDS, error);
 }
 
 /// Equally spaced boundary parameters, then uniformly distributed interior ones.
@@ -108,7 +108,9 @@ static void draw_parameters(sampled_cloud *sampled, size_t side, bat_random *ran
 bat_status bat_cloud_bezier(const bat_cloud_bezier_options *options, bat_random *random, bat_cloud *cloud,
                             double **parameters, bat_error *error)
 {
-    bat_status status = check_options(options, error);
+    const bat_cloud_bezier_options defaults = bat_cloud_bezier_defaults();
+    options = options != NULL ? options : &defaults;
+    bat_status status = bat_cloud_bezier_options_check(options, error);
     if (status != BAT_OK)
         return status;
     size_t side = options->side > 0 ? options->side : 2 + (size_t)lround(sqrt((double)options->interior));

@@ -14,7 +14,10 @@ typedef struct choice_table
 } choice_table;
 
 /// The table of an array of rows.
-#define CHOICE_TABLE(what, rows) {what, rows, sizeof *(rows), sizeof(rows) / sizeof *(rows)}
+#define CHOICE_TABLE(what, rows)                                                                                            \
+    {                                                                                                                       \
+        what, rows, sizeof *(rows), sizeof(rows) / sizeof *(rows)                                                           \
+    }
 
 /// The row of a number; null past the last.
 const bat_choice *choice_at(const choice_table *table, size_t index);
@@ -33,5 +36,25 @@ bool choice_list(const choice_table *table, size_t index, bat_choice *choice);
 bat_status choice_by_name(const choice_table *table, const char *name, int *value, bat_error *error);
 /// What a public bat_..._name() does: "unknown" for no row.
 const char *choice_name(const choice_table *table, int value);
+
+/// The public functions of a family with an enumeration: bat_..._list(), which begins at row `first`, bat_..._name() and
+/// bat_..._by_name().
+#define CHOICE_FUNCTIONS(family, table, first)                                                                              \
+    bool family##_list(size_t index, bat_choice *choice)                                                                    \
+    {                                                                                                                       \
+        return choice_list(&(table), index + (first), choice);                                                              \
+    }                                                                                                                       \
+    const char *family##_name(family value)                                                                                 \
+    {                                                                                                                       \
+        return choice_name(&(table), (int)value);                                                                           \
+    }                                                                                                                       \
+    bat_status family##_by_name(const char *name, family *value, bat_error *error)                                          \
+    {                                                                                                                       \
+        int number;                                                                                                         \
+        bat_status status = choice_by_name(&(table), name, &number, error);                                                 \
+        if (status == BAT_OK)                                                                                               \
+            *value = (family)number;                                                                                        \
+        return status;                                                                                                      \
+    }
 
 #endif

@@ -1,5 +1,6 @@
 #include "batten/curve.h"
 
+#include "base/choice.h"
 #include "curve/plan.h"
 #include "space/known.h"
 
@@ -44,3 +45,14 @@ bat_curve_scheme bat_curves_scheme(const bat_curve *curves, size_t count, const 
         return options->scheme;
     return bat_curve_scheme_for(curves[0].space, curves_new_points(curves, count, options->levels), name);
 }
+
+static const bat_choice END_RULES[] = {
+    {.name = "reflect", .summary = "point reflection in the end point", .value = BAT_CURVE_END_REFLECT},
+    {.name = "extrapolate",
+     .summary = "the extrapolation that keeps what the scheme reproduces",
+     .value = BAT_CURVE_END_EXTRAPOLATE},
+    {.name = "free", .summary = "none: the curve shrinks; linear schemes", .value = BAT_CURVE_END_FREE},
+};
+static const choice_table END_TABLE = CHOICE_TABLE("end rule", END_RULES);
+
+CHOICE_FUNCTIONS(bat_curve_end_rule, END_TABLE, 0)

@@ -1,6 +1,7 @@
 #include "batten/curve.h"
 #include "batten/curve_scheme.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
 
@@ -21,7 +22,7 @@ typedef struct settings
 /// One name: what it takes, and how the settings become a scheme.
 typedef struct entry
 {
-    const char *name, *settings, *summary;
+    bat_choice choice;
     settings defaults;
     bat_curve_scheme (*make)(const settings *);
 } entry;
@@ -92,70 +93,68 @@ static bat_curve_scheme make_learned(const settings *s)
 }
 
 static const entry ENTRIES[] = {
-    {"chaikin", "", "corner cutting at 1/4 and 3/4, the quadratic B-spline; R^n", {.w = 0}, make_chaikin},
-    {"corner-cutting", "r=0.25,s=0.75", "corner cutting at r and s; R^n", {.r = 0.25, .s = 0.75}, make_corner_cutting},
-    {"four-point",
-     "w=0.0625",
-     "interpolates, C1, reproduces cubics; R^n",
+    {{.name = "chaikin", .settings = "", .summary = "corner cutting at 1/4 and 3/4, the quadratic B-spline; R^n"},
+     {.w = 0},
+     make_chaikin},
+    {{.name = "corner-cutting", .settings = "r=0.25,s=0.75", .summary = "corner cutting at r and s; R^n"},
+     {.r = 0.25, .s = 0.75},
+     make_corner_cutting},
+    {{.name = "four-point", .settings = "w=0.0625", .summary = "interpolates, C1, reproduces cubics; R^n"},
      {.w = BAT_MASK_FOUR_POINT_WEIGHT},
      make_four_point},
-    {"six-point",
-     "w=0.01171875",
-     "interpolates, C2, reproduces quintics; R^n",
+    {{.name = "six-point", .settings = "w=0.01171875", .summary = "interpolates, C2, reproduces quintics; R^n"},
      {.w = BAT_MASK_SIX_POINT_WEIGHT},
      make_six_point},
-    {"lane-riesenfeld", "order=3", "the B-spline of degree `order`; R^n", {.order = 3}, make_lane_riesenfeld},
-    {"mask", "a,b,c,…@first", "any mask, coefficients as numbers or fractions; R^n", {.w = 0}, NULL},
-    {"angle-4",
-     "sign=outward,adaptive=0",
-     "interpolates by exterior angles, tension 0; plane, sphere, disk",
+    {{.name = "lane-riesenfeld", .settings = "order=3", .summary = "the B-spline of degree `order`; R^n"},
+     {.order = 3},
+     make_lane_riesenfeld},
+    {{.name = "mask", .settings = "a,b,c,…@first", .summary = "any mask, coefficients as numbers or fractions; R^n"},
+     {.w = 0},
+     NULL},
+    {{.name = "angle-4",
+      .settings = "sign=outward,adaptive=0",
+      .summary = "interpolates by exterior angles, tension 0; plane, sphere, disk"},
      {.mu = 0},
      make_angle},
-    {"angle-6",
-     "sign=outward,adaptive=0",
-     "interpolates by exterior angles, tension -1/4; plane, sphere, disk",
+    {{.name = "angle-6",
+      .settings = "sign=outward,adaptive=0",
+      .summary = "interpolates by exterior angles, tension -1/4; plane, sphere, disk"},
      {.mu = BAT_CURVE_TENSION_SIX_POINT},
      make_angle},
-    {"angle",
-     "mu=0,sign=outward,adaptive=0",
-     "interpolates by exterior angles, any tension; plane, sphere, disk",
+    {{.name = "angle",
+      .settings = "mu=0,sign=outward,adaptive=0",
+      .summary = "interpolates by exterior angles, any tension; plane, sphere, disk"},
      {.mu = 0},
      make_angle},
-    {"log-exp-4",
-     "w=0.0625,base=vertex",
-     "the four-point scheme in tangent spaces; any space",
+    {{.name = "log-exp-4",
+      .settings = "w=0.0625,base=vertex",
+      .summary = "the four-point scheme in tangent spaces; any space"},
      {.w = BAT_MASK_FOUR_POINT_WEIGHT},
      make_log_exp_4},
-    {"log-exp-6",
-     "w=0.01171875,base=vertex",
-     "the six-point scheme in tangent spaces; any space",
+    {{.name = "log-exp-6",
+      .settings = "w=0.01171875,base=vertex",
+      .summary = "the six-point scheme in tangent spaces; any space"},
      {.w = BAT_MASK_SIX_POINT_WEIGHT},
      make_log_exp_6},
-    {"log-exp-lane-riesenfeld",
-     "order=3,base=vertex",
-     "the B-spline of degree `order` in tangent spaces; any space",
+    {{.name = "log-exp-lane-riesenfeld",
+      .settings = "order=3,base=vertex",
+      .summary = "the B-spline of degree `order` in tangent spaces; any space"},
      {.order = 3},
      make_log_exp_lane_riesenfeld},
-    {"geodesic", "order=3", "Lane-Riesenfeld by midpoints of geodesics; any space", {.order = 3}, make_geodesic},
-    {"learned",
-     "fairness=0.5",
-     "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk",
+    {{.name = "geodesic", .settings = "order=3", .summary = "Lane-Riesenfeld by midpoints of geodesics; any space"},
+     {.order = 3},
+     make_geodesic},
+    {{.name = "learned",
+      .settings = "fairness=0.5",
+      .summary = "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk"},
      {.fairness = 0.5},
      make_learned},
 };
-enum
-{
-    ENTRY_COUNT = sizeof ENTRIES / sizeof ENTRIES[0]
-};
+static const choice_table TABLE = CHOICE_TABLE("scheme", ENTRIES);
 
-bool bat_curve_scheme_list(size_t index, const char **name, const char **setting_list, const char **summary)
+bool bat_curve_scheme_list(size_t index, bat_choice *choice)
 {
-    if (index >= ENTRY_COUNT)
-        return false;
-    *name = ENTRIES[index].name;
-    *setting_list = ENTRIES[index].settings;
-    *summary = ENTRIES[index].summary;
-    return true;
+    return choice_list(&TABLE, index, choice);
 }
 
 /// A number or a fraction of two, up to the character after it.
@@ -215,7 +214,7 @@ static bat_status read_mask(const char *text, bat_curve_scheme *scheme, bat_erro
 /// Whether the entry's settings text begins one of its items with `key=`.
 static bool takes(const entry *e, const char *key, size_t length)
 {
-    for (const char *item = e->settings; item != NULL && *item != '\0'; item = strchr(item, ','))
+    for (const char *item = e->choice.settings; item != NULL && *item != '\0'; item = strchr(item, ','))
     {
         item += *item == ',' ? 1 : 0;
         if (strncmp(item, key, length) == 0 && item[length] == '=')
@@ -281,14 +280,14 @@ static bat_status read_settings(const entry *e, const char *text, settings *s, b
         const char *key = text;
         if (text[key_length] != '=' || !takes(e, key, key_length))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the scheme %s has no setting '%.*s'; it takes: %s", e->name, (int)key_length, key,
-                             e->settings[0] != '\0' ? e->settings : "none");
+                             "the scheme %s has no setting '%.*s'; it takes: %s", e->choice.name, (int)key_length, key,
+                             e->choice.settings[0] != '\0' ? e->choice.settings : "none");
         const char *value = text + key_length + 1;
         size_t length = strcspn(value, ",");
         if (!read_setting(key, key_length, value, length, s))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, key, e->name, (int)length,
-                             value);
+                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, key, e->choice.name,
+                             (int)length, value);
         more = value[length] == ',';
         text = value + length + 1;
     }
@@ -312,25 +311,21 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
 {
     size_t length = strcspn(name, ":");
     const char *text = name[length] == ':' ? name + length + 1 : name + length;
-    for (size_t i = 0; i < ENTRY_COUNT; i++)
-    {
-        const entry *e = &ENTRIES[i];
-        if (strlen(e->name) != length || strncmp(e->name, name, length) != 0)
-            continue;
-        if (e->make == NULL)
-            return read_mask(text, scheme, error);
-        settings s = e->defaults;
-        bat_status status = read_settings(e, text, &s, error);
-        if (status == BAT_OK)
-            status = check_settings(e, &s, error);
-        if (status != BAT_OK)
-            return status;
-        bat_curve_scheme made = e->make(&s);
-        status = bat_curve_scheme_check(&made, error);
-        if (status == BAT_OK)
-            *scheme = made;
+    const entry *e = (const entry *)(const void *)choice_find(&TABLE, name, length);
+    if (e == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
+    if (e->make == NULL)
+        return read_mask(text, scheme, error);
+    settings s = e->defaults;
+    bat_status status = read_settings(e, text, &s, error);
+    if (status == BAT_OK)
+        status = check_settings(e, &s, error);
+    if (status != BAT_OK)
         return status;
-    }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
+    bat_curve_scheme made = e->make(&s);
+    status = bat_curve_scheme_check(&made, error);
+    if (status == BAT_OK)
+        *scheme = made;
+    return status;
 }

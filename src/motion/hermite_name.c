@@ -1,6 +1,8 @@
 #include "batten/motion_hermite.h"
 
+#include "base/choice.h"
 #include "base/error.h"
+#include "base/option.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +18,7 @@ typedef struct settings
 /// One name: its settings, and the function that converts them to options.
 typedef struct entry
 {
-    const char *name, *settings, *summary;
+    bat_choice choice;
     void (*apply)(const settings *, bat_hermite_options *);
 } entry;
 
@@ -43,32 +45,30 @@ static void apply_de_rham(const settings *s, bat_hermite_options *options)
 static const settings DEFAULTS = {.order = 1, .lambda = -0.125, .mu = -0.5, .base = BAT_CURVE_BASE_VERTEX};
 
 static const entry ENTRIES[] = {
-    {"hermite", "order=1", "by points and tangents, order 1 through the points; any space; --rate samples it in time",
+    {{.name = "hermite",
+      .settings = "order=1",
+      .summary = "by points and tangents, order 1 through the points; any space; --rate samples it in time"},
      apply_hermite},
-    {"hermite-merrien", "lambda=-0.125,mu=-0.5,base=vertex",
-     "Merrien's scheme by parallel transport, through the points, evenly spaced; any space", apply_merrien},
-    {"hermite-de-rham", "base=vertex", "its de Rham transform by parallel transport, C2, near the points; any space",
+    {{.name = "hermite-merrien",
+      .settings = "lambda=-0.125,mu=-0.5,base=vertex",
+      .summary = "Merrien's scheme by parallel transport, through the points, evenly spaced; any space"},
+     apply_merrien},
+    {{.name = "hermite-de-rham",
+      .settings = "base=vertex",
+      .summary = "its de Rham transform by parallel transport, C2, near the points; any space"},
      apply_de_rham},
 };
-enum
-{
-    ENTRY_COUNT = sizeof ENTRIES / sizeof ENTRIES[0]
-};
+static const choice_table TABLE = CHOICE_TABLE("scheme", ENTRIES);
 
-bool bat_hermite_list(size_t index, const char **name, const char **setting_list, const char **summary)
+bool bat_hermite_list(size_t index, bat_choice *choice)
 {
-    if (index >= ENTRY_COUNT)
-        return false;
-    *name = ENTRIES[index].name;
-    *setting_list = ENTRIES[index].settings;
-    *summary = ENTRIES[index].summary;
-    return true;
+    return choice_list(&TABLE, index, choice);
 }
 
 /// Whether the entry's settings text begins one of its items with `key=`.
 static bool takes(const entry *e, const char *key, size_t length)
 {
-    for (const char *item = e->settings; item != NULL; item = strchr(item, ','))
+    for (const char *item = e->choice.settings; item != NULL; item = strchr(item, ','))
     {
         item += *item == ',';
         if (strncmp(item, key, length) == 0 && item[length] == '=')
@@ -103,37 +103,35 @@ static bat_status read_settings(const entry *e, const char *text, settings *s, b
         size_t key_length = strcspn(text, "=,");
         if (text[key_length] != '=' || !takes(e, text, key_length))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the scheme %s has no setting '%.*s'; it takes: %s", e->name, (int)key_length, text,
-                             e->settings);
+                             "the scheme %s has no setting '%.*s'; it takes: %s", e->choice.name, (int)key_length, text,
+                             e->choice.settings);
         const char *value = text + key_length + 1;
         size_t length = strcspn(value, ",");
         if (!read_setting(text, key_length, value, length, s))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, text, e->name,
+                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, text, e->choice.name,
                              (int)length, value);
         more = value[length] == ',';
         text = value + length + more;
     }
-    if (!(s->order >= 1 && s->order <= BAT_HERMITE_MAX_ORDER && s->order == floor(s->order)))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the order must be a whole number from 1 to %d, not %g", BAT_HERMITE_MAX_ORDER, s->order);
-    return BAT_OK;
+    static const option_field ORDER[] = {OPTION_FIELD(settings, order, OPTION_NUMBER, 1, BAT_HERMITE_MAX_ORDER)};
+    if (s->order != floor(s->order))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "order is %.10g, but must be a whole number",
+                         s->order);
+    return OPTIONS_CHECK(s, ORDER, error);
 }
 
 bat_status bat_hermite_by_name(const char *name, bat_hermite_options *options, bat_error *error)
 {
     size_t length = strcspn(name, ":");
     const char *text = name[length] == ':' ? name + length + 1 : name + length;
-    for (size_t i = 0; i < ENTRY_COUNT; i++)
-    {
-        settings s = DEFAULTS;
-        if (!is_word(name, length, ENTRIES[i].name))
-            continue;
-        bat_status status = read_settings(&ENTRIES[i], text, &s, error);
-        if (status == BAT_OK)
-            ENTRIES[i].apply(&s, options);
-        return status;
-    }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
+    const entry *e = (const entry *)(const void *)choice_find(&TABLE, name, length);
+    if (e == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
+    settings s = DEFAULTS;
+    bat_status status = read_settings(e, text, &s, error);
+    if (status == BAT_OK)
+        e->apply(&s, options);
+    return status;
 }

@@ -1,33 +1,94 @@
 #include "batten/space.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 
 #include <math.h>
 #include <string.h>
 
+/// A space by name: how it is made for points of `point_dim` numbers, 0 for the usual number.
+typedef struct space_row
+{
+    bat_choice choice;
+    bat_space (*make)(size_t point_dim);
+} space_row;
+
+static bat_space make_plane(size_t point_dim)
+{
+    (void)point_dim;
+    return bat_euclidean(2);
+}
+
+static bat_space make_euclidean(size_t point_dim)
+{
+    return bat_euclidean(point_dim == 0 ? 3 : point_dim);
+}
+
+static bat_space make_sphere(size_t point_dim)
+{
+    return bat_sphere(point_dim == 0 ? 2 : point_dim - 1);
+}
+
+static bat_space make_disk(size_t point_dim)
+{
+    (void)point_dim;
+    return bat_disk();
+}
+
+static bat_space make_rotation(size_t point_dim)
+{
+    (void)point_dim;
+    return bat_rotation();
+}
+
+static bat_space make_rigid(size_t point_dim)
+{
+    (void)point_dim;
+    bat_space space;
+    (void)bat_rigid(1, &space, NULL);
+    return space;
+}
+
+static bat_space make_positive_definite(size_t point_dim)
+{
+    return bat_positive_definite(point_dim == 0 ? 3 : (size_t)sqrt(2 * (double)point_dim));
+}
+
+static bat_space make_hyperbolic(size_t point_dim)
+{
+    return bat_hyperbolic(point_dim == 0 ? 2 : point_dim - 1);
+}
+
+static const space_row SPACES[] = {
+    {{.name = "plane", .summary = "R^2"}, make_plane},
+    {{.name = "euclidean", .summary = "R^n, n from the file"}, make_euclidean},
+    {{.name = "sphere", .summary = "unit vectors, or longitude and latitude in degrees; S^2, or S^n from the file"},
+     make_sphere},
+    {{.name = "disk", .summary = "the hyperbolic plane as the Poincaré disk, points of length below 1"}, make_disk},
+    {{.name = "rotation",
+      .summary = "rotations of R^3: quaternions, matrices or rotation vectors by the names of the columns; else w, x, y, z"},
+     make_rotation},
+    {{.name = "rigid", .summary = "poses: translation and rotation, or timestamp tx ty tz qx qy qz qw as in the TUM format"},
+     make_rigid},
+    {{.name = "spd",
+      .summary = "symmetric positive-definite matrices (tensors), the upper triangle row by row: xx, xy, xz, yy, yz, zz"},
+     make_positive_definite},
+    {{.name = "hyperbolic", .summary = "the hyperboloid in R^(n+1), n from the file: x0, then x"}, make_hyperbolic},
+};
+static const choice_table TABLE = CHOICE_TABLE("space", SPACES);
+
+bool bat_space_list(size_t index, bat_choice *choice)
+{
+    return choice_list(&TABLE, index, choice);
+}
+
 bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *space, bat_error *error)
 {
-    bat_space found;
-    if (strcmp(name, "plane") == 0)
-        found = bat_euclidean(2);
-    else if (strcmp(name, "disk") == 0)
-        found = bat_disk();
-    else if (strcmp(name, "euclidean") == 0)
-        found = bat_euclidean(point_dim == 0 ? 3 : point_dim);
-    else if (strcmp(name, "sphere") == 0)
-        found = bat_sphere(point_dim == 0 ? 2 : point_dim - 1);
-    else if (strcmp(name, "rotation") == 0)
-        found = bat_rotation();
-    else if (strcmp(name, "rigid") == 0)
-        (void)bat_rigid(1, &found, NULL);
-    else if (strcmp(name, "spd") == 0)
-        found = bat_positive_definite(point_dim == 0 ? 3 : (size_t)sqrt(2 * (double)point_dim));
-    else if (strcmp(name, "hyperbolic") == 0)
-        found = bat_hyperbolic(point_dim == 0 ? 2 : point_dim - 1);
-    else
-        return error_set(
-            error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-            "there is no space '%s'; the spaces are plane, euclidean, sphere, disk, rotation, rigid, spd, hyperbolic", name);
+    const bat_choice *row = choice_find(&TABLE, name, strlen(name));
+    int value;
+    if (row == NULL)
+        return choice_by_name(&TABLE, name, &value, error);
+    bat_space found = ((const space_row *)(const void *)row)->make(point_dim);
     if (point_dim != 0 && found.point_dim != point_dim)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a point of the %s has %zu coordinates, not %zu",
                          name, found.point_dim, point_dim);

@@ -7,6 +7,7 @@
 
 #include "batten/surface.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -26,19 +27,51 @@ enum
 // Progress share of the fits to samples, for clouds that are fitted on a sample first.
 static const double TRIAL_SHARE = 0.3;
 
+/// The last row, parameters that are given, has no name that by_name() takes.
+static const bat_choice PARAMETERS[] = {
+    {.name = "auto",
+     .summary = "learned, shape-preserving and stretch-minimizing ones, mean values for a mesh: those that fit best by "
+                "measure; docs/surfaces.md",
+     .value = BAT_SURFACE_PARAMETERS_AUTO},
+    {.name = "learned",
+     .summary = "the network that comes with batten, or --model FILE; docs/surface-network.md",
+     .value = BAT_SURFACE_PARAMETERS_LEARNED},
+    {.name = "shape-preserving",
+     .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/parameterization.md",
+     .value = BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING},
+    {.name = "inverse-distance",
+     .summary = "weights by the inverse distance of neighbours",
+     .value = BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE},
+    {.name = "uniform", .summary = "all neighbours weigh the same", .value = BAT_SURFACE_PARAMETERS_UNIFORM},
+    {.name = "mean-value",
+     .summary = "Floater's mean values, for clouds that are meshes",
+     .value = BAT_SURFACE_PARAMETERS_MEAN_VALUE},
+    {.name = "stretch-minimizing",
+     .summary = "shape-preserving, evened out: for deep shapes",
+     .value = BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING},
+    {.name = "given", .summary = "brought by the caller", .value = BAT_SURFACE_PARAMETERS_GIVEN},
+};
+static const choice_table ALL = CHOICE_TABLE("parameterization", PARAMETERS);
+static const choice_table NAMED = {"parameterization", PARAMETERS, sizeof *PARAMETERS,
+                                   sizeof PARAMETERS / sizeof *PARAMETERS - 1};
+
+bool bat_surface_parameters_list(size_t index, bat_choice *choice)
+{
+    return choice_list(&NAMED, index, choice);
+}
+
 const char *bat_surface_parameters_name(bat_surface_parameters parameters)
 {
-    static const char *const NAMES[BAT_SURFACE_PARAMETERS_COUNT] = {
-        [BAT_SURFACE_PARAMETERS_AUTO] = "auto",
-        [BAT_SURFACE_PARAMETERS_LEARNED] = "learned",
-        [BAT_SURFACE_PARAMETERS_UNIFORM] = "uniform",
-        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = "inverse-distance",
-        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = "shape-preserving",
-        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = "mean-value",
-        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = "stretch-minimizing",
-        [BAT_SURFACE_PARAMETERS_GIVEN] = "given",
-    };
-    return (unsigned)parameters < BAT_SURFACE_PARAMETERS_COUNT ? NAMES[parameters] : "unknown";
+    return choice_name(&ALL, (int)parameters);
+}
+
+bat_status bat_surface_parameters_by_name(const char *name, bat_surface_parameters *parameters, bat_error *error)
+{
+    int value;
+    bat_status status = choice_by_name(&NAMED, name, &value, error);
+    if (status == BAT_OK)
+        *parameters = (bat_surface_parameters)value;
+    return status;
 }
 
 bat_surface_options bat_surface_defaults(void)

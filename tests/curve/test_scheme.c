@@ -45,9 +45,9 @@ static void scheme_names_are_read_strictly(void **state)
     assert_int_equal(scheme("angle:mu=-1/8,sign=printed").sign, BAT_CURVE_ANGLE_PRINTED);
     assert_int_equal(scheme("log-exp-6:base=midpoint").base, BAT_CURVE_BASE_MIDPOINT);
     assert_int_equal(scheme("mask:1/4,3/4,3/4,1/4").mask.first, -2);
-    const char *name, *settings, *summary;
+    bat_choice choice;
     size_t listed = 0;
-    while (bat_curve_scheme_list(listed, &name, &settings, &summary))
+    while (bat_curve_scheme_list(listed, &choice))
         listed++;
     assert_int_equal(listed, 14);
     assert_true(scheme("learned").rule != NULL && scheme("learned").fairness == 0.5);

@@ -468,10 +468,10 @@ static void names_of_schemes(void **state)
     bat_hermite_options options = bat_hermite_defaults();
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(bat_hermite_by_name(bad[i], &options, NULL), BAT_INVALID_ARGUMENT);
-    const char *name, *settings, *summary;
+    bat_choice choice;
     size_t count = 0;
-    for (; bat_hermite_list(count, &name, &settings, &summary); count++)
-        assert_int_equal(bat_hermite_by_name(name, &options, NULL), BAT_OK);
+    for (; bat_hermite_list(count, &choice); count++)
+        assert_int_equal(bat_hermite_by_name(choice.name, &options, NULL), BAT_OK);
     assert_int_equal(count, 3);
     assert_int_equal(bat_hermite_by_name("hermite-merrien:lambda=-0.1,mu=-0.25,base=midpoint", &options, NULL), BAT_OK);
     assert_int_equal(options.base, BAT_CURVE_BASE_MIDPOINT);

@@ -173,7 +173,7 @@ refused 2 'one of published' reproduce tension-table1 --set stale
 refused 2 'exclude' curve good.in.csv --closed --open
 refused 2 'angle-based' curve good.in.csv --scheme learned --model none.in --truth good.in.csv --best-tension -o out.csv
 refused 2 'given twice' curve good.in.csv --levels 2 --levels 3
-refused 2 'one of' curve good.in.csv --ends none
+refused 2 'there is no end rule' curve good.in.csv --ends none
 refused 2 'json' curve good.in.csv --json -o -
 refused 2 'exclude' curve good.in.csv --json --quiet
 refused 2 'overwrite' curve good.in.csv -o out.csv --picture out.csv
@@ -274,7 +274,7 @@ refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
 refused 2 '--vertices N is missing' decimate mesh.in.obj -o out.csv
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
-refused 2 'min-quality takes a number from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2
+refused 2 'least_quality is 2, but must be from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2
 refused 1 'fins.in.obj: .*third at the edge' decimate fins.in.obj -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 
@@ -349,10 +349,10 @@ surface 'empty.in.xml: cannot open' empty.in.xml
 refused 1 'no/such' surface cloud.in.xyz --parameterization uniform -o no/such/fit.step
 refused 1 'no/such' surface cloud.in.xyz --parameterization uniform --parameters no/such/fit.uv
 refused 2 'missing' surface
-refused 2 'tolerance takes a number above 0' surface cloud.in.xyz --tolerance -1
+refused 2 'tolerance is -1, but must be' surface cloud.in.xyz --tolerance -1
 refused 2 'tolerance takes a number above 0' surface cloud.in.xyz --tolerance 0
 refused 2 'takes a number, not' surface cloud.in.xyz --tolerance x
-refused 2 'share takes' surface cloud.in.xyz --tolerance 1 --share 1.5
+refused 2 'share is 1.5, but must be' surface cloud.in.xyz --tolerance 1 --share 1.5
 refused 2 'share needs' surface cloud.in.xyz --share 0.9
 refused 2 'exclude each other' surface cloud.in.xyz --noise 1 --smoothing 1
 refused 2 'two like 3,2' surface cloud.in.xyz --degree 0
@@ -360,9 +360,9 @@ refused 2 'two like 3,2' surface cloud.in.xyz --degree 3,
 refused 2 'two like 3,2' surface cloud.in.xyz --degree 3,16
 refused 2 'number of points from 4' surface cloud.in.xyz --boundary 3
 refused 2 'four numbers' surface cloud.in.xyz --corners 1,2,3
-refused 2 'parameterization takes' surface cloud.in.xyz --parameterization fancy
+refused 2 'there is no parameterization .fancy.; there are auto' surface cloud.in.xyz --parameterization fancy
 refused 2 'goes with auto and learned' surface cloud.in.xyz --parameterization uniform --model good.in.csv
-refused 2 'one of chord-length' surface cloud.in.xyz --sides short
+refused 2 'there are chord-length, centripetal, uniform' surface cloud.in.xyz --sides short
 refused 2 "ending of OUT names no format" surface cloud.in.xyz -o out.csv
 refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to iges
 refused 2 'no cloud format' surface cloud.in.xyz --from stl

@@ -19,7 +19,11 @@ typedef struct bat_cloud_bezier_options
     bool turned;  ///< apply a random rotation; default true
 } bat_cloud_bezier_options;
 
+/// The options' default values.
 BAT_API bat_cloud_bezier_options bat_cloud_bezier_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_cloud_bezier_options_check(const bat_cloud_bezier_options *options, bat_error *error);
 
 /// Sample a tensor-product Bézier surface whose control point (i, j) is drawn from [i/p - 1/(2p), i/p + 1/(2p)] x the same
 /// of j x [-1, 1] (Giannelli et al., 2023, section 4.2, there for p = 2).

@@ -1,5 +1,6 @@
 #include "batten/curve_scheme.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "curve/network/learned_network.h"
 #include "curve/network/learned_rule.h"
@@ -111,6 +112,18 @@ bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_e
     status = model_of(&content, model, error);
     safetensors_free(&content);
     return status;
+}
+
+bool bat_curve_model_list(size_t index, bat_choice *choice)
+{
+    static const bat_choice MODELS[] = {
+        {.name = "learned", .summary = "the curve scheme that comes with the library, 100,160 weights; weights/batten.md"},
+        {.name = "learned-published",
+         .summary =
+             "the network of Ugail and Howard (2026), 140,505 weights, to compare with; weights/tension-published.md"},
+    };
+    static const choice_table TABLE = CHOICE_TABLE("curve model", MODELS);
+    return choice_list(&TABLE, index, choice);
 }
 
 bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error)

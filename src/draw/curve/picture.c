@@ -1,5 +1,6 @@
 #include "batten/curve_picture.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/common/sheet.h"
@@ -11,6 +12,14 @@
 
 /// @file
 /// Pictures of curves: a page of panels with a legend.
+static const bat_choice PROJECTIONS[] = {
+    {.name = "globe", .summary = "orthographic, from far away", .value = BAT_CURVE_PROJECTION_GLOBE},
+    {.name = "map", .summary = "equirectangular", .value = BAT_CURVE_PROJECTION_MAP},
+    {.name = "both", .summary = "the globe, and the map to its right", .value = BAT_CURVE_PROJECTION_BOTH},
+};
+static const choice_table TABLE = CHOICE_TABLE("projection", PROJECTIONS);
+
+CHOICE_FUNCTIONS(bat_curve_projection, TABLE, 0)
 
 bat_curve_picture_options bat_curve_picture_defaults(void)
 {

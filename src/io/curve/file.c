@@ -1,6 +1,7 @@
 #include "batten/curve_file.h"
 
 #include "base/atomic_file.h"
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
 #include "curve/curve_attributes.h"
@@ -14,37 +15,63 @@
 /// @file
 /// Reading and writing of curve sets in any format, from files and from memory.
 
-bat_status bat_curve_format_by_name(const char *name, bat_curve_format *format, bat_error *error)
+/// A format: its reader and its writer.
+typedef struct curve_format
 {
-    static const char *const names[] = {[BAT_CURVE_FORMAT_AUTO] = "auto",
-                                        [BAT_CURVE_FORMAT_CSV] = "csv",
-                                        [BAT_CURVE_FORMAT_GEOJSON] = "geojson",
-                                        [BAT_CURVE_FORMAT_OBJ] = "obj",
-                                        [BAT_CURVE_FORMAT_TUM] = "tum"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcmp(name, names[i]) == 0)
-        {
-            *format = (bat_curve_format)i;
-            return BAT_OK;
-        }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "there is no format '%s'; the formats are csv, geojson, obj, tum", name);
+    bat_choice choice;
+    bat_status (*read)(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
+    bat_status (*write)(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+} curve_format;
+
+static const curve_format FORMATS[] = {
+    {.choice = {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO}},
+    {{.name = "csv",
+      .summary = "curves: a row of numbers for each point, with or without names of columns",
+      .endings = ".csv .txt",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_CSV},
+     csv_read,
+     csv_write},
+    {{.name = "geojson",
+      .summary = "curves: lines and polygons of longitude and latitude in degrees, with their properties",
+      .endings = ".geojson .json",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_GEOJSON},
+     geojson_read,
+     geojson_write},
+    {{.name = "obj",
+      .summary = "curves: line elements",
+      .endings = ".obj",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_OBJ},
+     obj_read,
+     obj_write},
+    {{.name = "tum",
+      .summary = "motions: poses in time, timestamp tx ty tz qx qy qz qw",
+      .endings = ".tum",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_TUM},
+     tum_read,
+     tum_write},
+};
+static const choice_table TABLE = CHOICE_TABLE("curve format", FORMATS);
+
+CHOICE_FUNCTIONS(bat_curve_format, TABLE, 1)
+
+/// The row of a format other than BAT_CURVE_FORMAT_AUTO.
+static const curve_format *row_of(bat_curve_format format)
+{
+    return (const curve_format *)(const void *)choice_of_value(&TABLE, (int)format);
 }
 
 bat_curve_format bat_curve_format_of_path(const char *path)
 {
-    static const struct
-    {
-        const char *ending;
-        bat_curve_format format;
-    } endings[] = {{".csv", BAT_CURVE_FORMAT_CSV},         {".txt", BAT_CURVE_FORMAT_CSV},
-                   {".geojson", BAT_CURVE_FORMAT_GEOJSON}, {".json", BAT_CURVE_FORMAT_GEOJSON},
-                   {".obj", BAT_CURVE_FORMAT_OBJ},         {".tum", BAT_CURVE_FORMAT_TUM}};
-    const char *dot = strrchr(path, '.');
-    for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
-        if (strcasecmp(dot, endings[i].ending) == 0)
-            return endings[i].format;
-    return BAT_CURVE_FORMAT_AUTO;
+    const bat_choice *row = choice_of_path(&TABLE, path);
+    return row != NULL ? (bat_curve_format)row->value : BAT_CURVE_FORMAT_AUTO;
 }
 
 /// The format of a text: GeoJSON begins with a brace, OBJ with a statement; all others are CSV.
@@ -105,13 +132,7 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
 {
     if (format == BAT_CURVE_FORMAT_AUTO)
         format = format_of_text(text);
-    if (format == BAT_CURVE_FORMAT_GEOJSON)
-        return geojson_read(text, options, set, error);
-    if (format == BAT_CURVE_FORMAT_OBJ)
-        return obj_read(text, options, set, error);
-    if (format == BAT_CURVE_FORMAT_TUM)
-        return tum_read(text, options, set, error);
-    return csv_read(text, options, set, error);
+    return row_of(format)->read(text, options, set, error);
 }
 
 static bat_status read_text(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
@@ -196,18 +217,6 @@ static bat_status choose_format(const char *path, const bat_curve_set *set, cons
     return BAT_OK;
 }
 
-static bat_status write_format(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
-                               text_sink *sink, bat_error *error)
-{
-    if (format == BAT_CURVE_FORMAT_GEOJSON)
-        return geojson_write(set, options, sink, error);
-    if (format == BAT_CURVE_FORMAT_OBJ)
-        return obj_write(set, options, sink, error);
-    if (format == BAT_CURVE_FORMAT_TUM)
-        return tum_write(set, options, sink, error);
-    return csv_write(set, options, sink, error);
-}
-
 bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
                            bat_error *error)
 {
@@ -225,7 +234,7 @@ bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat
     if (status != BAT_OK)
         return status;
     text_sink sink = {.stream = file.stream};
-    status = write_format(format, set, options, &sink, error);
+    status = row_of(format)->write(set, options, &sink, error);
     return atomic_file_end(&file, status, error);
 }
 
@@ -243,7 +252,7 @@ bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_writ
         return status;
     text_buffer buffer = {0};
     text_sink sink = {.buffer = &buffer};
-    status = write_format(format, set, options, &sink, error);
+    status = row_of(format)->write(set, options, &sink, error);
     text_append(&buffer, "", 1);
     if (status == BAT_OK && buffer.failed)
         status = error_memory(error, buffer.size);

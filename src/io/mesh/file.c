@@ -1,45 +1,81 @@
 #include "batten/mesh_file.h"
 
 #include "base/atomic_file.h"
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
 #include "io/mesh/formats.h"
 
-#include <strings.h>
+#include <string.h>
 
 /// @file
 /// Reading and writing of meshes in any format, from files and from memory.
 
 const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
 
-bat_status bat_mesh_format_by_name(const char *name, bat_mesh_format *format, bat_error *error)
+/// A format: its reader, its writer, and whether a text begins as it does. OBJ has no mark at its begin: whatever has no
+/// other's is taken for it.
+typedef struct mesh_format
 {
-    static const char *const names[] = {[BAT_MESH_FORMAT_AUTO] = "auto",
-                                        [BAT_MESH_FORMAT_OBJ] = "obj",
-                                        [BAT_MESH_FORMAT_PLY] = "ply",
-                                        [BAT_MESH_FORMAT_OFF] = "off",
-                                        [BAT_MESH_FORMAT_STL] = "stl"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcmp(name, names[i]) == 0)
-        {
-            *format = (bat_mesh_format)i;
-            return BAT_OK;
-        }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "there is no mesh format '%s'; the formats are obj, ply, off, stl", name);
+    bat_choice choice;
+    bat_status (*read)(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
+    bat_status (*write)(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
+    bool (*resembles)(const file_text *text);
+} mesh_format;
+
+static const mesh_format FORMATS[] = {
+    {.choice = {.name = "auto", .summary = "by the file's ending", .value = BAT_MESH_FORMAT_AUTO}},
+    {{.name = "obj",
+      .summary = "meshes: with texture coordinates, creases and corners",
+      .endings = ".obj",
+      .reads = true,
+      .writes = true,
+      .value = BAT_MESH_FORMAT_OBJ},
+     mesh_obj_read,
+     mesh_obj_write,
+     NULL},
+    {{.name = "ply",
+      .summary = "meshes: binary or text, with values at the vertices",
+      .endings = ".ply",
+      .reads = true,
+      .writes = true,
+      .value = BAT_MESH_FORMAT_PLY},
+     mesh_ply_read,
+     mesh_ply_write,
+     mesh_ply_resembles},
+    {{.name = "off",
+      .summary = "meshes: text, with colours",
+      .endings = ".off",
+      .reads = true,
+      .writes = true,
+      .value = BAT_MESH_FORMAT_OFF},
+     mesh_off_read,
+     mesh_off_write,
+     mesh_off_resembles},
+    {{.name = "stl",
+      .summary = "meshes: separate triangles in single precision",
+      .endings = ".stl",
+      .reads = true,
+      .writes = true,
+      .value = BAT_MESH_FORMAT_STL},
+     mesh_stl_read,
+     mesh_stl_write,
+     mesh_stl_resembles},
+};
+static const choice_table TABLE = CHOICE_TABLE("mesh format", FORMATS);
+
+CHOICE_FUNCTIONS(bat_mesh_format, TABLE, 1)
+
+/// The row of a format other than BAT_MESH_FORMAT_AUTO.
+static const mesh_format *row_of(bat_mesh_format format)
+{
+    return (const mesh_format *)(const void *)choice_of_value(&TABLE, (int)format);
 }
 
 bat_mesh_format bat_mesh_format_of_path(const char *path)
 {
-    static const char *const endings[] = {[BAT_MESH_FORMAT_OBJ] = ".obj",
-                                          [BAT_MESH_FORMAT_PLY] = ".ply",
-                                          [BAT_MESH_FORMAT_OFF] = ".off",
-                                          [BAT_MESH_FORMAT_STL] = ".stl"};
-    const char *dot = strrchr(path, '.');
-    for (size_t i = BAT_MESH_FORMAT_OBJ; dot != NULL && i < sizeof endings / sizeof *endings; i++)
-        if (strcasecmp(dot, endings[i]) == 0)
-            return (bat_mesh_format)i;
-    return BAT_MESH_FORMAT_AUTO;
+    const bat_choice *row = choice_of_path(&TABLE, path);
+    return row != NULL ? (bat_mesh_format)row->value : BAT_MESH_FORMAT_AUTO;
 }
 
 size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
@@ -123,11 +159,10 @@ bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, b
 /// The format of a text. OBJ has no signature; texts without another format's signature are OBJ.
 static bat_mesh_format format_of_text(const file_text *text)
 {
-    if (mesh_ply_resembles(text))
-        return BAT_MESH_FORMAT_PLY;
-    if (mesh_off_resembles(text))
-        return BAT_MESH_FORMAT_OFF;
-    return mesh_stl_resembles(text) ? BAT_MESH_FORMAT_STL : BAT_MESH_FORMAT_OBJ;
+    for (size_t i = 0; i < sizeof FORMATS / sizeof *FORMATS; i++)
+        if (FORMATS[i].resembles != NULL && FORMATS[i].resembles(text))
+            return (bat_mesh_format)FORMATS[i].choice.value;
+    return BAT_MESH_FORMAT_OBJ;
 }
 
 static bat_status read_format(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
@@ -135,13 +170,7 @@ static bat_status read_format(const file_text *text, bat_mesh_format format, con
 {
     if (format == BAT_MESH_FORMAT_AUTO)
         format = format_of_text(text);
-    if (format == BAT_MESH_FORMAT_PLY)
-        return mesh_ply_read(text, options, mesh, error);
-    if (format == BAT_MESH_FORMAT_OFF)
-        return mesh_off_read(text, options, mesh, error);
-    if (format == BAT_MESH_FORMAT_STL)
-        return mesh_stl_read(text, options, mesh, error);
-    return mesh_obj_read(text, options, mesh, error);
+    return row_of(format)->read(text, options, mesh, error);
 }
 
 /// Read a mesh, and repair it where that is asked for.
@@ -211,18 +240,6 @@ static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, cons
     return bat_mesh_check(mesh, error);
 }
 
-static bat_status write_format(bat_mesh_format format, const bat_mesh *mesh, const bat_mesh_write_options *options,
-                               text_sink *sink, bat_error *error)
-{
-    if (format == BAT_MESH_FORMAT_PLY)
-        return mesh_ply_write(mesh, options, sink, error);
-    if (format == BAT_MESH_FORMAT_OFF)
-        return mesh_off_write(mesh, options, sink, error);
-    if (format == BAT_MESH_FORMAT_STL)
-        return mesh_stl_write(mesh, options, sink, error);
-    return mesh_obj_write(mesh, options, sink, error);
-}
-
 bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options, bat_error *error)
 {
     bat_mesh_write_options defaults = bat_mesh_write_defaults();
@@ -236,7 +253,7 @@ bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh
     if (status != BAT_OK)
         return status;
     text_sink sink = {.stream = file.stream};
-    status = write_format(format, mesh, options, &sink, error);
+    status = row_of(format)->write(mesh, options, &sink, error);
     return atomic_file_end(&file, status, error);
 }
 
@@ -251,7 +268,7 @@ bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_opti
         return status;
     text_buffer buffer = {0};
     text_sink sink = {.buffer = &buffer};
-    status = write_format(options->format, mesh, options, &sink, error);
+    status = row_of(options->format)->write(mesh, options, &sink, error);
     text_append(&buffer, "", 1);
     if (status == BAT_OK && buffer.failed)
         status = error_memory(error, buffer.size);

@@ -1,3 +1,4 @@
+#include "base/choice.h"
 #include "base/option.h"
 #include "batten/mesh.h"
 #include "io/common/word_scan.h"
@@ -5,40 +6,46 @@
 #include "io/surface/cloud_formats.h"
 #include "mesh/point_table.h"
 
-#include <strings.h>
+#include <string.h>
 
 /// @file
 /// Reading of clouds in any format: points, an optional file with the boundary, or the vertices of a mesh.
 
-bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *format, bat_error *error)
-{
-    static const char *const names[] = {[BAT_CLOUD_FORMAT_XYZ] = "xyz",
-                                        [BAT_CLOUD_FORMAT_CSV] = "csv",
-                                        [BAT_CLOUD_FORMAT_PLY] = "ply",
-                                        [BAT_CLOUD_FORMAT_OBJ] = "obj"};
-    for (size_t i = BAT_CLOUD_FORMAT_XYZ; i < sizeof names / sizeof *names; i++)
-        if (strcmp(name, names[i]) == 0)
-        {
-            *format = (bat_cloud_format)i;
-            return BAT_OK;
-        }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "there is no cloud format '%s'; the formats are xyz, csv, ply, obj", name);
-}
+static const bat_choice FORMATS[] = {
+    {.name = "auto", .summary = "by the file's ending", .value = BAT_CLOUD_FORMAT_AUTO},
+    {.name = "xyz",
+     .summary = "clouds: three numbers a line",
+     .endings = ".xyz .txt .asc",
+     .reads = true,
+     .writes = true,
+     .value = BAT_CLOUD_FORMAT_XYZ},
+    {.name = "csv",
+     .summary = "clouds: x, y, z by their names, or the first three columns",
+     .endings = ".csv",
+     .reads = true,
+     .writes = true,
+     .value = BAT_CLOUD_FORMAT_CSV},
+    {.name = "ply",
+     .summary = "clouds: vertices; with faces a mesh",
+     .endings = ".ply",
+     .reads = true,
+     .writes = true,
+     .value = BAT_CLOUD_FORMAT_PLY},
+    {.name = "obj",
+     .summary = "clouds: vertices; with faces a mesh",
+     .endings = ".obj",
+     .reads = true,
+     .writes = true,
+     .value = BAT_CLOUD_FORMAT_OBJ},
+};
+static const choice_table TABLE = CHOICE_TABLE("cloud format", FORMATS);
 
-bat_cloud_format cloud_format_of_path(const char *path)
+CHOICE_FUNCTIONS(bat_cloud_format, TABLE, 1)
+
+bat_cloud_format bat_cloud_format_of_path(const char *path)
 {
-    static const struct
-    {
-        const char *ending;
-        bat_cloud_format format;
-    } endings[] = {{".xyz", BAT_CLOUD_FORMAT_XYZ}, {".txt", BAT_CLOUD_FORMAT_XYZ}, {".asc", BAT_CLOUD_FORMAT_XYZ},
-                   {".csv", BAT_CLOUD_FORMAT_CSV}, {".ply", BAT_CLOUD_FORMAT_PLY}, {".obj", BAT_CLOUD_FORMAT_OBJ}};
-    const char *dot = strrchr(path, '.');
-    for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
-        if (strcasecmp(dot, endings[i].ending) == 0)
-            return endings[i].format;
-    return BAT_CLOUD_FORMAT_AUTO;
+    const bat_choice *row = choice_of_path(&TABLE, path);
+    return row != NULL ? (bat_cloud_format)row->value : BAT_CLOUD_FORMAT_AUTO;
 }
 
 /// The format of a text. OBJ lines begin with a word; CSV has names, or separators other than blanks.
@@ -324,7 +331,7 @@ static bat_status read_file(const char *path, bat_cloud_format *format, file_tex
 {
     bat_status status = file_text_read(path, text, error);
     if (status == BAT_OK && *format == BAT_CLOUD_FORMAT_AUTO)
-        *format = cloud_format_of_path(path);
+        *format = bat_cloud_format_of_path(path);
     if (status == BAT_OK && *format == BAT_CLOUD_FORMAT_AUTO)
         *format = cloud_format_of_text(text);
     return status;

@@ -48,9 +48,6 @@ typedef struct cloud_remarks
 
 cloud_remarks cloud_remarks_read(const file_text *text);
 
-/// The format for a path, by its ending, or BAT_CLOUD_FORMAT_AUTO.
-bat_cloud_format cloud_format_of_path(const char *path);
-
 /// Make a cloud from a text and a second one with the boundary, which may be null. The formats are known.
 bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const file_text *boundary_text,
                            bat_cloud_format boundary_format, const bat_cloud_read_options *options, bat_cloud *cloud,

@@ -148,7 +148,7 @@ bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sin
 
 bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error)
 {
-    bat_cloud_format format = cloud_format_of_path(path);
+    bat_cloud_format format = bat_cloud_format_of_path(path);
     if (format == BAT_CLOUD_FORMAT_AUTO && strcmp(path, "-") == 0)
         format = BAT_CLOUD_FORMAT_XYZ;
     if (format == BAT_CLOUD_FORMAT_AUTO)

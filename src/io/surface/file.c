@@ -1,44 +1,49 @@
 #include "base/atomic_file.h"
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
 #include "io/surface/formats.h"
 
 #include <math.h>
-#include <strings.h>
+#include <string.h>
 
 /// @file
 /// Reading and writing of spline surfaces in any format.
 
-bat_status bat_surface_format_by_name(const char *name, bat_surface_format *format, bat_error *error)
-{
-    static const char *const names[] = {[BAT_SURFACE_FORMAT_XML] = "xml",
-                                        [BAT_SURFACE_FORMAT_STEP] = "step",
-                                        [BAT_SURFACE_FORMAT_VTK] = "vtk",
-                                        [BAT_SURFACE_FORMAT_OBJ] = "obj",
-                                        [BAT_SURFACE_FORMAT_JSON] = "json"};
-    for (size_t i = BAT_SURFACE_FORMAT_XML; i < sizeof names / sizeof *names; i++)
-        if (strcmp(name, names[i]) == 0)
-        {
-            *format = (bat_surface_format)i;
-            return BAT_OK;
-        }
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "there is no surface format '%s'; the formats are xml, step, vtk, obj, json", name);
-}
+static const bat_choice FORMATS[] = {
+    {.name = "auto", .summary = "by the file's ending", .value = BAT_SURFACE_FORMAT_AUTO},
+    {.name = "xml",
+     .summary = "surfaces: G+Smo's (truncated) hierarchical and tensor-product B-splines",
+     .endings = ".xml",
+     .reads = true,
+     .writes = true,
+     .value = BAT_SURFACE_FORMAT_XML},
+    {.name = "step",
+     .summary = "surfaces: one shell of B-spline patches for CAD",
+     .endings = ".step .stp",
+     .writes = true,
+     .value = BAT_SURFACE_FORMAT_STEP},
+    {.name = "vtk",
+     .summary = "surfaces: a grid in each cell, and the data points with their errors",
+     .endings = ".vtk",
+     .writes = true,
+     .value = BAT_SURFACE_FORMAT_VTK},
+    {.name = "obj", .summary = "surfaces: triangles", .endings = ".obj", .writes = true, .value = BAT_SURFACE_FORMAT_OBJ},
+    {.name = "json",
+     .summary = "surfaces: degrees, boxes, functions and control points",
+     .endings = ".json",
+     .reads = true,
+     .writes = true,
+     .value = BAT_SURFACE_FORMAT_JSON},
+};
+static const choice_table TABLE = CHOICE_TABLE("surface format", FORMATS);
+
+CHOICE_FUNCTIONS(bat_surface_format, TABLE, 1)
 
 bat_surface_format bat_surface_format_of_path(const char *path)
 {
-    static const struct
-    {
-        const char *ending;
-        bat_surface_format format;
-    } endings[] = {{".xml", BAT_SURFACE_FORMAT_XML}, {".step", BAT_SURFACE_FORMAT_STEP}, {".stp", BAT_SURFACE_FORMAT_STEP},
-                   {".vtk", BAT_SURFACE_FORMAT_VTK}, {".obj", BAT_SURFACE_FORMAT_OBJ},   {".json", BAT_SURFACE_FORMAT_JSON}};
-    const char *dot = strrchr(path, '.');
-    for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
-        if (strcasecmp(dot, endings[i].ending) == 0)
-            return endings[i].format;
-    return BAT_SURFACE_FORMAT_AUTO;
+    const bat_choice *row = choice_of_path(&TABLE, path);
+    return row != NULL ? (bat_surface_format)row->value : BAT_SURFACE_FORMAT_AUTO;
 }
 
 bat_surface_write_options bat_surface_write_defaults(void)

@@ -35,21 +35,4 @@ const mesh_scheme *mesh_scheme_of(bat_mesh_scheme scheme)
     return (const mesh_scheme *)(const void *)choice_of_value(&TABLE, (int)scheme);
 }
 
-bool bat_mesh_scheme_list(size_t index, bat_choice *choice)
-{
-    return choice_list(&TABLE, index, choice);
-}
-
-const char *bat_mesh_scheme_name(bat_mesh_scheme scheme)
-{
-    return choice_name(&TABLE, (int)scheme);
-}
-
-bat_status bat_mesh_scheme_by_name(const char *name, bat_mesh_scheme *scheme, bat_error *error)
-{
-    int value;
-    bat_status status = choice_by_name(&TABLE, name, &value, error);
-    if (status == BAT_OK)
-        *scheme = (bat_mesh_scheme)value;
-    return status;
-}
+CHOICE_FUNCTIONS(bat_mesh_scheme, TABLE, 0)

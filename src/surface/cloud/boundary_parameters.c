@@ -8,6 +8,7 @@
 /// chord ahead of the corner. The chords span a fixed share of the loop, so that a jagged loop has no spurious corners. The
 /// turning angle of a circle is subtracted, so that a smooth loop is split evenly.
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/cloud.h"
@@ -440,6 +441,15 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
     cloud->has_corners = true;
     return BAT_OK;
 }
+
+static const bat_choice SIDES[] = {
+    {.name = "chord-length", .summary = "in proportion to distance", .value = BAT_CLOUD_SIDES_CHORD_LENGTH},
+    {.name = "centripetal", .summary = "in proportion to the root of distance", .value = BAT_CLOUD_SIDES_CENTRIPETAL},
+    {.name = "uniform", .summary = "evenly", .value = BAT_CLOUD_SIDES_UNIFORM},
+};
+static const choice_table TABLE = CHOICE_TABLE("parameterization of sides", SIDES);
+
+CHOICE_FUNCTIONS(bat_cloud_sides, TABLE, 0)
 
 /// The parameter increment between consecutive points of the loop.
 static double step_between(const double *from, const double *to, bat_cloud_sides method)

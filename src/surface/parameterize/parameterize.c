@@ -11,6 +11,7 @@
 #include "surface/parameterize/stretch.h"
 #include "surface/parameterize/weights.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -22,12 +23,24 @@
 /// Numerator of the radius 3 / sqrt(n), eq. (7) of Giannelli et al. (2023).
 static const double RADIUS_FACTOR = 3;
 
-const char *bat_cloud_parameterization_name(bat_cloud_parameterization method)
-{
-    static const char *const names[BAT_CLOUD_PARAMETERIZE_COUNT] = {"uniform", "inverse-distance", "shape-preserving",
-                                                                    "mean-value", "stretch-minimizing"};
-    return (size_t)method < BAT_CLOUD_PARAMETERIZE_COUNT ? names[method] : "unknown";
-}
+static const bat_choice METHODS[] = {
+    {.name = "shape-preserving",
+     .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/parameterization.md",
+     .value = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING},
+    {.name = "inverse-distance",
+     .summary = "weights by the inverse distance of neighbours",
+     .value = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE},
+    {.name = "uniform", .summary = "all neighbours weigh the same", .value = BAT_CLOUD_PARAMETERIZE_UNIFORM},
+    {.name = "mean-value",
+     .summary = "Floater's mean values, for clouds that are meshes",
+     .value = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE},
+    {.name = "stretch-minimizing",
+     .summary = "shape-preserving, evened out: for deep shapes",
+     .value = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING},
+};
+static const choice_table TABLE = CHOICE_TABLE("parameterization", METHODS);
+
+CHOICE_FUNCTIONS(bat_cloud_parameterization, TABLE, 0)
 
 bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
 {
