@@ -112,6 +112,7 @@ bat_status bat_curve_read_options_check(const bat_curve_read_options *options, b
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_curve_read_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_TUM),
         OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
+        OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_curve_read_options),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
