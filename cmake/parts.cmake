@@ -7,6 +7,9 @@ include(CMakeDependentOption)
 option(BATTEN_FILES "Read and write files (src/io; needs jansson and expat)" ON)
 option(BATTEN_PICTURES "Draw pictures (src/draw; needs cairo)" ON)
 option(BATTEN_SURFACES "Clouds and spline surfaces (src/surface; needs OpenBLAS, SuiteSparse and Qhull)" ON)
+cmake_dependent_option(BATTEN_GPL
+                       "Solve sparse systems by UMFPACK and the supernodal part of CHOLMOD, which are published under the GPL" OFF
+                       "BATTEN_SURFACES" OFF)
 cmake_dependent_option(BATTEN_RESEARCH "Build the library batten-research (needs all other parts)" ON
                        "BATTEN_FILES;BATTEN_PICTURES;BATTEN_SURFACES" OFF)
 cmake_dependent_option(BATTEN_PROGRAM "Build the program (needs all parts)" ON "BATTEN_RESEARCH" OFF)
@@ -43,8 +46,11 @@ if(BATTEN_SURFACES)
   endif()
   batten_module(QHULL qhull_r 8.0)
   # SuiteSparse has no pkg-config files before its version 6.
-  set(BATTEN_SUITESPARSE cholmod umfpack)
-  find_path(SUITESPARSE_INCLUDE cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+  set(BATTEN_SUITESPARSE amd suitesparseconfig)
+  if(BATTEN_GPL)
+    list(PREPEND BATTEN_SUITESPARSE umfpack cholmod)
+  endif()
+  find_path(SUITESPARSE_INCLUDE amd.h PATH_SUFFIXES suitesparse REQUIRED)
   foreach(name ${BATTEN_SUITESPARSE})
     find_library(SUITESPARSE_${name} ${name} REQUIRED)
     list(APPEND BATTEN_DEPENDENCIES ${SUITESPARSE_${name}})
@@ -71,6 +77,9 @@ endif()
 
 # The sources of the product: every .c file below src/ but for those of parts that are left out.
 file(GLOB_RECURSE BATTEN_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.c)
+if(NOT BATTEN_GPL)
+  list(FILTER BATTEN_SOURCES EXCLUDE REGEX "_gpl\\.c$")
+endif()
 file(GLOB BATTEN_HEADERS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/batten/*.h)
 set(BATTEN_WEIGHT_FILES learned:batten published:tension-published mesh:mesh)
 if(BATTEN_SURFACES)

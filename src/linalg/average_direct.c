@@ -1,119 +1,118 @@
 #include "linalg/average_system.h"
+#include "linalg/multifrontal.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 
+#include <limits.h>
 #include <stdlib.h>
-#include <umfpack.h>
+#include <string.h>
 
-/// The columns of a matrix as UMFPACK wants them.
-typedef struct direct_matrix
+/// I - W in the pattern of W + W^T: the lower triangle by columns, and the upper one by rows.
+typedef struct average_matrix
 {
-    SuiteSparse_long count;
-    SuiteSparse_long *starts;
-    SuiteSparse_long *rows;
-    double *values;
-} direct_matrix;
+    int *first; ///< count + 1
+    int *row;
+    double *lower, *upper;
+    int *slot; ///< of each row in the column at work, or before it
+} average_matrix;
 
-static void direct_matrix_free(direct_matrix *matrix)
+static void average_matrix_free(average_matrix *matrix)
 {
-    free(matrix->starts);
-    free(matrix->rows);
-    free(matrix->values);
-    *matrix = (direct_matrix){0};
+    free(matrix->first);
+    free(matrix->row);
+    free(matrix->lower);
+    free(matrix->upper);
+    free(matrix->slot);
 }
 
-static bat_status direct_matrix_allocate(size_t count, size_t entries, direct_matrix *matrix, bat_error *error)
+static bat_status average_matrix_allocate(size_t count, size_t entries, average_matrix *matrix, bat_error *error)
 {
-    *matrix = (direct_matrix){.count = (SuiteSparse_long)count,
-                              .starts = memory_array(count + 1, sizeof(SuiteSparse_long)),
-                              .rows = memory_array(entries, sizeof(SuiteSparse_long)),
-                              .values = memory_array(entries, sizeof(double))};
-    if (matrix->starts == NULL || matrix->rows == NULL || matrix->values == NULL)
-        return error_memory(error, entries * (sizeof(SuiteSparse_long) + sizeof(double)));
-    return BAT_OK;
+    *matrix = (average_matrix){0};
+    if (entries > INT_MAX)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a system of %zu averages is too large to factor", count);
+    *matrix = (average_matrix){.first = memory_array(count + 1, sizeof(int)),
+                               .row = memory_array(entries, sizeof(int)),
+                               .lower = memory_array(entries, sizeof(double)),
+                               .upper = memory_array(entries, sizeof(double)),
+                               .slot = memory_array(count, sizeof(int))};
+    bool whole = matrix->first != NULL && matrix->row != NULL && matrix->lower != NULL && matrix->upper != NULL &&
+                 matrix->slot != NULL;
+    return whole ? BAT_OK : error_memory(error, entries * (sizeof(int) + 2 * sizeof(double)));
 }
 
-static bat_status direct_status(SuiteSparse_long result, bat_error *error)
+/// Add an entry to a column, unless the column has it.
+/// @return its place
+static int column_entry(average_matrix *matrix, size_t column, size_t row)
 {
-    if (result == UMFPACK_OK)
-        return BAT_OK;
-    if (result == UMFPACK_ERROR_out_of_memory)
-        return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory while decomposing a sparse matrix");
-    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the system of averages is singular");
-}
-
-/// I - W by columns.
-static bat_status direct_matrix_make(const sparse_rows *weights, direct_matrix *matrix, bat_error *error)
-{
-    size_t count = weights->row_count, entries = weights->starts[count] + count, at = 0;
-    SuiteSparse_long *places = memory_array(entries, 2 * sizeof *places),
-                     *columns = places != NULL ? places + entries : NULL;
-    double *values = memory_array(entries, sizeof *values);
-    bat_status status = direct_matrix_allocate(count, entries, matrix, error);
-    if (status == BAT_OK && (places == NULL || values == NULL))
-        status = error_memory(error, entries * (2 * sizeof *places + sizeof *values));
-    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    if (matrix->slot[row] < matrix->first[column])
     {
-        places[at] = columns[at] = (SuiteSparse_long)i;
-        values[at++] = 1;
-        for (size_t e = weights->starts[i]; e < weights->starts[i + 1]; e++, at++)
-        {
-            places[at] = (SuiteSparse_long)i;
-            columns[at] = (SuiteSparse_long)weights->columns[e];
-            values[at] = -weights->values[e];
-        }
+        int place = matrix->first[column + 1]++;
+        matrix->slot[row] = place;
+        matrix->row[place] = (int)row;
+        matrix->lower[place] = matrix->upper[place] = row == column ? 1 : 0;
     }
+    return matrix->slot[row];
+}
+
+static void average_matrix_fill(const sparse_rows *weights, const sparse_rows *transposed, average_matrix *matrix)
+{
+    for (size_t i = 0; i < weights->row_count; i++)
+        matrix->slot[i] = -1;
+    matrix->first[0] = 0;
+    for (size_t j = 0; j < weights->row_count; j++)
+    {
+        matrix->first[j + 1] = matrix->first[j];
+        (void)column_entry(matrix, j, j);
+        for (size_t e = weights->starts[j]; e < weights->starts[j + 1]; e++)
+            if (weights->columns[e] >= j)
+                matrix->upper[column_entry(matrix, j, weights->columns[e])] -= weights->values[e];
+        for (size_t e = transposed->starts[j]; e < transposed->starts[j + 1]; e++)
+            if (transposed->columns[e] >= j)
+                matrix->lower[column_entry(matrix, j, transposed->columns[e])] -= transposed->values[e];
+    }
+}
+
+static bat_status average_matrix_make(const sparse_rows *weights, average_matrix *matrix, bat_error *error)
+{
+    size_t count = weights->row_count;
+    sparse_rows transposed = {0};
+    bat_status status = average_matrix_allocate(count, weights->starts[count] + count, matrix, error);
     if (status == BAT_OK)
-        status =
-            direct_status(umfpack_dl_triplet_to_col(matrix->count, matrix->count, (SuiteSparse_long)entries, places, columns,
-                                                    values, matrix->starts, matrix->rows, matrix->values, NULL),
-                          error);
-    free(places);
-    free(values);
+        status = sparse_rows_transpose(weights, &transposed, error);
+    if (status == BAT_OK)
+        average_matrix_fill(weights, &transposed, matrix);
+    sparse_rows_free(&transposed);
     return status;
 }
 
-static bat_status direct_solve_columns(const direct_matrix *matrix, void *numeric, const double *constant, double *x,
-                                       bat_error *error)
+bat_status average_solve_multifrontal(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
 {
-    size_t count = (size_t)matrix->count;
-    double *right = memory_array(2 * count, sizeof *right), *column = right != NULL ? right + count : NULL;
-    if (right == NULL)
-        return error_memory(error, 2 * count * sizeof *right);
-    bat_status status = BAT_OK;
-    for (size_t c = 0; c < 2 && status == BAT_OK; c++)
+    if (weights->row_count == 0)
+        return BAT_OK;
+    average_matrix matrix;
+    multifrontal *solver = NULL;
+    bat_status status = average_matrix_make(weights, &matrix, error);
+    symmetric_pattern pattern = {weights->row_count, matrix.first, matrix.row};
+    if (status == BAT_OK)
+        status = multifrontal_make(&pattern, false, &solver, error);
+    if (status == BAT_OK && !(multifrontal_factor(solver, matrix.lower, matrix.upper) > 0))
+        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the system of averages is singular");
+    if (status == BAT_OK)
     {
-        for (size_t i = 0; i < count; i++)
-            right[i] = constant[2 * i + c];
-        status = direct_status(
-            umfpack_dl_solve(UMFPACK_A, matrix->starts, matrix->rows, matrix->values, column, right, numeric, NULL, NULL),
-            error);
-        for (size_t i = 0; i < count && status == BAT_OK; i++)
-            x[2 * i + c] = column[i];
+        memcpy(x, constant, 2 * weights->row_count * sizeof *x);
+        status = multifrontal_solve(solver, 2, x, error);
     }
-    free(right);
+    multifrontal_free(solver);
+    average_matrix_free(&matrix);
     return status;
 }
 
 bat_status average_solve_direct(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
 {
-    if (weights->row_count == 0)
-        return BAT_OK;
-    direct_matrix matrix = {0};
-    bat_status status = direct_matrix_make(weights, &matrix, error);
-    void *symbolic = NULL, *numeric = NULL;
-    if (status == BAT_OK)
-        status = direct_status(umfpack_dl_symbolic(matrix.count, matrix.count, matrix.starts, matrix.rows, matrix.values,
-                                                   &symbolic, NULL, NULL),
-                               error);
-    if (status == BAT_OK)
-        status = direct_status(umfpack_dl_numeric(matrix.starts, matrix.rows, matrix.values, symbolic, &numeric, NULL, NULL),
-                               error);
-    if (status == BAT_OK)
-        status = direct_solve_columns(&matrix, numeric, constant, x, error);
-    umfpack_dl_free_symbolic(&symbolic);
-    umfpack_dl_free_numeric(&numeric);
-    direct_matrix_free(&matrix);
-    return status;
+#if defined(BATTEN_GPL)
+    return average_solve_umfpack(weights, constant, x, error);
+#else
+    return average_solve_multifrontal(weights, constant, x, error);
+#endif
 }

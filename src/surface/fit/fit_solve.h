@@ -4,13 +4,28 @@
 #include "surface/fit/pattern.h"
 
 /// @file
-/// Sparse symmetric positive definite systems of one pattern: the only place that knows CHOLMOD (Chen, Davis, Hager and
-/// Rajamanickam, 2008).
+/// Sparse symmetric positive definite systems of one pattern.
+
+/// How a system is factored.
+typedef enum fit_factorization
+{
+    FIT_MULTIFRONTAL, ///< linalg/multifrontal.h
+    FIT_SUPERNODAL,   ///< linalg/supernodal_gpl.h, in builds with BATTEN_GPL
+#if defined(BATTEN_GPL)
+    FIT_FACTORIZATION = FIT_SUPERNODAL ///< what fit_solver_make() takes
+#else
+    FIT_FACTORIZATION = FIT_MULTIFRONTAL
+#endif
+} fit_factorization;
 
 typedef struct fit_solver fit_solver;
 
 /// Order and analyse a pattern, which must outlive the solver.
 bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error);
+/// The same by a factorization of the caller's choice.
+/// @return BAT_OK, BAT_NO_MEMORY, BAT_TOO_LARGE; BAT_UNSUPPORTED for a factorization that this build has not
+bat_status fit_solver_make_by(const fit_pattern *pattern, fit_factorization factorization, fit_solver **solver,
+                              bat_error *error);
 /// Does nothing to null.
 void fit_solver_free(fit_solver *solver);
 
@@ -20,7 +35,7 @@ void fit_solver_free(fit_solver *solver);
 ///              nothing in common, down to about the unit roundoff for a singular matrix, and 0 where the method broke off
 bat_status fit_solver_factor(fit_solver *solver, const double *values, double *pivot, bat_error *error);
 
-/// Solve by the last factorization.
+/// Solve by the last factorization, whose pivot must be above 0.
 /// @param right    functions x columns
 /// @param solution receives as many; may be `right`
 bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *right, double *solution, bat_error *error);
