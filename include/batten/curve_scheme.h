@@ -184,6 +184,10 @@ typedef struct bat_curve_model bat_curve_model;
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
 ///         BAT_FILE_ACCESS, BAT_UNSUPPORTED or BAT_NO_MEMORY; `*model` is untouched on failure
 BAT_API bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_error *error);
+/// The model that comes with the library (weights/batten.md): the one of bat_curve_scheme_learned().
+/// @param model receives the model; release it with bat_curve_model_free()
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_curve_model_builtin(bat_curve_model **model, bat_error *error);
 /// The network of the published recipe that the library's project trained (weights/tension-published.md), to compare with.
 /// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error);

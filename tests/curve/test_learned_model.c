@@ -136,6 +136,12 @@ static void shipped_models_are_those_of_the_files(void **state)
         read.fairness = fairness;
         assert_same_scheme(&own, &read);
     }
+    bat_curve_model *builtin = NULL;
+    check_status(bat_curve_model_builtin(&builtin, NULL), BAT_OK);
+    assert_true(bat_curve_model_has_fairness(builtin));
+    bat_curve_scheme of_builtin = bat_curve_scheme_of_model(builtin), of_file = bat_curve_scheme_of_model(file);
+    assert_same_scheme(&of_builtin, &of_file);
+    bat_curve_model_free(builtin);
     bat_curve_model_free(file);
 
     bat_curve_model *published = NULL;
