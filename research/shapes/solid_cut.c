@@ -169,11 +169,11 @@ static bool add_face(tetrahedra *t, const uint32_t cell[3], const uint32_t next[
 }
 
 /// Index the cells by their keys.
-static bool index_cells(const cell_list *list, key_map *kept)
+static bool index_cells(const cell_list *list, key_map *cell_index)
 {
     for (size_t i = 0; i < list->count; i++)
     {
-        uint32_t *known = key_map_at(kept, cell_key(list->cells[i]));
+        uint32_t *known = key_map_at(cell_index, cell_key(list->cells[i]));
         if (known == NULL)
             return false;
         *known = (uint32_t)i;
@@ -182,7 +182,7 @@ static bool index_cells(const cell_list *list, key_map *kept)
 }
 
 /// Add the tetrahedra of all pairs of neighbouring cells.
-static bool add_faces(tetrahedra *t, const cell_list *list, const key_map *kept)
+static bool add_faces(tetrahedra *t, const cell_list *list, const key_map *cell_index)
 {
     for (size_t i = 0; i < list->count; i++)
         for (int axis = 0; axis < 3; axis++)
@@ -190,7 +190,7 @@ static bool add_faces(tetrahedra *t, const cell_list *list, const key_map *kept)
             const uint32_t *cell = list->cells[i];
             uint32_t next[3] = {cell[0], cell[1], cell[2]};
             next[axis]++;
-            if (key_map_find(kept, cell_key(next)) != UINT32_MAX && !add_face(t, cell, next, axis))
+            if (key_map_find(cell_index, cell_key(next)) != UINT32_MAX && !add_face(t, cell, next, axis))
                 return false;
         }
     return true;
@@ -199,11 +199,11 @@ static bool add_faces(tetrahedra *t, const cell_list *list, const key_map *kept)
 static bool fill_lattice(tetrahedra *t, uint32_t across)
 {
     cell_list near = {0};
-    key_map kept = {0};
-    bool done =
-        gather_cells(t, (uint32_t[3]){0, 0, 0}, across, &near) && index_cells(&near, &kept) && add_faces(t, &near, &kept);
+    key_map cell_index = {0};
+    bool done = gather_cells(t, (uint32_t[3]){0, 0, 0}, across, &near) && index_cells(&near, &cell_index) &&
+                add_faces(t, &near, &cell_index);
     free(near.cells);
-    key_map_free(&kept);
+    key_map_free(&cell_index);
     return done;
 }
 
@@ -405,15 +405,15 @@ static bool extract_largest(shell *boundary, size_t point_count)
             size[root]++;
             largest = size[root] > size[largest] ? root : largest;
         }
-        size_t kept = 0;
+        size_t remaining = 0;
         for (size_t f = 0; f < boundary->count; f++)
         {
             if (root_of(parent, boundary->faces[f][0]) != largest)
                 continue;
-            memcpy(boundary->faces[kept], boundary->faces[f], sizeof *boundary->faces);
-            boundary->surfaces[kept++] = boundary->surfaces[f];
+            memcpy(boundary->faces[remaining], boundary->faces[f], sizeof *boundary->faces);
+            boundary->surfaces[remaining++] = boundary->surfaces[f];
         }
-        boundary->count = kept;
+        boundary->count = remaining;
     }
     free(parent);
     free(size);

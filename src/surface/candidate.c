@@ -151,17 +151,17 @@ static double *sample_cells(const bat_hierarchical_space *space, size_t cells)
     return parameters;
 }
 
-static bat_status farthest_sample(const double *positions, size_t count, const neighbour_tree *tree, double *stray,
+static bat_status farthest_sample(const double *positions, size_t count, const neighbour_tree *tree, double *distance,
                                   bat_error *error)
 {
     neighbour_list list = {0};
     bat_status status = BAT_OK;
-    *stray = 0;
+    *distance = 0;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         status = neighbours_nearest(tree, positions + 3 * i, 1, &list, error);
         if (status == BAT_OK)
-            *stray = fmax(*stray, sqrt(list.entries[0].squared));
+            *distance = fmax(*distance, sqrt(list.entries[0].squared));
     }
     neighbour_list_free(&list);
     return status;
@@ -169,8 +169,8 @@ static bat_status farthest_sample(const double *positions, size_t count, const n
 
 /// One-sided Hausdorff distance from the surface to the points: the maximum over corners and centres of cells of the
 /// distance to the nearest point.
-static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const double *points, size_t count, double *stray,
-                                      bat_error *error)
+static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const double *points, size_t count,
+                                      double *distance, bat_error *error)
 {
     size_t cells = bat_hierarchical_space_cells(surface->space), samples = cells * CELL_SAMPLES;
     neighbour_tree tree;
@@ -183,7 +183,7 @@ static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const d
     if (status == BAT_OK)
         status = bat_spline_surface_evaluate(surface, parameters, samples, 0, positions, error);
     if (status == BAT_OK)
-        status = farthest_sample(positions, samples, &tree, stray, error);
+        status = farthest_sample(positions, samples, &tree, distance, error);
     free(parameters);
     free(positions);
     neighbour_tree_free(&tree);
