@@ -22,11 +22,11 @@ typedef struct ablation
 static json_t *cell_json(const bat_tension_ablation_row *row, size_t space)
 {
     const bat_tension_ablation_score *ours = &row->scores[space], *published = &row->published[space];
-    json_t *object = json_pack("{s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "space", SPACES[space], "variant",
-                               row->variant, "weights", (json_int_t)row->weights, "epochs", (json_int_t)row->report.run.epochs,
-                               "best_epoch", (json_int_t)row->report.run.best_epoch, "mean_nn", report_number(ours->mean_nn),
-                               "g1", report_number(ours->g1), "bending", report_number(row->report.scores[0][space].bending),
-                               "bending_share", report_number(ours->bending));
+    json_t *object = json_pack(
+        "{s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "space", SPACES[space], "variant", row->variant, "weights",
+        (json_int_t)row->weights, "epochs", (json_int_t)row->report.run.epochs, "best_epoch",
+        (json_int_t)row->report.run.best_epoch, "mean_nn", report_number(ours->mean_nn), "g1", report_number(ours->g1),
+        "bending", report_number(row->report.scores[0][space].bending), "bending_share", report_number(ours->bending));
     reproduce_set_number(object, "published_mean_nn", published->mean_nn);
     reproduce_set_number(object, "published_g1", published->g1);
     reproduce_set_number(object, "published_bending_share", published->bending);

@@ -24,10 +24,10 @@ BAT_API bat_curve_format bat_curve_format_of_path(const char *path);
 /// How to read. Begin with bat_curve_read_defaults().
 typedef struct bat_curve_read_options
 {
-    bat_curve_format format; ///< default BAT_CURVE_FORMAT_AUTO
-    const char *space;       ///< a name as in bat_space_by_name(); default null: what the file implies
-    int closed;              ///< -1: as the file says (default); 0: every line is open; 1: every line is closed
-    bool project;            ///< move points that are off their space onto it instead of refusing them; default false
+    bat_curve_format format;   ///< default BAT_CURVE_FORMAT_AUTO
+    const char *space;         ///< a name as in bat_space_by_name(); default null: what the file implies
+    int closed;                ///< -1: as the file says (default); 0: every line is open; 1: every line is closed
+    bool project;              ///< move points that are off their space onto it instead of refusing them; default false
     double translation_weight; ///< of the space "rigid", as in bat_rigid(); 0: as the space has it, 1; default 0
     int threads;               ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
 } bat_curve_read_options;

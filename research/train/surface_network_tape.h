@@ -2,9 +2,9 @@
 #define RESEARCH_TRAIN_SURFACE_NETWORK_TAPE_H
 
 #include "research/train/surface_sample.h"
-#include "surface/network/radius_graph.h"
 #include "surface/network/bidgcn.h"
 #include "surface/network/model.h"
+#include "surface/network/radius_graph.h"
 
 /// @file
 /// Networks that parameterize clouds, on a tape, for training; and the operations of the published one along the edges of

@@ -30,7 +30,10 @@ typedef struct option_field
 } option_field;
 
 /// The row of a field. `type` is the options struct.
-#define OPTION_FIELD(type, field, kind, low, high) {#field, offsetof(type, field), kind, low, high}
+#define OPTION_FIELD(type, field, kind, low, high)                                                                          \
+    {                                                                                                                       \
+#field, offsetof(type, field), kind, low, high                                                                      \
+    }
 
 /// The largest number of threads that an option may ask for.
 #define OPTION_MAX_THREADS 1024

@@ -141,8 +141,7 @@ static void the_loss_adds_up_over_levels(void **state)
 {
     (void)state;
     bat_mesh shape = ball(3);
-    mesh_pair_plan plan = {
-        .levels = LEVELS, .min_vertices = 20, .max_vertices = 20, .min_normal = 0.2, .min_quality = 0.2};
+    mesh_pair_plan plan = {.levels = LEVELS, .min_vertices = 20, .max_vertices = 20, .min_normal = 0.2, .min_quality = 0.2};
     mesh_pair pair;
     check_status(mesh_pair_make(&shape, &plan, 3, &pair, NULL), BAT_OK);
     learn_parameters parameters = {0};

@@ -59,8 +59,7 @@ static void samples_lie_in_the_unit_box(void **state)
 static void sizes_degrees_and_noise_fill_their_ranges(void **state)
 {
     (void)state;
-    surface_sample_range range = {
-        .min_points = 50, .max_points = 200, .min_degree = 2, .max_degree = 5, .noise = 0.05};
+    surface_sample_range range = {.min_points = 50, .max_points = 200, .min_degree = 2, .max_degree = 5, .noise = 0.05};
     bat_random random = bat_random_seed(3);
     size_t degrees[6] = {0}, small = 0;
     double noisiest = 0;

@@ -184,8 +184,10 @@ static void bad_arguments_are_refused(void **state)
     bat_error error;
     check_status(bat_tension_set_make(BAT_TENSION_PLANE, BAT_TENSION_PUBLISHED, 3, 1, &set, &error), BAT_INVALID_ARGUMENT);
     check_status(bat_tension_set_make(BAT_TENSION_PLANE, BAT_TENSION_RESAMPLED, 0, 1, &set, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_SPACE_COUNT, BAT_TENSION_RESAMPLED, 3, 1, &set, NULL), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_DISK, BAT_TENSION_RESAMPLED, SIZE_MAX / 2, 1, &set, &error), BAT_NO_MEMORY);
+    check_status(bat_tension_set_make(BAT_TENSION_SPACE_COUNT, BAT_TENSION_RESAMPLED, 3, 1, &set, NULL),
+                 BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_set_make(BAT_TENSION_DISK, BAT_TENSION_RESAMPLED, SIZE_MAX / 2, 1, &set, &error),
+                 BAT_NO_MEMORY);
     assert_int_equal(set.count, 77);
 }
 

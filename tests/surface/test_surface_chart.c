@@ -2,8 +2,8 @@
 
 #include "patch_clouds.h"
 
-#include "surface/network/chart_network.h"
 #include "surface/network/biharmonic_extension.h"
+#include "surface/network/chart_network.h"
 
 // Helpers
 
@@ -358,8 +358,7 @@ static void steps_lead_to_the_foot(void **state)
     (void)state;
     patch made = patch_scatter(hill, 20, 400, 0, 2);
     polynomial_patch descriptor;
-    check_status(polynomial_patch_fit(made.cloud.points, made.parameters, made.cloud.count, 0, &descriptor, NULL),
-                 BAT_OK);
+    check_status(polynomial_patch_fit(made.cloud.points, made.parameters, made.cloud.count, 0, &descriptor, NULL), BAT_OK);
     bat_random random = bat_random_seed(6);
     for (int k = 0; k < 100; k++)
     {

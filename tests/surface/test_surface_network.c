@@ -134,8 +134,8 @@ static learn_parameters random_weights(const surface_network_tape *training, uin
     return parameters;
 }
 
-static void predict(const surface_network_tape *training, const learn_parameters *parameters,
-                    const surface_sample *sample, double *interior)
+static void predict(const surface_network_tape *training, const learn_parameters *parameters, const surface_sample *sample,
+                    double *interior)
 {
     learn_tape tape = learn_tape_make();
     learn_tape_begin(&tape, parameters, NULL);

@@ -9,8 +9,8 @@ BAT_C_BEGIN
 /// Random meshes of any number: creatures, heads, machine parts, knots, reliefs, for training and for tests.
 ///
 /// Most are solids bounded by implicit surfaces (blends of round cones and ellipsoids; machine parts of planes and
-/// cylinders). Their boundaries are extracted on a tetrahedral lattice and remeshed isotropically, with edges along the sharp
-/// edges of the solid. The others are triangulated grids.
+/// cylinders). Their boundaries are extracted on a tetrahedral lattice and remeshed isotropically, with edges along the
+/// sharp edges of the solid. The others are triangulated grids.
 
 /// A kind of shape.
 typedef struct bat_mesh_shape_kind

@@ -1,7 +1,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
-#include "base/option.h"
 #include "base/memory.h"
+#include "base/option.h"
 #include "batten/surface_picture.h"
 #include "draw/common/colour_scale.h"
 #include "draw/common/sheet.h"

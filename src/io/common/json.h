@@ -1,8 +1,8 @@
 #ifndef IO_COMMON_JSON_H
 #define IO_COMMON_JSON_H
 
-#include "batten/base.h"
 #include "base/text_buffer.h"
+#include "batten/base.h"
 
 #include <jansson.h>
 

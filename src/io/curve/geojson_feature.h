@@ -1,11 +1,11 @@
 #ifndef IO_CURVE_GEOJSON_FEATURE_H
 #define IO_CURVE_GEOJSON_FEATURE_H
 
-#include "io/common/json.h"
 #include "base/text_buffer.h"
 #include "curve/curve_attributes.h"
-#include "io/curve/geojson_document.h"
+#include "io/common/json.h"
 #include "io/curve/builder.h"
+#include "io/curve/geojson_document.h"
 
 /// @file
 /// Parts of the GeoJSON reader: positions for messages, coordinates cut out of the text, features, geometries.

@@ -1,8 +1,8 @@
 #include "base/array_grow.h"
 #include "base/error.h"
+#include "base/text_buffer.h"
 #include "io/common/file_text.h"
 #include "io/common/json.h"
-#include "base/text_buffer.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson_feature.h"
 

@@ -1,8 +1,8 @@
 #include "base/error.h"
-#include "io/common/json.h"
 #include "curve/curve_attributes.h"
-#include "io/curve/geojson_document.h"
+#include "io/common/json.h"
 #include "io/curve/formats.h"
+#include "io/curve/geojson_document.h"
 #include "io/curve/geojson_shape.h"
 
 #include <string.h>

@@ -1,9 +1,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/text_buffer.h"
 #include "io/common/file_text.h"
 #include "io/common/number_text.h"
-#include "base/text_buffer.h"
 #include "io/surface/formats.h"
 #include "io/surface/space.h"
 

@@ -8,9 +8,9 @@
 /// The scheme of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners.
 ///
 /// A smooth vertex of valence n becomes (1 - n b) v + b sum_i v_i with b = (5/8 - (3/8 + cos(2 pi / n) / 4)^2) / n; the
-/// vertex of an edge becomes 3/8 of its ends and 1/8 of the opposite vertices. Sharp features follow Hoppe et al., "Piecewise
-/// smooth surface reconstruction" (1994). One rule differs: the vertex of a crease edge is always its midpoint, so every
-/// crease is a cubic B-spline. Semi-sharp creases blend the rules of two levels as OpenSubdiv does.
+/// vertex of an edge becomes 3/8 of its ends and 1/8 of the opposite vertices. Sharp features follow Hoppe et al.,
+/// "Piecewise smooth surface reconstruction" (1994). One rule differs: the vertex of a crease edge is always its midpoint,
+/// so every crease is a cubic B-spline. Semi-sharp creases blend the rules of two levels as OpenSubdiv does.
 
 /// The weights of a vertex rule: of the vertex, of each neighbour, and of two selected neighbours.
 typedef struct vertex_mask

@@ -1,5 +1,5 @@
-// A program that knows batten and batten-research only as installed packages. It passes a space of one library to the other: a
-// space is recognized by its functions, so both must have the same ones.
+// A program that knows batten and batten-research only as installed packages. It passes a space of one library to the other:
+// a space is recognized by its functions, so both must have the same ones.
 
 #include <batten/batten.h>
 #include <batten/research/research.h>
