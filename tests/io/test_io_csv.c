@@ -102,8 +102,8 @@ static void a_comment_names_the_space(void **state)
         assert_string_equal(set.space->name, "plane");
         bat_curve_set_free(&set);
     }
-    assert_bad("0.5,0\n# space: disk\n0,0.5\n", CSV, NULL, 2, "named after the first row");
-    assert_bad("0.5,0\n\n# space disk\n0,0.5\n", CSV, NULL, 3, "named after the first row");
+    assert_bad("0.5,0\n# space: disk\n0,0.5\n", CSV, NULL, 2, "must be named before the first row");
+    assert_bad("0.5,0\n\n# space disk\n0,0.5\n", CSV, NULL, 3, "must be named before the first row");
     assert_bad("# space:\n0,0.5\n", CSV, NULL, 1, "no space ''");
 }
 

@@ -346,14 +346,14 @@ static void wrong_structure_names_its_place(void **state)
         size_t line;
         const char *words;
     } cases[] = {
-        {"{}", 0, "no type that GeoJSON knows"},
-        {"{\"type\":\"Circle\"}", 0, "no type that GeoJSON knows"},
+        {"{}", 0, "has an unknown type"},
+        {"{\"type\":\"Circle\"}", 0, "has an unknown type"},
         {"{\"type\":\"FeatureCollection\"}", 0, "no array of features"},
         {COLLECTION(""), 0, "no lines or polygons"},
         {"{\"type\":\"Point\",\"coordinates\":[1,2]}", 0, "no lines or polygons"},
         {LINE("[]"), 0, "no lines or polygons"},
         {COLLECTION("{}"), 2, "feature 0: the feature must be an object of the type Feature"},
-        {COLLECTION("7"), 0, "feature 0: it must be an object"},
+        {COLLECTION("7"), 0, "feature 0: the feature must be an object"},
         {COLLECTION(FEATURE("null") ",\n" FEATURE("[]")), 3, "feature 1: the geometry must be an object"},
         {LINE("7"), 0, "no array of coordinates"},
         {LINE("[[0,0]]"), 0, "a line needs at least 2 positions"},
@@ -361,7 +361,7 @@ static void wrong_structure_names_its_place(void **state)
         {LINE("[[0,0],[1,2,3,4]]"), 0, "position 1: a position must be"},
         {LINE("[[0,0],[1,\"2\"]]"), 0, "position 1: a position must be"},
         {LINE("[[0,0],7]"), 0, "position 1: a position must be"},
-        {LINE("[[0,0],[1,2,3]]"), 0, "position 1: some positions of the geometry have an altitude"},
+        {LINE("[[0,0],[1,2,3]]"), 0, "position 1: only some positions of the geometry have an altitude"},
         {COLLECTION(FEATURE(LINE("[[0,0],[0,90.5]]"))), 2, "feature 0, position 1: a latitude outside"},
         {LINE("[[0,0],[361,0]]"), 0, "position 1: a longitude outside"},
         {POLYGON("[[[0,0],[1,0],[0,0]]]"), 0, "ring 0: a ring needs at least 4 positions"},

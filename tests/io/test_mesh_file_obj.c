@@ -62,9 +62,9 @@ static void test_weights_and_colours(void **state)
     assert_true(mesh.channels[1] == .2 && mesh.channels[8] == 1);
     assert_text(&mesh, OBJ, "v 0 0 0 0.1 0.2 0.3\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n");
     bat_mesh_free(&mesh);
-    assert_bad("v 0 0 0 .1 .2 .3\nv 1 0 0\n", OBJ, 2, "not as many colour values");
-    assert_bad("v 0 0 0\nv 1 0 0 1 1 1\n", OBJ, 2, "not as many colour values");
-    assert_bad("v 0 0 0 1 1 1\nv 1 0 0 1 1 1 1\n", OBJ, 2, "not as many colour values");
+    assert_bad("v 0 0 0 .1 .2 .3\nv 1 0 0\n", OBJ, 2, "another number of colour values");
+    assert_bad("v 0 0 0\nv 1 0 0 1 1 1\n", OBJ, 2, "another number of colour values");
+    assert_bad("v 0 0 0 1 1 1\nv 1 0 0 1 1 1 1\n", OBJ, 2, "another number of colour values");
 }
 
 static void test_creases_and_corners(void **state)
@@ -101,7 +101,7 @@ static void test_creases_and_corners(void **state)
                {"crease 2/1/0 0 1 -1", "'-1' is not a sharpness"},
                {"crease 2/1/0 0 1 nan", "'nan' is not a sharpness"},
                {"crease 2/1/0 1 1 1", "joins a vertex with itself"},
-               {"crease 2/1/0 0 1 1 1", "'1' is more than"},
+               {"crease 2/1/0 0 1 1 1", "'1' exceeds the counts"},
                {"crease 4294967294/1/0 0 1 1", "'' is not the number"},
                {"corner 1/2/0 0 1 1", "a corner is"},
                {"corner 1/1/0 4 1", "'4' is not the number"},
@@ -124,8 +124,8 @@ static void test_some_faces_without_texture(void **state)
     assert_memory_equal(mesh.texture_faces, places, sizeof places);
     assert_memory_equal(mesh.texture, texture, sizeof texture);
     bat_mesh_free(&mesh);
-    assert_bad(TRIANGLE "vt 1 1\nf 1/1 2 3\n", OBJ, 5, "'2' has a texture coordinate where the corner before has none, or");
-    assert_bad(TRIANGLE "vt 1 1\nf 1 2/1 3\n", OBJ, 5, "'2/1' has a texture");
+    assert_bad(TRIANGLE "vt 1 1\nf 1/1 2 3\n", OBJ, 5, "'2' and the corner before it: only one of them");
+    assert_bad(TRIANGLE "vt 1 1\nf 1 2/1 3\n", OBJ, 5, "'2/1' and the corner before it");
 }
 
 static void test_polygons(void **state)

@@ -97,7 +97,7 @@ static void test_bytes(void **state)
     assert_refused(bytes, size - 1, &options, BAT_BAD_FILE, 0,
                    "gives 2 triangles, but the file holds 99 bytes, enough for 1");
     bytes[83] = '\x7f';
-    assert_refused(bytes, size, &options, BAT_BAD_FILE, 0, "says that it has 2130706434 triangles");
+    assert_refused(bytes, size, &options, BAT_BAD_FILE, 0, "the header gives 2130706434 triangles");
     bytes[83] = 0;
     memset(bytes + 84 + 50 + 12 + 8, 0xff, 4);
     assert_refused(bytes, size, &options, BAT_BAD_FILE, 0, "a corner of triangle 1 is not finite");

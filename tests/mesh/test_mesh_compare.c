@@ -346,7 +346,7 @@ static void test_refusals(void **state)
     bat_mesh_compare_options options = bat_mesh_compare_defaults();
     check_refused(&good, &none, NULL, BAT_INVALID_ARGUMENT, "the second mesh: the mesh has no faces");
     check_refused(&flat, &good, NULL, BAT_INVALID_ARGUMENT, "the first mesh has no area");
-    check_refused(&good, &far, NULL, BAT_INVALID_POINT, "the second mesh: vertex 2 is too far out");
+    check_refused(&good, &far, NULL, BAT_INVALID_POINT, "the second mesh: vertex 2 is too far from the origin");
     options.samples = 0;
     check_refused(&good, &good, &options, BAT_INVALID_ARGUMENT, "sample");
     options = bat_mesh_compare_defaults();
