@@ -128,20 +128,7 @@ bool bat_curve_model_list(size_t index, bat_choice *choice)
 
 bat_status bat_curve_model_builtin(bat_curve_model **model, bat_error *error)
 {
-    bat_curve_model *made = calloc(1, sizeof *made);
-    if (made == NULL)
-        return error_memory(error, sizeof *made);
-    bat_status status = learned_network_make(&made->fairing, error);
-    if (status != BAT_OK)
-    {
-        bat_curve_model_free(made);
-        return status;
-    }
-    for (size_t i = 0; i < made->fairing.total; i++)
-        made->fairing.values[i] = (real)weights_learned.values[i];
-    made->rule = learned_rule(made->fairing.values);
-    *model = made;
-    return BAT_OK;
+    return model_of(&weights_learned, model, error);
 }
 
 bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error)
