@@ -42,7 +42,7 @@ static void sort_columns(const real *weight, size_t columns, first_layer *sorted
             // The columns of corner c follow those of its position, which corner 0 does not have.
             const real *own = weight + c * width;
             for (size_t a = 0; a < 3 && c > 0; a++)
-                sorted->geometry[o][3 * (c - 1) + a] = own[a - 3];
+                sorted->geometry[o][3 * (c - 1) + a] = weight[c * width + a - 3];
             for (size_t a = 0; a < 3 && width == DIFFERENCES; a++)
                 sorted->geometry[o][FLAP_EDGES + 3 * c + a] = own[a];
             if (width == W)
