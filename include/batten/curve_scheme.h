@@ -18,7 +18,7 @@ typedef struct bat_mask
 {
     double coefficients[BAT_MASK_MAX];
     size_t count; ///< 1 … BAT_MASK_MAX
-    int first;    ///< index of the first coefficient, may be negative
+    int first;    ///< index of the first coefficient; refinement takes -2 count … count
 } bat_mask;
 
 /// Chaikin's corner cutting (1974): [1, 3, 3, 1] / 4, the uniform quadratic B-spline.

@@ -90,8 +90,9 @@ typedef enum bat_hermite_kind
     BAT_HERMITE_TRANSPORT ///< a linear Hermite scheme by logarithms and parallel transport (Moosmüller 2017); derivatives
 } bat_hermite_kind;
 
-/// The highest order of the Lane-Riesenfeld schemes.
-#define BAT_HERMITE_MAX_ORDER (BAT_MASK_MAX - 2)
+/// The highest order of the Lane-Riesenfeld schemes: the highest that is published. Each order averages once more, over
+/// points ever farther away.
+#define BAT_HERMITE_MAX_ORDER 10
 
 /// How to refine. Begin with bat_hermite_defaults().
 typedef struct bat_hermite_options

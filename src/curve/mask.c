@@ -42,6 +42,16 @@ bat_status mask_check(const bat_mask *mask, bat_error *error)
     return BAT_OK;
 }
 
+bat_status mask_check_place(const bat_mask *mask, bat_error *error)
+{
+    int count = (int)mask->count;
+    if (mask->first < -2 * count || mask->first > count)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the first index of a mask of %d coefficients lies from %d to %d, not %d", count, -2 * count, count,
+                         mask->first);
+    return BAT_OK;
+}
+
 bat_mask mask_trimmed(const bat_mask *mask)
 {
     size_t begin, end;

@@ -51,6 +51,8 @@ static bool is_affine(const bat_mask *mask)
 static bat_status check_mask(const bat_mask *mask, bool affine, bat_error *error)
 {
     bat_status status = mask_check(mask, error);
+    if (status == BAT_OK)
+        status = mask_check_place(mask, error);
     if (status != BAT_OK)
         return status;
     if (mask_trimmed(mask).count == 0)

@@ -4,6 +4,7 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
+#include "curve/mask.h"
 
 #include <errno.h>
 #include <math.h>
@@ -207,6 +208,9 @@ static bat_status read_mask(const char *text, bat_curve_scheme *scheme, bat_erro
     }
     if (*at != '\0')
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "'%s' does not belong in a mask", at);
+    bat_status status = mask_check_place(&mask, error);
+    if (status != BAT_OK)
+        return status;
     *scheme = bat_curve_scheme_linear(mask);
     return BAT_OK;
 }

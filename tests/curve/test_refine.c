@@ -587,11 +587,14 @@ static void bad_input_is_refused(void **state)
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_TOO_LARGE);
     how.levels = 45;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_TOO_LARGE);
-    how.scheme.mask.first = 128;
+    how.scheme.mask.first = 4;
     how.levels = 55;
     how.max_points = SIZE_MAX;
     size_t count;
     check_status(bat_curve_refined_count(&curve, &how, &count, &error), BAT_TOO_LARGE);
+    how.scheme.mask.first = 5;
+    check_status(bat_curve_refined_count(&curve, &how, &count, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "from -8 to 4, not 5"));
     how = options("four-point", 1);
     how.ends = BAT_CURVE_END_FREE;
     curve.count = 2;

@@ -26,6 +26,9 @@ static void scheme_names_are_read_strictly(void **state)
                          "mask:1,1@a",
                          "mask:1,1@999999999999999999999",
                          "mask:1,1@0z",
+                         "mask:1,1@99",
+                         "mask:1,1@3",
+                         "mask:1,1@-5",
                          "four-point:w=nan",
                          "angle:mu=1/0",
                          "angle-4:adaptive=7",
@@ -45,6 +48,10 @@ static void scheme_names_are_read_strictly(void **state)
     assert_int_equal(scheme("angle:mu=-1/8,sign=printed").sign, BAT_CURVE_ANGLE_PRINTED);
     assert_int_equal(scheme("log-exp-6:base=midpoint").base, BAT_CURVE_BASE_MIDPOINT);
     assert_int_equal(scheme("mask:1/4,3/4,3/4,1/4").mask.first, -2);
+    check_status(bat_curve_scheme_by_name("mask:1,1@99", &result, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "from -4 to 2, not 99"));
+    assert_int_equal(scheme("mask:1,1@2").mask.first, 2);
+    assert_int_equal(scheme("mask:1,1@-4").mask.first, -4);
     bat_choice choice;
     size_t listed = 0;
     while (bat_curve_scheme_list(listed, &choice))

@@ -524,9 +524,9 @@ static void options_are_checked(void **state)
     study_curve curve;
     bat_hermite_curve data = good_data(&curve);
     bat_hermite_options how = lane_riesenfeld(0, 2);
-    refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 126");
+    refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 10");
     how = lane_riesenfeld(BAT_HERMITE_MAX_ORDER + 1, 2);
-    refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 126");
+    refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 10");
     how = lane_riesenfeld(1, 60);
     refused(&data, &how, BAT_TOO_LARGE, BAT_NO_INDEX, "too many points");
     how = lane_riesenfeld(1, 2);

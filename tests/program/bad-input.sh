@@ -133,6 +133,7 @@ refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme log-exp-4 -o 
 refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme hermite:order=2 -o out.csv
 refused 2 'velocities goes with' curve keygood.in.csv --velocities --scheme log-exp-4 -o out.csv
 refused 2 'order' curve keygood.in.csv --scheme hermite:order=0 -o out.csv
+refused 2 'order must be a whole number from 1 to 10, not 99' curve keygood.in.csv --scheme hermite:order=99 -o out.csv
 refused 2 'no scheme' curve keygood.in.csv --scheme hermite-spline -o out.csv
 refused 2 'ends does not go with' curve keygood.in.csv --scheme hermite --ends free -o out.csv
 refused 2 '2 or 4' curve keygood.in.csv --tangents 3 -o out.csv
@@ -158,6 +159,8 @@ refused 2 'whole number' curve good.in.csv --levels 2.5
 refused 2 'whole number' curve good.in.csv --levels -1
 refused 2 'no scheme' curve good.in.csv --scheme spline
 refused 2 'no setting' curve good.in.csv --scheme chaikin:w=1
+refused 2 'mask of 2 coefficients lies from -4 to 2, not 99' curve good.in.csv --scheme mask:1,1@99 -o out.csv
+refused 2 'mask of 2 coefficients lies from -4 to 2, not -5' analyze mask:1,1@-5
 refused 2 'model goes with --scheme learned' curve good.in.csv --scheme angle-4 --model good.in.csv -o out.csv
 refused 2 'fairness goes with --scheme learned' curve good.in.csv --scheme angle-4 --fairness 0.5 -o out.csv
 refused 2 'from 0 to 1' curve good.in.csv --fairness 1.5 -o out.csv
