@@ -203,6 +203,24 @@ bool point_form_fault(const char *space, const point_form *form, const column_na
     return true;
 }
 
+bool point_form_incomplete(const point_form *form, const column_names *columns, char *text, size_t size)
+{
+    bool turned = form != NULL && form->rotation != ROTATION_NONE;
+    for (size_t i = 0; columns->names != NULL && !turned && i < FORM_COUNT; i++)
+    {
+        const char *missing;
+        bool unmistakable = FORMS[i].rotation == ROTATION_QUATERNION || FORMS[i].rotation == ROTATION_MATRIX;
+        if (!unmistakable || FORMS[i].rotation_at > 0 || count_found(columns, FORMS[i].names, &missing) == 0 ||
+            missing == NULL)
+            continue;
+        (void)snprintf(text, size, "a %s needs a column '%s'; where it is no %s, name the space",
+                       FORMS[i].rotation == ROTATION_QUATERNION ? "quaternion" : "rotation matrix", missing,
+                       FORMS[i].rotation == ROTATION_QUATERNION ? "quaternion" : "rotation matrix");
+        return true;
+    }
+    return false;
+}
+
 static const char *read_quaternion(const double *numbers, bool project, double *quaternion)
 {
     double square = 0, largest = 0;

@@ -159,9 +159,26 @@ static void bad_columns_name_the_line(void **state)
         {"xx,xy,yy\n1,0,1\n1,1,1\n", "spd", 3, "positive definite"},
         {"1,2,3,4\n", "spd", 1, "4 columns"},
         {"0 1 2 3 0 0 0 0\n", "rigid", 1, "zero"},
+        {"time,qw,qx,qy,qz\n0,1,0,0,0\n\n# next\n0,1,0,0,0\n1,0.8,0.6,0,0\n1,0.6,0.8,0,0\n", "rotation", 7,
+         "the time 1 does not come after 1"},
+        {"y,T,x\n0,3,0\n0,4,1\n0,2,2\n", NULL, 4, "the time 2 does not come after 4"},
+        {"time,lat,lon\n0,0,0\n0,0,1\n", NULL, 3, "the time 0 does not come after 0"},
+        {"x,y,timestamp\n0,0,0\n0,0,1\n1,1,1\n", "disk", 4, "the time 1 does not come after 1"},
+        {"qw,qx,qy\n1,0,0\n", NULL, 1, "a quaternion needs a column 'qz'"},
+        {"time,x,y,z,QX,QY,QZ\n0,0,0,0,0,0,0\n", NULL, 1, "a quaternion needs a column 'qw'"},
+        {"tx,ty,tz,m11,m12,m13,m21,m22,m23,m31,m33\n0,0,0,1,0,0,0,1,0,0,1\n", NULL, 1,
+         "a rotation matrix needs a column 'm32'"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_bad(cases[i].text, CSV, cases[i].space, cases[i].line, cases[i].words);
+    // Who says that the columns are coordinates is believed; times begin anew with every curve, and a column of points is
+    // none.
+    static const char *const good[] = {"qw,qx,qy\n3,4,5\n6,7,8\n", "x,y,t\n0,0,5\n\n1,1,2\n", "t,value\n1,0\n0,1\n"};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+    {
+        bat_curve_set set = must_read(good[i], BAT_CURVE_FORMAT_AUTO, i == 1 ? "plane" : "euclidean");
+        bat_curve_set_free(&set);
+    }
     assert_bad("# c\n0 1 2 3 0 0 0 1\n0 1 2 3 0 0 1\n", TUM, NULL, 3, "7 columns where a trajectory has 8");
     assert_bad("", TUM, NULL, 0, "no points");
 }
@@ -367,6 +384,24 @@ static void assert_refused(const char *text, const char *space, const bat_motion
     bat_curve_set_free(&set);
 }
 
+/// Files cannot hold them, but a set of curves can.
+static void times_must_increase(void **state)
+{
+    (void)state;
+    bat_curve_set set =
+                      must_read("time,qw,qx,qy,qz\n0,1,0,0,0\n1,0.8,0.6,0,0\n2,0.6,0.8,0,0\n", BAT_CURVE_FORMAT_AUTO, NULL),
+                  fine = {0};
+    bat_motion_options sampled = bat_motion_defaults();
+    bat_error error;
+    sampled.rate = 4;
+    set.curves[0].channels[2] = 1;
+    assert_int_equal(bat_motion_curves(&set, &sampled, &fine, NULL, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.line, 4);
+    assert_non_null(strstr(error.text, "the time 1 does not come after 1"));
+    assert_null(fine.curves);
+    bat_curve_set_free(&set);
+}
+
 static void bad_keyframes_name_their_lines(void **state)
 {
     (void)state;
@@ -376,9 +411,7 @@ static void bad_keyframes_name_their_lines(void **state)
     const char header[] = "time,qw,qx,qy,qz\n";
     char text[200];
 #define ROWS(rows) (snprintf(text, sizeof text, "%s%s", header, rows), text)
-    assert_refused(ROWS("0,1,0,0,0\n1,0.8,0.6,0,0\n1,0.6,0.8,0,0\n"), "rotation", &sampled, BAT_INVALID_POINT, 4,
-                   "does not come after");
-    assert_refused(ROWS("0,1,0,0,0\n\n# next\n0,1,0,0,0\n-1,0.6,0.8,0,0\n"), "rotation", &sampled, BAT_INVALID_ARGUMENT, 0,
+    assert_refused(ROWS("0,1,0,0,0\n\n# next\n0,1,0,0,0\n1,0.6,0.8,0,0\n"), "rotation", &sampled, BAT_INVALID_ARGUMENT, 0,
                    "needs at least 2 points");
     assert_refused(ROWS("0,1,0,0,0\n# half a turn\n1,0,1,0,0\n"), "rotation", &sampled, BAT_CUT_LOCUS, 4, "lines 2 and 4");
     assert_refused(ROWS("0,1,0,0,0\n1,-1,0,0,0\n"), "rotation", NULL, BAT_INVALID_POINT, 3, "lines 2 and 3");
@@ -462,7 +495,7 @@ static void velocities_are_derivatives_of_the_columns(void **state)
 static void names_of_schemes(void **state)
 {
     (void)state;
-    const char *bad[] = {"hermite:order=0", "hermite:order=2.5",    "hermite:order=127",         "hermite:rate=3",
+    const char *bad[] = {"hermite:order=0", "hermite:order=2.5",    "hermite:order=11",          "hermite:rate=3",
                          "hermite:order",   "hermite-merrien:mu=x", "hermite-merrien:base=edge", "hermit",
                          "hermite-",        "hermite:order=3,"};
     bat_hermite_options options = bat_hermite_defaults();
@@ -494,6 +527,7 @@ int main(void)
         cmocka_unit_test(smooth_curves_are_continuous),
         cmocka_unit_test(steady_turns_have_their_velocity),
         cmocka_unit_test(large_steps_are_followed),
+        cmocka_unit_test(times_must_increase),
         cmocka_unit_test(bad_keyframes_name_their_lines),
         cmocka_unit_test(motions_may_rest),
         cmocka_unit_test(forms_agree),

@@ -57,6 +57,12 @@ printf '0,0\n1,0\n1,0\n2,0\n' > repeated.in.csv
 printf '1,0,0\n0,1,0\n0,-1,0\n' > antipodal.in.csv
 printf '1,0,0\n0,2,0\n' > long.in.csv
 printf '0,0\n0.5,0\n1,0\n' > rim.in.csv
+printf 'time,x,y\n0,0,0\n2,1,0\n1,1,1\n' > unsorted.in.csv
+printf 'x,y,t\n0,0,5\n\n0,0,0\n1,0,1\n2,1,1\n' > equal.in.csv
+printf 'lon,lat,time\n0,0,0\n1,0,0\n' > tracked.in.csv
+printf '# three of four\nqw,qx,qy\n1,0,0\n0,1,0\n' > keythree.in.csv
+printf 'x,y,z,qx,qy,qz\n1,0,0,0,0,0\n0,1,0,0,0,0\n' > keyflux.in.csv
+printf 'm11,m12,m13,m21,m22,m23,m31,m32\n1,0,0,0,1,0,0,0\n' > keyeight.in.csv
 printf '0,0\n' > one.in.csv
 : > empty.in.csv
 printf '# nothing\n\n' > comments.in.csv
@@ -80,6 +86,12 @@ curve 'repeated\.in\.csv:3: point 2 repeats' repeated.in.csv
 curve 'antipodal\.in\.csv:3: .*antipodal' antipodal.in.csv sphere
 curve 'long\.in\.csv:2: .*unit length' long.in.csv sphere
 curve 'rim\.in\.csv:3: .*disk' rim.in.csv disk
+curve 'unsorted\.in\.csv:4: the time 1 does not come after 2' unsorted.in.csv
+curve 'equal\.in\.csv:6: the time 1 does not come after 1' equal.in.csv
+curve 'tracked\.in\.csv:3: the time 0 does not come after 0' tracked.in.csv
+curve "keythree\.in\.csv:2: a quaternion needs a column 'qz'" keythree.in.csv
+curve "keyflux\.in\.csv:1: a quaternion needs a column 'qw'" keyflux.in.csv
+curve "keyeight\.in\.csv:1: a rotation matrix needs a column 'm33'" keyeight.in.csv
 curve 'one\.in\.csv: ' one.in.csv
 curve 'empty\.in\.csv: ' empty.in.csv
 curve 'comments\.in\.csv:2: ' comments.in.csv

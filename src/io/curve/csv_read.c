@@ -29,6 +29,7 @@ typedef struct csv_reader
     char space_name[EXCERPT_SIZE]; ///< from a directive; empty without one
     bool closed;                   ///< from a directive for the current curve
     size_t header_line;            ///< 0 without a header
+    size_t time_channel;           ///< BAT_NO_INDEX without times
     bool begun;                    ///< a row of numbers was read
     bool unnamed_tum;              ///< a CSV file contains rows of a trajectory without a header
     bool tum;                      ///< the TUM format: blank lines, headers and directives have no meaning
@@ -201,6 +202,14 @@ static bat_status use_coordinates(csv_reader *reader, const text_line *line, con
                                         "%zu columns are not a point of the space %s", count, name);
 }
 
+/// Find the times among the channels.
+static void find_times(csv_reader *reader)
+{
+    motion_channels channels;
+    csv_columns_channels(&reader->attributes->csv, reader->coordinate_count, NULL, &channels);
+    reader->time_channel = channels.time;
+}
+
 /// Choose the space from the options, the directives and the columns.
 static bat_status choose_space(csv_reader *reader, const text_line *line, bat_error *error)
 {
@@ -220,9 +229,11 @@ static bat_status choose_space(csv_reader *reader, const text_line *line, bat_er
     }
     column_names names = {columns->names, reader->column_count};
     const point_form *form = find_form(reader, name, &names);
+    char fault[BAT_ERROR_TEXT_SIZE];
+    if (name == NULL && point_form_incomplete(form, &names, fault, sizeof fault))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
     if (name == NULL && form != NULL)
         name = form->space;
-    char fault[BAT_ERROR_TEXT_SIZE];
     if (name != NULL && point_form_fault(name, form, &names, fault, sizeof fault))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
     if (form != NULL)
@@ -245,6 +256,21 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
                              text_excerpt(excerpt, field->begin, field->end), fault);
     }
     return BAT_OK;
+}
+
+/// Times increase strictly along a curve.
+static bat_status check_time(const csv_reader *reader, const text_line *line, const double *channels, bat_error *error)
+{
+    const curve_builder *builder = &reader->builder;
+    size_t channel = reader->time_channel;
+    if (channel == BAT_NO_INDEX || builder->point_count == 0)
+        return BAT_OK;
+    double time = channels[channel],
+           before = builder->channels[(builder->point_count - 1) * builder->channel_count + channel];
+    if (time > before)
+        return BAT_OK;
+    return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "the time %.15g does not come after %.15g",
+                     time, before);
 }
 
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
@@ -279,6 +305,9 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
         return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s", fault);
     if (count > coordinates)
         memcpy(channels, reader->numbers + coordinates, (count - coordinates) * sizeof *channels);
+    status = check_time(reader, line, channels, error);
+    if (status != BAT_OK)
+        return status;
     size_t index = builder->point_count;
     fault = builder_admit(builder);
     if (fault != NULL)
@@ -353,6 +382,7 @@ static bat_status read_line(csv_reader *reader, const text_line *line, bat_error
         if (reader->column_count == 0)
             reader->column_count = count;
         status = choose_space(reader, line, error);
+        find_times(reader);
     }
     return status == BAT_OK ? read_row(reader, line, count, error) : status;
 }
