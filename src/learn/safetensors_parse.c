@@ -1,10 +1,9 @@
 #include "base/error.h"
+#include "base/file_bytes.h"
 #include "base/json_parse.h"
 #include "base/memory.h"
 #include "learn/safetensors_type.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 /// An array as the header has it.
@@ -266,35 +265,10 @@ bat_status safetensors_parse(const void *bytes, size_t size, safetensors *conten
     return status;
 }
 
-/// All bytes of a stream, into an array from malloc().
-static bat_status read_stream(FILE *stream, text_buffer *bytes, bat_error *error)
-{
-    enum
-    {
-        CHUNK = 1 << 20
-    };
-    size_t got = 1;
-    while (got > 0)
-    {
-        char *place = text_reserve(bytes, CHUNK);
-        if (place == NULL)
-            return error_memory(error, bytes->size + CHUNK);
-        got = fread(place, 1, CHUNK, stream);
-        text_advance(bytes, place + got);
-    }
-    if (ferror(stream))
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
-    return BAT_OK;
-}
-
 bat_status safetensors_read(const char *path, safetensors *content, bat_error *error)
 {
-    FILE *stream = fopen(path, "rb");
-    if (stream == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open: %s", strerror(errno));
     text_buffer bytes = {0};
-    bat_status status = read_stream(stream, &bytes, error);
-    (void)fclose(stream);
+    bat_status status = file_bytes_read(path, FILE_MAX_BYTES, &bytes, error);
     if (status == BAT_OK)
         status = safetensors_parse(bytes.data, bytes.size, content, error);
     text_free(&bytes);

@@ -3,6 +3,7 @@
 #include "test_io_helpers.h"
 
 #include "base/atomic_file.h"
+#include "io/common/file_text.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -335,6 +336,45 @@ static void a_pipe_can_be_read(void **state)
     bat_curve_set_free(&set);
 }
 
+/// A pipe may go on forever, and a device does; a regular file ends.
+static void input_without_end_is_refused(void **state)
+{
+    char path[128], text[4096];
+    struct stat about;
+    (void)snprintf(path, sizeof path, "%s", path_in(*state, "pipe"));
+    assert_int_equal(mkfifo(path, 0600), 0);
+    pid_t child = fork();
+    if (child == 0)
+    {
+        (void)signal(SIGPIPE, SIG_DFL);
+        int file = open(path, O_WRONLY);
+        memset(text, '1', sizeof text);
+        for (;;)
+            (void)write(file, text, sizeof text);
+    }
+    text_buffer bytes = {0};
+    bat_error error;
+    assert_int_equal(file_bytes_read(path, 1000000, &bytes, &error), BAT_FILE_ACCESS);
+    assert_non_null(strstr(error.text, "does not end after 1000000 bytes"));
+    assert_null(bytes.data);
+    (void)waitpid(child, NULL, 0);
+
+    (void)snprintf(path, sizeof path, "%s", path_in(*state, "file"));
+    put(path, "0123456789");
+    assert_int_equal(file_bytes_read(path, 5, &bytes, &error), BAT_OK);
+    assert_int_equal(bytes.size, 10);
+    text_free(&bytes);
+
+    static const char *const devices[] = {"/dev/zero", "/dev/full", "/dev/null"};
+    for (size_t i = 0; i < sizeof devices / sizeof *devices; i++)
+    {
+        if (stat(devices[i], &about) != 0 || !S_ISCHR(about.st_mode))
+            continue;
+        assert_int_equal(file_bytes_read(devices[i], 5, &bytes, &error), BAT_FILE_ACCESS);
+        assert_non_null(strstr(error.text, "device"));
+    }
+}
+
 static void the_ending_tells_the_format(void **state)
 {
     (void)state;
@@ -405,6 +445,7 @@ int main(void)
                                        IN_FOLDER(a_killed_process_leaves_nothing),
                                        IN_FOLDER(what_is_no_file_is_written_in_place),
                                        IN_FOLDER(a_pipe_can_be_read),
+                                       IN_FOLDER(input_without_end_is_refused),
                                        IN_FOLDER(a_format_that_nothing_tells_is_asked_for),
                                        cmocka_unit_test(the_ending_tells_the_format),
                                        cmocka_unit_test(options_out_of_range_are_refused)};

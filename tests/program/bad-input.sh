@@ -107,6 +107,14 @@ curve 'noline\.in\.obj:2: ' noline.in.obj
 curve 'bytes\.in\.obj:1: ' bytes.in.obj
 curve '^batten: missing\.in\.csv: cannot open: No such' missing.in.csv
 curve '^batten: /: cannot read: Is a' /
+for device in /dev/full /dev/zero; do
+    [ -c $device ] || continue
+    curve "^batten: $device: cannot read: a device" $device
+    refused 1 "^batten: $device: cannot read: a device" measure $device
+    refused 1 "^batten: $device: cannot read: a device" mesh $device --from obj -o out.csv --to obj
+    refused 1 "^batten: $device: cannot read: a device" surface $device --from xyz -o out.csv --to xml
+    refused 1 "^batten: $device: cannot read: a device" curve nan.in.csv --scheme learned --model $device -o out.csv
+done
 # Keyframes.
 key() { printf 'time,qw,qx,qy,qz\n0,1,0,0,0\n'; printf "$@"; }
 key '1,nan,0,0,1\n' > keynan.in.csv

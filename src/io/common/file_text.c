@@ -1,11 +1,7 @@
 #include "io/common/file_text.h"
 
 #include "base/error.h"
-#include "base/text_buffer.h"
-
-#include <errno.h>
-#include <stdio.h>
-#include <sys/stat.h>
+#include "base/file_bytes.h"
 
 /// @file
 /// Input files as text in memory, and their lines.
@@ -32,44 +28,11 @@ static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *e
     return BAT_OK;
 }
 
-static bat_status read_stream(FILE *file, file_text *text, bat_error *error)
-{
-    enum
-    {
-        CHUNK = 1 << 16
-    };
-    text_buffer buffer = {0};
-    struct stat status;
-    if (fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0)
-        (void)text_reserve(&buffer, (size_t)status.st_size + CHUNK);
-    for (;;)
-    {
-        char *place = text_reserve(&buffer, CHUNK);
-        if (place == NULL)
-            return text_finish(&buffer, text, error);
-        size_t got = fread(place, 1, buffer.capacity - buffer.size - 1, file);
-        buffer.size += got;
-        if (got == 0)
-            break;
-    }
-    if (ferror(file))
-    {
-        text_free(&buffer);
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot read: %s", strerror(errno));
-    }
-    return text_finish(&buffer, text, error);
-}
-
 bat_status file_text_read(const char *path, file_text *text, bat_error *error)
 {
-    if (strcmp(path, "-") == 0)
-        return read_stream(stdin, text, error);
-    FILE *file = fopen(path, "rb");
-    if (file == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot open: %s", strerror(errno));
-    bat_status status = read_stream(file, text, error);
-    (void)fclose(file);
-    return status;
+    text_buffer buffer = {0};
+    bat_status status = file_bytes_read(path, FILE_MAX_BYTES, &buffer, error);
+    return status == BAT_OK ? text_finish(&buffer, text, error) : status;
 }
 
 bat_status file_text_copy(const char *bytes, size_t size, file_text *text, bat_error *error)
