@@ -185,6 +185,28 @@ static void heavy_smoothing_gives_the_regression_plane(void **state)
     sample_free(&sample);
 }
 
+/// Beyond some weight nothing of the points is left in the matrix.
+static void excessive_smoothing_is_refused(void **state)
+{
+    (void)state;
+    bat_hierarchical_space *space = refined_space(2, 2, true);
+    surface_sample sample = sample_make(shape_hills, 500, 0, 0, 11);
+    const double excessive[] = {1e16, 1e100, 1e308};
+    double *control = calloc(3 * bat_hierarchical_space_functions(space), sizeof *control);
+    for (size_t i = 0; i < 3; i++)
+    {
+        bat_error error;
+        double lambda = excessive[i];
+        check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_ARGUMENT);
+        assert_non_null(strstr(error.text, "weight of smoothing"));
+        assert_non_null(strstr(error.text, "out of range"));
+        assert_true(lambda == excessive[i]);
+    }
+    free(control);
+    sample_free(&sample);
+    bat_hierarchical_space_free(space);
+}
+
 static void gaps_take_the_least_smoothing(void **state)
 {
     (void)state;
@@ -267,6 +289,7 @@ int main(void)
         cmocka_unit_test(energy_is_that_of_the_formula),
         cmocka_unit_test(normal_equations_agree_with_dense_least_squares),
         cmocka_unit_test(heavy_smoothing_gives_the_regression_plane),
+        cmocka_unit_test(excessive_smoothing_is_refused),
         cmocka_unit_test(gaps_take_the_least_smoothing),
         cmocka_unit_test(far_too_few_points_are_refused),
         cmocka_unit_test(wrong_data_is_refused),

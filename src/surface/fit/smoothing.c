@@ -115,10 +115,20 @@ static bat_status singular(const fit_system *system, bat_error *error)
                      "the points do not determine %zu functions, even with smoothing", system->functions);
 }
 
+static bat_status excessive(double lambda, double max, bat_error *error)
+{
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "the weight of smoothing %g is out of range: with these points it has its full effect at %.1g", lambda,
+                     max);
+}
+
 /// Factor K; increase lambda until K is regular.
 static bat_status factor_repaired(const weight_workspace *workspace, double *lambda, bat_error *error)
 {
     double unit = balanced_weight(workspace->system), pivot, tried = *lambda;
+    // Beyond this weight K is 2 lambda M to rounding.
+    if (tried > unit / DBL_EPSILON)
+        return excessive(tried, MAX_SHARE * unit, error);
     for (;;)
     {
         bat_status status = factor(workspace, tried, &pivot, error);
@@ -126,6 +136,8 @@ static bat_status factor_repaired(const weight_workspace *workspace, double *lam
             return status;
         if (pivot >= MIN_PIVOT)
             break;
+        if (*lambda > MAX_SHARE * unit)
+            return excessive(*lambda, MAX_SHARE * unit, error);
         if (tried > MAX_SHARE * unit)
             return singular(workspace->system, error);
         tried = fmax(tried * REPAIR_FACTOR, MIN_SHARE * unit);
