@@ -2,6 +2,7 @@
 
 #include "base/lanes.h"
 
+#include <float.h>
 #include <string.h>
 
 enum
@@ -64,16 +65,23 @@ static inline void interleave(const double *restrict even, const double *restric
 
 typedef double vector8 __attribute__((vector_size(64)));
 
+// Where arithmetic is done in a wider type (x87), compilers do not multiply a vector by a number.
+#if FLT_EVAL_METHOD == 0
+#define SCALED(number, vector) ((number) * (vector))
+#else
+#define SCALED(x, vector) ((vector8){(x), (x), (x), (x), (x), (x), (x), (x)} * (vector))
+#endif
+
 /// Four rows of two numbers at once; `count` is a constant where this is inlined.
 static inline void sum_pairs(const double *w, const double *p, size_t count, vector8 *sum)
 {
     vector8 term;
     memcpy(&term, p, sizeof term);
-    *sum = w[0] * term;
+    *sum = SCALED(w[0], term);
     for (size_t k = 1; k < count; k++)
     {
         memcpy(&term, p + 2 * k, sizeof term);
-        *sum += w[k] * term;
+        *sum += SCALED(w[k], term);
     }
 }
 

@@ -3,6 +3,7 @@
 #include "learn/klein.h"
 #include "learn/row_statistics.h"
 
+#include <float.h>
 #include <string.h>
 
 learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real *memory)
@@ -22,6 +23,13 @@ learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_
 
 #define PRODUCT_PASTE(a, b) a##b
 #define PRODUCT_NAME(a, b) PRODUCT_PASTE(a, b)
+
+// Where arithmetic is done in a wider type (x87), compilers do not multiply a vector by a number.
+#if FLT_EVAL_METHOD == 0
+#define PRODUCT_SCALED(number, vector) ((number) * (vector))
+#else
+#define PRODUCT_SCALED(number, vector) (PRODUCT_NAME(PRODUCT, _splat)(number) * (vector))
+#endif
 
 #define PRODUCT product_128
 #define PRODUCT_BYTES 16

@@ -10,6 +10,16 @@
 /// Numbers at any address of theirs.
 typedef real WIDE __attribute__((vector_size(PRODUCT_BYTES), aligned(sizeof(real)), may_alias));
 
+#if FLT_EVAL_METHOD != 0
+static inline WIDE PRODUCT_NAME(PRODUCT, _splat)(real number)
+{
+    WIDE vector;
+    for (size_t l = 0; l < LANES; l++)
+        vector[l] = number;
+    return vector;
+}
+#endif
+
 /// Sums stay in registers while all inputs go by.
 PRODUCT_TARGET
 static void PRODUCT(const learn_packed *layer, size_t rows, const real *restrict x, size_t stride, real *restrict y)
@@ -30,7 +40,7 @@ static void PRODUCT(const learn_packed *layer, size_t rows, const real *restrict
                     weights[v] = *(const WIDE *)(weight + k * input_stride + v * LANES);
                 for (size_t i = 0; i < LEARN_TILE; i++)
                     for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                        sums[i][v] += row[i * stride + k] * weights[v];
+                        sums[i][v] += PRODUCT_SCALED(row[i * stride + k], weights[v]);
             }
             for (size_t i = 0; i < LEARN_TILE; i++)
                 for (size_t v = 0; v < PRODUCT_VECTORS; v++)

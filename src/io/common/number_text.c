@@ -11,7 +11,10 @@
 /// Decimal text to doubles and back, correctly rounded, by exact integers of 128 bits (Clinger, "How to read floating point
 /// numbers accurately", 1990). Rare cases use strtod() and printf().
 
+// 32-bit machines have no 128-bit integers. The C library converts numbers there, as exactly but more slowly.
+#if defined(__SIZEOF_INT128__)
 __extension__ typedef unsigned __int128 wide;
+#endif
 
 enum
 {
@@ -103,6 +106,7 @@ char *number_write_fixed(char *out, int64_t units, int decimals)
     return write_decimal(out, units < 0 ? (uint64_t)-units : (uint64_t)units, decimals);
 }
 
+#if defined(__SIZEOF_INT128__)
 /// The number of digits before the decimal point for 1e-5 <= value < 1e15; zeros after the point count as negative.
 static int leading_digits(double value)
 {
@@ -145,6 +149,8 @@ static char *write_fraction(char *out, double value)
     }
 }
 
+#endif
+
 /// Write a positive number as printf("%.*g") does, with a decimal point in every locale.
 static char *write_digits(char *out, double value, int digits)
 {
@@ -170,6 +176,13 @@ static char *write_general(char *out, double value)
         (void)number_read(text, write_digits(text, value, digits), &back);
     return stpcpy(out, text);
 }
+
+#if !defined(__SIZEOF_INT128__)
+static char *write_fraction(char *out, double value)
+{
+    return write_general(out, value);
+}
+#endif
 
 char *number_write(char *out, double value)
 {
@@ -270,6 +283,7 @@ static double convert_long(const char *at, const char *end, const decimal *numbe
     return strtod(text, NULL);
 }
 
+#if defined(__SIZEOF_INT128__)
 /// `mantissa` * 2^exponent, rounded, for results far from overflow and underflow.
 static double scale_by_two(uint64_t mantissa, int exponent)
 {
@@ -331,6 +345,8 @@ static double convert_wide(uint64_t mantissa, int exponent)
     return scale_by_two(quotient | rest, divisor_shift - shift - 63 + exponent);
 }
 
+#endif
+
 /// Convert the number from `begin` to `end`.
 static double convert(const char *begin, const char *end, decimal *number)
 {
@@ -346,11 +362,14 @@ static double convert(const char *begin, const char *end, decimal *number)
     if (exact && number->mantissa == 0)
         value = 0.0;
     // Both factors are exact doubles, so one operation rounds correctly (Clinger, 1990).
-    else if (exact && number->mantissa <= exact_mantissa && exponent >= -EXACT_POWER && exponent <= EXACT_POWER)
+    else if (FLT_EVAL_METHOD == 0 && exact && number->mantissa <= exact_mantissa && exponent >= -EXACT_POWER &&
+             exponent <= EXACT_POWER)
         value = exponent < 0 ? (double)number->mantissa / exact_powers[-exponent]
                              : (double)number->mantissa * exact_powers[exponent];
+#if defined(__SIZEOF_INT128__)
     else if (exact && exponent >= -WIDE_POWER && exponent <= WIDE_POWER)
         value = convert_wide(number->mantissa, (int)exponent);
+#endif
     else
         value = convert_long(begin, end, number);
     return number->negative ? -value : value;
