@@ -7,6 +7,10 @@
 
 /// Let every product run on the thread that asks for it, until blas_single_end(). OpenBLAS keeps its number of threads for
 /// the whole process: the first to begin remembers it, the last to end restores it. May be called from any thread.
+///
+/// This pair is the library's only state of the process, and it lasts no longer than a call of the library. Each begin has
+/// one end on every way out, failures and cancelling included: nothing returns between the two. A program that sets the
+/// number of threads itself meanwhile, from another thread, loses its setting at the end.
 void blas_single_begin(void);
 void blas_single_end(void);
 

@@ -3,6 +3,9 @@
 
 #include "base/threads.h"
 #include "check.h"
+#include "linalg/blas_single.h"
+
+#include <cblas.h>
 
 static void threads_are_no_more_than_pieces(void **state)
 {
@@ -52,13 +55,38 @@ static void regions_run_alone_until_the_end(void **state)
     assert_int_equal(threads_of_region(), before);
 }
 
+/// However uses nest or overlap: one thread during, and afterwards the number of before.
+static void blas_has_its_threads_back(void **state)
+{
+    (void)state;
+    int before = openblas_get_num_threads();
+    blas_single_begin();
+    assert_int_equal(openblas_get_num_threads(), 1);
+    blas_single_begin();
+    blas_single_end();
+    assert_int_equal(openblas_get_num_threads(), 1);
+    blas_single_end();
+    assert_int_equal(openblas_get_num_threads(), before);
+    openblas_set_num_threads(2);
+    int wanted = openblas_get_num_threads(), others = 0;
+#pragma omp parallel for num_threads(2) reduction(+ : others)
+    for (int i = 0; i < 1000; i++)
+    {
+        blas_single_begin();
+        others += openblas_get_num_threads() != 1;
+        blas_single_end();
+    }
+    assert_int_equal(others, 0);
+    assert_int_equal(openblas_get_num_threads(), wanted);
+    openblas_set_num_threads(before);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_are_no_more_than_pieces),
-        cmocka_unit_test(short_work_is_not_shared),
-        cmocka_unit_test(who_wants_threads_gets_them),
-        cmocka_unit_test(regions_run_alone_until_the_end),
+        cmocka_unit_test(threads_are_no_more_than_pieces), cmocka_unit_test(short_work_is_not_shared),
+        cmocka_unit_test(who_wants_threads_gets_them),     cmocka_unit_test(regions_run_alone_until_the_end),
+        cmocka_unit_test(blas_has_its_threads_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
