@@ -61,10 +61,47 @@ static void scheme_names_are_read_strictly(void **state)
     assert_true(scheme("learned:fairness=1").fairness == 1);
 }
 
+/// Every space begins with the scheme that its name is known by, and keeps the points it is given.
+static void every_space_has_a_scheme(void **state)
+{
+    (void)state;
+    const struct
+    {
+        bat_space space;
+        const char *name;
+    } cases[] = {{bat_euclidean(2), "learned"},    {bat_sphere(2), "learned"},   {bat_disk(), "learned"},
+                 {bat_euclidean(3), "four-point"}, {bat_sphere(3), "log-exp-4"}, {bat_euclidean(1), "four-point"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+    {
+        const bat_space *space = &cases[i].space;
+        size_t dim = space->point_dim;
+        assert_string_equal(bat_curve_scheme_name_for_space(space), cases[i].name);
+        double points[4 * 4];
+        for (size_t k = 0; k < 4; k++)
+        {
+            double coordinates[4] = {0.5, 0.1 * (double)k, 0.03 * (double)(k * k), 0.2};
+            check_status(space->project(space, coordinates, points + k * dim), BAT_OK);
+            points[k * dim + dim - 1] += i == 5 ? 0.1 * (double)k : 0;
+        }
+        bat_curve coarse = {.space = space, .points = points, .count = 4};
+        bat_curve_refine_options by_space = bat_curve_refine_defaults(), by_name = options(cases[i].name, 2);
+        by_space.levels = 2;
+        by_space.scheme = bat_curve_scheme_for_space(space);
+        bat_curve one = refined(&coarse, &by_space), other = refined(&coarse, &by_name);
+        assert_int_equal(one.count, 13);
+        assert_memory_equal(one.points, other.points, one.count * dim * sizeof *one.points);
+        for (size_t k = 0; k < 4 * dim; k++)
+            assert_true(one.points[4 * (k / dim) * dim + k % dim] == points[k]);
+        bat_curve_free(&one);
+        bat_curve_free(&other);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scheme_names_are_read_strictly),
+        cmocka_unit_test(every_space_has_a_scheme),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

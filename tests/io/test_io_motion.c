@@ -384,6 +384,62 @@ static void assert_refused(const char *text, const char *space, const bat_motion
     bat_curve_set_free(&set);
 }
 
+/// Times, points and velocities as they are in the columns; what is not there is estimated.
+static void a_curve_has_its_data(void **state)
+{
+    (void)state;
+    const char *timed = "# closed\nvy,x,time,y,vx\n0.5,1,10,2,3\n-1,4,12,5,6\n0,7,13,9,8\n";
+    bat_curve_set set = must_read(timed, CSV, "plane");
+    bat_motion_options options = bat_motion_defaults();
+    bat_hermite_curve keys;
+    options.rate = 5;
+    assert_int_equal(bat_motion_data(&set, 0, &options, &keys, NULL), BAT_OK);
+    const double points[] = {1, 2, 4, 5, 7, 9}, velocities[] = {3, 0.5, 6, -1, 8, 0}, times[] = {10, 12, 13};
+    assert_true(keys.space == set.space && keys.count == 3 && keys.closed && keys.closing_time == 1.5);
+    assert_memory_equal(keys.points, points, sizeof points);
+    assert_memory_equal(keys.tangents, velocities, sizeof velocities);
+    assert_memory_equal(keys.times, times, sizeof times);
+    bat_hermite_free(&keys);
+    // Without a rate the tangents are directions.
+    assert_int_equal(bat_motion_data(&set, 0, NULL, &keys, NULL), BAT_OK);
+    for (size_t i = 0; i < 3; i++)
+    {
+        const double *given = velocities + 2 * i, *made = keys.tangents + 2 * i;
+        assert_true(fabs(hypot(made[0], made[1]) - 1) < 1e-15);
+        assert_true(fabs(made[0] * given[1] - made[1] * given[0]) < 1e-14 && made[0] * given[0] > 0);
+    }
+    bat_hermite_free(&keys);
+    bat_curve_set_free(&set);
+    // Of a parabola, order 2 finds the derivatives at the times, whatever their spacing.
+    set = must_read("t,x,y\n0,0,0\n1,1,1\n3,3,9\n", CSV, "plane");
+    assert_int_equal(bat_motion_data(&set, 0, &options, &keys, NULL), BAT_OK);
+    for (size_t i = 0; i < 3; i++)
+        assert_true(fabs(keys.tangents[2 * i] - 1) < 1e-14 && fabs(keys.tangents[2 * i + 1] - 2 * keys.times[i]) < 1e-13);
+    bat_hermite_free(&keys);
+    bat_curve_set_free(&set);
+}
+
+/// A scheme by parallel transport has derivatives by the index, and nothing comes back from a failure.
+static void data_by_index_need_even_times(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("time,x,y,vx,vy\n0,0,0,2,1\n0.5,1,1,4,3\n1,3,9,6,5\n", CSV, "plane");
+    bat_motion_options options = bat_motion_defaults();
+    bat_hermite_curve keys;
+    bat_error error;
+    assert_int_equal(bat_hermite_by_name("hermite-merrien", &options.scheme, NULL), BAT_OK);
+    assert_int_equal(bat_motion_data(&set, 0, &options, &keys, NULL), BAT_OK);
+    const double tangents[] = {1, 0.5, 2, 1.5, 3, 2.5};
+    assert_memory_equal(keys.tangents, tangents, sizeof tangents);
+    bat_hermite_free(&keys);
+    set.curves[0].channels[3] = 0.7;
+    keys = (bat_hermite_curve){.count = 77};
+    assert_int_equal(bat_motion_data(&set, 0, &options, &keys, &error), BAT_UNSUPPORTED);
+    assert_int_equal(error.line, 4);
+    assert_true(keys.count == 77 && keys.points == NULL);
+    bat_curve_set_free(&set);
+}
+
 /// Files cannot hold them, but a set of curves can.
 static void times_must_increase(void **state)
 {
@@ -527,6 +583,8 @@ int main(void)
         cmocka_unit_test(smooth_curves_are_continuous),
         cmocka_unit_test(steady_turns_have_their_velocity),
         cmocka_unit_test(large_steps_are_followed),
+        cmocka_unit_test(a_curve_has_its_data),
+        cmocka_unit_test(data_by_index_need_even_times),
         cmocka_unit_test(times_must_increase),
         cmocka_unit_test(bad_keyframes_name_their_lines),
         cmocka_unit_test(motions_may_rest),

@@ -1,7 +1,11 @@
 // Shapes of our own making: one closed (or open) manifold piece each, of good triangles, the same every time.
 #include "check.h"
 
+#include "base/hash.h"
+#include "batten/mesh_file.h"
 #include "batten/research/mesh_shapes.h"
+#include "batten/research/mesh_train.h"
+#include "learn/safetensors.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -184,6 +188,60 @@ static void test_same_every_time(void **state)
     }
 }
 
+static bool stop_at_once(void *context, double fraction)
+{
+    (void)context;
+    (void)fraction;
+    return false;
+}
+
+/// The shapes of the shipped weights, by the hash in the weights' file, which has two meshes before them.
+static uint64_t hash_shapes(const bat_mesh *shapes, size_t count)
+{
+    uint64_t hash = HASH_BEGIN;
+    for (size_t s = 0; s < count; s++)
+    {
+        hash = hash_bytes(hash, shapes[s].positions, shapes[s].vertex_count * 3 * sizeof *shapes[s].positions);
+        hash = hash_bytes(hash, shapes[s].faces, shapes[s].face_count * 3 * sizeof *shapes[s].faces);
+    }
+    return hash;
+}
+
+static void test_shipped_recipe(void **state)
+{
+    (void)state;
+    bat_mesh shapes[2 + BAT_MESH_TRAINING_SHAPES] = {{0}}, *made = shapes + 2, same;
+    bat_mesh_train_options o = bat_mesh_train_batten();
+    safetensors content;
+    char expected[256], hash[17] = "";
+    assert_int_equal(bat_mesh_training_shapes(made, 0, (bat_progress){0}, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_shape("creature", 8000, 1, &same, NULL), BAT_OK);
+    assert_true(same_bytes(&made[0], &same));
+    bat_mesh_free(&same);
+    assert_int_equal(safetensors_read(MODELS "/mesh.safetensors", &content, NULL), BAT_OK);
+    const char *recipe = safetensors_find_note(&content, "recipe");
+    assert_non_null(recipe);
+    if (bat_mesh_read(SHARED_DATA "/data/meshes/bob.obj", NULL, &shapes[0], NULL) == BAT_OK &&
+        bat_mesh_read(SHARED_DATA "/data/meshes/spot.obj", NULL, &shapes[1], NULL) == BAT_OK)
+        (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)hash_shapes(shapes, 2 + BAT_MESH_TRAINING_SHAPES));
+    else
+        (void)snprintf(hash, sizeof hash, "%.16s", strchr(recipe, '(') + 1);
+    (void)snprintf(
+        expected, sizeof expected,
+        "mesh published, %d epochs, %zu pairs of each of %d shapes (%s), %zu fresh, batch %zu, %zu to %zu vertices, "
+        "normal %g, quality %g, rate %g%s%s%s",
+        (int)o.epochs, o.pairs, 2 + BAT_MESH_TRAINING_SHAPES, hash, o.fresh, o.batch, o.least_vertices, o.most_vertices,
+        o.least_normal, o.least_quality, o.rate, o.falling ? " falling" : "", o.relative ? ", relative lengths" : "",
+        o.surface ? ", off the surface" : "");
+    assert_string_equal(recipe, expected);
+    safetensors_free(&content);
+    for (size_t i = 0; i < 2 + BAT_MESH_TRAINING_SHAPES; i++)
+        bat_mesh_free(&shapes[i]);
+    assert_int_equal(bat_mesh_training_shapes(made, 1, (bat_progress){stop_at_once, NULL}, NULL), BAT_CANCELLED);
+    for (size_t i = 0; i < BAT_MESH_TRAINING_SHAPES; i++)
+        assert_null(made[i].positions);
+}
+
 /// The cage is coarse and the same on both sides.
 static void test_cage(void **state)
 {
@@ -222,7 +280,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_kind), cmocka_unit_test(test_topology), cmocka_unit_test(test_same_every_time),
-        cmocka_unit_test(test_cage),       cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_cage),       cmocka_unit_test(test_refusals), cmocka_unit_test(test_shipped_recipe),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -211,6 +211,63 @@ static void bad_tables_are_refused(void **state)
     check_status(bat_tension_table5_methods(NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
 }
 
+/// Curves that were refined with a tension of the grid are found again; elsewhere the nearest one is.
+static void a_search_finds_the_tension(void **state)
+{
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    double points[] = {0, 0, 2, 1, 3, 4, 1, 5, -1, 3, -2, 1}, turned[] = {0, 0, 1, 3, 4, 3, 5, 0};
+    bat_curve coarse[] = {{.space = &plane, .points = points, .count = 6, .closed = true},
+                          {.space = &plane, .points = turned, .count = 4}};
+    const double wanted[] = {-0.25, 0, -0.2};
+    for (size_t i = 0; i < 3; i++)
+    {
+        bat_curve_refine_options how = bat_curve_refine_defaults();
+        bat_tension_search_options narrow = bat_tension_search_defaults();
+        bat_curve truth[2] = {{0}};
+        bat_error error;
+        double tension = 7;
+        how.scheme = bat_curve_scheme_angle(wanted[i]);
+        how.levels = bat_tension_search_defaults().levels;
+        for (size_t k = 0; k < 2; k++)
+            check_status(bat_curve_refine(&coarse[k], &how, &truth[k], NULL), BAT_OK);
+        check_status(bat_tension_search(coarse, truth, 2, NULL, &tension, &error), BAT_OK);
+        check_near(tension, wanted[i], 1e-12);
+        narrow.low = wanted[i] - 0.5;
+        narrow.high = wanted[i] + 0.01;
+        narrow.count = 2;
+        check_status(bat_tension_search(coarse, truth, 2, &narrow, &tension, &error), BAT_OK);
+        check_near(tension, wanted[i] + 0.01, 1e-12);
+        tension = 7;
+        narrow.progress = (bat_progress){stop, NULL};
+        narrow.count = 200;
+        check_status(bat_tension_search(coarse, truth, 2, &narrow, &tension, &error), BAT_CANCELLED);
+        assert_true(tension == 7);
+        bat_curve_free(&truth[0]);
+        bat_curve_free(&truth[1]);
+    }
+}
+
+static void bad_searches_are_refused(void **state)
+{
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    double points[] = {0, 0, 2, 1, 3, 4}, tension = 7;
+    bat_curve curve = {.space = &plane, .points = points, .count = 3};
+    bat_tension_search_options bad[4];
+    for (size_t i = 0; i < 4; i++)
+        bad[i] = bat_tension_search_defaults();
+    assert_true(bad[0].low < bad[0].high && bad[0].count >= 2);
+    bad[0].count = 1;
+    bad[1].low = bad[1].high;
+    bad[2].scheme = bat_curve_scheme_linear(bat_mask_chaikin());
+    bad[3].low = NAN;
+    for (size_t i = 0; i < 4; i++)
+        check_status(bat_tension_search(&curve, &curve, 1, &bad[i], &tension, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_search(&curve, &curve, 0, NULL, &tension, NULL), BAT_INVALID_ARGUMENT);
+    assert_true(tension == 7);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -221,6 +278,8 @@ int main(void)
         cmocka_unit_test(a_method_on_the_track_is_a_row),
         cmocka_unit_test(a_table_can_be_stopped),
         cmocka_unit_test(bad_tables_are_refused),
+        cmocka_unit_test(a_search_finds_the_tension),
+        cmocka_unit_test(bad_searches_are_refused),
     };
     return cmocka_run_group_tests(tests, make_table1, NULL);
 }

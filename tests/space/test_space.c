@@ -289,6 +289,48 @@ static void names_and_batches_work(void **state)
     check_near(middle[0], sqrt(0.5), 1e-15);
 }
 
+/// Row by row what the space's own function says, up to the first row at fault.
+static void tangents_are_transported_in_rows(void **state)
+{
+    (void)state;
+    enum
+    {
+        ROWS = 5
+    };
+    const bat_space spaces[] = {bat_euclidean(3), bat_sphere(2), bat_disk()};
+    for (size_t s = 0; s < sizeof spaces / sizeof spaces[0]; s++)
+    {
+        const bat_space *space = &spaces[s];
+        size_t dim = space->point_dim, tangent_dim = space->tangent_dim;
+        double p[3 * ROWS], q[3 * ROWS], v[3 * ROWS], moved[3 * ROWS], back[3 * ROWS];
+        bat_random random = bat_random_seed(17 + s);
+        for (size_t i = 0; i < ROWS; i++)
+        {
+            random_pair(space, &random, p + i * dim, q + i * dim);
+            check_status(space->log(space, p + i * dim, q + (i + ROWS - 1) % (i + 1) * dim, v + i * tangent_dim), BAT_OK);
+        }
+        check_status(bat_space_transports(space, p, q, v, ROWS, moved, NULL), BAT_OK);
+        check_status(bat_space_transports(space, q, p, moved, ROWS, back, NULL), BAT_OK);
+        for (size_t i = 0; i < ROWS; i++)
+        {
+            const double *one = v + i * tangent_dim, *other = moved + i * tangent_dim;
+            check_relative(space->inner(space, q + i * dim, other, other), space->inner(space, p + i * dim, one, one),
+                           1e-11);
+            for (size_t k = 0; k < tangent_dim; k++)
+                check_near(back[i * tangent_dim + k], one[k], 1e-11);
+        }
+    }
+    const bat_space *sphere = &spaces[1];
+    double p[] = {1, 0, 0, 1, 0, 0, 1, 0, 0}, q[] = {0, 1, 0, -1, 0, 0, 0, 0, 1}, v[] = {0, 1, 0, 0, 1, 0, 0, 1, 0};
+    double moved[9] = {7, 7, 7, 7, 7, 7, 7, 7, 7};
+    bat_error error;
+    check_status(bat_space_transports(sphere, p, q, v, 3, moved, &error), BAT_CUT_LOCUS);
+    assert_int_equal(error.index, 1);
+    check_near(moved[0], -1, 1e-15);
+    check_near(moved[1], 0, 1e-15);
+    assert_true(moved[6] == 7 && moved[8] == 7);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -302,6 +344,7 @@ int main(void)
         cmocka_unit_test(oriented_surfaces_turn_left),
         cmocka_unit_test(isometries_change_nothing),
         cmocka_unit_test(names_and_batches_work),
+        cmocka_unit_test(tangents_are_transported_in_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
