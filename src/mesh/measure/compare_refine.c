@@ -243,6 +243,8 @@ bat_status compare_refine(compare_way *way, double diagonal, const bat_mesh_comp
     {
         left -= parts.count;
         in_memory = halve_all(way, limit, options->threads, &parts, &halves);
+        if (!in_memory)
+            break;
         pieces kept = parts;
         parts = halves;
         halves = kept;
@@ -254,5 +256,5 @@ bat_status compare_refine(compare_way *way, double diagonal, const bat_mesh_comp
     way->most = fmax(way->most, way->greatest);
     free(parts.list);
     free(halves.list);
-    return in_memory ? BAT_OK : error_memory(error, halves.count * sizeof *halves.list);
+    return in_memory ? BAT_OK : error_memory(error, 2 * parts.count * sizeof *halves.list);
 }
