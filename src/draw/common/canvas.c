@@ -96,14 +96,14 @@ static bool svg_renumber(unsigned char **data, size_t *size)
         return true;
     numbered_name *seen = memory_array(names, sizeof *seen);
     unsigned char *copy = malloc(*size + names * NUMBER_SIZE);
-    if (seen != NULL && copy != NULL)
+    bool done = seen != NULL && copy != NULL;
+    if (done)
     {
         *size = copy_renumbered(*data, *size, seen, copy);
         free(*data);
         *data = copy;
         copy = NULL;
     }
-    bool done = seen != NULL && copy == NULL;
     free(copy);
     free(seen);
     return done;
@@ -141,7 +141,7 @@ static cairo_status_t append_bytes(void *context, const unsigned char *data, uns
         unsigned char *grown = capacity > bytes->capacity ? realloc(bytes->data, capacity) : NULL;
         if (grown == NULL)
         {
-            return CAIRO_STATUS_WRITE_ERROR;
+            return CAIRO_STATUS_NO_MEMORY;
         }
         bytes->data = grown;
         bytes->capacity = capacity;
