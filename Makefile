@@ -6,6 +6,7 @@
 #   make smallest   build and test the parts that need the C library alone  (build/smallest)
 #   make bench      build and run the benchmarks
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer
+#   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
 #   make fuzz       every fuzzer for FUZZ_SECONDS
 #   make style      check the format and run clang-tidy; `make format` formats
 #   make install    the library and the program to PREFIX, below DESTDIR
@@ -22,7 +23,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test smallest bench sanitize fuzz style format install install-research clean dependencies ci-dependencies
+.PHONY: all demo test smallest bench sanitize sanitize-clang fuzz style format install install-research clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -43,6 +44,10 @@ bench: all
 sanitize: dependencies
 	@$(call configure,sanitize) && $(call compile,sanitize)
 	@$(call test,sanitize)
+
+sanitize-clang: ci-dependencies
+	@$(call configure,sanitize-clang) && $(call compile,sanitize-clang) --target batten
+	@$(call test,sanitize-clang) --tests-regex '^program_'
 
 fuzz: ci-dependencies
 	@$(call configure,fuzz) && $(call compile,fuzz) --target fuzzers

@@ -92,9 +92,12 @@ for figure in tensors orders spiral rotations; do
 done
 "$batten" reproduce tension-iss --json > iss.json
 check "reproduce prints JSON" json iss.json '"four-point-outward"'
-"$batten" reproduce tension-table1 --set unseen --json > unseen.json
-check "a table is taken on other curves" json unseen.json '"curves": 300'
-check "other curves have no published figures" sh -c '! grep -q published_mean_nn unseen.json'
+# Minutes under sanitizers, where test_tension_table runs the same.
+if [ -z "${BATTEN_SANITIZED:-}" ]; then
+    "$batten" reproduce tension-table1 --set unseen --json > unseen.json
+    check "a table is taken on other curves" json unseen.json '"curves": 300'
+    check "other curves have no published figures" sh -c '! grep -q published_mean_nn unseen.json'
+fi
 
 # learned_rows FILE SPACE: the fairnesses of a table's learned rows in a space, and "published" for the published network.
 learned_rows()
@@ -105,6 +108,7 @@ learned_rows()
         here && method == "\"learned\"," && $1 == "\"fairness\":" { printf "%g ", $2 }' "$1"
 }
 for space in plane sphere disk; do
+    [ -e unseen.json ] || break
     check "table 1 has the learned rows in the $space" test "$(learned_rows unseen.json $space)" = "published 0 0.25 0.5 0.75 1 "
 done
 check "table 5 has the learned rows" test "$(learned_rows iss.json sphere)" = "published 0 0.25 0.5 0.75 1 "

@@ -1,0 +1,164 @@
+#!/bin/sh
+# Every verb with every scheme, space, format and kind that it takes, on small input: each run must end with exit code 0 and nothing on
+# standard error. A build under sanitizers finds here what no reader's fuzzer reaches. Usage: every-verb.sh BATTEN EXAMPLES
+set -u
+batten=$1
+examples=$2
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+failures=0
+runs=0
+
+fail()
+{
+    echo "FAILED: $1"
+    sed 's/^/    /' stderr
+    failures=$((failures + 1))
+}
+
+# works ARGUMENTS…: the program must end with 0 and print no number that is none.
+works()
+{
+    runs=$((runs + 1))
+    "$batten" "$@" > stdout 2> stderr < /dev/null
+    code=$?
+    [ $code -eq 0 ] || fail "exit code $code: batten $*"
+    [ ! -s stderr ] || fail "something on standard error: batten $*"
+    ! grep -Eqiw 'nan' stdout || fail "no number in the output: batten $*"
+}
+
+# begins SECONDS ARGUMENTS…: the program must work, but only for so long; then it is stopped as by Ctrl-C.
+begins()
+{
+    seconds=$1
+    shift
+    runs=$((runs + 1))
+    timeout -s INT "$seconds" "$batten" "$@" > stdout 2> stderr < /dev/null
+    code=$?
+    [ $code -eq 0 ] || [ $code -eq 124 ] || fail "exit code $code: batten $*"
+    [ ! -s stderr ] || grep -qx 'batten: stopped' stderr || fail "something on standard error: batten $*"
+}
+
+# Curves: every scheme in every space that has it.
+printf '0,0\n0.3,0.4\n0.5,0.1\n0.2,-0.4\n0.1,-0.2\n' > plane.csv
+printf '# space: euclidean\nx,y,z,u\n0,0,1,2\n3,4,2,2\n5,1,3,1\n2,-4,4,1\n' > euclidean.csv
+printf '# space: sphere\n1,0,0\n0.8,0.6,0\n0,1,0\n0,0.6,0.8\n' > sphere.csv
+printf '# space: disk\n0,0\n0.3,0.4\n0.5,0.1\n0.2,-0.4\n0.1,-0.2\n' > disk.csv
+printf '# space: hyperbolic\n1,0,0\n1.25,0.75,0\n1.25,0.45,0.6\n1.25,-0.45,0.6\n' > hyperbolic.csv
+printf '# space: rotation\ntime,qw,qx,qy,qz\n0,1,0,0,0\n1,0.96,0.28,0,0\n2,0.8,0.6,0,0\n4,0.8,0.48,0.36,0\n' > rotation.csv
+cp "$examples/camera-keyframes.csv" rigid.csv
+cp "$examples/tensor-path.csv" spd.csv
+linear='chaikin corner-cutting:r=0.2,s=0.7 four-point four-point:w=0.05 six-point lane-riesenfeld:order=4 mask:1/4,3/4,3/4,1/4@-1'
+angle='angle-4 angle-6 angle:mu=-0.1,sign=printed angle-4:adaptive=1 learned learned:fairness=0 learned:fairness=1'
+# Two schemes by parallel transport: for evenly spaced times alone.
+transport='hermite-merrien hermite-merrien:base=midpoint hermite-de-rham'
+log_exp='log-exp-4 log-exp-4:base=midpoint log-exp-6 log-exp-lane-riesenfeld:order=2 geodesic:order=2'
+hermite='hermite hermite:order=3'
+for space in plane euclidean sphere disk hyperbolic rotation rigid spd; do
+    case $space in
+    plane) schemes="$linear $angle $log_exp $hermite $transport" ;;
+    euclidean) schemes="$linear $log_exp $hermite $transport" ;;
+    sphere | disk) schemes="$angle $log_exp $hermite $transport" ;;
+    hyperbolic) schemes="$log_exp $hermite $transport" ;;
+    *) schemes="$log_exp $hermite" ;;
+    esac
+    for scheme in $schemes; do
+        works curve $space.csv --scheme "$scheme" --levels 2 -o "out.csv"
+        case $scheme in hermite*) ;; *) works curve $space.csv --scheme "$scheme" --levels 2 --closed --json ;; esac
+    done
+    works curve $space.csv -o default.csv
+    works measure $space.csv --json
+    works measure $space.csv default.csv --json
+done
+for ends in reflect extrapolate free; do
+    works curve plane.csv --scheme four-point --ends $ends --levels 3 -o out.csv --snap --truth default.csv --space plane
+done
+for space in plane sphere disk rotation rigid spd; do
+    works curve $space.csv --scheme hermite --velocities --tangents 4 --levels 2 -o out.csv
+done
+for space in rotation rigid spd; do
+    for order in 1 2 3; do
+        works curve $space.csv --scheme hermite:order=$order --levels 2
+    done
+    works curve $space.csv --scheme hermite --rate 7 -o motion.csv
+    for scheme in $transport; do
+        works curve motion.csv --scheme $scheme --levels 1
+    done
+    works curve $space.csv --scheme hermite --rate 7 --velocities --threads 2
+done
+works curve rigid.csv --rate 5 --translation-weight 0.2 -o motion.tum
+works curve motion.tum --rate 9 --tangents 4 -o again.tum
+works curve "$examples/iss-track.geojson" --levels 3 -o out.geojson --picture out.svg --projection both
+works curve "$examples/camera-path.obj" --levels 3 -o out.obj
+works curve "$examples/outline.csv" --levels 3 -o out.csv --picture out.png --comb --axes --title outline --panel 0,1,3
+works curve "$examples/hyperbolic.csv" --levels 3 --picture out.pdf --comb
+works curve "$examples/outline.csv" --scheme angle-4 --truth "$examples/outline.csv" --best-tension --levels 3
+works measure "$examples/outline.csv" "$examples/quarter-arc.csv" --to-segments
+works measure sphere.csv "$examples/iss-track.geojson" --geodesic --json
+
+# Meshes: every scheme, closed and with a boundary, creases and texture coordinates, through every format.
+works shape cage -o cage.obj
+works shape mask -o mask.ply --vertices 500
+printf 'v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 1\nv 2 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 1\nvt 0 0\nvt 1 0\nvt 1 1\n' > sheet.obj
+printf 'f 1/1 2/2 5/3\nf 1/1 5/3 4/2\nf 2/1 3/2 6/3\nf 2 6 5\nf 4 5 8\nf 4 8 7\nf 5 6 9\nf 5 9 8\n' >> sheet.obj
+for mesh in cage.obj mask.ply sheet.obj; do
+    for scheme in learned loop butterfly midpoint; do
+        works mesh $mesh --scheme $scheme --levels 1 -o out.ply --json
+    done
+    [ $mesh = sheet.obj ] || works mesh $mesh --scheme sqrt3 --levels 2 -o out.stl --quiet
+    works mesh $mesh --scheme loop --crease-angle 30 --limit -o out.off
+    works mesh $mesh --levels 3 --then loop -o fine.obj --triangulate
+    works mesh $mesh --levels 1 --picture out.png --beside loop
+    works measure $mesh
+    works measure $mesh fine.obj --samples 2000 --json
+    works measure $mesh out.off --vertices --picture out.png
+    works decimate $mesh -o coarse.obj --vertices 7 --map map.safetensors --json
+    works decimate $mesh -o coarse.stl --vertices 7 --random 5 --seed 3
+done
+
+# Surfaces.
+works shape hull -o hull.xyz --vertices 300
+works shape scan -o scan.xyz --vertices 400
+for parameterization in learned shape-preserving inverse-distance uniform stretch-minimizing; do
+    works surface hull.xyz --parameterization $parameterization --functions 40 -o out.json
+done
+works surface sheet.obj --parameterization mean-value --functions 9 -o out.vtk
+works surface scan.xyz -o out.xml --parameters out.uv --picture out.png --json
+works surface scan.xyz --parameterization out.uv --degree 3,2 --tolerance 0.05 --robust --noise 0.01 -o out.step
+works surface scan.xyz --parameterization uniform --published --slide-boundary --final-corrections 1 --corrections 2 --smoothing 1e-6 -o out.obj
+works surface out.xml -o out.json
+works surface out.json -o out.step
+
+# Analysis and lists.
+for scheme in $linear; do
+    works analyze "$scheme"
+    works analyze "$scheme" --json --depth 6 --picture out.svg
+done
+works analyze four-point --sweep w=0.05:0.07 --smoothness 1
+for list in schemes spaces models shapes parameterizations results; do
+    works list $list
+    works list $list --json
+done
+
+# One epoch of every training, and results that come fast.
+works train surface --epochs 1 --steps 1 --points 50 --out surface
+works train surface --uninformed --epochs 1 --steps 1 --points 50 --adam --out uninformed
+works train surface --recipe batten --epochs 1 --steps 1 --batch 1 --points 50-60 --degree 2 --out surface-batten
+works train surface --recipe batten --epochs 1 --steps 1 --batch 1 --points 50-60 --degree 2 --out surface-batten --resume --json
+works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --out mesh
+works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --relative --surface --without differences --out mesh-parts
+works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --learn-loop --without correspondence --out mesh-loop
+works mesh sheet.obj --model mesh/model.safetensors --levels 1 -o out.obj
+works surface hull.xyz --parameterization learned --model uninformed/model.safetensors --functions 20 -o out.obj
+begins 10 train mesh cage.obj --recipe batten --pairs 1 --fresh 1 --epochs 1 --vertices 20-40 --out mesh-batten
+begins 10 train tension --epochs 1 --out tension
+begins 20 train tension --recipe batten --epochs 1 --out tension-batten
+for result in tension-iss tension-mechanism hermite-figures; do
+    works reproduce $result --json
+done
+works reproduce surface-clouds --clouds 1 --points 50 --noise 0.01 --degrees 2
+begins 10 reproduce curve-figures -o figures
+
+[ $failures -eq 0 ] && echo "$runs runs, all good"
+[ $failures -eq 0 ]
