@@ -39,11 +39,21 @@ static void adaptive_slopes(angle_block *block, size_t edges, double tension, do
         block->slope[j] = adaptive_slope(block->angle + j, tension, sign, mean);
 }
 
+typedef struct angle_data
+{
+    const bat_curve_scheme *scheme;
+    const angle_surface *surface; ///< the vector code of the space; null for a user's space
+    double scale;                 ///< kernel_scale() of the polygon
+    double mean;                  ///< of the adaptive scheme: the polygon's mean absolute exterior angle
+} angle_data;
+_Static_assert(sizeof(angle_data) <= KERNEL_DATA, "a kernel has room for its data");
+
 static bat_status run_blocks(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                              size_t *fault)
 {
-    const angle_surface *where = kernel->surface;
-    const bat_curve_scheme *scheme = kernel->scheme;
+    const angle_data *data = kernel_data_of(kernel);
+    const angle_surface *where = data->surface;
+    const bat_curve_scheme *scheme = data->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
     double sign = scheme->sign == BAT_CURVE_ANGLE_OUTWARD ? -1 : 1;
@@ -53,9 +63,9 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
         size_t edges = pairs - done < ANGLE_BLOCK_EDGES ? pairs - done : ANGLE_BLOCK_EDGES;
         const double *here = points + done * dim;
         angle_block_load(&block, 0, here - 2 * dim, dim, edges + 5);
-        where->angles(&block, edges + 3, kernel->scale);
+        where->angles(&block, edges + 3, data->scale);
         if (scheme->adaptive)
-            adaptive_slopes(&block, edges, scheme->tension, sign, kernel->mean_angle);
+            adaptive_slopes(&block, edges, scheme->tension, sign, data->mean);
         else
             fixed_slopes(&block, edges, scheme->tension, sign);
         where->insert(&block, edges);
@@ -74,8 +84,9 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
 static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                           size_t *fault)
 {
+    const angle_data *data = kernel_data_of(kernel);
     const bat_space *space = kernel->space;
-    const bat_curve_scheme *scheme = kernel->scheme;
+    const bat_curve_scheme *scheme = data->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
     double sign = scheme->sign == BAT_CURVE_ANGLE_OUTWARD ? -1 : 1;
@@ -86,7 +97,7 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
         for (size_t i = 0; i < 4; i++)
             angle[i] = space->exterior_angle(space, p + i * dim - 2 * dim, p + i * dim - dim, p + i * dim);
         if (scheme->adaptive)
-            slope = adaptive_slope(angle, scheme->tension, sign, kernel->mean_angle);
+            slope = adaptive_slope(angle, scheme->tension, sign, data->mean);
         else
             slope = slope_of(angle, scheme->tension, sign);
         memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
@@ -100,24 +111,12 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
     return BAT_OK;
 }
 
-refine_kernel kernel_angle(const bat_space *space, const bat_curve_scheme *scheme)
-{
-    const angle_surface *surface = angle_surface_of(space);
-    return (refine_kernel){
-        .space = space,
-        .scheme = scheme,
-        .dim = space->point_dim,
-        .first = -5,
-        .last = 5,
-        .surface = surface,
-        .run = surface != NULL ? run_blocks : run_any,
-    };
-}
-
-double kernel_angle_mean(const refine_kernel *kernel, const double *points, size_t first, size_t end)
+/// The mean absolute exterior angle at the points first … end - 1, 0 when there are none.
+static double mean_angle(const refine_kernel *kernel, const double *points, size_t first, size_t end)
 {
     const bat_space *space = kernel->space;
-    const angle_surface *where = kernel->surface;
+    const angle_data *data = kernel_data_of(kernel);
+    const angle_surface *where = data->surface;
     size_t dim = space->point_dim;
     double sum = 0;
     angle_block block;
@@ -128,7 +127,7 @@ double kernel_angle_mean(const refine_kernel *kernel, const double *points, size
         if (where != NULL)
         {
             angle_block_load(&block, 0, before, dim, count + 2);
-            where->angles(&block, count, kernel->scale);
+            where->angles(&block, count, data->scale);
         }
         for (size_t i = 0; i < count; i++)
             sum += fabs(where != NULL ? block.angle[i]
@@ -136,4 +135,28 @@ double kernel_angle_mean(const refine_kernel *kernel, const double *points, size
                                                               before + (i + 2) * dim));
     }
     return end > first ? sum / (double)(end - first) : 0;
+}
+
+static void measure(refine_kernel *kernel, const double *points, size_t count, bool closed)
+{
+    angle_data *data = kernel_data(kernel);
+    data->scale = kernel_scale(points, count, kernel->dim);
+    if (data->scheme->adaptive)
+        data->mean = mean_angle(kernel, points, closed ? 0 : 1, closed ? count : count - 1);
+}
+
+refine_kernel kernel_angle(const bat_space *space, const bat_curve_scheme *scheme)
+{
+    const angle_surface *surface = angle_surface_of(space);
+    refine_kernel kernel = {
+        .space = space,
+        .dim = space->point_dim,
+        .first = -5,
+        .last = 5,
+        .run = surface != NULL ? run_blocks : run_any,
+        .measure = measure,
+    };
+    angle_data *data = kernel_data(&kernel);
+    *data = (angle_data){.scheme = scheme, .surface = surface};
+    return kernel;
 }

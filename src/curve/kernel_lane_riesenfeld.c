@@ -10,9 +10,21 @@ enum
     BLOCK_ORDERS = 8
 };
 
+typedef struct lane_riesenfeld_data
+{
+    row_average *average; ///< takes the place of the arithmetic mean
+    size_t order;         ///< rounds of averaging
+} lane_riesenfeld_data;
+_Static_assert(sizeof(lane_riesenfeld_data) <= KERNEL_DATA, "a kernel has room for its data");
+
+static const lane_riesenfeld_data *data_of(const refine_kernel *kernel)
+{
+    return kernel_data_of(kernel);
+}
+
 static size_t block_pairs(const refine_kernel *kernel)
 {
-    size_t pairs = BLOCK_NUMBERS / kernel->dim, least = BLOCK_ORDERS * kernel->order;
+    size_t pairs = BLOCK_NUMBERS / kernel->dim, least = BLOCK_ORDERS * data_of(kernel)->order;
     return pairs < least ? least : pairs;
 }
 
@@ -29,7 +41,7 @@ static bat_status insert_averages(const refine_kernel *kernel, const double *poi
     size_t dim = kernel->dim;
     for (size_t i = 0; i < count; i += 2)
         memcpy(rows + i * dim, points + i / 2 * dim, dim * sizeof *rows);
-    return kernel->average(kernel, points, count / 2, rows + dim, 2 * dim, fault);
+    return data_of(kernel)->average(kernel, points, count / 2, rows + dim, 2 * dim, fault);
 }
 
 /// All rounds for new points 2 j, 2 j + 1 with j < pairs. Round r makes row i from the rows i and i + 1 of the round before,
@@ -37,14 +49,14 @@ static bat_status insert_averages(const refine_kernel *kernel, const double *poi
 static bat_status run_block(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, double *rows,
                             size_t *fault)
 {
-    size_t dim = kernel->dim, rounds = kernel->order - 1;
+    size_t dim = kernel->dim, rounds = data_of(kernel)->order - 1;
     ptrdiff_t begin = -(ptrdiff_t)(rounds / 2), first_pair = floor_half(begin);
     size_t skipped = (size_t)(begin - 2 * first_pair), count = skipped + 2 * pairs + rounds;
     bat_status status = insert_averages(kernel, points + first_pair * (ptrdiff_t)dim, count, rows, fault);
     rows += skipped * dim;
     for (size_t round = rounds; round > 0 && status == BAT_OK; round--)
     {
-        status = kernel->average(kernel, rows, 2 * pairs + round - 1, rows, dim, fault);
+        status = data_of(kernel)->average(kernel, rows, 2 * pairs + round - 1, rows, dim, fault);
         *fault /= 2;
     }
     if (status == BAT_OK)
@@ -55,7 +67,7 @@ static bat_status run_block(const refine_kernel *kernel, const double *points, s
 static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                       size_t *fault)
 {
-    if (kernel->order == 1)
+    if (data_of(kernel)->order == 1)
         return insert_averages(kernel, points, 2 * pairs, fine, fault);
     size_t dim = kernel->dim, most = block_pairs(kernel);
     for (size_t done = 0; done < pairs; done += most)
@@ -80,10 +92,10 @@ refine_kernel kernel_lane_riesenfeld(const bat_space *space, size_t dim, size_t 
         .dim = dim,
         .first = mask.first,
         .last = mask.first + (int)mask.count - 1,
-        .average = average,
-        .order = order,
         .run = run,
     };
+    lane_riesenfeld_data *data = kernel_data(&kernel);
+    *data = (lane_riesenfeld_data){average, order};
     size_t rows = 2 * block_pairs(&kernel) + order + 2;
     kernel.scratch_size = order == 1 ? 0 : rows * dim * sizeof(double);
     return kernel;

@@ -164,13 +164,20 @@ static void refine_wide_rows(const mask_taps *even_taps, const mask_taps *odd_ta
     }
 }
 
+typedef struct linear_data
+{
+    mask_taps even, odd;
+} linear_data;
+_Static_assert(sizeof(linear_data) <= KERNEL_DATA, "a kernel has room for its data");
+
 static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                       size_t *fault)
 {
     (void)scratch;
     (void)fault;
     size_t dim = kernel->dim;
-    const mask_taps *even = &kernel->even, *odd = &kernel->odd;
+    const linear_data *data = kernel_data_of(kernel);
+    const mask_taps *even = &data->even, *odd = &data->odd;
     if (dim > BLOCK)
     {
         refine_wide_rows(even, odd, dim, points, pairs, fine);
@@ -189,13 +196,8 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
 refine_kernel kernel_linear(const bat_curve_scheme *scheme, size_t dim)
 {
     bat_mask mask = mask_trimmed(&scheme->mask);
-    return (refine_kernel){
-        .scheme = scheme,
-        .dim = dim,
-        .first = mask.first,
-        .last = mask.first + (int)mask.count - 1,
-        .even = mask_taps_of(&mask, 0),
-        .odd = mask_taps_of(&mask, 1),
-        .run = run,
-    };
+    refine_kernel kernel = {.dim = dim, .first = mask.first, .last = mask.first + (int)mask.count - 1, .run = run};
+    linear_data *data = kernel_data(&kernel);
+    *data = (linear_data){mask_taps_of(&mask, 0), mask_taps_of(&mask, 1)};
+    return kernel;
 }

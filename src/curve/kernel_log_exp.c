@@ -46,16 +46,25 @@ static bat_status new_vertex(const bat_space *space, const mask_taps *taps, bat_
     return space->exp(space, base, sum, fine);
 }
 
+typedef struct log_exp_data
+{
+    mask_taps even; ///< of masks that keep no point
+    mask_taps odd;
+    bat_curve_base base;
+} log_exp_data;
+_Static_assert(sizeof(log_exp_data) <= KERNEL_DATA, "a kernel has room for its data");
+
 static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                           size_t *fault)
 {
     (void)scratch;
+    const log_exp_data *data = kernel_data_of(kernel);
     size_t dim = kernel->dim;
     for (size_t j = 0; j < pairs; j++)
     {
         const double *p = points + j * dim;
         memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
-        bat_status status = new_vertex(kernel->space, &kernel->odd, kernel->scheme->base, p, fine + (2 * j + 1) * dim);
+        bat_status status = new_vertex(kernel->space, &data->odd, data->base, p, fine + (2 * j + 1) * dim);
         if (status != BAT_OK)
         {
             *fault = j;
@@ -70,16 +79,17 @@ static bat_status run_smoothing(const refine_kernel *kernel, const double *point
                                 size_t *fault)
 {
     (void)scratch;
+    const log_exp_data *data = kernel_data_of(kernel);
     size_t dim = kernel->dim;
     bool has_vertices = ((kernel->first + kernel->last) & 1) == 0;
-    bat_curve_base odd_base = kernel->scheme->base, even_base = has_vertices ? BAT_CURVE_BASE_VERTEX : odd_base;
+    bat_curve_base odd_base = data->base, even_base = has_vertices ? BAT_CURVE_BASE_VERTEX : odd_base;
     for (size_t j = 0; j < pairs; j++)
     {
         const double *p = points + j * dim;
         double *made = fine + 2 * j * dim;
-        bat_status status = new_vertex(kernel->space, &kernel->even, even_base, p, made);
+        bat_status status = new_vertex(kernel->space, &data->even, even_base, p, made);
         if (status == BAT_OK)
-            status = new_vertex(kernel->space, &kernel->odd, odd_base, p, made + dim);
+            status = new_vertex(kernel->space, &data->odd, odd_base, p, made + dim);
         if (status != BAT_OK)
         {
             *fault = j;
@@ -267,8 +277,9 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
                              size_t *fault)
 {
     (void)scratch;
-    const mask_taps *taps = &kernel->odd;
-    bool midpoint = kernel->scheme->base == BAT_CURVE_BASE_MIDPOINT;
+    const log_exp_data *data = kernel_data_of(kernel);
+    const mask_taps *taps = &data->odd;
+    bool midpoint = data->base == BAT_CURVE_BASE_MIDPOINT;
     ptrdiff_t low = (1 - kernel->last) / 2, high = (1 - kernel->first) / 2;
     size_t first = (size_t)-low;
     sphere_block block;
@@ -307,16 +318,16 @@ static refine_kernel smoothing_kernel(const bat_space *space, const bat_curve_sc
     int first = mask.first, last = mask.first + (int)mask.count - 1, grow = 0;
     grow = grow < first + 2 ? first + 2 : grow;
     grow = grow < 1 - last ? 1 - last : grow;
-    return (refine_kernel){
+    refine_kernel kernel = {
         .space = space,
-        .scheme = scheme,
         .dim = space->point_dim,
         .first = first - grow,
         .last = last + grow,
-        .even = even,
-        .odd = odd,
         .run = run_smoothing,
     };
+    log_exp_data *data = kernel_data(&kernel);
+    *data = (log_exp_data){even, odd, scheme->base};
+    return kernel;
 }
 
 refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *scheme)
@@ -328,13 +339,14 @@ refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *sch
     int low = odd.start < 0 ? (int)odd.start : 0;
     int high = (int)odd.start + (int)odd.count - 1;
     high = high > 1 ? high : 1;
-    return (refine_kernel){
+    refine_kernel kernel = {
         .space = space,
-        .scheme = scheme,
         .dim = space->point_dim,
         .first = 1 - 2 * high,
         .last = 1 - 2 * low,
-        .odd = odd,
         .run = space_is_sphere(space) ? run_sphere : run_any,
     };
+    log_exp_data *data = kernel_data(&kernel);
+    *data = (log_exp_data){.odd = odd, .base = scheme->base};
+    return kernel;
 }

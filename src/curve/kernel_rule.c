@@ -22,11 +22,21 @@ typedef struct rule_run
     _Alignas(64) unsigned char scratch[]; ///< the rule's own
 } rule_run;
 
+typedef struct rule_data
+{
+    const bat_curve_scheme *scheme;
+    const angle_surface *surface; ///< the vector code of the space; null for a user's space
+    double scale;                 ///< kernel_scale() of the polygon
+    double mean_length;           ///< of the polygon's edges, where the rule uses it
+} rule_data;
+_Static_assert(sizeof(rule_data) <= KERNEL_DATA, "a kernel has room for its data");
+
 /// The exterior angles of vertices 1 … count - 1 and the lengths of edges 0 … count - 1; points 0 … count are there.
-static void measure(const refine_kernel *kernel, const double *points, size_t count, double *angles, double *lengths)
+static void measure_edges(const refine_kernel *kernel, const double *points, size_t count, double *angles, double *lengths)
 {
     const bat_space *space = kernel->space;
-    const angle_surface *where = kernel->surface;
+    const rule_data *data = kernel_data_of(kernel);
+    const angle_surface *where = data->surface;
     size_t dim = kernel->dim;
     if (where == NULL)
         for (size_t i = 0; i < count; i++)
@@ -42,8 +52,8 @@ static void measure(const refine_kernel *kernel, const double *points, size_t co
         size_t edges = count - done < ANGLE_BLOCK_EDGES ? count - done : ANGLE_BLOCK_EDGES;
         size_t corners = done + edges < count ? edges : edges - 1;
         angle_block_load(&block, 0, points + done * dim, dim, corners + 2);
-        where->lengths(&block, edges, kernel->scale);
-        where->angles(&block, corners, kernel->scale);
+        where->lengths(&block, edges, data->scale);
+        where->angles(&block, corners, data->scale);
         memcpy(lengths + done, block.length, edges * sizeof *lengths);
         memcpy(angles + done, block.angle, corners * sizeof *angles);
     }
@@ -60,7 +70,8 @@ static void slopes_of(angle_block *block, const double *insertion, size_t edges)
 static bat_status insert_block(const refine_kernel *kernel, const double *points, const double *insertion, size_t edges,
                                double *fine, size_t *fault)
 {
-    const angle_surface *where = kernel->surface;
+    const rule_data *data = kernel_data_of(kernel);
+    const angle_surface *where = data->surface;
     size_t dim = kernel->dim;
     angle_block block;
     slopes_of(&block, insertion, edges);
@@ -93,20 +104,21 @@ static bat_status insert_block(const refine_kernel *kernel, const double *points
 static bat_status run_rule(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
                            size_t *fault)
 {
-    const bat_curve_angle_rule *rule = kernel->scheme->rule;
+    const rule_data *data = kernel_data_of(kernel);
+    const bat_curve_angle_rule *rule = data->scheme->rule;
     size_t dim = kernel->dim, reach = rule->reach;
     rule_run *run = scratch;
     for (size_t done = 0; done < pairs; done += BAT_CURVE_ANGLE_RULE_EDGES)
     {
         size_t edges = pairs - done < BAT_CURVE_ANGLE_RULE_EDGES ? pairs - done : BAT_CURVE_ANGLE_RULE_EDGES;
         const double *here = points + done * dim;
-        measure(kernel, here - reach * dim, edges + 2 * reach, run->angles, run->lengths);
+        measure_edges(kernel, here - reach * dim, edges + 2 * reach, run->angles, run->lengths);
         bat_curve_angle_rule_view view = {.space = kernel->space,
                                           .count = edges,
                                           .angles = run->angles + reach - 1,
                                           .lengths = run->lengths + reach,
-                                          .mean_length = kernel->mean_length,
-                                          .fairness = kernel->scheme->fairness};
+                                          .mean_length = data->mean_length,
+                                          .fairness = data->scheme->fairness};
         rule->angles(rule, &view, run->insertion, run->scratch);
         for (size_t j = 0; j < edges; j += ANGLE_BLOCK_EDGES)
         {
@@ -123,33 +135,44 @@ static bat_status run_rule(const refine_kernel *kernel, const double *points, si
     return BAT_OK;
 }
 
-refine_kernel kernel_rule(const bat_space *space, const bat_curve_scheme *scheme)
-{
-    int support = 2 * (int)scheme->rule->reach + 1;
-    return (refine_kernel){
-        .space = space,
-        .scheme = scheme,
-        .dim = space->point_dim,
-        .first = -support,
-        .last = support,
-        .surface = angle_surface_of(space),
-        .scratch_size = sizeof(rule_run) + scheme->rule->scratch_size,
-        .chunk = CHUNK_POINTS,
-        .run = run_rule,
-    };
-}
-
-double kernel_rule_mean_length(const refine_kernel *kernel, const double *points, size_t first, size_t end)
+/// The mean length of the edges first … end - 1, 0 when there are none.
+static double mean_length(const refine_kernel *kernel, const double *points, size_t first, size_t end)
 {
     double angles[ANGLE_BLOCK_EDGES], lengths[ANGLE_BLOCK_EDGES], sum = 0;
     for (size_t done = first; done < end; done += ANGLE_BLOCK_EDGES)
     {
         size_t count = end - done < ANGLE_BLOCK_EDGES ? end - done : ANGLE_BLOCK_EDGES;
         double part = 0;
-        measure(kernel, points + done * kernel->dim, count, angles, lengths);
+        measure_edges(kernel, points + done * kernel->dim, count, angles, lengths);
         for (size_t i = 0; i < count; i++)
             part += lengths[i];
         sum += part;
     }
     return end > first ? sum / (double)(end - first) : 0;
+}
+
+static void measure(refine_kernel *kernel, const double *points, size_t count, bool closed)
+{
+    rule_data *data = kernel_data(kernel);
+    data->scale = kernel_scale(points, count, kernel->dim);
+    if (data->scheme->rule->wants_mean_length)
+        data->mean_length = mean_length(kernel, points, 0, closed ? count : count - 1);
+}
+
+refine_kernel kernel_rule(const bat_space *space, const bat_curve_scheme *scheme)
+{
+    int support = 2 * (int)scheme->rule->reach + 1;
+    refine_kernel kernel = {
+        .space = space,
+        .dim = space->point_dim,
+        .first = -support,
+        .last = support,
+        .scratch_size = sizeof(rule_run) + scheme->rule->scratch_size,
+        .chunk = CHUNK_POINTS,
+        .run = run_rule,
+        .measure = measure,
+    };
+    rule_data *data = kernel_data(&kernel);
+    *data = (rule_data){.scheme = scheme, .surface = angle_surface_of(space)};
+    return kernel;
 }

@@ -61,27 +61,16 @@ static double largest_of(const double *values, size_t count)
     return largest;
 }
 
-/// A power of two that brings the numbers near 1.
-static double scale_for(double largest)
+double kernel_scale(const double *points, size_t count, size_t dim)
 {
     enum
     {
         MOST_EXPONENT = 1000
     };
+    double largest = largest_of(points, count * dim);
     int exponent = largest > 0 && isfinite(largest) ? -ilogb(largest) : 0;
     exponent = exponent > MOST_EXPONENT ? MOST_EXPONENT : exponent < -MOST_EXPONENT ? -MOST_EXPONENT : exponent;
     return ldexp(1, exponent);
-}
-
-/// What an angle-based kernel wants to know of the whole polygon.
-static void inform_kernel(const padded_rows *coarse, const bat_curve_scheme *scheme, refine_kernel *kernel)
-{
-    size_t first = coarse->closed ? 0 : 1, end = coarse->closed ? coarse->count : coarse->count - 1;
-    kernel->scale = scale_for(largest_of(coarse->rows, coarse->count * coarse->space->point_dim));
-    if (scheme->rule != NULL && scheme->rule->wants_mean_length)
-        kernel->mean_length = kernel_rule_mean_length(kernel, coarse->rows, 0, end);
-    else if (scheme->rule == NULL && scheme->adaptive)
-        kernel->mean_angle = kernel_angle_mean(kernel, coarse->rows, first, end);
 }
 
 /// Refine rows by the levels of `task`, whose result goes to `fine`.
@@ -92,8 +81,8 @@ static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_cu
                                        coarse->before, coarse->after, error);
     if (status != BAT_OK)
         return status;
-    if (scheme->kind == BAT_CURVE_SCHEME_ANGLE)
-        inform_kernel(coarse, scheme, &task->kernel);
+    if (task->kernel.measure != NULL)
+        task->kernel.measure(&task->kernel, coarse->rows, coarse->count, coarse->closed);
     return cascade_run(task, coarse->rows, fine, error);
 }
 

@@ -81,11 +81,23 @@ static void add_row(hermite_sum *sum, size_t n, const double a[2][2], const doub
     sum->time += a[0][0] * time;
 }
 
+typedef struct transport_data
+{
+    const bat_hermite_mask *mask;
+    bat_curve_base base;
+} transport_data;
+_Static_assert(sizeof(transport_data) <= KERNEL_DATA, "a kernel has room for its data");
+
+static const transport_data *data_of(const refine_kernel *kernel)
+{
+    return kernel_data_of(kernel);
+}
+
 /// The new rows of both parities from the old ones that they share. Row 0 is old row j.
 static bat_status sum_rows(const refine_kernel *kernel, const double *base, const double *rows, hermite_sum sums[2])
 {
     const bat_space *space = kernel->space;
-    const bat_hermite_mask *mask = kernel->hermite_mask;
+    const bat_hermite_mask *mask = data_of(kernel)->mask;
     size_t n = space->tangent_dim, width = space->point_dim + n;
     double log[BAT_SPACE_MAX_DIM], derivative[BAT_SPACE_MAX_DIM];
     for (int parity = 0; parity < 2; parity++)
@@ -129,7 +141,7 @@ static bool keeps_points(const bat_hermite_mask *mask, int parity)
 /// Such a row, without rounding of the point.
 static void keep_row(const refine_kernel *kernel, const double *old, double *row)
 {
-    const bat_hermite_mask *mask = kernel->hermite_mask;
+    const bat_hermite_mask *mask = data_of(kernel)->mask;
     size_t n = kernel->space->point_dim, width = n + kernel->space->tangent_dim;
     memcpy(row, old, kernel->dim * sizeof *row);
     for (size_t i = n; i < width; i++)
@@ -154,7 +166,7 @@ static bat_status make_pair(const refine_kernel *kernel, const double *rows, dou
     const double *base = rows;
     hermite_sum sums[2];
     bat_status status = BAT_OK;
-    if (kernel->hermite_base == BAT_CURVE_BASE_MIDPOINT)
+    if (data_of(kernel)->base == BAT_CURVE_BASE_MIDPOINT)
     {
         status = bat_space_geodesic(kernel->space, rows, rows + kernel->dim, 0.5, middle);
         base = middle;
@@ -164,7 +176,7 @@ static bat_status make_pair(const refine_kernel *kernel, const double *rows, dou
     for (int parity = 0; parity < 2 && status == BAT_OK; parity++)
     {
         double *row = fine + (parity == 0 ? 0 : kernel->dim);
-        if (keeps_points(kernel->hermite_mask, parity))
+        if (keeps_points(data_of(kernel)->mask, parity))
             keep_row(kernel, rows, row);
         else
             status = finish_row(kernel, base, &sums[parity], row);
@@ -190,13 +202,14 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
 
 refine_kernel kernel_hermite_transport(const bat_space *space, size_t dim, const bat_hermite_mask *mask, bat_curve_base base)
 {
-    return (refine_kernel){
+    refine_kernel kernel = {
         .space = space,
         .dim = dim,
         .first = mask->first,
         .last = mask->first + (int)mask->count - 1,
-        .hermite_mask = mask,
-        .hermite_base = base,
         .run = run,
     };
+    transport_data *data = kernel_data(&kernel);
+    *data = (transport_data){mask, base};
+    return kernel;
 }
