@@ -24,8 +24,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// What every other header rests on: status codes, error text, progress, files written together, random streams, the
-/// version.
+/// The base of all headers: status codes, error texts, tables of choices, progress, files that appear together, random
+/// streams, the version.
 
 #define BAT_VERSION_MAJOR 0
 #define BAT_VERSION_MINOR 1
@@ -34,20 +34,20 @@ BAT_C_BEGIN
 /// The version of the library that is linked, as "major.minor.patch".
 BAT_API const char *bat_version(void);
 
-/// How a call ended. Every call that can fail returns one.
+/// The result of a call. Every call that can fail returns one.
 typedef enum bat_status
 {
     BAT_OK = 0,
     BAT_INVALID_ARGUMENT, ///< an option is out of its range, or two options contradict each other
     BAT_INVALID_POINT,    ///< a point is not in its space, is not finite, or repeats its neighbour
     BAT_CUT_LOCUS,        ///< two neighbours have no unique shortest geodesic (antipodal points of a sphere)
-    BAT_UNSUPPORTED,      ///< the combination asked for has no meaning, for example a plane scheme on the sphere
-    BAT_NO_CONVERGENCE,   ///< an iteration did not settle, or a scheme that does not converge was asked for its limit
+    BAT_UNSUPPORTED,      ///< a combination without a meaning, for example a plane scheme on the sphere
+    BAT_NO_CONVERGENCE,   ///< an iteration did not converge, or a scheme has no limit
     BAT_TOO_LARGE,        ///< a count overflows size_t or the limit that the caller set
     BAT_NO_MEMORY,        ///< an allocation failed
     BAT_BAD_FILE,         ///< the content of a file is wrong; bat_error::line says where
     BAT_FILE_ACCESS,      ///< a file cannot be opened, read, written or renamed
-    BAT_CANCELLED,        ///< the caller's progress function asked to stop
+    BAT_CANCELLED,        ///< the caller's progress function returned false
     BAT_NOT_MANIFOLD ///< a mesh has an edge of three faces, faces that run against each other, or a vertex of several fans
 } bat_status;
 
@@ -57,7 +57,7 @@ BAT_API const char *bat_status_name(bat_status status);
 #define BAT_NO_INDEX ((size_t)-1)
 #define BAT_ERROR_TEXT_SIZE 240
 
-/// What went wrong and where. Calls fill it only when they fail; it may be null everywhere.
+/// The text and the place of a failure. Only failing calls fill it. Every call takes null instead.
 typedef struct bat_error
 {
     bat_status status;
@@ -66,11 +66,11 @@ typedef struct bat_error
     char text[BAT_ERROR_TEXT_SIZE]; ///< one line without a full stop; it names the index itself where there is one
 } bat_error;
 
-/// How a long call reports and is stopped. All zero: silent and not to be stopped.
+/// How a long call reports its progress and is stopped. All zero: no reports.
 typedef struct bat_progress
 {
-    /// Called now and then from the calling thread with the share done, 0 to 1; false asks the call to stop with
-    /// BAT_CANCELLED. May be null.
+    /// Called from time to time by the calling thread with the share done, 0 to 1. False stops the call with BAT_CANCELLED.
+    /// May be null.
     bool (*report)(void *context, double fraction);
     void *context; ///< handed to `report`
 } bat_progress;

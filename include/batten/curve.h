@@ -7,7 +7,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Polylines and their refinement.
+/// Polylines in a space, and their refinement by subdivision schemes.
 
 /// A polyline in a space; `points` holds `count` rows of `space->point_dim` coordinates.
 typedef struct bat_curve
@@ -16,7 +16,7 @@ typedef struct bat_curve
     double *points;         ///< count x point_dim, row-major
     size_t count;
     bool closed;      ///< the last point joins the first
-    double *channels; ///< count x channel_count values that ride along with the points (altitude); may be null
+    double *channels; ///< count x channel_count further values at the points, such as altitudes; may be null
     size_t channel_count;
 } bat_curve;
 
@@ -34,18 +34,18 @@ BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 /// @param name receives the scheme's name for bat_curve_scheme_by_name(); may be null
 BAT_API bat_curve_scheme bat_curve_scheme_for(const bat_space *space, size_t new_points, const char **name);
 
-/// How an open curve goes on beyond its ends, where a rule asks for points that are not there.
+/// How an open curve is continued beyond its ends.
 typedef enum bat_curve_end_rule
 {
-    /// By geodesic point reflection in the end point: the end has no curvature, the curve passes through the end point for
-    /// every symmetric mask. Works in every space. The default.
+    /// Geodesic point reflection in the end point. The end has no curvature, and symmetric masks keep the end point. Works
+    /// in every space. The default.
     BAT_CURVE_END_REFLECT,
-    /// By the extrapolation that keeps what the scheme reproduces: the cubic through the last four points (in the tangent
-    /// space of the end point where the space is curved) for interpolatory linear and log-exp schemes, the straight line for
-    /// other linear ones, the mirror image in the perpendicular bisector of the end edge for angle-based ones, so that an
-    /// evenly sampled arc of a circle stays one.
+    /// The extrapolation that the scheme reproduces. Interpolatory linear and log-exp schemes: the cubic through the last
+    /// four points, in the tangent space of the end point. Other linear schemes: the straight line. Angle-based schemes: the
+    /// mirror image in the perpendicular bisector of the end edge, which continues an evenly sampled circular arc.
     BAT_CURVE_END_EXTRAPOLATE,
-    /// Not at all: only points whose whole stencil lies inside are made, so that the curve shrinks. Linear schemes only.
+    /// No continuation: only points whose whole stencil lies inside are computed, so that the curve shrinks. Linear schemes
+    /// only.
     BAT_CURVE_END_FREE
 } bat_curve_end_rule;
 
@@ -58,7 +58,7 @@ BAT_API const char *bat_curve_end_rule_name(bat_curve_end_rule value);
 /// @return false past the last
 BAT_API bool bat_curve_end_rule_list(size_t index, bat_choice *choice);
 
-/// How to refine. Begin with bat_curve_refine_defaults().
+/// Options of refinement. Begin with bat_curve_refine_defaults().
 typedef struct bat_curve_refine_options
 {
     bat_curve_scheme scheme; ///< default BAT_CURVE_SCHEME_AUTO: chosen for the space and the size, bat_curves_scheme()
@@ -83,16 +83,15 @@ BAT_API bat_status bat_curve_refine_options_check(const bat_curve_refine_options
 BAT_API bat_curve_scheme bat_curves_scheme(const bat_curve *curves, size_t count, const bat_curve_refine_options *options,
                                            const char **name);
 
-/// The number of points that refining gives: count * 2^levels for a closed curve; for an open one
-/// (count - 1) * 2^levels + 1 where the refined curve has a vertex at the ends' parameters (masks of odd length, all
-/// interpolatory schemes), else (count - 1) * 2^levels + 2, the ends themselves included. With BAT_CURVE_END_FREE fewer.
+/// The number of points that refinement gives. A closed curve gets count * 2^levels points. An open curve gets
+/// (count - 1) * 2^levels + 1 points where the scheme has vertices at the ends: masks of odd length, all interpolatory
+/// schemes. Other schemes add the ends, (count - 1) * 2^levels + 2 points. With BAT_CURVE_END_FREE there are fewer.
 /// @return as bat_curve_refine(), but for BAT_NO_MEMORY and BAT_CANCELLED
 BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                            bat_error *error);
 
 /// Refine a curve by repeated subdivision. A level doubles the number of edges.
-///
-/// Memory beyond the result is at most as much again; linear schemes need next to none.
+/// Memory beyond the result: at most as much again; linear schemes need almost none.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
 /// @param options null for bat_curve_refine_defaults()
@@ -103,16 +102,18 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_cu
 BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
                                     bat_error *error);
 
-/// bat_curve_refine() for many curves, which the threads share.
+/// bat_curve_refine() of many curves. Threads share the curves.
 ///
 /// @param fine         receives `count` curves; all empty on failure
-/// @param failed_curve receives the first curve at fault on failure; may be null
+/// @param failed_curve receives the index of the first failing curve; may be null
 /// @return as bat_curve_refine()
 BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options,
                                      bat_curve *fine, size_t *failed_curve, bat_error *error);
 
-/// bat_curve_refine() into the caller's arrays: `points` of `capacity` rows, which must be at least
-/// bat_curve_refined_count(), and `channels` (may be null when they are not wanted).
+/// bat_curve_refine() into the caller's arrays.
+/// @param points   room for `capacity` rows
+/// @param channels room for `capacity` rows of channels; null: they are not computed
+/// @param capacity at least bat_curve_refined_count(), else BAT_TOO_LARGE
 /// @return as bat_curve_refine()
 BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
                                          double *channels, size_t capacity, bat_error *error);

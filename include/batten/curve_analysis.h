@@ -6,17 +6,17 @@
 BAT_C_BEGIN
 
 /// @file
-/// What a linear subdivision scheme does in the limit, read from its mask: convergence, limit points and tangents,
-/// polynomials, smoothness with proven bounds. `docs/analysis.md` explains the mathematics.
+/// The limit of a linear subdivision scheme, from its mask: convergence, limit points and tangents, reproduced polynomials,
+/// smoothness with proven bounds. `docs/analysis.md` explains the mathematics.
 ///
-/// Point i of level k belongs to the parameter (i + shift) / 2^k, with shift = a'(1) / 2: then the limit of the points p_i =
-/// i is the straight line x -> x of a scheme that has straight lines as limits at all. For a symmetric mask that is its
-/// centre. The *index parametrization* leaves the shift out: point i at i / 2^k.
+/// Point i of level k has the parameter (i + shift) / 2^k, with shift = a'(1) / 2. Data p_i = i then have the limit x -> x,
+/// where the scheme reproduces straight lines. For a symmetric mask the shift is its centre. The *index parametrization* has
+/// no shift: point i at i / 2^k.
 ///
-/// Everything here is about the exact mask that lies within rounding of the given one. "Proven" and "disproven" are meant
-/// so: bounds carry an allowance for rounding, and an equality that holds to 1e-12 counts as one.
+/// Results hold for the exact mask within rounding of the given one. Bounds include an allowance for rounding; an equality
+/// that holds to 1e-12 counts as one.
 
-/// The deepest search.
+/// The largest depth of a search.
 #define BAT_ANALYSIS_MAX_DEPTH 24
 /// Bounds within this share of a power of two count as equal to it.
 #define BAT_ANALYSIS_EQUALITY 1e-12
@@ -32,7 +32,7 @@ typedef enum bat_analysis_verdict
 /// "undecided", "proven" or "disproven". Never null.
 BAT_API const char *bat_analysis_verdict_name(bat_analysis_verdict verdict);
 
-/// How hard to look.
+/// Options of an analysis: the effort. Begin with bat_analysis_defaults().
 typedef struct bat_analysis_options
 {
     size_t depth;     ///< the longest products of difference matrices tried, 1 … BAT_ANALYSIS_MAX_DEPTH; 12 by default
@@ -40,6 +40,7 @@ typedef struct bat_analysis_options
     size_t vertices;  ///< the most vertices of the polytope that proves the upper bound; 1000 by default
 } bat_analysis_options;
 
+/// The default options.
 BAT_API bat_analysis_options bat_analysis_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
@@ -63,7 +64,7 @@ typedef struct bat_analysis_eigenvalue
     size_t vector_count; ///< dimension of the eigenspace; below the multiplicity when the matrix cannot be diagonalized
 } bat_analysis_eigenvalue;
 
-/// What bat_mask_analyze() finds.
+/// The result of bat_mask_analyze().
 typedef struct bat_analysis
 {
     /// @name The symbol a(z) = sum a(k) z^k = (1 + z)^multiplicity quotient(z)
@@ -80,8 +81,8 @@ typedef struct bat_analysis
     /// @}
 
     /// @name The local subdivision matrix
-    /// Points matrix_first … matrix_first + matrix_size - 1 are the fewest that determine, level after level, themselves
-    /// and with them the limit at 0 of the index parametrization: a vertex for four-point, the middle of an edge for
+    /// Points matrix_first … matrix_first + matrix_size - 1 are the smallest set that determines itself on the next level.
+    /// They determine the limit at 0 of the index parametrization: a vertex for four-point, the middle of an edge for
     /// Chaikin. Entry (i, j) is a(i - 2 j); see also Alam 2025, sections 3.2, 4.2 and 5.2.
     /// @{
     int matrix_first;
@@ -119,13 +120,14 @@ typedef struct bat_analysis
     /// @}
 } bat_analysis;
 
-/// Analyse the scheme with a mask. Any mask will do that sums to 1 over its even indices and over its odd ones.
-/// @param options what bat_analysis_defaults() gives, changed as wanted; null for the defaults
+/// Analyse the scheme of a mask, which must sum to 1 over its even indices and over its odd ones.
+/// @param options null for the defaults
 /// @param analysis receives the result; release it with bat_analysis_free()
 /// @return BAT_OK, whatever the verdicts; BAT_INVALID_ARGUMENT for a malformed mask or an option out of range,
 ///         BAT_NO_CONVERGENCE when an eigenvalue iteration fails, or BAT_NO_MEMORY; `analysis` is untouched on failure
 BAT_API bat_status bat_mask_analyze(const bat_mask *mask, const bat_analysis_options *options, bat_analysis *analysis,
                                     bat_error *error);
+/// Free what an analysis owns and make it empty.
 BAT_API void bat_analysis_free(bat_analysis *analysis);
 
 /// Bounds of the Hölder exponent of the derivative of an order, both between 0 and 1.
@@ -158,6 +160,7 @@ typedef struct bat_basis
 /// Sample the basic limit function at multiples of 2^-level: exact values at the integers, refined by the scheme.
 /// @return as bat_mask_limit_stencil(), and BAT_TOO_LARGE
 BAT_API bat_status bat_mask_basis(const bat_mask *mask, size_t level, bat_basis *basis, bat_error *error);
+/// Free what a basis owns and make it empty.
 BAT_API void bat_basis_free(bat_basis *basis);
 
 /// A family of masks with one parameter. Coefficients must depend on it affinely, as a + parameter b.
@@ -173,6 +176,7 @@ typedef struct bat_mask_sweep_options
     bat_progress progress;
 } bat_mask_sweep_options;
 
+/// The default options.
 BAT_API bat_mask_sweep_options bat_mask_sweep_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
@@ -191,8 +195,8 @@ typedef struct bat_mask_interval
 /// itself under the matrices of both ends of an interval does so under all between.
 ///
 /// @param intervals receives an array in rising order that covers the range; release it with free()
-/// @return BAT_OK, BAT_INVALID_ARGUMENT for a range or a mask that makes no sense, BAT_UNSUPPORTED for a family that is not
-///         affine or changes its support, BAT_CANCELLED, BAT_NO_CONVERGENCE or BAT_NO_MEMORY
+/// @return BAT_OK, BAT_INVALID_ARGUMENT for an option out of range or an invalid mask; BAT_UNSUPPORTED for a family that is
+///         not affine or changes its support, BAT_CANCELLED, BAT_NO_CONVERGENCE or BAT_NO_MEMORY
 BAT_API bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_mask_sweep_options *options,
                                   bat_mask_interval **intervals, size_t *count, bat_error *error);
 

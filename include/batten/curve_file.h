@@ -6,8 +6,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// Curves from files and to files: CSV, GeoJSON, OBJ line elements and TUM trajectories. docs/formats.md says what each
-/// format means.
+/// Readers and writers of curves: CSV, GeoJSON, OBJ line elements and TUM trajectories. docs/formats.md describes the
+/// formats.
 
 /// A format, or "auto", by name.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
@@ -21,7 +21,7 @@ BAT_API bool bat_curve_format_list(size_t index, bat_choice *choice);
 /// BAT_CURVE_FORMAT_AUTO.
 BAT_API bat_curve_format bat_curve_format_of_path(const char *path);
 
-/// How to read. Begin with bat_curve_read_defaults().
+/// Options of reading. Begin with bat_curve_read_defaults().
 typedef struct bat_curve_read_options
 {
     bat_curve_format format;   ///< default BAT_CURVE_FORMAT_AUTO
@@ -43,19 +43,17 @@ BAT_API bat_status bat_curve_read_options_check(const bat_curve_read_options *op
 /// @param path    "-" is standard input
 /// @param options null for the defaults
 /// @param set     receives the curves, at least one; release it with bat_curve_set_free()
-/// @param error   `line` is the line at fault (CSV, OBJ, JSON syntax) and `index` the point's index in its curve, where
-/// there
-///                is one; for GeoJSON the text names the feature and the position
+/// @param error   `line` is the failing line (CSV, OBJ, JSON syntax) and `index` the point's index in its curve; for GeoJSON
+///                the text names the feature and the position
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY;
-/// `set` is
-///         untouched on failure
+///         `set` is untouched on failure
 BAT_API bat_status bat_curve_read(const char *path, const bat_curve_read_options *options, bat_curve_set *set,
                                   bat_error *error);
 /// The same from `size` bytes of text, which need no final zero. BAT_CURVE_FORMAT_AUTO goes by the content.
 BAT_API bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_read_options *options,
                                          bat_curve_set *set, bat_error *error);
 
-/// How to write. Begin with bat_curve_write_defaults().
+/// Options of writing. Begin with bat_curve_write_defaults().
 typedef struct bat_curve_write_options
 {
     bat_curve_format format; ///< default BAT_CURVE_FORMAT_AUTO

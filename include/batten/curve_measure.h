@@ -7,13 +7,12 @@
 BAT_C_BEGIN
 
 /// @file
-/// How near one curve is to another, how fair a curve is, and both over sets: the measures of Ugail and Howard (2026),
-/// sections 3.2 and 3.5.
+/// Distances between curves, the fairness of curves, and both over sets: Ugail and Howard (2026), sections 3.2 and 3.5.
 
-/// What the published bending energies add to a mean edge length before dividing by it. (The paper prints only "epsilon".)
+/// The default of bat_curve_measure_options::bending_offset. (The paper prints only "epsilon".)
 #define BAT_CURVE_BENDING_OFFSET 1e-7
 
-/// How to measure. Begin with bat_curve_measure_defaults().
+/// Options of measures. Begin with bat_curve_measure_defaults().
 typedef struct bat_curve_measure_options
 {
     /// Geodesic distances. Default false: Euclidean distances of the stored coordinates ("chordal"), in the disk too, as in
@@ -35,7 +34,7 @@ BAT_API bat_curve_measure_options bat_curve_measure_defaults(void);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
 BAT_API bat_status bat_curve_measure_options_check(const bat_curve_measure_options *options, bat_error *error);
 
-/// How near two curves are. Each point's distance is that to the nearest vertex (or edge) of the other curve.
+/// Distances between two curves. A point's distance is that to the nearest vertex (or edge) of the other curve.
 typedef struct bat_curve_distance
 {
     double mean_nn;         ///< mean over the points of the first curve (eq. 10)
@@ -48,17 +47,14 @@ typedef struct bat_curve_distance
     size_t farthest_back;   ///< the point of the second curve where hausdorff_back is reached, the first such
 } bat_curve_distance;
 
-/// Measure how near the first curve is to the second and back, in O(n log n). Coordinates may have any size up to DBL_MAX /
-/// 2, however small: squares neither overflow nor underflow on the way.
+/// Measure the distances of two curves from each other, in O(n log n). Coordinates may have any size up to DBL_MAX / 2:
+/// squares neither overflow nor underflow.
 ///
-/// @param first, second at least one point each, in the same space when distances are geodesic, else with the same number of
-///                      coordinates
+/// @param first, second at least one point each; geodesic distances: in the same space; else with equally many coordinates
 /// @param options       null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT (no points, spaces that differ); BAT_INVALID_POINT (a coordinate not finite or
-/// beyond
-///         DBL_MAX / 2, for geodesic distances a point not in the space, or one whose distance a double cannot hold) with
-///         its index; BAT_UNSUPPORTED (geodesic distances to edges), BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched
-///         on failure
+/// @return BAT_OK; BAT_INVALID_ARGUMENT (no points, spaces that differ); BAT_INVALID_POINT with the index of a point that is
+///         not finite, beyond DBL_MAX / 2, not in its space, or whose distance overflows; BAT_UNSUPPORTED (geodesic
+///         distances to edges); BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched on failure
 BAT_API bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second,
                                      const bat_curve_measure_options *options, bat_curve_distance *distance,
                                      bat_error *error);
@@ -71,7 +67,7 @@ BAT_API bat_status bat_curves_compare(const bat_curve *first, const bat_curve *s
                                       const bat_curve_measure_options *options, bat_curve_distance *distances,
                                       size_t *failed_curve, bat_error *error);
 
-/// How fair a curve is.
+/// Measures of fairness.
 typedef struct bat_curve_fairness_values
 {
     double bending; ///< mean over the vertices of (exterior angle / (mean length of the two edges + offset))^2 (eq. 5)
@@ -79,15 +75,13 @@ typedef struct bat_curve_fairness_values
     double length;  ///< sum of the edges' lengths
 } bat_curve_fairness_values;
 
-/// Measure the fairness of a curve. Angles and lengths are the space's own; where it has no signed angles (above dimension
-/// 2) they are the angles between the edges, in 0 … pi. The ends of an open curve have no angle and do not enter the mean. A
-/// point that repeats the one before it is passed over, as it adds nothing to the polyline. A curve without an angle has
-/// both measures 0.
+/// Measure the fairness of a curve. Angles and lengths are those of the space. Spaces above dimension 2 have no signed
+/// angles: there they are the angles between the edges, in 0 … pi. The ends of an open curve have no angle and are not in
+/// the mean. A point equal to the one before it is skipped. A curve without an angle has both measures 0.
 ///
 /// @param curve   at least one point, each in its space
 /// @param options null for the defaults; only bending_offset counts
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT (also where a double cannot hold the length or the bending
-/// energy) or
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT (also where the length or the bending energy overflows) or
 ///         BAT_CUT_LOCUS (antipodal neighbours), with the index of the point; `fairness` is untouched on failure
 BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_options *options,
                                       bat_curve_fairness_values *fairness, bat_error *error);
@@ -100,14 +94,14 @@ BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, co
                                        bat_curve_fairness_values *fairness, size_t *failed_curve, bat_error *error);
 
 /// @name Convergence of refinement
-/// How far a refined polygon still is from what it tends to, by chordal distance; O(n), also for tens of millions of points.
+/// The chordal distance of a refined polygon from its limit, in O(n).
 /// Of the options (null for the defaults) threads and progress count. Both return BAT_OK; BAT_INVALID_ARGUMENT (too few
 /// points, numbers of coordinates that differ); BAT_INVALID_POINT (a coordinate as in bat_curve_compare(), or a distance
 /// that a double cannot hold) or BAT_CANCELLED; `distance` is untouched on failure.
 /// @{
 
 /// The greatest distance of a vertex of `fine` from the polygon `coarse` that it was refined from. A vertex is compared with
-/// five edges about its own place along the curve, so the polygon is not taken for near where another part of it passes by.
+/// the five edges around its own parameter, so that other parts of the polygon do not count.
 /// @param coarse at least 2 points
 /// @param fine   at least 1 point
 BAT_API bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine,
@@ -121,7 +115,7 @@ BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_ma
                                             const bat_curve_measure_options *options, double *distance, bat_error *error);
 /// @}
 
-/// A set of numbers in a few.
+/// Statistics of a set of numbers.
 typedef struct bat_curve_summary
 {
     size_t count;

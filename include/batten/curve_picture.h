@@ -8,17 +8,18 @@ BAT_C_BEGIN
 /// @file
 /// Pictures of curves, and charts of numbers, as SVG, PNG or PDF.
 ///
-/// A picture is a grid of panels, a panel a stack of curves in one space. The space decides how a panel looks: Euclidean
-/// spaces are drawn flat and at true aspect (R^2 as it is, R^3 along a fixed axonometric view, R^n by its first two
-/// coordinates), the sphere S^2 as a globe or a world map, the hyperbolic plane as the Poincaré disk. Edges are geodesics:
-/// arcs of great circles, circular arcs orthogonal to the rim. Rotations are drawn as the three columns of their matrices on
-/// the sphere, rigid motions as a path in R^3 with the body's axes along it, symmetric positive-definite 2 x 2 and 3 x 3
-/// matrices as a row of ellipses or ellipsoids for every curve, hyperboloids of dimension 2 as the disk.
+/// A picture is a grid of panels; a panel shows curves in one space. Euclidean spaces are drawn flat and at true aspect: R^3
+/// in an axonometric view, R^n by its first two coordinates. The sphere S^2 is a globe or a world map, the hyperbolic plane
+/// the Poincaré disk. Edges are geodesics: great-circle arcs, or circular arcs orthogonal to the unit circle.
+///
+/// Rotations are drawn as the three columns of their matrices on the sphere. Rigid motions are a path in R^3 with the axes
+/// of the body. Symmetric positive-definite 2 x 2 and 3 x 3 matrices are a row of ellipses or ellipsoids for each curve.
+/// Hyperboloids of dimension 2 are drawn as the disk.
 
-/// How the sphere is laid flat.
+/// The map projection of the sphere.
 typedef enum bat_curve_projection
 {
-    BAT_CURVE_PROJECTION_GLOBE, ///< orthographic, seen from far away; what lies behind shows faintly. The default.
+    BAT_CURVE_PROJECTION_GLOBE, ///< orthographic; the far side is faint. The default.
     BAT_CURVE_PROJECTION_MAP,   ///< equirectangular: longitude to the right, latitude upwards, cut at the antimeridian
     BAT_CURVE_PROJECTION_BOTH   ///< the globe, and the map to its right
 } bat_curve_projection;
@@ -32,12 +33,12 @@ BAT_API const char *bat_curve_projection_name(bat_curve_projection value);
 /// @return false past the last
 BAT_API bool bat_curve_projection_list(size_t index, bat_choice *choice);
 
-/// What a curve is in its panel; it decides how the curve is drawn.
+/// The role of a curve in its panel, which decides its style.
 typedef enum bat_curve_layer_role
 {
     BAT_CURVE_LAYER_CURVE,   ///< a result: a solid line in a strong colour
-    BAT_CURVE_LAYER_CONTROL, ///< what was given: a thin dashed line through small open circles
-    BAT_CURVE_LAYER_TRUTH    ///< what ought to come out: a dashed grey line
+    BAT_CURVE_LAYER_CONTROL, ///< the given points: a thin dashed line through small open circles
+    BAT_CURVE_LAYER_TRUTH    ///< the expected result: a dashed grey line
 } bat_curve_layer_role;
 
 /// The number of distinct colours; further curves repeat them with long dashes, then with short ones.
@@ -61,7 +62,7 @@ typedef struct bat_curve_picture_panel
     const char *title; ///< UTF-8, drawn beneath the panel; null or "" for none
 } bat_curve_picture_panel;
 
-/// How to draw. Begin with bat_curve_picture_defaults().
+/// Options of pictures. Begin with bat_curve_picture_defaults().
 typedef struct bat_curve_picture_options
 {
     double width;                    ///< in points, up to 10000; 0: from the number of columns and the content; default 0
@@ -75,7 +76,7 @@ typedef struct bat_curve_picture_options
     bool control_polygon; ///< draw the edges of BAT_CURVE_LAYER_CONTROL; default true
     bool control_points;  ///< draw the points of BAT_CURVE_LAYER_CONTROL, if there are at most 5000; default true
     bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_CURVE_LAYER_CURVE; default false
-    double comb_scale;    ///< length of a tooth per curvature, in the space's unit squared; 0: automatic; default 0
+    double comb_scale;    ///< length of a comb's line per curvature, in the space's unit squared; 0: automatic; default 0
     bool grid;         ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
     bool axes;         ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false
     bool legend;       ///< explain the labels below the panels; default true
@@ -94,18 +95,18 @@ BAT_API bat_status bat_curve_picture_options_check(const bat_curve_picture_optio
 
 /// Draw panels into a file, whose ending chooses the format: .svg, .png or .pdf, in small or capital letters.
 ///
-/// The panels fill the rows from left to right. The file appears whole or not at all; one that was there survives a
-/// failure. The same input gives the same bytes. Curves of millions of points are thinned on the way, to within 0.05
-/// points of the true line; one so rough that more than 30000 points would stay is drawn as the area that the pen covers,
-/// to within 0.2. A comb uses at most 8192 vertices of a curve, evenly chosen; the curvature at a vertex is its
-/// exterior angle over the mean of its two edges' lengths.
+/// The panels fill the rows from left to right. The file appears whole or not at all; an existing one survives a failure.
+/// The same input gives the same bytes. Curves of millions of points are simplified to within 0.05 points of the true line.
+/// One that would keep more than 30000 points is drawn as a coverage mask, to within 0.2 points. A comb uses at most 8192
+/// vertices of a curve, evenly chosen. The curvature at a vertex is its exterior angle over the mean of its two edges'
+/// lengths.
 ///
-/// @param options what bat_curve_picture_defaults() gives, changed as wanted; null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a size without room for the titles, a
-///         text that is not UTF-8 or has control characters, spaces mixed in one panel, an empty panel or curve (with the
-///         index of the panel or layer); BAT_INVALID_POINT or BAT_CUT_LOCUS with the index of the point; BAT_UNSUPPORTED
-///         for a space that has no picture; BAT_TOO_LARGE for more than 10000 points of height or 32767 pixels;
-///         BAT_NO_MEMORY; BAT_FILE_ACCESS
+/// @param options null for the defaults
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, no room for the titles, a text that is
+///         not UTF-8 or has control characters, two spaces in one panel, or an empty panel or curve (with the index of the
+///         panel or layer); BAT_INVALID_POINT or BAT_CUT_LOCUS with the index of the point; BAT_UNSUPPORTED for a space
+///         without a picture; BAT_TOO_LARGE for more than 10000 points of height or 32767 pixels; BAT_NO_MEMORY;
+///         BAT_FILE_ACCESS
 BAT_API bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_panel *panels, size_t count,
                                            const bat_curve_picture_options *options, bat_error *error);
 

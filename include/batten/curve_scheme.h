@@ -6,7 +6,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Subdivision rules for curves, as plain values.
+/// Subdivision schemes of curves, as plain values: masks, angle-based, log-exp and geodesic schemes, learned schemes.
 
 /// The longest mask: enough for Lane-Riesenfeld of order 126.
 #define BAT_MASK_MAX 128
@@ -24,7 +24,7 @@ typedef struct bat_mask
 /// Chaikin's corner cutting (1974): [1, 3, 3, 1] / 4, the uniform quadratic B-spline.
 BAT_API bat_mask bat_mask_chaikin(void);
 /// Corner cutting with ratios 0 < r < s < 1: each edge (p, q) gives p + r (q - p) and p + s (q - p). Chaikin is r = 1/4,
-/// s = 3/4 (Alam 2025, eq. 4.1, where the text has the two values swapped).
+/// s = 3/4. Source: Alam 2025, eq. 4.1, where the text has the two values swapped.
 BAT_API bat_mask bat_mask_corner_cutting(double r, double s);
 /// The interpolatory four-point scheme (Dyn, Gregory, Levin 1987): (1/2 + w) (p + q) - w (o + r); cubics at w = 1/16.
 BAT_API bat_mask bat_mask_four_point(double w);
@@ -67,48 +67,50 @@ typedef enum bat_curve_angle_sign
 /// The most edges that an angle rule is given at a time.
 #define BAT_CURVE_ANGLE_RULE_EDGES 512
 
-/// A run of consecutive edges of a polygon, numbered from 0, as an angle rule sees them. Edge j goes from vertex j to vertex
-/// j + 1. Everything here is invariant under orientation-preserving isometries, and so is a scheme that uses nothing else.
+/// A run of consecutive edges of a polygon, numbered from 0: the input of an angle rule. Edge j goes from vertex j to vertex
+/// j + 1. All fields are invariant under orientation-preserving isometries, and so is a scheme that uses nothing else.
 typedef struct bat_curve_angle_rule_view
 {
     const bat_space *space;
-    size_t count;          ///< edges that want an angle, 1 … BAT_CURVE_ANGLE_RULE_EDGES
+    size_t count;          ///< edges whose angles are computed, 1 … BAT_CURVE_ANGLE_RULE_EDGES
     const double *angles;  ///< exterior angles, positive for left turns, of the vertices 1 - reach … count - 1 + reach
     const double *lengths; ///< geodesic lengths of the edges -reach … count - 1 + reach
-    double mean_length;    ///< of all edges of the polygon, where the rule wants it; else 0
-    double fairness;       ///< the scheme's
+    double mean_length;    ///< of all edges of the polygon, where the rule uses it; else 0
+    double fairness;       ///< that of the scheme
+
 } bat_curve_angle_rule_view;
 
 typedef struct bat_curve_angle_rule bat_curve_angle_rule;
 
-/// Where an angle-based scheme takes its insertion angles from, when not from eq. (9) of Ugail and Howard: a function of
-/// what each edge sees around it. The library's learned schemes are such rules; a user makes another by filling a
-/// bat_curve_angle_rule. Open curves are continued beyond their ends before they are measured, as bat_curve_end_rule says.
+/// A rule for the insertion angles of an angle-based scheme, in place of eq. (9) of Ugail and Howard. The angle of an edge
+/// is a function of the angles and lengths around it. The library's learned schemes are such rules; a user defines another
+/// by filling this struct. Open curves are continued beyond their ends before they are measured, by bat_curve_end_rule.
 struct bat_curve_angle_rule
 {
-    const char *name;       ///< a word for messages
-    size_t reach;           ///< edges and vertices that an edge sees on either side, 1 … BAT_CURVE_ANGLE_RULE_REACH
-    bool wants_mean_length; ///< then levels are made one after the other; else all at once, in chunks that threads share
+    const char *name;       ///< for messages
+    size_t reach;           ///< edges and vertices used on either side of an edge, 1 … BAT_CURVE_ANGLE_RULE_REACH
+    bool wants_mean_length; ///< true: levels are computed one after the other; false: all at once, in chunks that threads
+                            ///< share
     size_t scratch_size;    ///< bytes that one call of angles() needs
-    const void *parameters; ///< whatever the maker needs; the library does not touch it
+    const void *parameters; ///< the rule's own; not used by the library
 
-    /// Optional: null when the rule is made for the space, else a few words that say why not.
+    /// Optional: null for a supported space, else the reason in a few words.
     const char *(*fault)(const bat_curve_angle_rule *rule, const bat_space *space);
-    /// Write view->count insertion angles, positive to the left of the edge. They are clipped to +-BAT_CURVE_ANGLE_LIMIT;
-    /// one that is not a number fails with BAT_INVALID_POINT. Called from several threads at once, and on runs of any
-    /// length: an edge's angle may depend on nothing but the edge's own surroundings.
+    /// Write view->count insertion angles, positive to the left of the edge. Larger ones become +-BAT_CURVE_ANGLE_LIMIT, as
+    /// the theorem demands; NaN fails with BAT_INVALID_POINT. Several threads call it at once, on runs of any length: an
+    /// angle may only depend on the `reach` edges and vertices around its edge.
     /// @param scratch scratch_size bytes, aligned to 64
     void (*angles)(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles, void *scratch);
 };
 
-/// In which tangent space a log-exp scheme averages.
+/// The tangent space in which a log-exp scheme averages.
 typedef enum bat_curve_base
 {
     BAT_CURVE_BASE_VERTEX,  ///< at the vertex that begins the edge (Ugail and Howard, section 7.1; Wallner and Dyn 2005)
     BAT_CURVE_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
 } bat_curve_base;
 
-/// A rule that refines a curve once. Make one with the functions below, then change what you want.
+/// A rule that refines a curve by one level. The functions below make one; all fields may be changed afterwards.
 typedef struct bat_curve_scheme
 {
     bat_curve_scheme_kind kind;
@@ -118,11 +120,12 @@ typedef struct bat_curve_scheme
     bat_curve_angle_sign sign; ///< ANGLE
     bool adaptive;             ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
     const bat_curve_angle_rule
-        *rule;           ///< ANGLE: makes the angles instead of eq. (9), so that the three above do not matter; or null
-    double fairness;     ///< ANGLE with a rule: handed to it; for the learned rule 0 (nearest to the data) … 1 (smoothest)
+        *rule;           ///< ANGLE: the rule of the angles, in place of eq. (9) and the three fields above; or null
+    double fairness;     ///< ANGLE with a rule: an input of the rule, 0 (nearest to the data) … 1 (smoothest)
     bat_curve_base base; ///< LOG_EXP
 } bat_curve_scheme;
 
+/// The linear scheme of a mask, for Euclidean spaces.
 BAT_API bat_curve_scheme bat_curve_scheme_linear(bat_mask mask);
 /// Angle-based with tension `mu`: BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_TENSION_SIX_POINT or any other; outward sign.
 BAT_API bat_curve_scheme bat_curve_scheme_angle(double mu);
@@ -162,23 +165,21 @@ BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
 
 // Learned curve schemes: the one that the library comes with, and those of networks that are read from files.
 
-/// The learned scheme that the library comes with: for the plane, the sphere S^2 and the disk, closed and open curves of any
-/// scale and spacing. A network adds to the angle of the six-point rule what 8 exterior angles and 9 edge lengths around the
-/// edge suggest. It keeps the given points; it commutes with isometries, mirror images, reversal and, on the plane, scaling;
-/// no angle reaches BAT_CURVE_ANGLE_LIMIT whatever the weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md
-/// describes it; `batten train curve --recipe batten` makes its weights.
+/// The learned scheme that the library comes with: for the plane, the sphere S^2 and the disk, curves of any scale and
+/// spacing. A network corrects the angle of the six-point rule. Its features are 8 exterior angles and 9 edge lengths around
+/// the edge. The scheme keeps the given points. It commutes with isometries, mirror images, reversal and, on the plane,
+/// scaling. Angles stay below BAT_CURVE_ANGLE_LIMIT for all weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md
+/// describes it; `batten train curve --recipe batten` trains it.
 ///
-/// @param fairness 0 follows the data most closely, 1 gives the smoothest curve; what is out of this range is refused
+/// @param fairness from 0, nearest to the data, to 1, smoothest; refinement refuses other values
 BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
 
-/// A trained network. It does not change, and any number of calls may use it at once.
+/// A trained network. It is constant, and any number of calls may use it at once.
 typedef struct bat_curve_model bat_curve_model;
 
-/// Read a model from a safetensors file: what bat_curve_train() writes, or any file with the arrays
-/// of the published program
-/// ("geom_embed.weight", "input_proj.0.weight", …) in single or double precision. Of a training's checkpoint the best
-/// weights so far are taken, or those of its last step where no best are known yet. The networks of table 3 without a
-/// learned embedding (BAT_TENSION_EMBEDDING_ONE_HOT, BAT_TENSION_EMBEDDING_NONE) are told by their arrays.
+/// Read a model from a safetensors file: a file of bat_curve_train(), or one with the arrays of the
+/// published program ("geom_embed.weight", …) in single or double precision. Of a checkpoint, the best weights are taken, or
+/// those of its last step. The arrays tell the variants of table 3 without a learned embedding.
 ///
 /// @param model receives the model; release it with bat_curve_model_free()
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
@@ -194,15 +195,15 @@ BAT_API bat_status bat_curve_model_published(bat_curve_model **model, bat_error 
 /// The models that come with the library, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_curve_model_list(size_t index, bat_choice *choice);
-/// Whether bat_curve_scheme's fairness means something to a model.
+/// Whether a model uses bat_curve_scheme's fairness.
 BAT_API bool bat_curve_model_has_fairness(const bat_curve_model *model);
 /// Does nothing to null.
 BAT_API void bat_curve_model_free(bat_curve_model *model);
 
-/// The scheme that takes its insertion angles from a model, which must outlive it: for the plane, the sphere S^2 and the
-/// disk. The published network looks at four exterior angles and two edge lengths around an edge (eq. 17), the lengths
-/// relative to the mean of the polygon. New vertices are safe whatever the weights (Theorem 1): no angle reaches
-/// BAT_CURVE_ANGLE_LIMIT. `scheme.fairness`, 1/2 at first, only means something to a model of the library's own recipe.
+/// The scheme whose insertion angles are a model's, for the plane, the sphere S^2 and the disk. The model must outlive it.
+/// The published network's features are four exterior angles and two edge lengths, relative to the polygon's mean (eq. 17).
+/// Angles stay below BAT_CURVE_ANGLE_LIMIT for all weights (Theorem 1). `scheme.fairness` begins as 1/2; only models of the
+/// library's own recipe use it.
 BAT_API bat_curve_scheme bat_curve_scheme_of_model(const bat_curve_model *model);
 
 BAT_C_END

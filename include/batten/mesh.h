@@ -6,19 +6,19 @@
 BAT_C_BEGIN
 
 /// @file
-/// Triangle meshes and who is whose neighbour in them.
+/// Triangle meshes, their connectivity, and their repair.
 ///
-/// Vertices, faces and half-edges are numbered from 0 by 32-bit indices. Half-edge 3 f + c runs along face f from its corner
-/// c to its corner c + 1 (corner 0 after corner 2), so that faces[h] is where half-edge h begins. Seen from outside, corners
-/// go around a face counter-clockwise.
+/// Vertices, faces and half-edges have 32-bit indices from 0. Half-edge 3 f + c runs along face f from corner c to the next
+/// corner, so that faces[h] is the vertex where half-edge h begins. Seen from outside, corners go around a face
+/// counter-clockwise.
 
-/// Stands for a neighbour that does not exist.
+/// The index of a neighbour that does not exist.
 #define BAT_MESH_NONE UINT32_MAX
 
 /// The most faces a mesh may have: half-edges must have 32-bit indices.
 #define BAT_MESH_MAX_FACES ((size_t)1431655764)
 
-/// A sharpness that no refinement wears off (OpenSubdiv's value).
+/// The sharpness that lasts for all levels (OpenSubdiv's value).
 #define BAT_MESH_SHARP 10.0
 
 /// An edge that refinement keeps sharp.
@@ -71,15 +71,14 @@ typedef struct bat_mesh_point
     double barycentric[3]; ///< of the face's corners, 0 to 1, of sum 1
 } bat_mesh_point;
 
-/// Check what every call that takes a mesh relies on: at least one face, finite coordinates, faces of three different
-/// vertices that exist, texture coordinates, creases and corners that name what exists.
-/// @return BAT_OK; BAT_INVALID_ARGUMENT for no faces or a crease between vertices that are none; BAT_TOO_LARGE;
-/// BAT_INVALID_POINT
-///         with the vertex or face at fault
+/// Check the conditions of every call that takes a mesh: at least one face, finite coordinates, and faces of three different
+/// existing vertices. Texture coordinates, creases and corners must name what exists.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for no faces or a crease between vertices that do not exist; BAT_TOO_LARGE;
+///         BAT_INVALID_POINT with the failing vertex or face
 BAT_API bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error);
 
-/// Who is whose neighbour: half-edges in flat arrays, as Campagna, Kobbelt and Seidel, "Directed Edges" (1998). It describes
-/// the faces that it was made from and does not follow their changes.
+/// The neighbours of faces: half-edges in flat arrays, as Campagna, Kobbelt and Seidel, "Directed Edges" (1998). It
+/// describes the faces that it was made from and does not follow their changes.
 typedef struct bat_mesh_connectivity
 {
     /// 3 x face_count: the half-edge along the same edge in the neighbouring face, in the other direction; BAT_MESH_NONE at
@@ -95,14 +94,13 @@ typedef struct bat_mesh_connectivity
     size_t boundary_edge_count;
 } bat_mesh_connectivity;
 
-/// Find the neighbours of all faces. Takes time in proportion to the mesh.
+/// Find the neighbours of all faces, in linear time.
 ///
 /// @param connectivity release it with bat_mesh_connectivity_free()
-/// @return BAT_OK; BAT_TOO_LARGE (above BAT_MESH_MAX_FACES); BAT_INVALID_POINT with the face whose corner is not a vertex
-/// or
-///         that has the same vertex twice; BAT_NOT_MANIFOLD with the face where an edge of more than two faces, an edge that
-///         two faces run through in the same direction, or a vertex with several fans of faces shows first, the text naming
-///         the vertices; BAT_NO_MEMORY. `connectivity` is untouched on failure
+/// @return BAT_OK; BAT_TOO_LARGE (above BAT_MESH_MAX_FACES); BAT_INVALID_POINT with a face whose corner is not a vertex or
+///         that has the same vertex twice; BAT_NOT_MANIFOLD with the first face at an edge of more than two faces, at an
+///         edge of two faces with the same direction, or at a vertex of several fans, the text naming the vertices;
+///         BAT_NO_MEMORY. `connectivity` is untouched on failure
 BAT_API bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connectivity, bat_error *error);
 
 /// Free what it owns and make it empty.
@@ -135,9 +133,9 @@ static inline uint32_t bat_mesh_previous_around(const bat_mesh_connectivity *con
     return twin == BAT_MESH_NONE ? BAT_MESH_NONE : bat_mesh_next(twin);
 }
 
-// Meshes that bat_mesh_connect() accepts from meshes that it does not.
+// Repair.
 
-/// What a repair did.
+/// The changes of a repair.
 typedef struct bat_mesh_repair_report
 {
     size_t degenerate_faces; ///< dropped: they had the same vertex twice
@@ -153,35 +151,32 @@ typedef struct bat_mesh_repair_report
 /// The number of places that were repaired: faces dropped or turned, edges cut and vertices split.
 BAT_API size_t bat_mesh_repair_places(const bat_mesh_repair_report *report);
 
-/// Make a mesh that bat_mesh_connect() accepts, changing no position: drop faces that have a vertex twice and repeated
-/// faces, orient the faces of each piece alike (the way that flips the fewer of them), and cut the rest at edges of more
-/// than two faces and where faces still run against each other. Cutting gives every fan of faces around a vertex a vertex of
-/// its own, as Guéziec et al., "Cutting and Stitching" (2001); where the faces at such an edge belong to separate sheets,
-/// each sheet stays whole.
+/// Make a mesh that bat_mesh_connect() accepts, without changing a position. Faces with a repeated vertex and repeated faces
+/// are dropped. The faces of each piece are oriented alike, the way that flips fewer of them. The mesh is cut at edges of
+/// more than two faces, and where orientations still disagree. Cutting gives every fan of faces around a vertex its own
+/// vertex, as Guéziec et al., "Cutting and Stitching" (2001). Separate sheets at such an edge stay whole.
 ///
 /// The first fan keeps the vertex; the others follow after all vertices, in the order of their first faces. Vertices without
-/// a face are dropped. Texture coordinates and channels stay with their corners and vertices; creases and corners follow to
-/// every copy, and are dropped with edges and vertices that no face has.
+/// a face are dropped. Texture coordinates and channels stay with their corners and vertices. Creases and corners are copied
+/// with their vertices, and dropped with edges and vertices that no face has.
 ///
 /// @param broken   faces may be anything but must name vertices that exist
-/// @param report   receives what was done; may be null
+/// @param report   receives the changes; may be null
 /// @param repaired receives the mesh; release it with bat_mesh_free()
-/// @return BAT_OK; BAT_INVALID_ARGUMENT where no face is left; what bat_mesh_check() returns for anything but degenerate
-/// faces;
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for no face left; the failures of bat_mesh_check() but for degenerate faces;
 ///         BAT_TOO_LARGE; BAT_NO_MEMORY; results are untouched on failure
 BAT_API bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *report, bat_mesh *repaired,
                                    bat_error *error);
 
-/// Make one vertex of vertices that coincide: each goes to the first vertex within the distance that stayed, which keeps its
-/// position and channels. It joins what was cut apart, such as seams and the triangles of a soup, but leaves faces with the
-/// same vertex twice where they were smaller than the distance, and joins what only touches: bat_mesh_repair() comes after
-/// it. Vertices that no other one joins stay, whether a face has them or not.
+/// Merge vertices that coincide: each goes to the first remaining vertex within the distance, which keeps its position and
+/// channels. Welding joins cuts, such as seams and the triangles of a soup. It also joins what only touches, and leaves
+/// faces with a repeated vertex where they are smaller than the distance: call bat_mesh_repair() after it. Vertices that are
+/// not merged stay, with or without a face.
 ///
 /// @param distance 0 or above; 0: only vertices of equal coordinates
-/// @param merged   receives the number of vertices that went to another; may be null
+/// @param merged   receives the number of merged vertices; may be null
 /// @param welded   receives the mesh; release it with bat_mesh_free()
-/// @return BAT_OK, BAT_INVALID_ARGUMENT for the distance, what bat_mesh_check() returns for anything but degenerate faces,
-/// or
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for the distance; the failures of bat_mesh_check() but for degenerate faces;
 ///         BAT_NO_MEMORY; results are untouched on failure
 BAT_API bat_status bat_mesh_weld(const bat_mesh *mesh, double distance, size_t *merged, bat_mesh *welded, bat_error *error);
 

@@ -6,8 +6,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Meshes from files and to files: OBJ, PLY, OFF and STL. docs/formats.md says what each format holds and what is lost in
-/// it.
+/// Readers and writers of meshes: OBJ, PLY, OFF and STL. docs/formats.md tells what each format holds.
 
 /// The formats of meshes.
 typedef enum bat_mesh_format
@@ -30,12 +29,12 @@ BAT_API bool bat_mesh_format_list(size_t index, bat_choice *choice);
 /// The format that a path's ending stands for, in either case: .obj, .ply, .off, .stl; else BAT_MESH_FORMAT_AUTO.
 BAT_API bat_mesh_format bat_mesh_format_of_path(const char *path);
 
-/// How to read. Begin with bat_mesh_read_defaults().
+/// Options of reading. Begin with bat_mesh_read_defaults().
 typedef struct bat_mesh_read_options
 {
     bat_mesh_format format; ///< default BAT_MESH_FORMAT_AUTO
-    /// Cut polygons of more than three corners into triangles (quads along the diagonal that gives the better triangles,
-    /// convex polygons as a fan, others by their ears) instead of refusing them; default false.
+    /// Cut polygons of more than three corners into triangles instead of refusing them. Quads are cut along the better
+    /// diagonal, convex polygons as a fan, others by ear clipping. Default false.
     bool triangulate;
     /// Keep faces that have the same vertex twice, for bat_mesh_repair() to drop, instead of refusing them; default false.
     bool keep_degenerate;
@@ -49,13 +48,13 @@ BAT_API bat_mesh_read_options bat_mesh_read_defaults(void);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
 BAT_API bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error);
 
-/// Read the mesh of a file: at least one face, finite numbers, faces of vertices that exist. Whether the faces make a
-/// surface is for bat_mesh_connect() to say.
+/// Read the mesh of a file: at least one face, finite numbers, faces of existing vertices. bat_mesh_connect() tells whether
+/// the faces are a manifold.
 ///
 /// @param path    "-" is standard input
 /// @param options null for the defaults
 /// @param mesh    receives the mesh; release it with bat_mesh_free()
-/// @param error   `line` is the line at fault where the format has lines; `index` the vertex or face of the file at fault
+/// @param error   `line` is the failing line in formats with lines; `index` the failing vertex or face of the file
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY;
 ///         with `repair` what bat_mesh_repair() returns; `mesh` is untouched on failure
 BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
@@ -63,7 +62,7 @@ BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *
 BAT_API bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,
                                         bat_error *error);
 
-/// How PLY and STL hold numbers; OBJ and OFF are always text.
+/// The encoding of numbers in PLY and STL. OBJ and OFF are always text.
 typedef enum bat_mesh_encoding
 {
     BAT_MESH_ENCODING_BINARY,     ///< little-endian: doubles in PLY, single precision in STL
@@ -71,7 +70,7 @@ typedef enum bat_mesh_encoding
     BAT_MESH_ENCODING_TEXT        ///< decimal numbers that bring back the same doubles
 } bat_mesh_encoding;
 
-/// How to write. Begin with bat_mesh_write_defaults().
+/// Options of writing. Begin with bat_mesh_write_defaults().
 typedef struct bat_mesh_write_options
 {
     bat_mesh_format format;     ///< default BAT_MESH_FORMAT_AUTO
@@ -85,18 +84,16 @@ BAT_API bat_mesh_write_options bat_mesh_write_defaults(void);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
 BAT_API bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error);
 
-/// Write a mesh. The file appears whole or not at all; on failure an existing one stays as it was.
+/// Write a mesh. The file appears whole or not at all; an existing one survives a failure.
 ///
 /// @param path    "-" is standard output
-/// @param mesh    what bat_mesh_check() accepts
+/// @param mesh    a mesh that bat_mesh_check() accepts
 /// @param options null for the defaults
-/// @return BAT_OK, BAT_INVALID_ARGUMENT (also where neither `format` nor the path's ending says the format),
-/// BAT_INVALID_POINT,
-///         BAT_UNSUPPORTED (the format cannot hold a number or a name that the mesh has), BAT_FILE_ACCESS or BAT_NO_MEMORY
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for an option out of range or an unknown ending without `format`; BAT_INVALID_POINT;
+///         BAT_UNSUPPORTED (a number or a name that the format cannot hold); BAT_FILE_ACCESS or BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options,
                                   bat_error *error);
-/// The same to memory, `options->format` saying the format: `bytes` receives `size` bytes and a final zero; release it with
-/// free().
+/// The same to memory, in the format of the options: `bytes` receives `size` bytes and a final zero; release it with free().
 BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
                                          size_t *size, bat_error *error);
 

@@ -6,26 +6,26 @@
 BAT_C_BEGIN
 
 /// @file
-/// How far apart two meshes are, the closest points of a mesh, and what a mesh is in figures.
+/// Measures of meshes: distances between two meshes, closest points, and a summary of one mesh.
 ///
-/// The surface of a mesh is its faces: vertices without a face do not belong to it. Faces may be degenerate and edges may
-/// have more than two faces; only bat_mesh_check() must pass. Coordinates may have any size up to DBL_MAX / 4; distances
-/// below 1e-150 of the largest coordinate are taken for 0.
+/// The surface of a mesh is its faces: vertices without a face do not belong to it. Faces may be degenerate, and edges may
+/// have more than two faces; only bat_mesh_check() must pass. Coordinates may have any size up to DBL_MAX / 4. Distances
+/// below 1e-150 of the largest coordinate count as 0.
 
-/// How many points bat_mesh_compare() takes on a surface by default: enough for means and Hausdorff distances to 3 digits.
+/// The default number of samples on a surface: enough for means and Hausdorff distances to 3 digits.
 #define BAT_MESH_SAMPLES ((size_t)200000)
 
-/// How to compare two meshes. Begin with bat_mesh_compare_defaults().
+/// Options of comparisons. Begin with bat_mesh_compare_defaults().
 typedef struct bat_mesh_compare_options
 {
     /// Measure from the vertices alone, all of equal weight, instead of from the whole surface. Default false.
     bool vertices;
-    /// Points on the faces of each mesh, about so many, in proportion to area but at least three a face; default
+    /// The approximate number of samples on the faces of each mesh, in proportion to area but at least three a face; default
     /// BAT_MESH_SAMPLES.
     size_t samples;
-    /// Where to stop looking for a still greater distance: when none can exceed the greatest found by more than this share
-    /// of it, or of a millionth of the diagonal where that is more. 0: the greatest distance of a vertex or sample is taken.
-    /// Default 1e-4.
+    /// The relative accuracy of the greatest distance. The search ends when no distance can exceed the greatest found by
+    /// more than this share of it, or of a millionth of the diagonal. 0: only vertices and samples are searched. Default
+    /// 1e-4.
     double tolerance;
     int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
@@ -37,7 +37,7 @@ BAT_API bat_mesh_compare_options bat_mesh_compare_defaults(void);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
 BAT_API bat_status bat_mesh_compare_options_check(const bat_mesh_compare_options *options, bat_error *error);
 
-/// How far apart two meshes are. A point's distance is that to the closest point of the other mesh's surface.
+/// Distances between two meshes. A point's distance is that to the closest point of the other mesh's surface.
 typedef struct bat_mesh_distance
 {
     double hausdorff_there; ///< the greatest distance of a point of the first mesh from the second
@@ -57,14 +57,14 @@ typedef struct bat_mesh_distance
 } bat_mesh_distance;
 
 /// Measure the distances between two surfaces: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified
-/// surfaces" (1998). Means are over samples that stand for equal parts of their face. The greatest distance is that over
-/// vertices and samples; from there triangles that might hold a greater one are halved until none can (see
-/// docs/measures.md), for as long as that takes no more points than `samples`. What is certain then is in hausdorff_most.
+/// surfaces" (1998). Means are over samples that represent equal areas of their face. The greatest distance is first that
+/// over vertices and samples. Triangles that may hold a greater one are then halved until none can, or `samples` points are
+/// used up. The proven bound is hausdorff_most. docs/measures.md describes the algorithm.
 ///
 /// @param options null for the defaults
-/// @return BAT_OK; what bat_mesh_check() returns for either mesh, the text saying which; BAT_INVALID_ARGUMENT (no samples, a
-///         negative tolerance, a mesh of no area unless only vertices are measured); BAT_INVALID_POINT (a coordinate beyond
-///         DBL_MAX / 4); BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched on failure
+/// @return BAT_OK; the failures of bat_mesh_check() for either mesh, which the text names; BAT_INVALID_ARGUMENT (an option,
+///         a mesh of no area unless only vertices are measured); BAT_INVALID_POINT (a coordinate beyond DBL_MAX / 4);
+///         BAT_NO_MEMORY or BAT_CANCELLED; `distance` is untouched on failure
 BAT_API bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const bat_mesh_compare_options *options,
                                     bat_mesh_distance *distance, bat_error *error);
 
@@ -94,7 +94,7 @@ BAT_API bat_status bat_mesh_closest(const bat_mesh *mesh, const double *points, 
 BAT_API bat_status bat_mesh_vertex_distances(const bat_mesh *from, const bat_mesh *onto, int threads, double *distances,
                                              bat_error *error);
 
-/// A mesh in figures. Lengths and areas that no double can hold are infinite.
+/// The summary of a mesh. Lengths and areas that overflow are infinite.
 typedef struct bat_mesh_summary
 {
     size_t vertices;          ///< also those without a face
@@ -128,7 +128,7 @@ typedef struct bat_mesh_summary
     size_t least_quality_face; ///< the first face of least quality
 } bat_mesh_summary;
 
-/// Sum up a mesh. Takes time in proportion to it.
+/// Summarize a mesh in linear time.
 /// @return BAT_OK, what bat_mesh_check() returns, or BAT_NO_MEMORY; `summary` is untouched on failure
 BAT_API bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, bat_error *error);
 

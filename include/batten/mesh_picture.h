@@ -6,17 +6,17 @@
 BAT_C_BEGIN
 
 /// @file
-/// Shaded pictures of triangle meshes, side by side, with wires, boundaries and colours for numbers at the vertices.
+/// Shaded pictures of triangle meshes, side by side, with edges, boundaries and colours for values at the vertices.
 ///
-/// Meshes are seen from far away (orthographically) in a light that comes from over the viewer's left shoulder; hollows are
-/// darker. PNG is the natural format; SVG and PDF hold the same pixels with sharp letters.
+/// The projection is orthographic, with light from over the viewer's left shoulder and ambient occlusion. PNG is the natural
+/// format; SVG and PDF hold the same pixels with vector text.
 
 /// One mesh of a picture. All zero but `mesh` is a sensible panel: smooth, without wires.
 typedef struct bat_mesh_picture_panel
 {
     const bat_mesh *mesh; ///< finite, at least one face; need not be manifold; never null
     const char *title;    ///< UTF-8, beneath the panel; null or "" for none
-    const double *values; ///< vertex_count numbers, shown as colours; NaN for none at a vertex; null: clay
+    const double *values; ///< vertex_count numbers, shown as colours; NaN for none at a vertex; null: a uniform colour
     bool wires;           ///< draw the edges
     bool flat; ///< every face by its own normal, else smooth where neighbours' normals differ by less than 40 degrees
 } bat_mesh_picture_panel;
@@ -29,7 +29,7 @@ typedef enum bat_mesh_up
     BAT_MESH_UP_X
 } bat_mesh_up;
 
-/// How to draw. Begin with bat_mesh_picture_defaults().
+/// Options of pictures. Begin with bat_mesh_picture_defaults().
 typedef struct bat_mesh_picture_options
 {
     double width;            ///< in points, up to 10000; 0: from the number of columns; default 0
@@ -40,15 +40,13 @@ typedef struct bat_mesh_picture_options
     bat_mesh_up up;          ///< default BAT_MESH_UP_Y
     double longitude;        ///< of the viewer, radians around the upward axis; NaN: automatic; default NaN
     double latitude;         ///< the same above the horizon, -pi/2 to pi/2; NaN: automatic; default NaN
-    bool hollows;            ///< darken hollows; default true
+    bool hollows;            ///< ambient occlusion; default true
     bool boundaries;         ///< mark boundary edges; default true
-    double value_low; ///< what the scale's first colour stands for; NaN: the least value, or 0 where it is positive; default
-                      ///< NaN
-    double value_high; ///< the last colour's; NaN: the greatest value of all panels; default NaN
-    const char
-        *value_label;  ///< UTF-8, beside the scale: what the values are, and their unit; null or "" for none; default null
-    const char *title; ///< UTF-8, above the panels; null or "" for none; default null
-    int threads;       ///< 0: as many as OpenMP gives; the picture does not depend on it; default 0
+    double value_low;        ///< the value of the first colour; NaN: the least value, 0 if positive; default NaN
+    double value_high;       ///< the last colour's; NaN: the greatest value of all panels; default NaN
+    const char *value_label; ///< UTF-8, beside the scale: the values and their unit; null or "" for none; default null
+    const char *title;       ///< UTF-8, above the panels; null or "" for none; default null
+    int threads;             ///< 0: as many as OpenMP gives; the picture does not depend on it; default 0
 } bat_mesh_picture_options;
 
 /// The options' default values.
@@ -60,14 +58,13 @@ BAT_API bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options
 /// Draw meshes into a file, whose ending chooses the format: .png, .svg or .pdf, in small or capital letters. The file
 /// appears whole or not at all; the same input gives the same bytes.
 ///
-/// The automatic view looks from 18 degrees above (42 at flat meshes), 35 degrees beside the direction in which the first
-/// mesh of the row is thinnest across the upward axis, from the side of the positive axes.
+/// The automatic view looks from 18 degrees above, or 42 for flat meshes. Its longitude is 35 degrees beside the direction
+/// in which the first mesh of the row is thinnest across the upward axis, on the side of the positive axes.
 ///
-/// @param options what bat_mesh_picture_defaults() gives, changed as wanted; null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a text that is not UTF-8, a size without
-/// room;
-///         what bat_mesh_check() returns, with the panel named; BAT_INVALID_POINT with the index of a value that is
-///         infinite; BAT_TOO_LARGE for more than 10000 points of height, 32767 pixels across or 2^28 samples of a panel;
+/// @param options null for the defaults
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a text that is not UTF-8, or no room;
+///         the failures of bat_mesh_check(), with the panel named; BAT_INVALID_POINT with the index of an infinite value;
+///         BAT_TOO_LARGE for more than 10000 points of height, 32767 pixels across or 2^28 samples of a panel;
 ///         BAT_NO_MEMORY; BAT_FILE_ACCESS
 BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel *panels, size_t count,
                                           const bat_mesh_picture_options *options, bat_error *error);

@@ -6,18 +6,20 @@
 BAT_C_BEGIN
 
 /// @file
-/// Finer meshes from coarse ones by subdivision.
+/// Refinement of meshes by subdivision.
 ///
-/// All schemes but square-root-three split every face in four: a level keeps the vertices, at the same indices, and appends
+/// All schemes but square-root-three split every face in four. A level keeps the vertices, at the same indices, and appends
 /// one new vertex for every edge, in the order of bat_mesh_connectivity::edge. Face f becomes the faces 4 f + c at its
-/// corners c, each beginning with that corner, and 4 f + 3 in its middle, whose corner c is the new vertex of the edge from
-/// corner c. A level by square-root-three keeps the vertices too and appends those of the faces, in their order; half-edge h
+/// corners c, each beginning with that corner, and the middle face 4 f + 3. Corner c of the middle face is the new vertex of
+/// the edge from corner c.
+///
+/// A level of square-root-three keeps the vertices too, and appends one for every face, in the order of faces. Half-edge h
 /// becomes the face h, which begins where h begins. docs/meshes.md has the rules.
 
-/// The schemes.
+/// The mesh schemes.
 typedef enum bat_mesh_scheme
 {
-    BAT_MESH_SCHEME_MIDPOINT, ///< new vertices halve the edges; the surface stays as it is
+    BAT_MESH_SCHEME_MIDPOINT, ///< new vertices in the middle of edges; the same surface
     BAT_MESH_SCHEME_LOOP, ///< Loop (1987), with Hoppe's creases and corners (1994) and semi-sharp ones (DeRose et al., 1998)
     BAT_MESH_SCHEME_BUTTERFLY, ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
     BAT_MESH_SCHEME_SQRT3,     ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
@@ -35,32 +37,31 @@ BAT_API bool bat_mesh_scheme_list(size_t index, bat_choice *choice);
 
 typedef struct bat_mesh_rule bat_mesh_rule;
 
-/// A rule for refinement that lives outside of the classical schemes, such as a network.
+/// A rule of refinement beside the classical schemes, such as a network.
 struct bat_mesh_rule
 {
-    size_t levels;       ///< that the rule is made for, at least 1; further ones are left to a classical scheme
+    size_t levels;       ///< levels that the rule makes, at least 1; a classical scheme makes further ones
     const void *context; ///< the rule's own
     /// Refine a checked mesh by `levels` levels, in the numbering above.
-    /// @param fine     the mesh that refinement gives, with its faces, room for its positions, and on entry nothing else:
-    /// the
-    ///                 rule fills in the positions
+    /// @param fine     the refined mesh with its faces, and room for its positions, which the rule writes
     /// @param fallback receives the number of places where the rule had to fall back to a classical one
     /// @return BAT_OK, BAT_NO_MEMORY, BAT_CANCELLED
     bat_status (*refine)(const bat_mesh_rule *rule, const bat_mesh *coarse, const bat_mesh_connectivity *connectivity,
                          size_t levels, int threads, bat_mesh *fine, size_t *fallback, bat_error *error);
 };
 
-/// How to refine. Begin with bat_mesh_refine_defaults().
+/// Options of refinement. Begin with bat_mesh_refine_defaults().
 typedef struct bat_mesh_refine_options
 {
     bat_mesh_scheme scheme;    ///< default BAT_MESH_SCHEME_LEARNED
     const bat_mesh_rule *rule; ///< of BAT_MESH_SCHEME_LEARNED; null: the model that comes with the library; default null
     bat_mesh_scheme then;      ///< the scheme of the levels beyond the rule's; default BAT_MESH_SCHEME_LOOP
-    size_t levels;             ///< default 2
-    /// Move the vertices at the end to where the scheme, or after a learned one `then`, would take them in infinitely many
-    /// levels. What is semi-sharp still counts as sharp for ever. Default false.
+    size_t levels;             ///< 0 to 32; default 2
+    /// Move the vertices at the end to their limit under the scheme, or under `then` after a learned one. Semi-sharp
+    /// features count as sharp for ever. Default false.
     bool limit;
-    /// Radians, for Loop's scheme: edges whose faces' normals differ by more are creases for ever; 0: none; default 0.
+    /// Radians, 0 to pi, for Loop's scheme: edges whose faces' normals differ by more are creases for ever. 0: none. Default
+    /// 0.
     double crease_angle;
     int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
@@ -74,45 +75,42 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 
 /// Refine a mesh by subdivision.
 ///
-/// Boundaries follow a rule of their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the
-/// four-point rule in the butterfly. Vertices without a face stay. Channels go by the scheme's weights (halved along edges
-/// where the scheme is learned), but are not moved to the limit. Texture coordinates are halved along edges on their own
-/// side of each seam. Creases and corners act in Loop's scheme only; all schemes hand them on to the fine mesh, with what
-/// their sharpness has left. Square-root-three turns edges over, across seams and creases: texture, creases and corners are
-/// left out of its fine mesh.
+/// Boundaries depend on their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the four-point
+/// rule in the butterfly. Vertices without a face stay. Channels use the scheme's weights, or midpoints under a learned
+/// scheme, and are not moved to the limit. Texture coordinates are averaged along edges, on each side of a seam. Creases and
+/// corners act in Loop's scheme only; all schemes pass them on, with their remaining sharpness.
+/// Square-root-three flips edges across seams and creases: its fine mesh has no texture, creases or corners.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
-/// @param options  null for bat_mesh_refine_defaults()
+/// @param options  null for bat_mesh_refine_defaults(), which refine by the model that comes with the library
 /// @param fine     receives the refined mesh; release it with bat_mesh_free()
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
-/// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for an option out of range, a
-/// learned
-///         scheme without a rule, or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`,
-///         or a crease angle without Loop's scheme; BAT_TOO_LARGE where the fine mesh cannot be
-///         numbered; BAT_NO_MEMORY; BAT_CANCELLED. Results are untouched on failure
+/// @return BAT_OK; the failures of bat_mesh_check() and bat_mesh_connect(); BAT_INVALID_ARGUMENT for an option out of range
+///         or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit` or a
+///         crease angle without Loop's scheme; BAT_TOO_LARGE for more faces than 32-bit indices can number; BAT_NO_MEMORY;
+///         BAT_CANCELLED. Results are untouched on failure
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);
 
-/// The unit normals of the surface that Loop's scheme makes of a mesh, at the limits of its vertices. On a crease, the mean
-/// of both sides. At corners and where a crease ends there is no tangent plane in general: the mean of the faces around by
-/// area. Zero for a vertex without a face and where nothing has a direction.
+/// The unit normals of the limit surface of Loop's scheme, at the limits of the vertices. On a crease: the mean of both
+/// sides. At corners and ends of creases, which have no tangent plane in general: the area-weighted mean of the faces
+/// around. Zero for a vertex without a face, and where the normal is not defined.
 ///
-/// @param mesh    as refinement without `limit` gives it
+/// @param mesh    a mesh refined without `limit`
 /// @param threads 0: as many as OpenMP gives; the result does not depend on it
 /// @param normals receives vertex_count x 3 numbers
-/// @return BAT_OK; what bat_mesh_check() and bat_mesh_connect() return; BAT_INVALID_ARGUMENT for a crease along no edge;
+/// @return BAT_OK; the failures of bat_mesh_check() and bat_mesh_connect(); BAT_INVALID_ARGUMENT for a crease along no edge;
 ///         BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, double *normals, bat_error *error);
 
-// Learned refinement of meshes: the network that comes with the library, and others from files.
+// Models of the learned scheme: the one that comes with the library, and others from files.
 
-/// A trained network. It does not change, and any number of calls may use it at once.
+/// A trained network. It is constant, and any number of calls may use it at once.
 typedef struct bat_mesh_model bat_mesh_model;
 
-/// Read a model from a safetensors file: what bat_mesh_train() writes, or any file with the arrays of the published program
-/// ("net_init.layerIn.weight", …) in single or double precision. Of a training's checkpoint the best weights so far are
-/// taken. What the published ablations leave out shows in the arrays; whether frames are fixed and lengths are relative
-/// (bat_mesh_train_options) is in the file's note of the recipe.
+/// Read a model from a safetensors file: a file of bat_mesh_train(), or one with the arrays of the published program
+/// ("net_init.layerIn.weight", …) in single or double precision. Of a checkpoint, the best weights are taken. The arrays
+/// tell the published ablations; the file's recipe tells whether frames are fixed and lengths are relative.
 ///
 /// @param model receives the model; release it with bat_mesh_model_free()
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
@@ -125,12 +123,12 @@ BAT_API bat_status bat_mesh_model_builtin(bat_mesh_model **model, bat_error *err
 /// Does nothing to null.
 BAT_API void bat_mesh_model_free(bat_mesh_model *model);
 
-/// The rule of BAT_MESH_SCHEME_LEARNED that takes its vertices from a model, which must outlive it.
+/// The rule of BAT_MESH_SCHEME_LEARNED with the vertices of a model, which must outlive it.
 ///
-/// The published network (Liu et al., "Neural Subdivision", 2020) sees a mesh scaled into the unit box, (v - min) / max: it
-/// follows turns about the box's middle and even scaling no more than that box does. It moves given vertices as well. An
-/// edge whose two faces have no area or lie folded onto each other displaces nothing: its new vertex is its middle. At a
-/// boundary the missing corner is thought where the other goes by point reflection in the edge's middle.
+/// The published network (Liu et al., "Neural Subdivision", 2020) works on the mesh scaled into the unit box, (v - min) /
+/// max. Its results turn and scale with the mesh only as that box does. It also moves given vertices. An edge whose two
+/// faces have no area or are folded onto each other gets its midpoint. At a boundary, a missing opposite vertex is replaced
+/// by i + j - k.
 BAT_API const bat_mesh_rule *bat_mesh_model_rule(const bat_mesh_model *model);
 
 BAT_C_END

@@ -10,15 +10,14 @@ BAT_C_BEGIN
 /// Curves through points with tangents, in any space: averages, refinement, sampling at times, estimated tangents.
 /// `docs/hermite.md` explains the mathematics and which of the schemes to use when.
 
-/// The largest sum of the two angles that the tangents at the ends of an edge may make with it: the bound of condition (3.4)
-/// of Ben-Zion Vardi, Dyn and Sharon, a tenth below 2 pi.
+/// The largest sum of the two angles between an edge and the tangents at its ends: the bound of condition (3.4) of Ben-Zion
+/// Vardi, Dyn and Sharon, 0.1 below 2 pi.
 #define BAT_HERMITE_ANGLE_LIMIT 6.18318530717958647693
-/// How far the length of a direction may be from 1, and a tangent from its tangent space, relative to its length.
+/// The largest deviation of a direction's length from 1, and of a tangent from its tangent space, relative to its length.
 #define BAT_HERMITE_TANGENT_TOLERANCE 1e-9
 
-/// Points with tangents, and optionally times. The tangents are *directions* of unit length where only the shape matters, or
-/// *derivatives* of any length: velocities where there are times, else derivatives by a parameter that grows by 1 from point
-/// to point.
+/// Points with tangents, and optionally times. Tangents are *directions* of unit length where only the shape matters, else
+/// *derivatives* of any length: velocities where there are times, else derivatives by the index.
 typedef struct bat_hermite_curve
 {
     const bat_space *space; ///< where the points live; never null; must outlive the curve
@@ -33,15 +32,13 @@ typedef struct bat_hermite_curve
 /// Free what the library allocated for a curve and make it empty. Does nothing to a curve that is empty already.
 BAT_API void bat_hermite_free(bat_hermite_curve *curve);
 
-/// Check that a curve is one: at least 2 points (3 when closed), each in its space, with one shortest geodesic to the next
-/// (as there is within the injectivity radius); tangents finite and tangent, which they are when transport from their point
-/// to itself leaves them as they are; times finite and increasing. Neighbours may be equal, as where a motion rests.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
+/// Check a curve: at least 2 points (3 when closed), each in its space, with one shortest geodesic to the next. Tangents are
+/// finite and in the tangent space, times finite and increasing. Neighbours may be equal, as where a motion rests.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first failing point
 BAT_API bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *error);
 
-/// Check, besides, that the tangents are of unit length and the data admissible (definition 3.2 of Ben-Zion Vardi, Dyn and
-/// Sharon): neighbours distinct, and on every edge angles of the tangents with it that sum to at most
-/// BAT_HERMITE_ANGLE_LIMIT.
+/// Check, in addition, unit tangents and admissible data (definition 3.2 of Ben-Zion Vardi, Dyn and Sharon). Neighbours are
+/// distinct, and the angles of an edge with its tangents sum to at most BAT_HERMITE_ANGLE_LIMIT.
 /// @return as bat_hermite_check()
 BAT_API bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, bat_error *error);
 
@@ -58,8 +55,7 @@ BAT_API bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *er
 /// @param p0, v0    a point and a direction there, of unit length; likewise p1, v1
 /// @param point, direction receive the average; they may not overlap the inputs
 /// @return BAT_OK; BAT_CUT_LOCUS where a geodesic is not unique; BAT_INVALID_POINT where the pair is not admissible, the
-/// points
-///         are equal but not the directions, or the average has no direction
+///         points are equal but not the directions, or the average has no direction
 BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                        const double *v1, double weight, double *point, double *direction);
 
@@ -67,8 +63,8 @@ BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0,
 #define BAT_HERMITE_MASK_MAX 16
 
 /// The mask of a linear Hermite scheme. New data i are the sum over j of A(i - 2 j) times the column (old point j, old
-/// derivative j), with derivatives by a parameter that grows by 1 from point to point on every level; they halve where the
-/// curve stays the same. `coefficients[k]` is the 2 x 2 matrix A(first + k).
+/// derivative j). Derivatives are by the index on every level, so that they halve where the curve stays the same.
+/// `coefficients[k]` is the 2 x 2 matrix A(first + k).
 typedef struct bat_hermite_mask
 {
     double coefficients[BAT_HERMITE_MASK_MAX][2][2];
@@ -76,8 +72,8 @@ typedef struct bat_hermite_mask
     int first;    ///< index of the first matrix, may be negative
 } bat_hermite_mask;
 
-/// Merrien's interpolatory schemes (1992): between two points, (p + q) / 2 + lambda (d(q) - d(p)), and the derivative
-/// ((1 - mu) (q - p) + mu (d(p) + d(q)) / 2) / 2. The cubic Hermite interpolant at lambda = -1/8, mu = -1/2.
+/// Merrien's interpolatory schemes (1992). The new point is (p + q) / 2 + lambda (d(q) - d(p)). The new derivative is
+/// ((1 - mu) (q - p) + mu (d(p) + d(q)) / 2) / 2. lambda = -1/8, mu = -1/2 gives the cubic Hermite interpolant.
 BAT_API bat_hermite_mask bat_hermite_mask_merrien(double lambda, double mu);
 /// The cubic Hermite interpolant at 1/4 and 3/4 of every edge, the de Rham transform (Dubuc and Merrien 2008) of Merrien's
 /// scheme that gives it: corner cutting with derivatives. Limits are C2, and cubics reproduced.
@@ -94,17 +90,16 @@ typedef enum bat_hermite_kind
 /// points ever farther away.
 #define BAT_HERMITE_MAX_ORDER 10
 
-/// How to refine. Begin with bat_hermite_defaults().
+/// Options of refinement. Begin with bat_hermite_defaults().
 typedef struct bat_hermite_options
 {
     bat_hermite_kind kind; ///< default BAT_HERMITE_LANE_RIESENFELD
     size_t order; ///< LANE_RIESENFELD: 1 … BAT_HERMITE_MAX_ORDER; 1 keeps the given points and tangents; default 1
     bat_hermite_mask mask; ///< TRANSPORT; default bat_hermite_mask_merrien(-1/8, -1/2)
     bat_curve_base base;   ///< TRANSPORT: in whose tangent space to sum; default BAT_CURVE_BASE_VERTEX
-    size_t levels;         ///< each doubles the number of edges; default 5
+    size_t levels;         ///< 0 to 60; each doubles the number of edges; default 5
     size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
-    int threads; ///< 0: as many as OpenMP gives; at most 64 or the number of processors; the result does not depend on it;
-                 ///< default 0
+    int threads;           ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress; ///< default: none
 } bat_hermite_options;
 
@@ -120,24 +115,24 @@ BAT_API bat_status bat_hermite_options_check(const bat_hermite_options *options,
 ///     hermite-merrien     hermite-merrien:lambda=-0.125,mu=-0.5,base=midpoint
 ///     hermite-de-rham     hermite-de-rham:base=midpoint      (both BAT_HERMITE_TRANSPORT)
 ///
-/// @param options what the name does not say stays as it is
+/// @param options fields without a setting in the name are untouched
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
 BAT_API bat_status bat_hermite_by_name(const char *name, bat_hermite_options *options, bat_error *error);
 /// The table of Hermite schemes, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_hermite_list(size_t index, bat_choice *choice);
 
-/// Refine Hermite data by repeated subdivision. Old point i becomes new point i 2^levels where the scheme has vertices (odd
-/// orders, masks of odd length): count 2^levels points for a closed curve, (count - 1) 2^levels + 1 for an open one. Even
-/// orders and masks of even length have two new points on every edge instead; an open curve then gets its ends back, (count
-/// - 1) 2^levels + 2 points in all. Beyond its ends an open curve goes on by geodesic point reflection, with transported
-/// tangents. Times, if there are any, are averaged as the points of a linear scheme are, and name the points; for a curve
-/// that is to be somewhere at a time there is bat_hermite_sample().
+/// Refine Hermite data by repeated subdivision.
 ///
-/// BAT_HERMITE_LANE_RIESENFELD takes and gives directions, on admissible data. Of order 1 it interpolates, fourth-order
-/// accurate. BAT_HERMITE_TRANSPORT takes derivatives for samples evenly spaced in their parameter, and gives derivatives by
-/// the parameter that grows by 1 from new point to new point. Memory beyond the result is that of the coarse data and a
-/// fixed amount.
+/// Old point i becomes new point i 2^levels where the scheme has vertices (odd orders, masks of odd length). A closed curve
+/// gets count 2^levels points, an open one (count - 1) 2^levels + 1. Even orders and masks of even length give two new
+/// points on every edge instead; an open curve then gets its ends back, (count - 1) 2^levels + 2 points in all. Open curves
+/// are continued by geodesic point reflection, with transported tangents. Times are averaged as the points of a linear
+/// scheme are. For a curve through given points at given times, use bat_hermite_sample().
+///
+/// BAT_HERMITE_LANE_RIESENFELD takes and gives directions, on admissible data. Of order 1 it interpolates with fourth-order
+/// accuracy. BAT_HERMITE_TRANSPORT takes derivatives of evenly spaced samples, and gives derivatives by the new index.
+/// Memory beyond the result is that of the coarse data and a fixed amount.
 ///
 /// @param options null for the defaults
 /// @param fine    receives the refined curve; release it with bat_hermite_free()
@@ -147,34 +142,29 @@ BAT_API bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat
                                       bat_hermite_curve *fine, bat_error *error);
 
 /// Estimate tangents from the points: the derivative at each point of the polynomial through its neighbours' logarithms
-/// there, `order` + 1 points with it (fewer on shorter curves), as many to both sides where there are. With times,
-/// velocities, whose error falls as the `order`th power of the spacing, however uneven. Without times, directions, likewise:
-/// the parameter is geodesic distance along the polygon, for order 4 corrected by how much longer an arc is than its chord.
+/// there. It uses `order` + 1 points, fewer on shorter curves, as evenly to both sides as possible. With times: velocities,
+/// with an error of the `order`th power of the spacing, however uneven. Without times: directions of the same accuracy.
+/// Their parameter is geodesic distance along the polygon, for order 4 corrected by the ratio of arc and chord.
 ///
-/// Order 2 is Bessel's parabola, and fits data with noise or corners better; order 4 is as accurate as the fourth-order
-/// schemes deserve.
+/// Order 2 is Bessel's parabola, for data with noise or corners. Order 4 has the accuracy of the fourth-order schemes.
 ///
-/// @param curve its tangents are overwritten; the array must be there
+/// @param curve its tangents are overwritten; the array must exist
 /// @param order 2 or 4
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT with the point that repeats its neighbour or where the curve
-/// turns
-///         back on itself (no times), BAT_CUT_LOCUS with the point whose neighbours have no unique logarithm there, or
-///         BAT_NO_MEMORY; the tangents are undefined on failure
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with a point that repeats its neighbour or where a curve without
+///         times turns back on itself; BAT_CUT_LOCUS with a point whose neighbours have no unique logarithm; BAT_NO_MEMORY;
+///         the tangents are undefined on failure
 BAT_API bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order, bat_error *error);
 
 /// The curve at given times, and its velocities. Between two points it is the geodesic De Casteljau cubic (Park and Ravani
-/// 1995) with inner control points exp(p, h v / 3) and exp(q, -h w / 3), h being the time from one to the other: it passes
-/// the points at their times with their velocities, whatever the spacing, and so is C1; the error against a smooth curve
-/// falls as the fourth power of h.
+/// 1995). Its inner control points are exp(p, h v / 3) and exp(q, -h w / 3), h being the time between them. It passes the
+/// points at their times with their velocities, for every spacing, and so is C1. The error against a smooth curve is O(h^4).
 ///
-/// @param curve      tangents are velocities; without times the points are at 0, 1, 2, … and a closed curve returns to the
-/// first
-///                   at `count`
+/// @param curve      tangents are velocities; without times the points are at 0, 1, 2, … and a closed curve ends at `count`
 /// @param times      in any order; within those of an open curve, modulo the period of a closed one
 /// @param points     receives count x point_dim numbers
-/// @param velocities receives count x tangent_dim numbers, by fourth-order differences over 1/256 of the interval: they are
-///                   accurate to about 1e-10 of the largest nearby; may be null
-/// @return BAT_OK; BAT_INVALID_ARGUMENT with the time that is outside or not finite; what bat_hermite_check() returns;
+/// @param velocities receives count x tangent_dim numbers, by fourth-order differences over 1/256 of the interval: accurate
+///                   to about 1e-10 of the largest nearby; may be null
+/// @return BAT_OK; BAT_INVALID_ARGUMENT with a time that is outside or not finite; the failures of bat_hermite_check();
 ///         BAT_CUT_LOCUS or BAT_INVALID_POINT with the time where a geodesic is not unique or leaves the space
 BAT_API bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *times, size_t count, double *points,
                                       double *velocities, bat_error *error);
@@ -183,7 +173,7 @@ BAT_API bat_status bat_hermite_sample(const bat_hermite_curve *curve, const doub
 /// short of a whole period of a closed one.
 /// @param sampled receives points, velocities and times; release it with bat_hermite_free()
 /// @return as bat_hermite_sample(), and BAT_INVALID_ARGUMENT, BAT_TOO_LARGE or BAT_NO_MEMORY; `sampled` is untouched on
-/// failure
+///         failure
 BAT_API bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, bat_hermite_curve *sampled,
                                            bat_error *error);
 

@@ -8,10 +8,9 @@ BAT_C_BEGIN
 /// @file
 /// Riemannian manifolds behind one interface.
 ///
-/// A space is a plain struct of sizes and functions. The library makes the usual ones (bat_euclidean(), bat_sphere(),
-/// bat_disk(); more are in manifold.h); a user makes another by filling a bat_space. Points and tangent vectors are arrays
-/// of `point_dim` and `tangent_dim` doubles in whatever coordinates the space's maker chose; nothing outside the space looks
-/// inside them.
+/// A space is a plain struct of sizes and functions. The library makes the usual ones; a user defines another by filling a
+/// bat_space. Points and tangent vectors are arrays of `point_dim` and `tangent_dim` doubles, in coordinates of the space's
+/// own choice. No code outside of the space interprets them.
 
 /// The largest `point_dim` or `tangent_dim` the library handles.
 #define BAT_SPACE_MAX_DIM 1024
@@ -27,10 +26,10 @@ struct bat_space
     size_t point_dim;       ///< numbers that store a point: 3 for that sphere
     size_t tangent_dim;     ///< numbers that store a tangent vector
     double injectivity;     ///< injectivity radius, in the unit of distance(); INFINITY where geodesics never meet again
-    double weight;          ///< one number that the maker needs: the weight of translations in bat_rigid()
-    const void *parameters; ///< whatever else the maker needs; the library does not touch it
+    double weight;          ///< a parameter of the space: the weight of translations in bat_rigid()
+    const void *parameters; ///< further parameters of the space; not used by the library
 
-    /// Null when `point` belongs to the space, else a few words that say why not ("not of unit length").
+    /// Null for a point of the space, else the reason in a few words ("not of unit length").
     const char *(*fault)(const bat_space *space, const double *point);
     /// The nearest point of the space in the coordinates' own metric; removes rounding and input error. `coordinates` and
     /// `point` may be the same.
@@ -48,7 +47,7 @@ struct bat_space
                             double *transported);
     /// The Riemannian inner product of two tangent vectors at `p`.
     double (*inner)(const bat_space *space, const double *p, const double *u, const double *v);
-    /// A random point: uniform where the space has finite volume, else from a fixed distribution that the maker documents.
+    /// A random point: uniform in spaces of finite volume, else from a documented distribution.
     void (*random_point)(const bat_space *space, bat_random *random, double *point);
     /// Optional: the point at share `t` of the shortest geodesic from `p` to `q` (any real t, 0 gives p, 1 gives q).
     /// Null means exp(t log).
@@ -74,9 +73,9 @@ BAT_API bat_space bat_sphere(size_t n);
 /// is their Riemannian length. Oriented. Random points are uniform by area in the disk of hyperbolic radius 3.
 BAT_API bat_space bat_disk(void);
 
-/// A space by the name that the program uses: "plane", "euclidean", "sphere", "disk", and of manifold.h "rotation", "rigid"
-/// (of weight 1), "spd" and "hyperbolic". `point_dim` is needed by "euclidean", "sphere" and "hyperbolic", where 0 stands
-/// for 3, and by "spd", where 0 stands for 6; for the others it must be 0 or agree.
+/// A space by name: "plane", "euclidean", "sphere", "disk", "rotation", "rigid" (of weight 1), "spd" or "hyperbolic".
+/// `point_dim` is needed by "euclidean", "sphere" and "hyperbolic", where 0 stands for 3, and by "spd", where 0 stands for
+/// 6; for the others it must be 0 or agree.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT for an unknown name or a `point_dim` that does not fit
 BAT_API bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *space, bat_error *error);
 /// The table of spaces, row by row; `index` from 0 on.
@@ -91,15 +90,26 @@ BAT_API bat_status bat_space_geodesic(const bat_space *space, const double *p, c
 /// before it are done.
 /// @{
 BAT_API bat_status bat_space_check(const bat_space *space, const double *points, size_t count, bat_error *error);
+/// The nearest points of the space: project().
+/// @return BAT_OK or BAT_INVALID_POINT
 BAT_API bat_status bat_space_project(const bat_space *space, const double *coordinates, size_t count, double *points,
                                      bat_error *error);
+/// Geodesic distances of rows of `p` and `q`.
 BAT_API void bat_space_distances(const bat_space *space, const double *p, const double *q, size_t count, double *distances);
+/// Tangent vectors at rows of `p` to rows of `q`: log().
+/// @return BAT_OK or BAT_CUT_LOCUS
 BAT_API bat_status bat_space_logs(const bat_space *space, const double *p, const double *q, size_t count, double *tangents,
                                   bat_error *error);
+/// End points of geodesics: exp().
+/// @return BAT_OK or BAT_INVALID_POINT
 BAT_API bat_status bat_space_exps(const bat_space *space, const double *p, const double *tangents, size_t count, double *q,
                                   bat_error *error);
+/// Parallel transport from rows of `p` to rows of `q`: transport().
+/// @return BAT_OK or BAT_CUT_LOCUS
 BAT_API bat_status bat_space_transports(const bat_space *space, const double *p, const double *q, const double *tangents,
                                         size_t count, double *transported, bat_error *error);
+/// Points at `shares` of geodesics: bat_space_geodesic().
+/// @return BAT_OK, BAT_CUT_LOCUS or BAT_INVALID_POINT
 BAT_API bat_status bat_space_geodesics(const bat_space *space, const double *p, const double *q, const double *shares,
                                        size_t count, double *points, bat_error *error);
 /// @}

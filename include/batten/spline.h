@@ -25,11 +25,14 @@ typedef struct bat_knot_vector
 /// The clamped knot vector of [0, 1] with `spans` equal spans.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (degree, no spans), BAT_TOO_LARGE or BAT_NO_MEMORY
 BAT_API bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error);
-/// Check what every call that takes a knot vector relies on: finite nondecreasing knots, none more than degree + 1 times, a
-/// domain [knots[degree], knots[count - degree - 1]] of some length.
-/// @return BAT_OK or BAT_INVALID_ARGUMENT with the knot at fault
+/// Check the conditions of every call that takes a knot vector: finite nondecreasing knots, none more than degree + 1 times,
+/// and a domain [knots[degree], knots[count - degree - 1]] of positive length.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT with the failing knot
 BAT_API bat_status bat_knot_vector_check(const bat_knot_vector *knots, bat_error *error);
+/// Copy a knot vector.
+/// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_knot_vector_copy(const bat_knot_vector *knots, bat_knot_vector *copy, bat_error *error);
+/// Free what a knot vector owns and make it empty.
 BAT_API void bat_knot_vector_free(bat_knot_vector *knots);
 
 /// The number of functions.
@@ -38,12 +41,11 @@ static inline size_t bat_knot_vector_functions(const bat_knot_vector *knots)
     return knots->count - (size_t)knots->degree - 1;
 }
 
-/// The span that holds t: the i with knots[i] <= t < knots[i + 1], the last such one at the domain's end. t is in the
-/// domain.
+/// The span of a parameter t in the domain: the i with knots[i] <= t < knots[i + 1], at the domain's end the last such one.
 BAT_API size_t bat_knot_vector_span(const bat_knot_vector *knots, double t);
 /// The degree + 1 functions that do not vanish on a span, and their derivatives (The NURBS Book, A2.3).
 /// @param values receives (derivatives + 1) x (degree + 1) numbers: row k the k-th derivatives of functions span - degree to
-/// span
+///               span
 BAT_API void bat_knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, int derivatives, double *values);
 /// The Greville abscissae: the mean of a function's `degree` inner knots.
 /// @param abscissae receives as many numbers as there are functions; of degree 0 the middles of the spans
@@ -58,8 +60,13 @@ typedef struct bat_tensor_surface
     size_t dimension; ///< at least 1
 } bat_tensor_surface;
 
+/// Check both knot vectors, the dimension, and that control points are finite.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_INVALID_POINT with the control point
 BAT_API bat_status bat_tensor_surface_check(const bat_tensor_surface *surface, bat_error *error);
+/// Copy a surface.
+/// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_tensor_surface_copy(const bat_tensor_surface *surface, bat_tensor_surface *copy, bat_error *error);
+/// Free what a surface owns and make it empty.
 BAT_API void bat_tensor_surface_free(bat_tensor_surface *surface);
 
 /// Evaluate a surface and its derivatives.
@@ -73,8 +80,7 @@ BAT_API bat_status bat_tensor_surface_evaluate(const bat_tensor_surface *surface
 /// @param direction 0 for u, 1 for v
 /// @param knot      in the domain, not above multiplicity degree + 1 afterwards
 /// @return BAT_OK; BAT_INVALID_ARGUMENT or BAT_INVALID_POINT as bat_tensor_surface_check(), for the direction or for the
-/// knot;
-///         BAT_NO_MEMORY. The surface is untouched on failure
+///         knot; BAT_NO_MEMORY. The surface is untouched on failure
 BAT_API bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direction, double knot, bat_error *error);
 /// Raise the degree in a direction by one without changing the surface over its domain (Prautzsch, "Degree elevation of
 /// B-spline curves", 1984: new control points are means of blossoms).

@@ -10,18 +10,18 @@ BAT_C_BEGIN
 /// basis for hierarchical splines" (2012).
 ///
 /// Level l has the clamped uniform B-splines of the given bidegree on a grid of spans[0] 2^l x spans[1] 2^l cells. Nested
-/// regions say where which level is active: region 0 is the whole square, and region l + 1 consists of cells of level l. A
-/// function of level l belongs to the basis when its support lies in region l but not in region l + 1 (Kraft's selection).
-/// The truncated basis takes out of each function what finer selected ones can say; it is nonnegative and adds up to one.
+/// regions define the active level: region 0 is the whole square, and region l + 1 consists of cells of level l. A function
+/// of level l belongs to the basis when its support lies in region l but not in region l + 1 (Kraft's selection). Truncation
+/// subtracts from each function its part in the selected finer ones. The truncated basis is nonnegative and sums to one.
 
-/// The most levels.
+/// The largest number of levels.
 #define BAT_HIERARCHICAL_MAX_LEVELS 20
 
 /// A space of hierarchical splines. Spaces only change by bat_hierarchical_space_refine(); reading one from several threads
 /// is safe.
 typedef struct bat_hierarchical_space bat_hierarchical_space;
 
-/// What a space begins as. Begin with bat_hierarchical_defaults().
+/// Options of a new space. Begin with bat_hierarchical_defaults().
 typedef struct bat_hierarchical_options
 {
     int degree[2];   ///< 1 to BAT_SPLINE_MAX_DEGREE; default 2, 2
@@ -33,6 +33,7 @@ typedef struct bat_hierarchical_options
     int admissible;
 } bat_hierarchical_options;
 
+/// The default options.
 BAT_API bat_hierarchical_options bat_hierarchical_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
@@ -52,31 +53,34 @@ typedef struct bat_spline_function
     uint32_t i, j;
 } bat_spline_function;
 
-/// @param space receives the tensor-product space of level 0; release it with bat_hierarchical_space_free()
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_TOO_LARGE or BAT_NO_MEMORY
+/// Make the tensor-product space of level 0.
+/// @param options null for the defaults
+/// @param space   receives the space; release it with bat_hierarchical_space_free()
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_TOO_LARGE or BAT_NO_MEMORY; `*space` is untouched on failure
 BAT_API bat_status bat_hierarchical_space_make(const bat_hierarchical_options *options, bat_hierarchical_space **space,
                                                bat_error *error);
+/// Copy a space.
+/// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_hierarchical_space_copy(const bat_hierarchical_space *space, bat_hierarchical_space **copy,
                                                bat_error *error);
 /// Does nothing to null.
 BAT_API void bat_hierarchical_space_free(bat_hierarchical_space *space);
 
-/// Refine: the boxes' cells join the region of the next level. Boxes may overlap and may cover cells that are refined
-/// already; cells of a level whose own region does not hold them are refined through all levels between. With a class of
-/// admissibility coarser neighbours are refined as well. The new space contains the old one.
-/// @return BAT_OK; BAT_INVALID_ARGUMENT with the box that leaves its grid or is of no cells; BAT_TOO_LARGE past the most
-/// levels or
-///         2^32 - 1 functions; BAT_NO_MEMORY. The space is untouched on failure
+/// Refine: the cells of the boxes join the region of the next level. Boxes may overlap and may cover refined cells. Cells
+/// outside of their level's region are refined through all levels between. With a class of admissibility, coarser neighbours
+/// are refined as well. The new space contains the old one.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT with a box that leaves its grid or is empty; BAT_TOO_LARGE past the largest number
+///         of levels or 2^32 - 1 functions; BAT_NO_MEMORY. The space is untouched on failure
 BAT_API bat_status bat_hierarchical_space_refine(bat_hierarchical_space *space, const bat_spline_box *boxes, size_t count,
                                                  bat_error *error);
 
-/// What the space was made of.
+/// The options that the space was made with.
 BAT_API bat_hierarchical_options bat_hierarchical_space_options(const bat_hierarchical_space *space);
 /// The dimension of the space: the number of functions in its basis.
 BAT_API size_t bat_hierarchical_space_functions(const bat_hierarchical_space *space);
 /// The number of levels in use, at least 1.
 BAT_API size_t bat_hierarchical_space_levels(const bat_hierarchical_space *space);
-/// The most functions that do not vanish on one cell.
+/// The largest number of functions that do not vanish on one cell.
 BAT_API size_t bat_hierarchical_space_max_active(const bat_hierarchical_space *space);
 /// Function number `index`. Functions are numbered by level, then by j, then by i.
 BAT_API bat_spline_function bat_hierarchical_space_function(const bat_hierarchical_space *space, size_t index);
@@ -102,18 +106,18 @@ BAT_API bat_status bat_hierarchical_space_regions(const bat_hierarchical_space *
                                                   bat_error *error);
 
 /// The values and derivatives of all functions that do not vanish at a parameter.
-/// @param cell        what bat_hierarchical_space_locate() says of (u, v)
+/// @param cell        the cell of (u, v) by bat_hierarchical_space_locate()
 /// @param derivatives 0, 1 or 2
 /// @param values      receives (1, 3 or 6) x active numbers: rows are B, B_u, B_v, B_uu, B_uv, B_vv; columns as
 ///                    bat_hierarchical_space_active()
 BAT_API void bat_hierarchical_space_basis(const bat_hierarchical_space *space, size_t cell, double u, double v,
                                           int derivatives, double *values);
 
-/// Say the functions of a space in one that was refined from it: coefficients of the same surface. In the truncated basis
-/// functions that are in both keep their coefficients (Giannelli, Jüttler and Speleers, 2014).
+/// Prolongate coefficients to a refined space: coefficients of the same surface. In the truncated basis, functions of both
+/// spaces keep their coefficients (Giannelli, Jüttler and Speleers, 2014).
 /// @param coarse      functions of `space` x dimension
 /// @param fine        receives functions of `refined` x dimension
-/// @return BAT_OK; BAT_INVALID_ARGUMENT when `refined` does not contain `space`; BAT_NO_MEMORY
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where `refined` does not contain `space`; BAT_NO_MEMORY
 BAT_API bat_status bat_hierarchical_space_prolong(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
                                                   const double *coarse, size_t dimension, double *fine, bat_error *error);
 
@@ -125,15 +129,18 @@ typedef struct bat_spline_surface
     size_t dimension;              ///< at least 1
 } bat_spline_surface;
 
+/// Copy a surface with its space.
+/// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_spline_surface_copy(const bat_spline_surface *surface, bat_spline_surface *copy, bat_error *error);
+/// Free what a surface owns and make it empty.
 BAT_API void bat_spline_surface_free(bat_spline_surface *surface);
 /// As bat_tensor_surface_evaluate(), on all threads.
 BAT_API bat_status bat_spline_surface_evaluate(const bat_spline_surface *surface, const double *parameters, size_t count,
                                                int derivatives, double *values, bat_error *error);
 
-/// Split a surface into tensor-product pieces that say the same: rectangles of cells of one level, each the B-spline surface
-/// of that level over its part of the square, with knots in the coordinates of the square, clamped at the part's ends.
-/// Pieces that meet do so exactly, as they are pieces of one surface; a long side may meet several short ones.
+/// Split a surface into tensor-product patches: rectangles of cells of one level. Each is the B-spline surface of that level
+/// over its part of the square, with clamped knots in the coordinates of the square. Neighbouring patches meet exactly; a
+/// long side may meet several short ones.
 /// @param patches receives an array from malloc(); release each with bat_tensor_surface_free(), then the array
 BAT_API bat_status bat_spline_surface_patches(const bat_spline_surface *surface, bat_tensor_surface **patches, size_t *count,
                                               bat_error *error);

@@ -7,20 +7,19 @@
 BAT_C_BEGIN
 
 /// @file
-/// From a cloud to a surface in one call. docs/surfaces.md says how the parts fit together.
+/// From a cloud to a spline surface in one call. docs/surfaces.md describes the steps.
 
-/// Where parameters come from.
+/// The source of the parameters.
 typedef enum bat_surface_parameters
 {
-    BAT_SURFACE_PARAMETERS_AUTO,    ///< learned and classical ones are tried; those that fit best by measure are taken
-                                    ///< (default)
+    BAT_SURFACE_PARAMETERS_AUTO,    ///< the best of learned and classical ones, by the measured fit (default)
     BAT_SURFACE_PARAMETERS_LEARNED, ///< the network
     BAT_SURFACE_PARAMETERS_UNIFORM,
     BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE,
     BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING,
     BAT_SURFACE_PARAMETERS_MEAN_VALUE, ///< for clouds that were meshes
     BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING,
-    BAT_SURFACE_PARAMETERS_GIVEN, ///< brought by the caller
+    BAT_SURFACE_PARAMETERS_GIVEN, ///< those of the caller
     BAT_SURFACE_PARAMETERS_COUNT  ///< how many there are
 } bat_surface_parameters;
 
@@ -33,7 +32,7 @@ BAT_API const char *bat_surface_parameters_name(bat_surface_parameters value);
 /// @return false past the last
 BAT_API bool bat_surface_parameters_list(size_t index, bat_choice *choice);
 
-/// How. Begin with bat_surface_defaults().
+/// Options of a reconstruction. Begin with bat_surface_defaults().
 typedef struct bat_surface_options
 {
     bat_surface_fit_options fit;
@@ -47,6 +46,7 @@ typedef struct bat_surface_options
     bool no_repair;      ///< leave folds, only report them; default false
 } bat_surface_options;
 
+/// The default options.
 BAT_API bat_surface_options bat_surface_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
@@ -58,19 +58,20 @@ typedef struct bat_surface_candidate
     bat_surface_parameters parameters;
     bat_error failure;                    ///< status BAT_OK when there was none
     double seconds;                       ///< of parameterizing
-    bat_cloud_parameters_report folds;    ///< before repair
+    bat_cloud_parameters_report folds;    ///< of `parameters`; given ones without a boundary: only `outside` is counted
     bat_cloud_parameters_report repaired; ///< after it; the same as `folds` where there was nothing to repair
     size_t functions;                     ///< of the fit on trial
     double mean_squared; ///< of its distances; with robust weights the median of their squares; NaN when it failed
-    bool reached;        ///< as bat_surface_fit_report says of it
-    double stray; ///< the largest distance of that surface, in corners and middles of its cells, from the nearest point
-    bool strays;  ///< twice as far as another one: it is out
+    bool reached;        ///< bat_surface_fit_report::reached
+    double stray; ///< one-sided Hausdorff distance from the surface, sampled at corners and centres of cells, to the points
+    bool strays;  ///< that distance is twice that of another candidate, which excludes this one
     double fit_seconds; ///< of the fit on trial
 } bat_surface_candidate;
 
+/// The largest number of candidates.
 #define BAT_SURFACE_MAX_CANDIDATES 6
 
-/// What came of it. Release it with bat_surface_result_free().
+/// The result of a reconstruction. Release it with bat_surface_result_free().
 typedef struct bat_surface_result
 {
     bat_spline_surface surface;
@@ -79,30 +80,29 @@ typedef struct bat_surface_result
     bat_surface_parameters chosen;
     bat_surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
     size_t candidate_count;
-    size_t trial_points; ///< that the fits on trial went through: all of them, or a part of a large cloud
-    bat_cloud_parameters_report
-        folds;           ///< of `parameters`; of given ones without a boundary it is all zero but for what lies outside
-    bool boundary_found; ///< whether the boundary was not known
-    bool corners_found;  ///< whether the corners were not known
+    size_t trial_points;               ///< points of the trial fits: all of them, or a part of a large cloud
+    bat_cloud_parameters_report folds; ///< of `parameters`; given ones without a boundary: only `outside` is counted
+    bool boundary_found;               ///< the boundary was unknown
+    bool corners_found;                ///< the corners were unknown
 } bat_surface_result;
 
+/// Free what a result owns and make it empty.
 BAT_API void bat_surface_result_free(bat_surface_result *result);
 
-/// Fit a surface to a cloud: find the boundary and corners if they are not known, parameterize, unfold, fit adaptively.
+/// Reconstruct a surface from a cloud: find unknown boundary and corners, parameterize, remove folds, fit adaptively.
 ///
-/// With BAT_SURFACE_PARAMETERS_AUTO the candidates are the network, shape-preserving weights, those that minimize stretch
-/// and, for a mesh, mean values. Each is unfolded and fitted as it would be in the end. A surface that strays twice as far
-/// from the points as another one is out. Of two that reach the tolerance the one with fewer functions is better, else the
-/// one with the smaller mean squared distance. Of clouds of more than 20,000 points a part is fitted on trial, with at most
-/// a quarter as many functions. A candidate that fails, or folds at more than a quarter of the points, only leaves the
-/// competition.
+/// The candidates of BAT_SURFACE_PARAMETERS_AUTO are the network, shape-preserving weights, stretch-minimizing ones and, for
+/// a mesh, mean values. Each is repaired and fitted with the final options. A candidate is excluded when its surface is
+/// twice as far from the points as another one's. Of two that reach the tolerance, the one with fewer functions is better;
+/// else the one with the smaller mean squared distance. Clouds of more than 20,000 points are fitted in part on trial, with
+/// at most a quarter as many functions. A candidate that fails, or folds at more than a quarter of the points, is excluded.
 ///
-/// @param cloud  boundary points are brought to the front where they have to be found, and corners are marked; given
-/// parameters need neither
-/// @param result untouched on failure
-/// @return BAT_OK; what bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(), bat_surface_model_builtin()
-/// and
-///         bat_surface_fit() return
+/// @param cloud   boundary points are moved to the front and corners are marked where they must be found; given parameters
+///                need neither
+/// @param options null for the defaults
+/// @param result  untouched on failure
+/// @return BAT_OK; the failures of bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(),
+///         bat_surface_model_builtin() and bat_surface_fit()
 BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
                                            bat_error *error);
 

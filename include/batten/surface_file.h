@@ -6,7 +6,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Spline surfaces to and from files.
+/// Readers and writers of spline surfaces: XML of G+Smo, STEP, VTK, OBJ and JSON. docs/formats.md describes the formats.
 
 /// Formats of surfaces.
 typedef enum bat_surface_format
@@ -30,7 +30,7 @@ BAT_API bool bat_surface_format_list(size_t index, bat_choice *choice);
 /// The format that a path's ending stands for, in either case; else BAT_SURFACE_FORMAT_AUTO.
 BAT_API bat_surface_format bat_surface_format_of_path(const char *path);
 
-/// How to write. All zero: the defaults.
+/// Options of writing. Begin with bat_surface_write_defaults().
 typedef struct bat_surface_write_options
 {
     bat_surface_format format;
@@ -51,15 +51,15 @@ BAT_API bat_status bat_surface_write_options_check(const bat_surface_write_optio
 /// @param surface of dimension 3 (XML and JSON: any)
 /// @param options null for the defaults
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with a control point or data point that is not finite;
-///         BAT_UNSUPPORTED for a dimension that the format does not have; BAT_TOO_LARGE beyond 2^32 - 1 samples or
-///         entities; BAT_FILE_ACCESS; BAT_NO_MEMORY
+///         BAT_UNSUPPORTED for a dimension that the format does not have; BAT_TOO_LARGE beyond 2^32 - 1 samples or entities;
+///         BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_write(const char *path, const bat_spline_surface *surface,
                                      const bat_surface_write_options *options, bat_error *error);
-/// Read a surface from G+Smo XML (THBSpline2, HBSpline2, TensorBSpline2 on clamped uniform knots) or from our JSON. G+Smo's
-/// numbers of functions and boxes are brought into ours.
+/// Read a surface from G+Smo XML (THBSpline2, HBSpline2, TensorBSpline2 on clamped uniform knots) or from JSON. The order of
+/// functions and boxes in G+Smo is converted.
 /// @param surface untouched on failure
-/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_UNSUPPORTED for what is not said above; BAT_TOO_LARGE for a space far
-///         larger than its coefficients; BAT_FILE_ACCESS; BAT_NO_MEMORY
+/// @return BAT_OK; BAT_BAD_FILE with the line; BAT_UNSUPPORTED for other content; BAT_TOO_LARGE for a space far larger than
+///         its coefficients; BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_read(const char *path, bat_spline_surface *surface, bat_error *error);
 
 BAT_C_END

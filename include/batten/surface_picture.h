@@ -7,9 +7,9 @@
 BAT_C_BEGIN
 
 /// @file
-/// Pictures of fitted surfaces, as figure 14 of Giannelli et al., "BIDGCN" (2023).
+/// Pictures of fitted surfaces, in the style of figure 14 of Giannelli et al., "BIDGCN" (2023).
 
-/// What a row of panels shows. Panels whose data is null are left out.
+/// One row of panels. Panels whose data is null are left out.
 typedef struct bat_surface_picture_row
 {
     const char *title;                 ///< of the row; may be null
@@ -19,15 +19,15 @@ typedef struct bat_surface_picture_row
     const double *parameters;          ///< of the cloud's points, for the parameter plane
 } bat_surface_picture_row;
 
-/// How. All zero: the defaults.
+/// Options of pictures. Begin with bat_surface_picture_defaults().
 typedef struct bat_surface_picture_options
 {
     int width;            ///< pixels of a panel, 60 to 4000; 0: 420
     double largest_error; ///< the end of the colour scale; 0: the 99th per cent of all distances
-    /// Where the eye is, as seen from the middle. Zeros: a little above and beside the mean normal, on the side to which the
-    /// surface bulges; across the broad side of one that nearly closes or whose boundary is not known.
+    /// The direction of the viewer from the centre. Zeros: a little above and beside the mean normal, on the convex side. A
+    /// surface that nearly closes, or one without a boundary, is seen across its broad side.
     double view[3];
-    double up[3]; ///< what is upwards; zeros: z, or y where the surface faces z
+    double up[3]; ///< the upward direction; zeros: z, or y where the surface faces z
 } bat_surface_picture_options;
 
 /// The options' default values.
@@ -36,14 +36,13 @@ BAT_API bat_surface_picture_options bat_surface_picture_defaults(void);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
 BAT_API bat_status bat_surface_picture_options_check(const bat_surface_picture_options *options, bat_error *error);
 
-/// Draw rows of: cloud, surface, points coloured by error, parameter plane with the hierarchical mesh. PNG, SVG or PDF by
-/// the ending. The file appears whole or not at all; the same input gives the same bytes.
+/// Draw rows of panels: cloud, surface, points coloured by error, parameter plane with the hierarchical mesh. The ending
+/// chooses PNG, SVG or PDF. The file appears whole or not at all; the same input gives the same bytes.
 /// @param options null for the defaults
-/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, a row without cloud and surface, with
-/// distances or
-///         parameters but no cloud, with a surface that is not in space; BAT_INVALID_POINT with the point or control point
-///         that is not finite, whose distance is not a finite length or whose parameters are not in the square;
-///         BAT_NO_MEMORY; BAT_FILE_ACCESS
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for another ending, an option out of range, or a row without cloud and surface,
+///         without the cloud of its distances or parameters, or with a surface that is not in R^3; BAT_INVALID_POINT with a
+///         point or control point that is not finite, a distance that is not a finite length, or a parameter outside of the
+///         square; BAT_NO_MEMORY; BAT_FILE_ACCESS
 BAT_API bat_status bat_surface_picture_write(const char *path, const bat_surface_picture_row *rows, size_t count,
                                              const bat_surface_picture_options *options, bat_error *error);
 
