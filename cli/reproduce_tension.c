@@ -184,7 +184,9 @@ static int draw_iss(const reproduce_job *job)
         return code;
     if (bat_tension_iss_track(&sphere, &truth, &control, &error) != BAT_OK)
         return report_failure(NULL, &error);
-    bat_status status = bat_curve_refine(&control, NULL, &fine, &error);
+    bat_curve_refine_options refine = bat_curve_refine_defaults();
+    refine.scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT);
+    bat_status status = bat_curve_refine(&control, &refine, &fine, &error);
     if (status == BAT_OK)
     {
         bat_curve_picture_layer layers[] = {
