@@ -74,8 +74,9 @@ size_t quaternion_place(const bat_space *space);
 /// Choose the sign of a quaternion that is nearer to `before`.
 void quaternion_continue(const double *before, double *quaternion);
 
-/// Describe the columns that a quaternion or a rotation matrix lacks, in up to `size` bytes, where no space is named and some
-/// of its columns exist. False if nothing is missing. `form` is what the columns were taken for; null for plain coordinates.
+/// Describe the columns that a quaternion or a rotation matrix lacks, in up to `size` bytes, where no space is named and
+/// some of its columns exist. False if nothing is missing. `form` is what the columns were taken for; null for plain
+/// coordinates.
 bool point_form_incomplete(const point_form *form, const column_names *columns, char *text, size_t size);
 
 #endif

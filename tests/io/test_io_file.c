@@ -3,6 +3,7 @@
 #include "test_io_helpers.h"
 
 #include "base/atomic_file.h"
+#include "base/file_bytes.h"
 #include "io/common/file_text.h"
 
 #include <dirent.h>

@@ -163,7 +163,10 @@ static void bad_columns_name_the_line(void **state)
          "the time 1 does not come after 1"},
         {"y,T,x\n0,3,0\n0,4,1\n0,2,2\n", NULL, 4, "the time 2 does not come after 4"},
         {"time,lat,lon\n0,0,0\n0,0,1\n", NULL, 3, "the time 0 does not come after 0"},
-        {"x,y,timestamp\n0,0,0\n0,0,1\n1,1,1\n", "disk", 4, "the time 1 does not come after 1"},
+        {"x,y,timestamp\n0,0,0\n0.1,0,1\n0.1,0.1,1\n", "disk", 4, "the time 1 does not come after 1"},
+        {"# closed\nx,y,time\n0,0,0\n1,0,1\n1,1,1\n0,1,2\n", NULL, 5, "the time 1 does not come after 1"},
+        {"# closed\nx,y,time\n0,0,1\n1,0,0\n1,1,2\n0,1,3\n", NULL, 4, "the time 0 does not come after 1"},
+        {"x,y,time\n0,0,0\n1,0,2\n1,1,4\n0,1,1\n# closed\n1,2,3\n", NULL, 7, "the time 3 does not come after 1"},
         {"qw,qx,qy\n1,0,0\n", NULL, 1, "a quaternion needs a column 'qz'"},
         {"time,x,y,z,QX,QY,QZ\n0,0,0,0,0,0,0\n", NULL, 1, "a quaternion needs a column 'qw'"},
         {"tx,ty,tz,m11,m12,m13,m21,m22,m23,m31,m33\n0,0,0,1,0,0,0,1,0,0,1\n", NULL, 1,
@@ -173,10 +176,12 @@ static void bad_columns_name_the_line(void **state)
         assert_bad(cases[i].text, CSV, cases[i].space, cases[i].line, cases[i].words);
     // Who says that the columns are coordinates is believed; times begin anew with every curve, and a column of points is
     // none.
-    static const char *const good[] = {"qw,qx,qy\n3,4,5\n6,7,8\n", "x,y,t\n0,0,5\n\n1,1,2\n", "t,value\n1,0\n0,1\n"};
+    static const char *const good[] = {"qw,qx,qy\n3,4,5\n6,7,8\n", "x,y,t\n0,0,5\n\n1,1,2\n", "t,value\n1,0\n0,1\n",
+                                       // Times fall from the last point of a closed curve to the first.
+                                       "x,y,t\n0,0,5\n1,0,6\n1,1,8\n0,1,7\n# closed\n-1,0,5.5\n"};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
     {
-        bat_curve_set set = must_read(good[i], BAT_CURVE_FORMAT_AUTO, i == 1 ? "plane" : "euclidean");
+        bat_curve_set set = must_read(good[i], BAT_CURVE_FORMAT_AUTO, i % 2 == 1 ? "plane" : "euclidean");
         bat_curve_set_free(&set);
     }
     assert_bad("# c\n0 1 2 3 0 0 0 1\n0 1 2 3 0 0 1\n", TUM, NULL, 3, "7 columns where a trajectory has 8");

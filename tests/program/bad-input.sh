@@ -346,7 +346,7 @@ awk '{ print } { print $1 + 5, $2, $3 }' cloud.in.xyz > two.in.xyz
 awk 'BEGIN { for (i = 0; i < 600; i++) { z = (2 * i + 1) / 600 - 1; r = sqrt(1 - z * z); print r * cos(2.4 * i), r * sin(2.4 * i), z } }' > sphere.in.xyz
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' > closed.in.obj
 surface 'empty.in.xyz: there are no points' empty.in.xyz
-surface 'three.in.xyz: 3 points' three.in.xyz
+surface 'three.in.xyz: a surface patch needs at least four points' three.in.xyz
 surface 'nan.in.xyz:8: point 7 is not finite' nan.in.xyz
 surface 'short.in.xyz:3: point 2 has no z' short.in.xyz
 surface 'twice.in.xyz:9: .* line 4' twice.in.xyz
@@ -360,7 +360,7 @@ surface 'functions is 8, but must be 0 or at least the 9' cloud.in.xyz --functio
 surface 'functions is 15, but must be 0 or at least the 16' cloud.in.xyz --functions 15 --degree 3
 surface 'boundary of 301 points' cloud.in.xyz --boundary 301
 surface "boundary's file: cannot open" cloud.in.xyz --boundary none.in.xyz
-surface 'corner 1000 is no point' cloud.in.xyz --corners 1000,0,1,2
+surface 'corner 1000 is not a boundary point' cloud.in.xyz --corners 1000,0,1,2
 surface 'need the triangles' cloud.in.xyz --parameterization mean-value
 surface 'none.in.uv: cannot open' cloud.in.xyz --parameterization none.in.uv
 surface 'empty.in.xyz: 0 rows of parameters for 300 points' cloud.in.xyz --parameterization empty.in.xyz

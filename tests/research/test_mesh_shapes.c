@@ -211,14 +211,14 @@ static void test_shipped_recipe(void **state)
 {
     (void)state;
     bat_mesh shapes[2 + BAT_MESH_TRAINING_SHAPES] = {{0}}, *made = shapes + 2, same;
-    bat_mesh_train_options o = bat_mesh_train_batten();
+    bat_mesh_train_options o = bat_mesh_train_defaults(BAT_RECIPE_BATTEN);
     safetensors content;
     char expected[256], hash[17] = "";
     assert_int_equal(bat_mesh_training_shapes(made, 0, (bat_progress){0}, NULL), BAT_OK);
     assert_int_equal(bat_mesh_shape("creature", 8000, 1, &same, NULL), BAT_OK);
     assert_true(same_bytes(&made[0], &same));
     bat_mesh_free(&same);
-    assert_int_equal(safetensors_read(MODELS "/mesh.safetensors", &content, NULL), BAT_OK);
+    assert_int_equal(safetensors_read(WEIGHTS_FOLDER "/mesh.safetensors", &content, NULL), BAT_OK);
     const char *recipe = safetensors_find_note(&content, "recipe");
     assert_non_null(recipe);
     if (bat_mesh_read(SHARED_DATA "/data/meshes/bob.obj", NULL, &shapes[0], NULL) == BAT_OK &&
@@ -230,8 +230,8 @@ static void test_shipped_recipe(void **state)
         expected, sizeof expected,
         "mesh published, %d epochs, %zu pairs of each of %d shapes (%s), %zu fresh, batch %zu, %zu to %zu vertices, "
         "normal %g, quality %g, rate %g%s%s%s",
-        (int)o.epochs, o.pairs, 2 + BAT_MESH_TRAINING_SHAPES, hash, o.fresh, o.batch, o.least_vertices, o.most_vertices,
-        o.least_normal, o.least_quality, o.rate, o.falling ? " falling" : "", o.relative ? ", relative lengths" : "",
+        (int)o.run.epochs, o.pairs, 2 + BAT_MESH_TRAINING_SHAPES, hash, o.resampled, o.batch, o.min_vertices, o.max_vertices,
+        o.min_normal, o.min_quality, o.rate, o.cosine_decay ? " falling" : "", o.relative ? ", relative lengths" : "",
         o.surface ? ", off the surface" : "");
     assert_string_equal(recipe, expected);
     safetensors_free(&content);

@@ -3,6 +3,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/curve_picture.h"
 #include "draw/common/style.h"
 
 #include <cairo-pdf.h>

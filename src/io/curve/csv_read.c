@@ -258,21 +258,6 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
     return BAT_OK;
 }
 
-/// Times increase strictly along a curve.
-static bat_status check_time(const csv_reader *reader, const text_line *line, const double *channels, bat_error *error)
-{
-    const curve_builder *builder = &reader->builder;
-    size_t channel = reader->time_channel;
-    if (channel == BAT_NO_INDEX || builder->point_count == 0)
-        return BAT_OK;
-    double time = channels[channel],
-           before = builder->channels[(builder->point_count - 1) * builder->channel_count + channel];
-    if (time > before)
-        return BAT_OK;
-    return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "the time %.15g does not come after %.15g",
-                     time, before);
-}
-
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
@@ -305,9 +290,6 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
         return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s", fault);
     if (count > coordinates)
         memcpy(channels, reader->numbers + coordinates, (count - coordinates) * sizeof *channels);
-    status = check_time(reader, line, channels, error);
-    if (status != BAT_OK)
-        return status;
     size_t index = builder->point_count;
     fault = builder_admit(builder);
     if (fault != NULL)
@@ -348,6 +330,24 @@ static bat_status read_comment(csv_reader *reader, const text_line *line, bat_er
     return BAT_OK;
 }
 
+/// Times increase strictly along a curve. Those of a closed one may fall again at its end, where refinement puts points
+/// between the last time and the first.
+static bat_status check_times(const csv_reader *reader, bool closed, bat_error *error)
+{
+    const curve_builder *builder = &reader->builder;
+    const size_t *lines = builder->lines + (builder->line_count - builder->point_count);
+    bool falls = false;
+    for (size_t i = 1; i < builder->point_count && reader->time_channel != BAT_NO_INDEX; i++)
+    {
+        const double *row = builder->channels + i * builder->channel_count + reader->time_channel;
+        double time = row[0], before = *(row - builder->channel_count);
+        falls = falls || (closed && i > 1 && time < before);
+        if (!(falls ? time < before : time > before))
+            return error_set(error, BAT_BAD_FILE, i, lines[i], "the time %.15g does not come after %.15g", time, before);
+    }
+    return BAT_OK;
+}
+
 static bat_status end_curve(csv_reader *reader, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
@@ -359,6 +359,9 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
     while (closed && builder_returns(builder))
         builder_drop_last(builder);
     reader->closed = false;
+    bat_status status = check_times(reader, closed, error);
+    if (status != BAT_OK)
+        return status;
     return builder_end_curve(builder, closed) ? BAT_OK : error_memory(error, builder->point_count * sizeof(double));
 }
 
