@@ -153,7 +153,7 @@ refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme log-exp-4 -o 
 refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme hermite:order=2 -o out.csv
 refused 2 'velocities goes with' curve keygood.in.csv --velocities --scheme log-exp-4 -o out.csv
 refused 2 'order' curve keygood.in.csv --scheme hermite:order=0 -o out.csv
-refused 2 'order must be a whole number from 1 to 10, not 99' curve keygood.in.csv --scheme hermite:order=99 -o out.csv
+refused 2 'order is 99, but must be from 1 to 10' curve keygood.in.csv --scheme hermite:order=99 -o out.csv
 refused 2 'no scheme' curve keygood.in.csv --scheme hermite-spline -o out.csv
 refused 2 'ends does not go with' curve keygood.in.csv --scheme hermite --ends free -o out.csv
 refused 2 '2 or 4' curve keygood.in.csv --tangents 3 -o out.csv
