@@ -353,7 +353,7 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
         return;
     }
     job->refine.scheme = bat_curves_scheme(coarse->curves, coarse->count, &job->refine, &job->scheme);
-    if (job->best_tension && strcmp(job->scheme, LEARNED) == 0)
+    if (job->best_tension && job->scheme != NULL && strcmp(job->scheme, LEARNED) == 0)
     {
         job->scheme = "angle-4";
         (void)bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, NULL);

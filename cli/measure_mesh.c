@@ -316,7 +316,7 @@ static int report_distance(const mesh_job *job, const bat_mesh_distance *distanc
 static int read_and_measure(mesh_job *job)
 {
     bat_mesh meshes[2] = {{0}, {0}};
-    bat_mesh_distance distance;
+    bat_mesh_distance distance = {0};
     bat_error error;
     int code = EXIT_DONE;
     bool compared = job->paths[1] != NULL;
