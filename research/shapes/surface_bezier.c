@@ -42,6 +42,7 @@ void bezier_surface_draw(int degree, bool turned, bat_random *random, bezier_sur
     draw_rotation(random, rotation);
     for (point = surface->control; turned && point < surface->control + (degree + 1) * (degree + 1); point++)
     {
+        // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): the loop above has set all points
         const double x = (*point)[0], y = (*point)[1], z = (*point)[2];
         for (int r = 0; r < 3; r++)
             (*point)[r] = rotation[r][0] * x + rotation[r][1] * y + rotation[r][2] * z;

@@ -108,7 +108,8 @@ static bat_status check(const void *context, bat_error *error)
     size_t shapes = count_shapes(t);
     if (shapes == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "training needs at least 1 shape");
-    double max_pairs = (double)(BAT_MESH_TRAIN_MAX_PAIRS / shapes);
+    size_t whole = BAT_MESH_TRAIN_MAX_PAIRS / shapes;
+    double max_pairs = (double)whole;
     const train_range ranges[] = {
         {"pairs", (double)o->pairs, 1, max_pairs, false, false},
         {"resampled", (double)o->resampled, 0, BAT_MESH_TRAIN_MAX_PAIRS, false, false},

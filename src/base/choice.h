@@ -39,6 +39,7 @@ const char *choice_name(const choice_table *table, int value);
 
 /// The public functions of a family with an enumeration: bat_..._list(), which begins at row `first`, bat_..._name() and
 /// bat_..._by_name().
+// NOLINTBEGIN(bugprone-macro-parentheses): `family` is a type
 #define CHOICE_FUNCTIONS(family, table, first)                                                                              \
     bool family##_list(size_t index, bat_choice *choice)                                                                    \
     {                                                                                                                       \
@@ -56,5 +57,6 @@ const char *choice_name(const choice_table *table, int value);
             *value = (family)number;                                                                                        \
         return status;                                                                                                      \
     }
+// NOLINTEND(bugprone-macro-parentheses)
 
 #endif
