@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "draw/common/text.h"
-#include "draw/curve/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,6 @@
 #include "draw/common/pixel_image.h"
 #include "draw/mesh/raster.h"
 #include "draw/mesh/shade.h"
-#include "draw/surface/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 
 #include "draw/common/pixel_image.h"
 #include "draw/common/text.h"
-#include "draw/surface/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,5 @@
 #include "io/common/json.h"
 
-#include "io/common/json.h"
 #include "io/common/number_text.h"
 
 #include <string.h>
