@@ -227,7 +227,7 @@ static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_
     for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
     {
         double scale = INFINITY;
-        if (panel->combs[i].count > 0)
+        if (panel->combs != NULL && panel->combs[i].count > 0)
         {
             status = comb_natural_scale(&panel->combs[i], usual, longest, &scale, error);
         }
