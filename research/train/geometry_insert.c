@@ -133,13 +133,13 @@ static inline disk_edge disk_edge_of(const geometry_rows *rows, size_t j, double
     disk_edge edge = {.p = {rows->x[j], rows->y[j]}, .q = {rows->x[j + 1], rows->y[j + 1]}};
     disk_centre(edge.p, edge.q, edge.w, edge.denominator);
     double dx = edge.denominator[0], dy = edge.denominator[1];
-    double rim = disk_rim(edge.p) * disk_rim(edge.q) / (dx * dx + dy * dy); // 1 - |w|^2
+    double complement = disk_complement(edge.p) * disk_complement(edge.q) / (dx * dx + dy * dy); // 1 - |w|^2
     edge.squared_length = edge.w[0] * edge.w[0] + edge.w[1] * edge.w[1];
-    double limit = PARALLEL_SHARE * sqrt(rim / (edge.squared_length > 0 ? edge.squared_length : DBL_MIN));
+    double limit = PARALLEL_SHARE * sqrt(complement / (edge.squared_length > 0 ? edge.squared_length : DBL_MIN));
     double slope = lane_tan(angle);
     edge.limited = fabs(slope) > limit;
     edge.slope = edge.limited ? copysign(limit, slope) : slope;
-    edge.root = sqrt(rim - edge.squared_length * edge.slope * edge.slope);
+    edge.root = sqrt(complement - edge.squared_length * edge.slope * edge.slope);
     edge.scale = 1 / (1 + edge.root);
     edge.z[0] = edge.scale * (edge.w[0] - edge.slope * edge.w[1]);
     edge.z[1] = edge.scale * (edge.w[1] + edge.slope * edge.w[0]);
@@ -176,9 +176,9 @@ static inline void disk_translate_back(const double p[2], const double z[2], con
     double vx = ex * inverse, vy = -ey * inverse; // 1 / E
     // conj(1 / E) g
     double hx = vx * g[0] + vy * g[1], hy = vx * g[1] - vy * g[0];
-    double rim = disk_rim(p);
-    g_z[0] = rim * (vx * hx + vy * hy);
-    g_z[1] = rim * (vx * hy - vy * hx);
+    double complement = disk_complement(p);
+    g_z[0] = complement * (vx * hx + vy * hy);
+    g_z[1] = complement * (vx * hy - vy * hx);
     // z / E and (p + z) / E; their product times conj(g).
     double ax = z[0] * vx - z[1] * vy, ay = z[0] * vy + z[1] * vx;
     double sx = p[0] + z[0], sy = p[1] + z[1];
@@ -195,9 +195,9 @@ static inline void disk_centre_back(const disk_edge *edge, const double g[2], do
     double inverse = 1 / (dx * dx + dy * dy);
     double vx = dx * inverse, vy = -dy * inverse;
     double hx = vx * g[0] + vy * g[1], hy = vx * g[1] - vy * g[0];
-    double rim = disk_rim(edge->p);
-    g_q[0] = rim * (vx * hx + vy * hy);
-    g_q[1] = rim * (vx * hy - vy * hx);
+    double complement = disk_complement(edge->p);
+    g_q[0] = complement * (vx * hx + vy * hy);
+    g_q[1] = complement * (vx * hy - vy * hx);
     double ax = edge->q[0] * vx - edge->q[1] * vy, ay = edge->q[0] * vy + edge->q[1] * vx;
     double kx = ax * edge->w[0] - ay * edge->w[1], ky = ax * edge->w[1] + ay * edge->w[0];
     g_p[0] = kx * g[0] + ky * g[1] - hx;

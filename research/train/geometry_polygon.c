@@ -59,7 +59,7 @@ static void disk_measure(const geometry_rows *restrict rows, size_t count, doubl
         disk_centre(p, after, out, denominator);
         angles[i] = lane_atan2(back[1] * out[0] - back[0] * out[1], -back[0] * out[0] - back[1] * out[1]);
         double ex = after[0] - p[0], ey = after[1] - p[1];
-        lengths[i] = sqrt((ex * ex + ey * ey) / (disk_rim(p) * disk_rim(after)));
+        lengths[i] = sqrt((ex * ex + ey * ey) / (disk_complement(p) * disk_complement(after)));
     }
 }
 
@@ -123,8 +123,8 @@ static void disk_edges_back(const geometry_rows *restrict rows, size_t count, co
     for (size_t i = 0; i < count; i++)
     {
         double p[2] = {rows->x[i], rows->y[i]}, q[2] = {rows->x[i + 1], rows->y[i + 1]};
-        double ex = q[0] - p[0], ey = q[1] - p[1], alpha_boundary_p = disk_rim(p), alpha_boundary_q = disk_rim(q);
-        double dx = alpha_boundary_p - (p[0] * ex + p[1] * ey), dy = p[1] * ex - p[0] * ey;
+        double ex = q[0] - p[0], ey = q[1] - p[1], complement_p = disk_complement(p), complement_q = disk_complement(q);
+        double dx = complement_p - (p[0] * ex + p[1] * ey), dy = p[1] * ex - p[0] * ey;
         double chord = sqrt(ex * ex + ey * ey), denominator = sqrt(dx * dx + dy * dy);
         double over_chord = inverse_or_zero(chord), over_denominator = 1 / denominator;
         // 1 / (q - p), 1 / D, and the products 1 / ((q - p) D) and 1 / ((q - p) conj(D)).
@@ -137,10 +137,10 @@ static void disk_edges_back(const geometry_rows *restrict rows, size_t count, co
         double bx = p[0] * vx + p[1] * vy, by = p[1] * vx - p[0] * vy;
         double at_p = angles[i], at_q = -angles[i + 1];
         double along = 2 * lengths[i] * over_chord * over_denominator, outward = 2 * lengths[i] * chord * over_denominator;
-        starts->x[i] = at_p * (ay - uy) - at_q * alpha_boundary_q * ly - along * ex + outward / alpha_boundary_p * p[0];
-        starts->y[i] = -at_p * (ax + ux) - at_q * alpha_boundary_q * lx - along * ey + outward / alpha_boundary_p * p[1];
-        ends->x[i] = at_p * alpha_boundary_p * ky + at_q * (by + uy) + along * ex + outward / alpha_boundary_q * q[0];
-        ends->y[i] = at_p * alpha_boundary_p * kx - at_q * (bx - ux) + along * ey + outward / alpha_boundary_q * q[1];
+        starts->x[i] = at_p * (ay - uy) - at_q * complement_q * ly - along * ex + outward / complement_p * p[0];
+        starts->y[i] = -at_p * (ax + ux) - at_q * complement_q * lx - along * ey + outward / complement_p * p[1];
+        ends->x[i] = at_p * complement_p * ky + at_q * (by + uy) + along * ex + outward / complement_q * q[0];
+        ends->y[i] = at_p * complement_p * kx - at_q * (bx - ux) + along * ey + outward / complement_q * q[1];
     }
 }
 

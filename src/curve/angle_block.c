@@ -112,7 +112,7 @@ static void disk_half_sines(angle_block *block, size_t count)
     {
         double p[2] = {x[i], y[i]}, q[2] = {x[i + 1], y[i + 1]};
         double ex = q[0] - p[0], ey = q[1] - p[1];
-        block->length[i] = sqrt((ex * ex + ey * ey) / (disk_rim(p) * disk_rim(q)));
+        block->length[i] = sqrt((ex * ex + ey * ey) / (disk_complement(p) * disk_complement(q)));
     }
 }
 
@@ -172,17 +172,18 @@ static void disk_insert(angle_block *block, size_t edges)
     {
         double p[2] = {x[j], y[j]}, q[2] = {x[j + 1], y[j + 1]}, w[2], denominator[2];
         disk_centre(p, q, w, denominator);
-        double rim = disk_rim(p) * disk_rim(q) / (denominator[0] * denominator[0] + denominator[1] * denominator[1]);
+        double complement =
+            disk_complement(p) * disk_complement(q) / (denominator[0] * denominator[0] + denominator[1] * denominator[1]);
         double length = w[0] * w[0] + w[1] * w[1];
-        double parallel = sqrt(rim / (length > 0 ? length : DBL_MIN));
+        double parallel = sqrt(complement / (length > 0 ? length : DBL_MIN));
         double slope = block->slope[j];
         slope = fabs(slope) > PARALLEL_SHARE * parallel ? copysign(PARALLEL_SHARE * parallel, slope) : slope;
-        double scale = 1 / (1 + sqrt(rim - length * slope * slope));
+        double scale = 1 / (1 + sqrt(complement - length * slope * slope));
         double z[2] = {scale * (w[0] - slope * w[1]), scale * (w[1] + slope * w[0])}, point[2];
         disk_translate(p, z, point);
         block->new_x[j] = point[0];
         block->new_y[j] = point[1];
-        block->margin[j] = disk_rim(point);
+        block->margin[j] = disk_complement(point);
     }
 }
 

@@ -15,7 +15,7 @@ static const char *fault(const bat_space *space, const double *point)
     (void)space;
     if (!isfinite(point[0]) || !isfinite(point[1]))
         return "not finite";
-    return fabs(point[0]) < 1 && fabs(point[1]) < 1 && disk_rim(point) > 0 ? NULL : "not inside the unit disk";
+    return fabs(point[0]) < 1 && fabs(point[1]) < 1 && disk_complement(point) > 0 ? NULL : "not inside the unit disk";
 }
 
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
@@ -31,7 +31,7 @@ static bat_status project(const bat_space *space, const double *coordinates, dou
 static double distance(const bat_space *space, const double *p, const double *q)
 {
     (void)space;
-    return 2 * asinh(hypot(q[0] - p[0], q[1] - p[1]) / sqrt(disk_rim(p) * disk_rim(q)));
+    return 2 * asinh(hypot(q[0] - p[0], q[1] - p[1]) / sqrt(disk_complement(p) * disk_complement(q)));
 }
 
 static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
@@ -140,9 +140,9 @@ static bat_status apex(const bat_space *space, const double *p, const double *q,
     double w[2], denominator[2];
     disk_centre(p, q, w, denominator);
     double slope = tan(angle);
-    double alpha_boundary_of_w =
-        disk_rim(p) * disk_rim(q) / (denominator[0] * denominator[0] + denominator[1] * denominator[1]);
-    double discriminant = alpha_boundary_of_w - (w[0] * w[0] + w[1] * w[1]) * slope * slope;
+    double complement_w =
+        disk_complement(p) * disk_complement(q) / (denominator[0] * denominator[0] + denominator[1] * denominator[1]);
+    double discriminant = complement_w - (w[0] * w[0] + w[1] * w[1]) * slope * slope;
     if (!(discriminant > 0))
         return BAT_INVALID_POINT;
     double scale = 1 / (1 + sqrt(discriminant));

@@ -4,7 +4,7 @@
 #include <math.h>
 
 /// 1 - |z|^2 with one rounding of the order of the result, however close to the rim.
-static inline double disk_rim(const double *z)
+static inline double disk_complement(const double *z)
 {
     // The squares as unevaluated sums: xx + x_low and yy + y_low are exact.
     double xx = z[0] * z[0], yy = z[1] * z[1];
@@ -18,7 +18,7 @@ static inline double disk_rim(const double *z)
 static inline void disk_centre(const double *p, const double *q, double *w, double *denominator)
 {
     double x = q[0] - p[0], y = q[1] - p[1];
-    double re = disk_rim(p) - (p[0] * x + p[1] * y);
+    double re = disk_complement(p) - (p[0] * x + p[1] * y);
     double im = -(p[0] * y - p[1] * x);
     double inverse = 1 / (re * re + im * im);
     w[0] = (x * re + y * im) * inverse;
@@ -32,7 +32,7 @@ static inline void disk_translate(const double *p, const double *z, double *q)
 {
     double re = 1 + (p[0] * z[0] + p[1] * z[1]);
     double im = p[0] * z[1] - p[1] * z[0];
-    double scale = disk_rim(p) / (re * re + im * im);
+    double scale = disk_complement(p) / (re * re + im * im);
     q[0] = p[0] + scale * (z[0] * re + z[1] * im);
     q[1] = p[1] + scale * (z[1] * re - z[0] * im);
 }

@@ -59,7 +59,7 @@ static bat_status disk_tree(const bat_curve *curve, nearest_tree *tree, bat_erro
     if (weights == NULL)
         return error_memory(error, curve->count * sizeof *weights);
     for (size_t i = 0; i < curve->count; i++)
-        weights[i] = 1 / disk_rim(row(curve, i));
+        weights[i] = 1 / disk_complement(row(curve, i));
     bat_status status = nearest_build(NEAREST_POINTS, curve->points, weights, curve->count, 2, tree, error);
     free(weights);
     return status;
