@@ -41,7 +41,8 @@ static const verb_spec SPEC = {
     .summary =
         "Make a smooth motion through the keyframes of a file (CSV, TUM; - for standard input): points, rotations, poses "
         "or\n"
-        "tensors, with times and velocities where the file has them. docs/hermite.md explains the schemes and "
+        "tensors, with times and velocities where the file has them. docs/algorithms/hermite-schemes.md explains the "
+        "schemes and "
         "docs/formats.md\n"
         "the columns. Without -o, --picture and --json the result goes to standard output in the format of the input.",
     .options = OPTIONS,

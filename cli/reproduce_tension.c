@@ -144,7 +144,7 @@ static const char *table1_remark(bat_tension_set_kind curves)
 {
     if (curves != BAT_TENSION_PUBLISHED)
         return "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. "
-               "docs/tension.md "
+               "docs/algorithms/tension-network.md "
                "describes\nthe curves.";
     return "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. The "
            "mean bending on the\nsphere and the disk is decided by a few curves with almost coincident control "

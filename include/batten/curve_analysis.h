@@ -7,7 +7,7 @@ BAT_C_BEGIN
 
 /// @file
 /// The limit of a linear subdivision scheme, from its mask: convergence, limit points and tangents, reproduced polynomials,
-/// smoothness with proven bounds. `docs/analysis.md` explains the mathematics.
+/// smoothness with proven bounds. `docs/algorithms/curve-analysis.md` explains the mathematics.
 ///
 /// Point i of level k has the parameter (i + shift) / 2^k, with shift = a'(1) / 2. Data p_i = i then have the limit x -> x,
 /// where the scheme reproduces straight lines. For a symmetric mask the shift is its centre. The *index parametrization* has

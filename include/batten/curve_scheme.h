@@ -168,8 +168,8 @@ BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
 /// The learned scheme that the library comes with: for the plane, the sphere S^2 and the disk, curves of any scale and
 /// spacing. A network corrects the angle of the six-point rule. Its features are 8 exterior angles and 9 edge lengths around
 /// the edge. The scheme keeps the given points. It commutes with isometries, mirror images, reversal and, on the plane,
-/// scaling. Angles stay below BAT_CURVE_ANGLE_LIMIT for all weights (Theorem 1 of Ugail and Howard 2026). docs/fairing.md
-/// describes it; `batten train curve --recipe batten` trains it.
+/// scaling. Angles stay below BAT_CURVE_ANGLE_LIMIT for all weights (Theorem 1 of Ugail and Howard 2026).
+/// docs/algorithms/curve-network.md describes it; `batten train curve --recipe batten` trains it.
 ///
 /// @param fairness from 0, nearest to the data, to 1, smoothest; refinement refuses other values
 BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);

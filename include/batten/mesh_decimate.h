@@ -8,7 +8,7 @@ BAT_C_BEGIN
 /// @file
 /// Decimation of meshes by edge collapses, and the bijective map between both meshes. Sources: the quadric errors of Garland
 /// and Heckbert (1997); successive self-parameterization of Liu et al., "Neural Subdivision" (2020), section 4 and
-/// appendices B to E. docs/decimation.md describes the algorithm.
+/// appendices B to E. docs/algorithms/decimation.md describes the algorithm.
 
 /// Options of decimation. Begin with bat_mesh_decimate_defaults().
 typedef struct bat_mesh_decimate_options

@@ -97,7 +97,7 @@ BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const 
 BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
                                          size_t *size, bat_error *error);
 
-/// Write a map to a file, whole or not at all. The format is described in docs/decimation.md.
+/// Write a map to a file, whole or not at all. The format is described in docs/algorithms/decimation.md.
 /// @return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_map_write(const char *path, const bat_mesh_map *map, bat_error *error);
 

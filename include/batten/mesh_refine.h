@@ -14,7 +14,7 @@ BAT_C_BEGIN
 /// the edge from corner c.
 ///
 /// A level of square-root-three keeps the vertices too, and appends one for every face, in the order of faces. Half-edge h
-/// becomes the face h, which begins where h begins. docs/meshes.md has the rules.
+/// becomes the face h, which begins where h begins. docs/algorithms/mesh-schemes.md has the rules.
 
 /// The mesh schemes.
 typedef enum bat_mesh_scheme

@@ -8,7 +8,7 @@ BAT_C_BEGIN
 
 /// @file
 /// Smooth motions from keyframes in a set of curves: points, with times and velocities where columns of the file have them.
-/// docs/formats.md has the names of the columns; docs/hermite.md explains the schemes.
+/// docs/formats.md has the names of the columns; docs/algorithms/hermite-schemes.md explains the schemes.
 
 /// Options of motions. Begin with bat_motion_defaults().
 typedef struct bat_motion_options

@@ -8,7 +8,7 @@ BAT_C_BEGIN
 
 /// @file
 /// Curves through points with tangents, in any space: averages, refinement, sampling at times, estimated tangents.
-/// `docs/hermite.md` explains the mathematics and which of the schemes to use when.
+/// `docs/algorithms/hermite-schemes.md` explains the mathematics and which of the schemes to use when.
 
 /// The largest sum of the two angles between an edge and the tangents at its ends: the bound of condition (3.4) of Ben-Zion
 /// Vardi, Dyn and Sharon, 0.1 below 2 pi.

@@ -10,7 +10,8 @@
 /// Half of the draws from a training family follow the published distribution of section 6.1 of Ugail and Howard (2026), if
 /// it contains the family; the other half are from a wider distribution. Unseen families share no member with training
 /// families. Curves on the sphere are rotated at random. Curves in the disk are rotated about the origin and, unless they
-/// follow the published distribution, moved by a hyperbolic translation. docs/tension.md describes the families.
+/// follow the published distribution, moved by a hyperbolic translation. docs/algorithms/tension-network.md describes the
+/// families.
 
 /// The number of training families or of unseen families of a space.
 size_t tension_family_count(bat_tension_space space, bool unseen);

@@ -1,5 +1,5 @@
 // The shipped rule's weights in files and in the library: round trips, what is wrong with a file, and that the library holds
-// the bytes of models/.
+// the bytes of weights/.
 
 #include "learned_helpers.h"
 

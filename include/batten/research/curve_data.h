@@ -78,7 +78,8 @@ typedef enum bat_tension_set_kind
 #define BAT_TENSION_TEST_SEED 2026
 
 /// Draw a set of closed curves with control polygons. Families alternate; all their parameters are random and, but for
-/// frequencies and numbers of terms, continuous (docs/tension.md describes them). The family of `number` i is
+/// frequencies and numbers of terms, continuous (docs/algorithms/tension-network.md describes them). The family of `number`
+/// i is
 ///     resampled
 /// ///             plane   i mod 5: ellipse; Fourier curve with 2 or 3 terms; with 4 or 5; superellipse; star-shaped blob
 ///             sphere  i mod 4: Lissajous; polar Fourier; perturbed great circle; circle or spherical ellipse

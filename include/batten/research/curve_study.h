@@ -41,7 +41,7 @@ BAT_API bat_status bat_tension_search(const bat_curve *coarse, const bat_curve *
 typedef struct bat_tension_row
 {
     const char *space;  ///< "plane", "sphere" or "disk"
-    const char *method; ///< "four-point-printed", … see docs/tension.md
+    const char *method; ///< "four-point-printed", … see docs/algorithms/tension-network.md
     double tension;     ///< mu of an angle-based method of eq. (9), NaN for others
     double fairness;    ///< fairness setting of a learned method; NaN for others
     bat_curve_summary mean_nn;

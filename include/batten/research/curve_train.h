@@ -8,8 +8,8 @@ BAT_C_BEGIN
 
 /// @file
 /// Training of learned curve schemes. The published recipe is that of Ugail and Howard (2026), sections 5 and 6;
-/// docs/tension.md tells what the text leaves open and how it is read here. Batten's recipe makes the weights of
-/// bat_curve_scheme_learned() (docs/fairing.md); its curves are drawn anew in every step.
+/// docs/algorithms/tension-network.md tells what the text leaves open and how it is read here. Batten's recipe makes the
+/// weights of bat_curve_scheme_learned() (docs/algorithms/curve-network.md); its curves are drawn anew in every step.
 
 /// How the published network encodes the space of an edge (table 3).
 typedef enum bat_tension_embedding

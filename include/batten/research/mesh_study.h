@@ -10,7 +10,7 @@ BAT_C_BEGIN
 /// @file
 /// The experiments of Liu et al., "Neural Subdivision" (2020), with any shapes: distance of subdivided surfaces from a
 /// decimated shape (table 2), ablation of learning (section 6, appendices G and H), and style (figures 26 and 27).
-/// docs/mesh-figures.md has results.
+/// docs/results/meshes.md has results.
 
 /// Options of the studies. Begin with bat_mesh_study_defaults().
 typedef struct bat_mesh_study_options

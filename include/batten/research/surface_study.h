@@ -8,7 +8,7 @@ BAT_C_BEGIN
 
 /// @file
 /// The experiments of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 6, with random clouds or any
-/// scans. docs/surface-figures.md has results.
+/// scans. docs/results/surfaces.md has results.
 
 /// A method of parameterization.
 typedef struct bat_surface_method

@@ -7,7 +7,8 @@ BAT_C_BEGIN
 
 /// @file
 /// Training of learned parameters on random Bézier clouds. The published recipe is that of Giannelli et al., "BIDGCN"
-/// (2023), section 4: a network of 192,130 weights. Batten's recipe has a network of its own (docs/surface-network.md).
+/// (2023), section 4: a network of 192,130 weights. Batten's recipe has a network of its own
+/// (docs/algorithms/surface-network.md).
 
 /// The most steps of an epoch, clouds of a step and interior points of a cloud, and the highest bidegree.
 #define BAT_SURFACE_TRAIN_MAX_STEPS 1000000000

@@ -5,8 +5,8 @@
 #include "learn/packed.h"
 
 /// @file
-/// The network of models/learned_network.h for inference alone: no tape, nothing allocated, nothing laid out anew: the
-/// weights are used as a file holds them.
+/// The network of src/curve/network/learned_network.h for inference alone: no tape, nothing allocated, nothing laid out
+/// anew: the weights are used as a file holds them.
 
 enum
 {

@@ -4,12 +4,13 @@
 
 static const mesh_scheme SCHEMES[] = {
     {.choice = {.name = "learned",
-                .summary = "by the network that comes with batten, or by a model; the default; docs/mesh-network.md",
+                .summary =
+                    "by the network that comes with batten, or by a model; the default; docs/algorithms/mesh-network.md",
                 .value = BAT_MESH_SCHEME_LEARNED},
      .rule = midpoint_rule,
      .learned = true},
     {.choice = {.name = "loop",
-                .summary = "Loop's scheme, smooth, with creases and corners; docs/meshes.md",
+                .summary = "Loop's scheme, smooth, with creases and corners; docs/algorithms/mesh-schemes.md",
                 .value = BAT_MESH_SCHEME_LOOP},
      .rule = loop_rule,
      .limit = loop_limit,

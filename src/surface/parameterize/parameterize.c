@@ -25,7 +25,7 @@ static const double RADIUS_FACTOR = 3;
 
 static const bat_choice METHODS[] = {
     {.name = "shape-preserving",
-     .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/parameterization.md",
+     .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/algorithms/parameterization.md",
      .value = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING},
     {.name = "inverse-distance",
      .summary = "weights by the inverse distance of neighbours",
