@@ -1,46 +1,14 @@
 #ifndef IO_COMMON_JSON_H
 #define IO_COMMON_JSON_H
 
+#include "base/json_scan.h"
 #include "base/text_buffer.h"
 #include "batten/base.h"
 
 #include <jansson.h>
 
 /// @file
-/// Scanning and writing of JSON text.
-
-/// A position in JSON text. The functions skip values without parsing them: they only examine brackets, quotes and commas,
-/// except for json_scan_numbers(). A parser must check the syntax. Every function skips blanks first.
-typedef struct json_scanner
-{
-    const char *at, *end; ///< the byte at `end` is readable
-} json_scanner;
-
-/// Skip blanks.
-void json_scan_blanks(json_scanner *scan);
-/// Whether the next byte is `byte`.
-bool json_scan_at(json_scanner *scan, char byte);
-/// Skip the next byte if it is `byte`.
-bool json_scan_take(json_scanner *scan, char byte);
-
-/// Skip a string. False when it has no end.
-bool json_scan_string(json_scanner *scan);
-/// Skip a key and its colon; `key` receives the text between the quotes. False when there is none.
-bool json_scan_key(json_scanner *scan, json_scanner *key);
-/// Whether the text from `at` to `end` equals `text`.
-bool json_scan_is(const json_scanner *scan, const char *text);
-/// Skip a value: up to its closing bracket, or up to the comma or bracket after a plain value.
-bool json_scan_value(json_scanner *scan);
-
-/// Advance to the next element of an array, after its opening bracket and `index` elements. False, behind the closing
-/// bracket, at the end of the array.
-bool json_scan_element(json_scanner *scan, size_t index);
-
-/// Skip an array if it is valid JSON and holds only numbers and arrays, nested at most `depth` deep.
-bool json_scan_numbers(json_scanner *scan, size_t depth);
-
-/// The number of line breaks between two positions.
-size_t json_scan_newlines(const char *begin, const char *end);
+/// Writing of JSON text; base/json_scan.h scans it.
 
 /// Append a JSON value in compact form. Members keep their order, real numbers have the fewest digits that identify the
 /// double, and text is UTF-8. Unlike json_dumps(), several threads may write the same value.
