@@ -48,12 +48,33 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 /// The families of rules.
 typedef enum bat_curve_scheme_kind
 {
-    BAT_CURVE_SCHEME_AUTO,    ///< none yet: chosen for the space and the size, bat_curve_scheme_for()
-    BAT_CURVE_SCHEME_LINEAR,  ///< a mask applied to coordinates; Euclidean spaces only
-    BAT_CURVE_SCHEME_ANGLE,   ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
-    BAT_CURVE_SCHEME_LOG_EXP, ///< a mask applied in the tangent space of one point; any space
-    BAT_CURVE_SCHEME_GEODESIC ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means; any space
+    BAT_CURVE_SCHEME_AUTO,        ///< none yet: chosen for the space and the size, bat_curve_scheme_for()
+    BAT_CURVE_SCHEME_LINEAR,      ///< a mask applied to coordinates; Euclidean spaces only
+    BAT_CURVE_SCHEME_ANGLE,       ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
+    BAT_CURVE_SCHEME_LOG_EXP,     ///< a mask applied in the tangent space of one point; any space
+    BAT_CURVE_SCHEME_GEODESIC,    ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means; any space
+    BAT_CURVE_SCHEME_FOUR_POINT,  ///< the cubic through four points at bat_curve_parameters, level after level; any space
+    BAT_CURVE_SCHEME_CATMULL_ROM, ///< a cubic over each edge, C1; any space; not a subdivision scheme
+    BAT_CURVE_SCHEME_CUBIC        ///< a cubic over each edge, C2 in R^n; any space; not a subdivision scheme
 } bat_curve_scheme_kind;
+
+/// The parameters at which an interpolating polynomial takes the points: the increment over an edge is its length to the
+/// power alpha.
+typedef enum bat_curve_parameters
+{
+    BAT_CURVE_PARAMETERS_UNIFORM,     ///< alpha = 0: all increments are equal
+    BAT_CURVE_PARAMETERS_CENTRIPETAL, ///< alpha = 1/2: increments are square roots of lengths (Lee 1989)
+    BAT_CURVE_PARAMETERS_CHORDAL      ///< alpha = 1: increments are lengths
+} bat_curve_parameters;
+
+/// Parameters by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_curve_parameters_by_name(const char *name, bat_curve_parameters *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_curve_parameters_name(bat_curve_parameters value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_curve_parameters_list(size_t index, bat_choice *choice);
 
 /// On which side of the edge an angle-based scheme inserts.
 typedef enum bat_curve_angle_sign
@@ -116,13 +137,14 @@ typedef struct bat_curve_scheme
     bat_curve_scheme_kind kind;
     bat_mask mask;  ///< LINEAR: the mask; LOG_EXP: a mask that sums to 1 over its even indices and over its odd ones;
                     ///< GEODESIC: that of bat_mask_lane_riesenfeld(), whose order it tells
-    double tension; ///< ANGLE: mu of eq. (9)
+    double tension; ///< ANGLE: mu of eq. (9); FOUR_POINT: w, 1/16 for the cubic through the four points
     bat_curve_angle_sign sign; ///< ANGLE
     bool adaptive;             ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
     const bat_curve_angle_rule
         *rule;           ///< ANGLE: the rule of the angles, in place of eq. (9) and the three fields above; or null
     double fairness;     ///< ANGLE with a rule: an input of the rule, 0 (nearest to the data) … 1 (smoothest)
-    bat_curve_base base; ///< LOG_EXP
+    bat_curve_base base; ///< LOG_EXP, FOUR_POINT; it has no effect in R^n
+    bat_curve_parameters parameters; ///< FOUR_POINT, CATMULL_ROM, CUBIC
 } bat_curve_scheme;
 
 /// The linear scheme of a mask, for Euclidean spaces.
@@ -138,6 +160,23 @@ BAT_API bat_curve_scheme bat_curve_scheme_log_exp(bat_mask mask);
 /// In R^n it is the linear scheme. The order is that of bat_mask_lane_riesenfeld().
 BAT_API bat_curve_scheme bat_curve_scheme_geodesic(size_t order);
 
+/// The four-point scheme with parameters that depend on the points and are computed anew on each level (Dyn, Floater and
+/// Hormann 2009). The new point is the value of the cubic Lagrange interpolant of the four points around an edge, at the
+/// middle of the edge's interval of parameters. The weight w scales its displacement from the middle of the edge by
+/// w / BAT_MASK_FOUR_POINT_WEIGHT; it must be within 1e6 of 0. In other spaces than R^n the interpolant is that of
+/// logarithms. With uniform parameters it is the linear or log-exp four-point scheme, up to rounding. It keeps the given
+/// points, and channels are interpolated at the same parameters.
+BAT_API bat_curve_scheme bat_curve_scheme_four_point(bat_curve_parameters parameters, double w);
+/// The Catmull-Rom spline (Catmull and Rom 1974; Barry and Goldman 1988 for any parameters). The velocity at a point is that
+/// of the parabola through it and its two neighbours, and a cubic joins the points. 2^levels - 1 new points lie on each
+/// edge, at equal steps of the parameter. In other spaces than R^n the cubics are Bezier curves made of geodesics (Park and
+/// Ravani 1995), which are C1 together. Channels are interpolated by the same cubics.
+BAT_API bat_curve_scheme bat_curve_scheme_catmull_rom(bat_curve_parameters parameters);
+/// The cubic interpolating spline, evaluated as bat_curve_scheme_catmull_rom(). In R^n it is C2: periodic where the curve is
+/// closed, else with de Boor's not-a-knot condition at the ends, and natural through 2 or 3 points. In other spaces the
+/// equations of the velocities (de Boor 1978, chapter IV) hold after parallel transport along the edges; the curve is C1.
+BAT_API bat_curve_scheme bat_curve_scheme_cubic(bat_curve_parameters parameters);
+
 /// Check a scheme: its kind and the fields that the kind uses.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT with the field out of range; BAT_UNSUPPORTED for a mask that the kind cannot use
 BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *error);
@@ -145,6 +184,8 @@ BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_er
 /// A scheme by name, as the program's `--scheme` takes it: a name and, after a colon, settings separated by commas.
 ///
 ///     chaikin   corner-cutting:r=0.25,s=0.75   four-point:w=0.0625   six-point:w=0.01171875   lane-riesenfeld:order=3
+///     four-point:parameters=chordal            (uniform, centripetal or chordal; log-exp-4 too)
+///     catmull-rom   cubic                      (each also with parameters=uniform, centripetal or chordal)
 ///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred
 ///     without) angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1) log-exp-4 log-exp-6
 ///     (each also with base=midpoint) learned   learned:fairness=0.8           (bat_curve_scheme_learned())

@@ -31,6 +31,11 @@ refine_kernel kernel_for(const bat_space *space, const bat_curve_scheme *scheme)
         return kernel_log_exp(space, scheme);
     case BAT_CURVE_SCHEME_GEODESIC:
         return kernel_geodesic(space, scheme);
+    case BAT_CURVE_SCHEME_FOUR_POINT:
+        return kernel_four_point(space, 0, scheme);
+    case BAT_CURVE_SCHEME_CATMULL_ROM:
+    case BAT_CURVE_SCHEME_CUBIC:
+        return kernel_of_spline(space);
     case BAT_CURVE_SCHEME_LINEAR:
     case BAT_CURVE_SCHEME_AUTO:
     default:
@@ -89,7 +94,7 @@ static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
 bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *error)
 {
     static const option_field KIND[] = {
-        OPTION_FIELD(bat_curve_scheme, kind, OPTION_CHOICE, 0, BAT_CURVE_SCHEME_GEODESIC),
+        OPTION_FIELD(bat_curve_scheme, kind, OPTION_CHOICE, 0, BAT_CURVE_SCHEME_CUBIC),
     };
     static const option_field ANGLE[] = {
         OPTION_FIELD(bat_curve_scheme, tension, OPTION_NUMBER, -TENSION_LIMIT, TENSION_LIMIT),
@@ -98,6 +103,13 @@ bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *err
     };
     static const option_field LOG_EXP[] = {
         OPTION_FIELD(bat_curve_scheme, base, OPTION_CHOICE, 0, BAT_CURVE_BASE_MIDPOINT),
+    };
+    static const option_field FOUR_POINT[] = {
+        OPTION_FIELD(bat_curve_scheme, tension, OPTION_NUMBER, -TENSION_LIMIT, TENSION_LIMIT),
+        OPTION_FIELD(bat_curve_scheme, base, OPTION_CHOICE, 0, BAT_CURVE_BASE_MIDPOINT),
+    };
+    static const option_field PARAMETRIC[] = {
+        OPTION_FIELD(bat_curve_scheme, parameters, OPTION_CHOICE, 0, BAT_CURVE_PARAMETERS_CHORDAL),
     };
     bat_status status = OPTIONS_CHECK(scheme, KIND, error);
     if (status != BAT_OK)
@@ -114,6 +126,12 @@ bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *err
         return status == BAT_OK ? check_mask(&scheme->mask, true, error) : status;
     case BAT_CURVE_SCHEME_GEODESIC:
         return check_lane_riesenfeld(&scheme->mask, error);
+    case BAT_CURVE_SCHEME_FOUR_POINT:
+        status = OPTIONS_CHECK(scheme, FOUR_POINT, error);
+        return status == BAT_OK ? OPTIONS_CHECK(scheme, PARAMETRIC, error) : status;
+    case BAT_CURVE_SCHEME_CATMULL_ROM:
+    case BAT_CURVE_SCHEME_CUBIC:
+        return OPTIONS_CHECK(scheme, PARAMETRIC, error);
     case BAT_CURVE_SCHEME_AUTO:
         break;
     }

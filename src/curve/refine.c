@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
+#include "curve/parametric.h"
 #include "curve/plan.h"
 #include "curve/polygon.h"
 #include "space/known.h"
@@ -77,8 +78,11 @@ double kernel_scale(const double *points, size_t count, size_t dim)
 static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_curve_scheme *scheme, bat_curve_end_rule ends,
                                 double *fine, bat_error *error)
 {
-    bat_status status = polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end_of(scheme, ends),
-                                       coarse->before, coarse->after, error);
+    bool at_parameters = scheme->kind == BAT_CURVE_SCHEME_FOUR_POINT && ends == BAT_CURVE_END_EXTRAPOLATE && !coarse->closed;
+    bat_status status = at_parameters ? parametric_extend(coarse->space, task->kernel.space, scheme->parameters,
+                                                          coarse->rows, coarse->count, coarse->before, coarse->after, error)
+                                      : polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed,
+                                                       end_of(scheme, ends), coarse->before, coarse->after, error);
     if (status != BAT_OK)
         return status;
     if (task->kernel.measure != NULL)
@@ -86,11 +90,10 @@ static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_cu
     return cascade_run(task, coarse->rows, fine, error);
 }
 
-static cascade make_task(const bat_space *space, const bat_curve_scheme *scheme, const bat_curve_refine_options *options,
-                         size_t count, bool closed)
+static cascade make_task(const refine_kernel *kernel, const bat_curve_refine_options *options, size_t count, bool closed)
 {
     return (cascade){
-        .kernel = kernel_for(space, scheme),
+        .kernel = *kernel,
         .count = count,
         .closed = closed,
         .threads = options->threads,
@@ -125,14 +128,14 @@ static bat_status check_overflow(const padded_rows *coarse, const bat_curve_sche
     return BAT_OK;
 }
 
-/// All levels at once, from rows to the plan's rows.
+/// All levels at once, from rows to the plan's rows; `kernel` is the scheme's, for rows of the space.
 static bat_status refine_rows(const bat_space *space, const double *rows, const bat_curve *coarse,
-                              const bat_curve_scheme *scheme, const refine_plan *plan, bat_progress progress, double *fine,
-                              bat_error *error)
+                              const bat_curve_scheme *scheme, const refine_kernel *kernel, const refine_plan *plan,
+                              bat_progress progress, double *fine, bat_error *error)
 {
     const bat_curve_refine_options *options = &plan->options;
     size_t dim = space->point_dim, count = coarse->count;
-    cascade task = make_task(space, scheme, options, count, coarse->closed);
+    cascade task = make_task(kernel, options, count, coarse->closed);
     task.levels = options->levels;
     task.result = plan->points;
     task.snap = plan->snap;
@@ -161,7 +164,8 @@ static bat_status refine_rows(const bat_space *space, const double *rows, const 
 /// One level of a whole polygon of `count` points.
 static cascade one_level(const bat_curve *coarse, const bat_curve_refine_options *options, size_t count)
 {
-    cascade task = make_task(coarse->space, &options->scheme, options, count, coarse->closed);
+    refine_kernel kernel = kernel_for(coarse->space, &options->scheme);
+    cascade task = make_task(&kernel, options, count, coarse->closed);
     task.levels = 1;
     task.result = (index_range){0, (ptrdiff_t)(coarse->closed ? 2 * count : 2 * count - 1)};
     return task;
@@ -212,7 +216,8 @@ static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan
     const bat_curve_scheme *scheme = &plan->options.scheme;
     if (needs_whole_polygons(scheme) && plan->options.levels > 0)
         return refine_level_by_level(coarse, plan, progress, fine, error);
-    return refine_rows(coarse->space, coarse->points, coarse, scheme, plan, progress, fine, error);
+    refine_kernel kernel = kernel_for(coarse->space, scheme);
+    return refine_rows(coarse->space, coarse->points, coarse, scheme, &kernel, plan, progress, fine, error);
 }
 
 static bat_status refine_channels(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
@@ -220,7 +225,35 @@ static bat_status refine_channels(const bat_curve *coarse, const refine_plan *pl
 {
     bat_space space = bat_euclidean(coarse->channel_count);
     bat_curve_scheme scheme = channel_scheme(&plan->options.scheme);
-    return refine_rows(&space, coarse->channels, coarse, &scheme, plan, progress, fine, error);
+    refine_kernel kernel = kernel_for(&space, &scheme);
+    return refine_rows(&space, coarse->channels, coarse, &scheme, &kernel, plan, progress, fine, error);
+}
+
+/// Points and channels as rows of one space, for the scheme that interpolates channels at the parameters of the points.
+static bat_status refine_joined(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
+                                bat_error *error)
+{
+    size_t point_dim = coarse->space->point_dim, channel_count = coarse->channel_count, dim = point_dim + channel_count;
+    row_space rows;
+    bat_status status = row_space_make(coarse->space, channel_count, &rows, error);
+    if (status != BAT_OK)
+        return status;
+    double *joined = memory_array(coarse->count, dim * sizeof *joined),
+           *fine = memory_array(plan->count, dim * sizeof *fine);
+    if (joined == NULL || fine == NULL)
+        status = error_memory(error, (coarse->count + plan->count) * dim * sizeof *fine);
+    if (status == BAT_OK)
+    {
+        const bat_curve_scheme *scheme = &plan->options.scheme;
+        refine_kernel kernel = kernel_four_point(coarse->space, channel_count, scheme);
+        rows_join(coarse, channel_count, joined);
+        status = refine_rows(&rows.space, joined, coarse, scheme, &kernel, plan, plan->options.progress, fine, error);
+    }
+    if (status == BAT_OK)
+        rows_split(fine, plan->count, point_dim, channel_count, points, channels);
+    free(joined);
+    free(fine);
+    return status;
 }
 
 /// Points first, then channels; progress by the numbers made.
@@ -228,6 +261,11 @@ static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, do
                             bat_error *error)
 {
     bool has_channels = coarse->channel_count > 0 && channels != NULL;
+    bat_curve_scheme_kind kind = plan->options.scheme.kind;
+    if (kind == BAT_CURVE_SCHEME_CATMULL_ROM || kind == BAT_CURVE_SCHEME_CUBIC)
+        return spline_refine(coarse, plan, points, has_channels ? channels : NULL, error);
+    if (kind == BAT_CURVE_SCHEME_FOUR_POINT && has_channels)
+        return refine_joined(coarse, plan, points, channels, error);
     double point_dim = (double)coarse->space->point_dim;
     double share = has_channels ? point_dim / (point_dim + (double)coarse->channel_count) : 1;
     progress_part parts[2] = {{plan->options.progress, 0, share}, {plan->options.progress, share, 1 - share}};

@@ -24,3 +24,18 @@ bat_curve_scheme bat_curve_scheme_geodesic(size_t order)
 {
     return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_GEODESIC, .mask = bat_mask_lane_riesenfeld(order)};
 }
+
+bat_curve_scheme bat_curve_scheme_four_point(bat_curve_parameters parameters, double w)
+{
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_FOUR_POINT, .parameters = parameters, .tension = w};
+}
+
+bat_curve_scheme bat_curve_scheme_catmull_rom(bat_curve_parameters parameters)
+{
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_CATMULL_ROM, .parameters = parameters};
+}
+
+bat_curve_scheme bat_curve_scheme_cubic(bat_curve_parameters parameters)
+{
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_CUBIC, .parameters = parameters};
+}

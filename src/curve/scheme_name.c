@@ -18,7 +18,17 @@ typedef struct settings
     bool adaptive;
     bat_curve_angle_sign sign;
     bat_curve_base base;
+    bat_curve_parameters parameters;
 } settings;
+
+static const bat_choice PARAMETERS[] = {
+    {.name = "uniform", .summary = "equal increments", .value = BAT_CURVE_PARAMETERS_UNIFORM},
+    {.name = "centripetal", .summary = "square roots of lengths", .value = BAT_CURVE_PARAMETERS_CENTRIPETAL},
+    {.name = "chordal", .summary = "lengths", .value = BAT_CURVE_PARAMETERS_CHORDAL},
+};
+static const choice_table PARAMETER_TABLE = CHOICE_TABLE("kind of parameters", PARAMETERS);
+
+CHOICE_FUNCTIONS(bat_curve_parameters, PARAMETER_TABLE, 0)
 
 /// One name: what it takes, and how the settings become a scheme.
 typedef struct entry
@@ -41,7 +51,8 @@ static bat_curve_scheme make_corner_cutting(const settings *s)
 
 static bat_curve_scheme make_four_point(const settings *s)
 {
-    return bat_curve_scheme_linear(bat_mask_four_point(s->w));
+    return s->parameters == BAT_CURVE_PARAMETERS_UNIFORM ? bat_curve_scheme_linear(bat_mask_four_point(s->w))
+                                                         : bat_curve_scheme_four_point(s->parameters, s->w);
 }
 
 static bat_curve_scheme make_six_point(const settings *s)
@@ -64,7 +75,9 @@ static bat_curve_scheme make_angle(const settings *s)
 
 static bat_curve_scheme make_log_exp_4(const settings *s)
 {
-    bat_curve_scheme scheme = bat_curve_scheme_log_exp(bat_mask_four_point(s->w));
+    bat_curve_scheme scheme = s->parameters == BAT_CURVE_PARAMETERS_UNIFORM
+                                  ? bat_curve_scheme_log_exp(bat_mask_four_point(s->w))
+                                  : bat_curve_scheme_four_point(s->parameters, s->w);
     scheme.base = s->base;
     return scheme;
 }
@@ -88,6 +101,16 @@ static bat_curve_scheme make_geodesic(const settings *s)
     return bat_curve_scheme_geodesic((size_t)s->order);
 }
 
+static bat_curve_scheme make_catmull_rom(const settings *s)
+{
+    return bat_curve_scheme_catmull_rom(s->parameters);
+}
+
+static bat_curve_scheme make_cubic(const settings *s)
+{
+    return bat_curve_scheme_cubic(s->parameters);
+}
+
 static bat_curve_scheme make_learned(const settings *s)
 {
     return bat_curve_scheme_learned(s->fairness);
@@ -100,7 +123,9 @@ static const entry ENTRIES[] = {
     {{.name = "corner-cutting", .settings = "r=0.25,s=0.75", .summary = "corner cutting at r and s; R^n"},
      {.r = 0.25, .s = 0.75},
      make_corner_cutting},
-    {{.name = "four-point", .settings = "w=0.0625", .summary = "interpolates, C1, reproduces cubics; R^n"},
+    {{.name = "four-point",
+      .settings = "w=0.0625,parameters=uniform",
+      .summary = "interpolates, C1, reproduces cubics; R^n"},
      {.w = BAT_MASK_FOUR_POINT_WEIGHT},
      make_four_point},
     {{.name = "six-point", .settings = "w=0.01171875", .summary = "interpolates, C2, reproduces quintics; R^n"},
@@ -128,7 +153,7 @@ static const entry ENTRIES[] = {
      {.mu = 0},
      make_angle},
     {{.name = "log-exp-4",
-      .settings = "w=0.0625,base=vertex",
+      .settings = "w=0.0625,base=vertex,parameters=uniform",
       .summary = "the four-point scheme in tangent spaces; any space"},
      {.w = BAT_MASK_FOUR_POINT_WEIGHT},
      make_log_exp_4},
@@ -145,6 +170,16 @@ static const entry ENTRIES[] = {
     {{.name = "geodesic", .settings = "order=3", .summary = "Lane-Riesenfeld by midpoints of geodesics; any space"},
      {.order = 3},
      make_geodesic},
+    {{.name = "catmull-rom",
+      .settings = "parameters=centripetal",
+      .summary = "interpolates by a C1 spline of local cubics; any space"},
+     {.parameters = BAT_CURVE_PARAMETERS_CENTRIPETAL},
+     make_catmull_rom},
+    {{.name = "cubic",
+      .settings = "parameters=chordal",
+      .summary = "interpolates by the cubic spline, C2 in R^n; any space"},
+     {.parameters = BAT_CURVE_PARAMETERS_CHORDAL},
+     make_cubic},
     {{.name = "learned",
       .settings = "fairness=0.5",
       .summary = "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk"},
@@ -254,6 +289,12 @@ static bool read_setting(const char *key, size_t key_length, const char *value, 
         chosen = read_word(value, length, "vertex", "midpoint");
         s->base = chosen == 1 ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
         return chosen >= 0;
+    }
+    if (is_word(key, key_length, "parameters"))
+    {
+        const bat_choice *found = choice_find(&PARAMETER_TABLE, value, length);
+        s->parameters = found != NULL ? (bat_curve_parameters)found->value : BAT_CURVE_PARAMETERS_UNIFORM;
+        return found != NULL;
     }
     if (is_word(key, key_length, "adaptive"))
     {

@@ -19,6 +19,12 @@ static void scheme_names_are_read_strictly(void **state)
                          "learned:fairness=1.5",
                          "learned:fairness=nan",
                          "log-exp-4:base=edge",
+                         "four-point:parameters=length",
+                         "four-point:parameters=",
+                         "four-point:base=midpoint",
+                         "six-point:parameters=chordal",
+                         "catmull-rom:w=0.1",
+                         "cubic:parameters=1",
                          "mask:",
                          "mask:1,",
                          "mask:1,x",
@@ -56,7 +62,7 @@ static void scheme_names_are_read_strictly(void **state)
     size_t listed = 0;
     while (bat_curve_scheme_list(listed, &choice))
         listed++;
-    assert_int_equal(listed, 14);
+    assert_int_equal(listed, 16);
     assert_true(scheme("learned").rule != NULL && scheme("learned").fairness == 0.5);
     assert_true(scheme("learned:fairness=1").fairness == 1);
 }

@@ -916,6 +916,7 @@ static void tables_are_complete(void **state)
                                     bat_surface_parameters_list,
                                     bat_cloud_sides_list,
                                     bat_curve_end_rule_list,
+                                    bat_curve_parameters_list,
                                     bat_curve_projection_list,
                                     bat_curve_model_list};
     for (size_t l = 0; l < sizeof lists / sizeof *lists; l++)

@@ -1,0 +1,133 @@
+#include "curve/parametric.h"
+
+#include "base/error.h"
+#include "space/known.h"
+
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    CUBIC_DEGREE = 3
+};
+
+bat_status row_space_make(const bat_space *points, size_t channel_count, row_space *rows, bat_error *error)
+{
+    *rows = (row_space){.space = *points};
+    if (channel_count == 0)
+        return BAT_OK;
+    if (points->point_dim + channel_count > BAT_SPACE_MAX_DIM || points->tangent_dim + channel_count > BAT_SPACE_MAX_DIM)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                         "a scheme with parameters takes up to %d numbers a point, channels included", BAT_SPACE_MAX_DIM);
+    if (space_is_euclidean(points))
+    {
+        rows->space = bat_euclidean(points->point_dim + channel_count);
+        return BAT_OK;
+    }
+    rows->factors[0] = *points;
+    rows->factors[1] = bat_euclidean(channel_count);
+    rows->product = (bat_product_factors){.spaces = rows->factors, .count = 2};
+    return bat_product(&rows->product, &rows->space, error);
+}
+
+void rows_join(const bat_curve *curve, size_t channel_count, double *rows)
+{
+    size_t dim = curve->space->point_dim, row = dim + channel_count;
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        memcpy(rows + i * row, curve->points + i * dim, dim * sizeof *rows);
+        if (channel_count > 0)
+            memcpy(rows + i * row + dim, curve->channels + i * channel_count, channel_count * sizeof *rows);
+    }
+}
+
+void rows_split(const double *rows, size_t count, size_t point_dim, size_t channel_count, double *points, double *channels)
+{
+    size_t row = point_dim + channel_count;
+    for (size_t i = 0; i < count; i++)
+    {
+        memcpy(points + i * point_dim, rows + i * row, point_dim * sizeof *points);
+        memcpy(channels + i * channel_count, rows + i * row + point_dim, channel_count * sizeof *channels);
+    }
+}
+
+double parametric_increment(bat_curve_parameters parameters, double length)
+{
+    switch (parameters)
+    {
+    case BAT_CURVE_PARAMETERS_CENTRIPETAL:
+        return sqrt(length);
+    case BAT_CURVE_PARAMETERS_CHORDAL:
+        return length;
+    case BAT_CURVE_PARAMETERS_UNIFORM:
+    default:
+        return 1;
+    }
+}
+
+/// The parameters of the end point and the points before it, from 0 on; `knots` receives `degree` + 1 of them.
+static void end_knots(const bat_space *points, bat_curve_parameters parameters, const double *end, ptrdiff_t step,
+                      size_t degree, double *knots)
+{
+    knots[0] = 0;
+    double unit = points->distance(points, end, end + step);
+    for (size_t k = 1; k <= degree; k++)
+    {
+        const double *row = end + (ptrdiff_t)k * step;
+        knots[k] = knots[k - 1] + parametric_increment(parameters, points->distance(points, row - step, row) / unit);
+    }
+}
+
+/// The value at `-at` of the polynomial through `degree` + 1 rows, in the tangent space of the end.
+static bat_status value_beyond(const bat_space *rows, const double *end, ptrdiff_t step, const double *knots, size_t degree,
+                               double at, double *row)
+{
+    double tangent[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
+    memset(sum, 0, rows->tangent_dim * sizeof *sum);
+    for (size_t node = 1; node <= degree; node++)
+    {
+        double weight = 1;
+        for (size_t other = 0; other <= degree; other++)
+            if (other != node)
+                weight *= (-at - knots[other]) / (knots[node] - knots[other]);
+        bat_status status = rows->log(rows, end, end + (ptrdiff_t)node * step, tangent);
+        if (status != BAT_OK)
+            return status;
+        for (size_t i = 0; i < rows->tangent_dim; i++)
+            sum[i] += weight * tangent[i];
+    }
+    return rows->exp(rows, end, sum, row);
+}
+
+static bat_status extend_end(const bat_space *rows, const bat_space *points, bat_curve_parameters parameters, double *end,
+                             ptrdiff_t step, size_t count, size_t wanted)
+{
+    size_t degree = count > CUBIC_DEGREE ? CUBIC_DEGREE : count - 1;
+    double knots[CUBIC_DEGREE + 1], at = 0;
+    end_knots(points, parameters, end, step, degree, knots);
+    bat_status status = BAT_OK;
+    for (size_t k = 1; k <= wanted && status == BAT_OK; k++)
+    {
+        size_t mirrored = k < degree ? k : degree;
+        at += knots[mirrored] - knots[mirrored - 1];
+        status = value_beyond(rows, end, step, knots, degree, at, end - (ptrdiff_t)k * step);
+    }
+    return status;
+}
+
+bat_status parametric_extend(const bat_space *rows, const bat_space *points, bat_curve_parameters parameters, double *buffer,
+                             size_t count, size_t before, size_t after, bat_error *error)
+{
+    ptrdiff_t step = (ptrdiff_t)rows->point_dim;
+    size_t at = 0;
+    bat_status status = extend_end(rows, points, parameters, buffer, step, count, before);
+    if (status == BAT_OK)
+    {
+        at = count - 1;
+        status = extend_end(rows, points, parameters, buffer + (ptrdiff_t)at * step, -step, count, after);
+    }
+    if (status != BAT_OK)
+        return error_set(error, status, at, 0, "the open curve cannot be continued beyond its end point %zu (%s)", at,
+                         bat_status_name(status));
+    return BAT_OK;
+}

@@ -1,0 +1,470 @@
+/// @file
+/// Splines of cubics through the points of a curve. A cubic over an edge is a Bezier curve whose inner control points lie a
+/// third of the increment along the velocities at the ends; between points of a space other than R^n, de Casteljau's
+/// algorithm takes points of geodesics (Park and Ravani 1995). Two such curves with the same velocity at their common point
+/// are C1.
+
+#include "curve/parametric.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/shared_work.h"
+#include "base/threads.h"
+#include "space/known.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    /// New points computed at a time.
+    PIECE = 1024,
+    /// A closed curve is continued by this many points on either side to solve for the velocities. The equations are
+    /// diagonally dominant by a factor of 2, so what lies beyond changes a velocity by less than 2^-64 of itself.
+    WRAP = 64
+};
+
+typedef struct spline
+{
+    const bat_curve *coarse;
+    const bat_curve_scheme *scheme;
+    const bat_space *space; ///< of the rows
+    size_t channel_count, dim, tangent_dim, count, edges;
+    bool euclidean;
+    double *rows;       ///< count x dim
+    double *increments; ///< of the parameter over each edge
+    double *velocities; ///< count x tangent_dim, by the parameter
+} spline;
+
+static size_t wrapped(const spline *s, ptrdiff_t i)
+{
+    ptrdiff_t count = (ptrdiff_t)s->count;
+    return (size_t)((i % count + count) % count);
+}
+
+static const double *row_at(const spline *s, ptrdiff_t i)
+{
+    return s->rows + wrapped(s, i) * s->dim;
+}
+
+/// The increment over the edge that begins at point i.
+static double increment_at(const spline *s, ptrdiff_t i)
+{
+    return s->increments[wrapped(s, i)];
+}
+
+/// The share of the increment before point i in the sum of both.
+static double share_before(const spline *s, ptrdiff_t i)
+{
+    double before = increment_at(s, i - 1), after = increment_at(s, i);
+    return before / (before + after);
+}
+
+static double share_after(const spline *s, ptrdiff_t i)
+{
+    double before = increment_at(s, i - 1), after = increment_at(s, i);
+    return after / (before + after);
+}
+
+/// The velocity at point i of the geodesic to the next point.
+static bat_status slope_after(const spline *s, ptrdiff_t i, double *slope)
+{
+    bat_status status = s->space->log(s->space, row_at(s, i), row_at(s, i + 1), slope);
+    double increment = increment_at(s, i);
+    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
+        slope[c] /= increment;
+    return status;
+}
+
+/// The velocity at point i of the geodesic from the point before.
+static bat_status slope_before(const spline *s, ptrdiff_t i, double *slope)
+{
+    bat_status status = s->space->log(s->space, row_at(s, i), row_at(s, i - 1), slope);
+    double increment = increment_at(s, i - 1);
+    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
+        slope[c] /= -increment;
+    return status;
+}
+
+/// sum = before times the slope before point i + after times the slope after it.
+static bat_status weighted_slopes(const spline *s, ptrdiff_t i, double before, double after, double *sum)
+{
+    double slope[BAT_SPACE_MAX_DIM];
+    bat_status status = slope_before(s, i, sum);
+    if (status == BAT_OK)
+        status = slope_after(s, i, slope);
+    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
+        sum[c] = before * sum[c] + after * slope[c];
+    return status;
+}
+
+/// Add `factor` times a tangent vector at point `from`, brought to its neighbour `to`.
+static bat_status add_transported(const spline *s, ptrdiff_t from, ptrdiff_t to, double factor, const double *tangent,
+                                  double *sum)
+{
+    double moved[BAT_SPACE_MAX_DIM];
+    bat_status status = s->space->transport(s->space, row_at(s, from), row_at(s, to), tangent, moved);
+    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
+        sum[c] += factor * moved[c];
+    return status;
+}
+
+static double *velocity_of(const spline *s, size_t i)
+{
+    return s->velocities + i * s->tangent_dim;
+}
+
+/// The slope of the only edge at an end of an open curve; `end` is 0 or count - 1.
+static bat_status end_slope(const spline *s, ptrdiff_t end, double *slope)
+{
+    return end == 0 ? slope_after(s, 0, slope) : slope_before(s, end, slope);
+}
+
+/// Replace the velocity of an end by factor * slope - share * the velocity of the point beside it.
+static bat_status end_velocity(const spline *s, ptrdiff_t end, double factor, double share)
+{
+    double *velocity = velocity_of(s, (size_t)end);
+    ptrdiff_t beside = end == 0 ? 1 : end - 1;
+    bat_status status = end_slope(s, end, velocity);
+    for (size_t c = 0; c < s->tangent_dim; c++)
+        velocity[c] *= factor;
+    return status == BAT_OK ? add_transported(s, beside, end, -share, velocity_of(s, (size_t)beside), velocity) : status;
+}
+
+// Catmull-Rom
+
+/// The velocity of the parabola through each point and its neighbours. At the ends of an open curve it is that of the edge,
+/// as if the curve went on by point reflection, or with `parabola` that of the parabola through the last three points.
+static bat_status catmull_rom(const spline *s, bool parabola, size_t *fault)
+{
+    bat_status status = BAT_OK;
+    size_t inner = s->coarse->closed ? 0 : 1;
+    for (size_t i = inner; i + inner < s->count && status == BAT_OK; i++)
+    {
+        *fault = i;
+        ptrdiff_t at = (ptrdiff_t)i;
+        status = weighted_slopes(s, at, share_after(s, at), share_before(s, at), velocity_of(s, i));
+    }
+    for (size_t k = 0; k < 2 && !s->coarse->closed && status == BAT_OK; k++)
+    {
+        *fault = k == 0 ? 0 : s->count - 1;
+        ptrdiff_t end = (ptrdiff_t)*fault;
+        status = parabola && s->count > 2 ? end_velocity(s, end, 2, 1) : end_slope(s, end, velocity_of(s, *fault));
+    }
+    return status;
+}
+
+// The cubic spline
+
+/// The tridiagonal system of the velocities m_i at the points begin … end - 1. With a = share_after(i), b = share_before(i):
+///
+///     a m_(i-1) + g m_i + b m_(i+1) = right side,
+///
+/// where the neighbours' velocities are brought to point i by parallel transport. Inside, g = 2 and the right side is 3 (a
+/// slope before + b slope after), which makes second derivatives continuous. In the first and the last equation the velocity
+/// outside is 0 or eliminated.
+typedef struct velocity_system
+{
+    ptrdiff_t begin, end;
+    bool not_a_knot; ///< the first and the last equation are those of not-a-knot ends
+    double *upper;   ///< end - begin coefficients of the next velocity, after elimination
+    double *right;   ///< end - begin tangent vectors
+} velocity_system;
+
+/// The coefficient g and the right side of equation i. At a not-a-knot end, where the first two cubics are one, the velocity
+/// of the end point is eliminated: m_1 + b m_2 = a^2 slope before + (3 - b) b slope after, and likewise at the other end.
+static bat_status equation(const spline *s, const velocity_system *system, ptrdiff_t i, double *diagonal, double *right)
+{
+    double a = share_after(s, i), b = share_before(s, i);
+    bool first = system->not_a_knot && i == system->begin, last = system->not_a_knot && i == system->end - 1;
+    *diagonal = first || last ? 1 : 2;
+    double before = first ? a * a : last ? (3 - a) * a : 3 * a;
+    double after = first ? (3 - b) * b : last ? b * b : 3 * b;
+    return weighted_slopes(s, i, before, after, right);
+}
+
+static bat_status eliminate(const spline *s, const velocity_system *system, size_t *fault)
+{
+    bat_status status = BAT_OK;
+    for (ptrdiff_t i = system->begin; i < system->end && status == BAT_OK; i++)
+    {
+        *fault = wrapped(s, i);
+        size_t at = (size_t)(i - system->begin);
+        double *right = system->right + at * s->tangent_dim, pivot;
+        status = equation(s, system, i, &pivot, right);
+        if (status == BAT_OK && at > 0)
+        {
+            double lower = share_after(s, i);
+            pivot -= lower * system->upper[at - 1];
+            status = add_transported(s, i - 1, i, -lower, right - s->tangent_dim, right);
+        }
+        system->upper[at] = share_before(s, i) / pivot;
+        for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
+            right[c] /= pivot;
+    }
+    return status;
+}
+
+/// The solution takes the place of the right sides.
+static bat_status substitute(const spline *s, const velocity_system *system, size_t *fault)
+{
+    bat_status status = BAT_OK;
+    for (ptrdiff_t i = system->end - 2; i >= system->begin && status == BAT_OK; i--)
+    {
+        *fault = wrapped(s, i);
+        size_t at = (size_t)(i - system->begin);
+        double *right = system->right + at * s->tangent_dim;
+        status = add_transported(s, i + 1, i, -system->upper[at], right + s->tangent_dim, right);
+    }
+    return status;
+}
+
+static bat_status solve(const spline *s, ptrdiff_t begin, ptrdiff_t end, size_t *fault)
+{
+    size_t count = (size_t)(end - begin), first = begin < 0 ? (size_t)-begin : 0;
+    velocity_system system = {.begin = begin, .end = end, .not_a_knot = !s->coarse->closed};
+    system.upper = memory_array(count, sizeof *system.upper);
+    system.right = memory_array(count * s->tangent_dim, sizeof *system.right);
+    bat_status status = system.upper != NULL && system.right != NULL ? BAT_OK : BAT_NO_MEMORY;
+    if (status == BAT_OK)
+        status = eliminate(s, &system, fault);
+    if (status == BAT_OK)
+        status = substitute(s, &system, fault);
+    size_t wanted = s->coarse->closed ? s->count : count;
+    if (status == BAT_OK)
+        memcpy(velocity_of(s, s->coarse->closed ? 0 : (size_t)begin), system.right + first * s->tangent_dim,
+               wanted * s->tangent_dim * sizeof *system.right);
+    free(system.upper);
+    free(system.right);
+    return status;
+}
+
+/// The velocity of an end whose first two cubics are one: (2 + b) slope + (b^2 next slope - m_1) / a, as at point 1.
+static bat_status not_a_knot_end(const spline *s, ptrdiff_t end)
+{
+    double next[BAT_SPACE_MAX_DIM], *velocity = velocity_of(s, (size_t)end);
+    ptrdiff_t beside = end == 0 ? 1 : end - 1;
+    double near = end == 0 ? share_before(s, beside) : share_after(s, beside);
+    double far = end == 0 ? share_after(s, beside) : share_before(s, beside);
+    bat_status status = end == 0 ? slope_after(s, beside, next) : slope_before(s, beside, next);
+    if (status == BAT_OK)
+        status = end_slope(s, end, velocity);
+    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
+    {
+        velocity[c] *= 2 + near;
+        next[c] = near * near * next[c] - velocity_of(s, (size_t)beside)[c];
+    }
+    return status == BAT_OK ? add_transported(s, beside, end, 1 / far, next, velocity) : status;
+}
+
+/// Natural ends: the second derivative is 0 there. Two points give a straight edge, three one equation for the middle.
+static bat_status natural(const spline *s, size_t *fault)
+{
+    bat_status status = BAT_OK;
+    *fault = 1;
+    if (s->count == 3)
+        status = weighted_slopes(s, 1, share_after(s, 1), share_before(s, 1), velocity_of(s, 1));
+    for (size_t k = 0; k < 2 && status == BAT_OK; k++)
+    {
+        *fault = k == 0 ? 0 : s->count - 1;
+        status = s->count == 3 ? end_velocity(s, (ptrdiff_t)*fault, 1.5, 0.5)
+                               : end_slope(s, (ptrdiff_t)*fault, velocity_of(s, *fault));
+    }
+    return status;
+}
+
+static bat_status cubic(const spline *s, size_t *fault)
+{
+    ptrdiff_t count = (ptrdiff_t)s->count;
+    if (s->coarse->closed)
+        return solve(s, -WRAP, count + WRAP, fault);
+    if (s->count < 4)
+        return natural(s, fault);
+    bat_status status = solve(s, 1, count - 1, fault);
+    for (size_t k = 0; k < 2 && status == BAT_OK; k++)
+    {
+        *fault = k == 0 ? 0 : s->count - 1;
+        status = not_a_knot_end(s, (ptrdiff_t)*fault);
+    }
+    return status;
+}
+
+// The curve
+
+/// Lengths are divided by a power of two near the longest, which changes no digit of the curve.
+static bat_status measure_increments(const spline *s, bat_error *error)
+{
+    const bat_space *points = s->coarse->space;
+    double longest = 0;
+    for (size_t i = 0; i < s->edges; i++)
+    {
+        s->increments[i] = points->distance(points, row_at(s, (ptrdiff_t)i), row_at(s, (ptrdiff_t)i + 1));
+        longest = fmax(longest, s->increments[i]);
+    }
+    int exponent = longest > 0 && isfinite(longest) ? ilogb(longest) : 0;
+    for (size_t i = 0; i < s->edges; i++)
+    {
+        s->increments[i] = parametric_increment(s->scheme->parameters, ldexp(s->increments[i], -exponent));
+        if (!(s->increments[i] > 0 && isfinite(s->increments[i])))
+            return error_set(error, BAT_INVALID_POINT, i, 0, "the edge after point %zu is too %s beside the others", i,
+                             s->increments[i] > 0 ? "long" : "short");
+    }
+    return BAT_OK;
+}
+
+static bat_status find_velocities(const spline *s, const bat_curve_refine_options *options, bat_error *error)
+{
+    size_t fault = 0;
+    bat_status status = s->scheme->kind == BAT_CURVE_SCHEME_CUBIC
+                            ? cubic(s, &fault)
+                            : catmull_rom(s, options->ends == BAT_CURVE_END_EXTRAPOLATE, &fault);
+    if (status == BAT_NO_MEMORY)
+        return error_memory(error, (s->count + 2 * (size_t)WRAP) * (s->tangent_dim + 1) * sizeof(double));
+    if (status != BAT_OK)
+        return error_set(error, status, fault, 0, "the spline has no velocity at point %zu (%s)", fault,
+                         bat_status_name(status));
+    return BAT_OK;
+}
+
+/// The control points of an edge's cubic.
+typedef struct cubic_edge
+{
+    double points[4][BAT_SPACE_MAX_DIM];
+} cubic_edge;
+
+/// The inner control point a third of the edge's increment along the velocity at point i; back for a negative sign.
+static bat_status control_point(const spline *s, size_t i, double third, double *control)
+{
+    double tangent[BAT_SPACE_MAX_DIM];
+    const double *velocity = velocity_of(s, i);
+    for (size_t c = 0; c < s->tangent_dim; c++)
+        tangent[c] = third * velocity[c];
+    return s->space->exp(s->space, s->rows + i * s->dim, tangent, control);
+}
+
+static bat_status cubic_edge_make(const spline *s, size_t i, cubic_edge *edge)
+{
+    size_t next = i + 1 == s->count ? 0 : i + 1;
+    double third = s->increments[i] / 3;
+    memcpy(edge->points[0], s->rows + i * s->dim, s->dim * sizeof *s->rows);
+    memcpy(edge->points[3], s->rows + next * s->dim, s->dim * sizeof *s->rows);
+    bat_status status = control_point(s, i, third, edge->points[1]);
+    return status == BAT_OK ? control_point(s, next, -third, edge->points[2]) : status;
+}
+
+/// Bernstein's form. The sums are symmetric, so that reversal changes no bit.
+static bat_status euclidean_value(const spline *s, const cubic_edge *edge, double t, double *row)
+{
+    double r = 1 - t, w0 = r * r * r, w3 = t * t * t, w1 = 3 * r * t * r, w2 = 3 * r * t * t;
+    bool finite = true;
+    for (size_t c = 0; c < s->dim; c++)
+    {
+        row[c] = (w0 * edge->points[0][c] + w3 * edge->points[3][c]) + (w1 * edge->points[1][c] + w2 * edge->points[2][c]);
+        finite = finite && isfinite(row[c]);
+    }
+    return finite ? BAT_OK : BAT_INVALID_POINT;
+}
+
+/// De Casteljau's algorithm with geodesics.
+static bat_status geodesic_value(const spline *s, const cubic_edge *edge, double t, double *row)
+{
+    double first[3][BAT_SPACE_MAX_DIM], second[2][BAT_SPACE_MAX_DIM];
+    bat_status status = BAT_OK;
+    for (size_t k = 0; k < 3 && status == BAT_OK; k++)
+        status = bat_space_geodesic(s->space, edge->points[k], edge->points[k + 1], t, first[k]);
+    for (size_t k = 0; k < 2 && status == BAT_OK; k++)
+        status = bat_space_geodesic(s->space, first[k], first[k + 1], t, second[k]);
+    return status == BAT_OK ? bat_space_geodesic(s->space, second[0], second[1], t, row) : status;
+}
+
+static void store(const spline *s, const double *row, size_t at, double *points, double *channels)
+{
+    size_t point_dim = s->dim - s->channel_count;
+    memcpy(points + at * point_dim, row, point_dim * sizeof *row);
+    if (s->channel_count > 0)
+        memcpy(channels + at * s->channel_count, row + point_dim, s->channel_count * sizeof *row);
+}
+
+/// New points begin … end - 1. On failure *fault is the edge.
+static bat_status run_piece(const spline *s, size_t levels, size_t begin, size_t end, double *points, double *channels,
+                            size_t *fault)
+{
+    cubic_edge edge;
+    size_t mask = ((size_t)1 << levels) - 1;
+    bool made = false;
+    for (size_t at = begin; at < end; at++)
+    {
+        size_t i = at >> levels, k = at & mask;
+        *fault = i;
+        if (k == 0)
+            store(s, s->rows + i * s->dim, at, points, channels);
+        made = made && k != 0;
+        if (k == 0)
+            continue;
+        double row[BAT_SPACE_MAX_DIM], t = ldexp((double)k, -(int)levels);
+        bat_status status = made ? BAT_OK : cubic_edge_make(s, i, &edge);
+        made = true;
+        if (status == BAT_OK)
+            status = s->euclidean ? euclidean_value(s, &edge, t, row) : geodesic_value(s, &edge, t, row);
+        if (status != BAT_OK)
+            return status;
+        store(s, row, at, points, channels);
+    }
+    return BAT_OK;
+}
+
+static bat_status evaluate(const spline *s, const refine_plan *plan, double *points, double *channels, bat_error *error)
+{
+    const bat_curve_refine_options *options = &plan->options;
+    shared_work work = shared_work_make((plan->count + PIECE - 1) / PIECE, options->progress);
+    int threads = threads_for(options->threads, work.total);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (size_t i = 0; i < work.total; i++)
+    {
+        if (!shared_work_wants(&work, i))
+            continue;
+        bat_error own;
+        size_t end = (i + 1) * PIECE < plan->count ? (i + 1) * PIECE : plan->count, fault = 0;
+        bat_status status = run_piece(s, options->levels, i * PIECE, end, points, channels, &fault);
+        if (status != BAT_OK)
+            (void)error_set(&own, status, fault, 0, "there is no new point after point %zu (%s)", fault,
+                            bat_status_name(status));
+        shared_work_finish(&work, i, status, &own);
+    }
+    return shared_work_end(&work, error);
+}
+
+bat_status spline_refine(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
+                         bat_error *error)
+{
+    spline s = {.coarse = coarse, .scheme = &plan->options.scheme, .count = coarse->count};
+    s.channel_count = channels != NULL ? coarse->channel_count : 0;
+    row_space rows;
+    bat_status status = row_space_make(coarse->space, s.channel_count, &rows, error);
+    if (status != BAT_OK)
+        return status;
+    s.space = &rows.space;
+    s.euclidean = space_is_euclidean(coarse->space);
+    s.dim = rows.space.point_dim;
+    s.tangent_dim = rows.space.tangent_dim;
+    s.edges = coarse->closed ? s.count : s.count - 1;
+    s.rows = memory_array(s.count * s.dim, sizeof *s.rows);
+    s.velocities = memory_array(s.count * s.tangent_dim, sizeof *s.velocities);
+    s.increments = memory_array(s.count, sizeof *s.increments);
+    if (s.rows == NULL || s.velocities == NULL || s.increments == NULL)
+        status = error_memory(error, s.count * (s.dim + s.tangent_dim + 1) * sizeof(double));
+    if (status == BAT_OK)
+    {
+        rows_join(coarse, s.channel_count, s.rows);
+        status = measure_increments(&s, error);
+    }
+    if (status == BAT_OK)
+        status = find_velocities(&s, &plan->options, error);
+    if (status == BAT_OK)
+        status = evaluate(&s, plan, points, channels, error);
+    free(s.rows);
+    free(s.velocities);
+    free(s.increments);
+    return status;
+}
