@@ -60,7 +60,8 @@ static const struct
     size_t max_meshes;
     const char *folder; ///< the default one of ALWAYS and TRAINING
     cloud_use clouds;
-    const char *data; ///< files required by SCANS
+    const char *data;  ///< files required by SCANS, or of curves
+    bool reads_curves; ///< reads curves from a folder
 } RESULTS[] = {
     {.name = "curve-figures",
      .run = reproduce_curve_figures,
@@ -100,6 +101,13 @@ static const struct
      .drawn = WITH_FOLDER,
      .learned = true,
      .summary = "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
+    {.name = "real-curves",
+     .run = reproduce_real_curves,
+     .learned = true,
+     .summary =
+         "curves that people have, sampled evenly, unevenly and by simplification: schemes and splines against the truth",
+     .data = "FAMILY-truth.csv and FAMILY-SAMPLING.csv",
+     .reads_curves = true},
     {.name = "hermite-figures",
      .run = reproduce_hermite_figures,
      .drawn = ALWAYS,
@@ -194,7 +202,8 @@ static const option_spec OPTIONS[] = {
      "same, and the picture of the latter; default out/ and their name"},
     {"model", 0, "FILE",
      "tension-table1, -table2, -iss: a learned tension, for a row \"learned-published\"; tension-mechanism: the one to look "
-     "into; mesh-table2: a learned subdivision, for rows \"given\"; surface-…: a network instead of the one that comes with "
+     "into; real-curves, mesh-table2: a learned scheme, for rows \"given\"; surface-…: a network instead of the one that "
+     "comes with "
      "batten"},
     {"uninformed", 0, "FILE",
      "surface-ablation: a network that does not know the boundary, beside --model; else it is trained"},
@@ -203,8 +212,8 @@ static const option_spec OPTIONS[] = {
      "tension-table2: of the noise; surface-clouds: of the clouds; tension-table3, -table4, mesh-ablations, mesh-style, "
      "surface-ablation: of the trainings; default 1"},
     {"data", 0, "FOLDER",
-     "mesh-table2: all shapes of a folder but those that the networks learned from; surface-nefertiti, -face: where the "
-     "clouds are"},
+     "mesh-table2: all shapes of a folder but those that the networks learned from; real-curves, surface-nefertiti, -face: "
+     "where the curves or clouds are"},
     {"vertices", 0, "N", "mesh-table2: number of vertices of the decimated shapes; default 400"},
     {"epochs", 0, "E", "epochs of each training; mesh-ablations, mesh-style: default 60; surface-ablation: default 10"},
     {"pairs", 0, "N", "mesh-ablations, mesh-style: coarse meshes of each shape; default 50"},
@@ -252,10 +261,12 @@ static int check_meshes(const arguments *given, size_t index)
                                 : usage_error(given, "%s takes %zu shapes at most", name, RESULTS[index].max_meshes);
     if (RESULTS[index].max_meshes == 2 && count == 1)
         return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
-    if (RESULTS[index].clouds != NO_CLOUDS)
+    if (RESULTS[index].clouds != NO_CLOUDS || RESULTS[index].reads_curves)
         return EXIT_DONE;
     if (use != SUBDIVIDES && any_given(given, FOR_SUBDIVISION))
-        return usage_error(given, "--data and --vertices go with mesh-table2, --data with surface-nefertiti and -face too");
+        return usage_error(given,
+                           "--data and --vertices go with mesh-table2, --data with real-curves, surface-nefertiti and -face "
+                           "too");
     if (use != LEARNS && any_given(given, FOR_LEARNING))
         return usage_error(given,
                            "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation");
@@ -295,6 +306,21 @@ static int check_clouds(const arguments *given, size_t index)
     return EXIT_DONE;
 }
 
+/// Check the arguments about curves of a folder against a result; EXIT_DONE if they are valid.
+static int check_curves(const arguments *given, size_t index)
+{
+    static const char *const FOR_MESHES[] = {"vertices", "epochs", "pairs", NULL};
+    const char *name = RESULTS[index].name;
+    if (!RESULTS[index].reads_curves)
+        return EXIT_DONE;
+    if (any_given(given, FOR_MESHES))
+        return usage_error(given, "--vertices, --pairs and --epochs do not go with %s", name);
+    if (argument(given, "data") == NULL)
+        return usage_error(given, "%s needs --data FOLDER with %s: the program comes without any", name,
+                           RESULTS[index].data);
+    return EXIT_DONE;
+}
+
 /// Check all arguments against a result; EXIT_DONE if they are valid.
 static int check_options(const arguments *given, size_t index)
 {
@@ -308,6 +334,8 @@ static int check_options(const arguments *given, size_t index)
     if (argument(given, "set") != NULL && !RESULTS[index].sets)
         return usage_error(given, "%s has no other curves: --set goes with tension-table1", name);
     int code = check_meshes(given, index);
+    if (code == EXIT_DONE)
+        code = check_curves(given, index);
     return code == EXIT_DONE ? check_clouds(given, index) : code;
 }
 

@@ -24,7 +24,7 @@ typedef struct reproduce_job
     bool json;                   ///< print one JSON object
     const char *const *shapes;   ///< files of meshes, `shape_count` of them
     size_t shape_count;
-    const char *data;                    ///< a folder of meshes or clouds; null for none
+    const char *data;                    ///< a folder of meshes, clouds or curves; null for none
     size_t vertices;                     ///< vertices of decimated meshes; 0 for the default, also for the next two
     size_t epochs, pairs;                ///< of trainings on meshes; `epochs` also on clouds
     const char *uninformed;              ///< file of a network without the boundary-informed layer; null for none
@@ -41,6 +41,7 @@ int reproduce_tension_table3(const reproduce_job *job);
 int reproduce_tension_table4(const reproduce_job *job);
 int reproduce_tension_iss(const reproduce_job *job);
 int reproduce_tension_mechanism(const reproduce_job *job);
+int reproduce_real_curves(const reproduce_job *job);
 int reproduce_hermite_figures(const reproduce_job *job);
 int reproduce_hermite_order(const reproduce_job *job);
 int reproduce_mesh_table2(const reproduce_job *job);

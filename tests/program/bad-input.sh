@@ -246,6 +246,12 @@ refused 1 'none.in: cannot open' reproduce tension-mechanism --model none.in
 refused 1 'good.in.csv: ' reproduce tension-mechanism --model good.in.csv
 refused 1 'folder' reproduce tension-table3 -o good.in.csv/folder
 refused 2 'takes no shapes' reproduce tension-table1 face.in.obj
+refused 2 'needs --data FOLDER' reproduce real-curves
+refused 2 'do not go with real-curves' reproduce real-curves --data . --vertices 7
+refused 2 'goes with surface-clouds' reproduce real-curves --data . --clouds 7
+refused 1 'no/such: the folder cannot be opened' reproduce real-curves --data no/such
+refused 1 'there are no files FAMILY-truth.csv' reproduce real-curves --data .
+refused 1 'none.in: cannot open' reproduce real-curves --data . --model none.in
 refused 2 'comes without any' reproduce mesh-table2
 refused 2 'not both' reproduce mesh-table2 face.in.obj --data .
 refused 2 'go with mesh-table2' reproduce mesh-style --data .

@@ -53,7 +53,7 @@ linear='chaikin corner-cutting:r=0.2,s=0.7 four-point four-point:w=0.05 six-poin
 angle='angle-4 angle-6 angle:mu=-0.1,sign=printed angle-4:adaptive=1 learned learned:fairness=0 learned:fairness=1'
 # Two schemes by parallel transport: for evenly spaced times alone.
 transport='hermite-merrien hermite-merrien:base=midpoint hermite-de-rham'
-log_exp='log-exp-4 log-exp-4:base=midpoint log-exp-6 log-exp-lane-riesenfeld:order=2 geodesic:order=2'
+log_exp='log-exp-4 log-exp-4:base=midpoint log-exp-4:parameters=chordal catmull-rom cubic log-exp-6 log-exp-lane-riesenfeld:order=2 geodesic:order=2'
 hermite='hermite hermite:order=3'
 for space in plane euclidean sphere disk hyperbolic rotation rigid spd; do
     case $space in
@@ -159,6 +159,11 @@ begins 20 train tension --recipe batten --epochs 1 --out tension-batten
 for result in tension-iss tension-mechanism hermite-figures; do
     works reproduce $result --json
 done
+mkdir curves
+printf '# closed\n1,0\n0.7,0.7\n0,1\n-0.7,0.7\n-1,0\n-0.7,-0.7\n0,-1\n0.7,-0.7\n' > curves/ring-truth.csv
+printf '# closed\n1,0\n0,1\n-1,0\n0,-1\n' > curves/ring-even.csv
+works reproduce real-curves --data curves --json
+works reproduce real-curves --data curves
 works reproduce surface-clouds --clouds 1 --points 50 --noise 0.01 --degrees 2
 begins 10 reproduce curve-figures -o figures
 

@@ -212,6 +212,55 @@ BAT_API bat_status bat_tension_table3(const bat_tension_ablation_options *option
 BAT_API bat_status bat_tension_table4(const bat_tension_ablation_options *options, bat_tension_ablation_row *rows,
                                       bat_error *error);
 
+// Curves that people have: control points that were sampled from dense curves in several ways, and the dense curves.
+
+/// The longest name of a family or a sampling, with a final zero.
+#define BAT_REAL_CURVES_NAME 64
+/// Radius of the cap of the sphere that a plane curve is laid on, in radians: 20 degrees.
+#define BAT_REAL_CURVES_CAP 0.3490658503988659
+
+/// Options of the study. Begin with bat_real_curves_defaults().
+typedef struct bat_real_curves_options
+{
+    const bat_tension_method *methods; ///< further methods, `method_count` of them; default none
+    size_t method_count;
+    size_t levels; ///< of refinement, 0 to 12; default 5
+    int threads;   ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress;
+} bat_real_curves_options;
+
+/// The options' default values.
+BAT_API bat_real_curves_options bat_real_curves_defaults(void);
+
+/// A method on all curves of a family with one sampling. Distances are relative to the mean edge of the control polygon.
+typedef struct bat_real_curves_row
+{
+    const char *space; ///< "plane" or "sphere"
+    char family[BAT_REAL_CURVES_NAME];
+    char sampling[BAT_REAL_CURVES_NAME];
+    const char *method; ///< a name for bat_curve_scheme_by_name(), "default", "polygon", "akima" or that of a further method
+    size_t curves;
+    double distance; ///< mean over the curves of half the sum of both one-sided mean distances
+    double relative; ///< the same over that of the control polygons
+    double largest;  ///< mean over the curves of the largest distance
+    double turn;     ///< median of the largest turning angle, radians
+    size_t crossed;  ///< curves that cross themselves though their control polygon does not
+} bat_real_curves_row;
+
+/// Refine control points by the default, other schemes and splines, and measure the results against the true curves, in the
+/// plane and on the sphere. On the sphere, the azimuthal equidistant map lays the circle around the bounding box of each
+/// true curve on a cap of radius BAT_REAL_CURVES_CAP. Each curve is measured by 8000 points at equal steps of length, of
+/// which every fourth one searches the nearest point of the other curve.
+///
+/// @param folder  has files FAMILY-truth.csv and FAMILY-SAMPLING.csv with equally many curves of the plane, in one order
+/// @param options null for the defaults
+/// @param rows    receives the rows, by space, family, sampling and method; release them with free(). A method that does not
+///                exist in a space has no row there
+/// @return BAT_OK; BAT_FILE_ACCESS or BAT_BAD_FILE (no such files, or files that do not match); BAT_INVALID_ARGUMENT,
+///         BAT_CANCELLED, BAT_NO_MEMORY or the status of reading or refining
+BAT_API bat_status bat_real_curves(const char *folder, const bat_real_curves_options *options, bat_real_curves_row **rows,
+                                   size_t *count, bat_error *error);
+
 // Analysis of a trained network: section 9 and remark 4 of Ugail and Howard (2026).
 
 /// Range to which effective tensions are clipped, as published.
