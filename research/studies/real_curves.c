@@ -99,6 +99,12 @@ typedef struct study
 
 // Measures
 
+/// The point that ends an edge.
+static const double *edge_end(const bat_curve *curve, size_t edge)
+{
+    return curve->points + (edge + 1 == curve->count ? 0 : edge + 1) * curve->space->point_dim;
+}
+
 /// Points at equal steps of length; a closed curve's last step leads back to its first point.
 static bat_status resample(const bat_curve *curve, double *points)
 {
@@ -106,20 +112,20 @@ static bat_status resample(const bat_curve *curve, double *points)
     size_t dim = space->point_dim, edges = curve->closed ? curve->count : curve->count - 1;
     double total = 0, begin = 0, length = 0;
     for (size_t i = 0; i < edges; i++)
-        total += space->distance(space, curve->points + i * dim, curve->points + (i + 1) % curve->count * dim);
+        total += space->distance(space, curve->points + i * dim, edge_end(curve, i));
     double step = total / (curve->closed ? SAMPLES : SAMPLES - 1);
     size_t edge = 0;
     for (size_t k = 0; k < SAMPLES; k++)
     {
         double at = step * (double)k;
-        const double *p = curve->points + edge * dim, *q = curve->points + (edge + 1) % curve->count * dim;
+        const double *p = curve->points + edge * dim, *q = edge_end(curve, edge);
         length = k == 0 ? space->distance(space, p, q) : length;
         while (edge + 1 < edges && at >= begin + length)
         {
             begin += length;
             edge++;
             p = q;
-            q = curve->points + (edge + 1) % curve->count * dim;
+            q = edge_end(curve, edge);
             length = space->distance(space, p, q);
         }
         double share = length > 0 ? fmin((at - begin) / length, 1) : 0;
@@ -344,7 +350,7 @@ static double mean_edge(const bat_curve *curve)
     size_t dim = curve->space->point_dim, edges = curve->closed ? curve->count : curve->count - 1;
     double sum = 0;
     for (size_t i = 0; i < edges; i++)
-        sum += curve->space->distance(curve->space, curve->points + i * dim, curve->points + (i + 1) % curve->count * dim);
+        sum += curve->space->distance(curve->space, curve->points + i * dim, edge_end(curve, i));
     return sum / (double)edges;
 }
 

@@ -104,6 +104,8 @@ static bat_status extend_end(const bat_space *rows, const bat_space *points, bat
 {
     size_t degree = count > CUBIC_DEGREE ? CUBIC_DEGREE : count - 1;
     double knots[CUBIC_DEGREE + 1], at = 0;
+    if (degree == 0)
+        return BAT_INVALID_ARGUMENT;
     end_knots(points, parameters, end, step, degree, knots);
     bat_status status = BAT_OK;
     for (size_t k = 1; k <= wanted && status == BAT_OK; k++)
