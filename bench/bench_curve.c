@@ -44,6 +44,7 @@ static bool run_trial(const bat_space *space, const char *scheme, size_t levels,
     bat_curve_refine_options options = bat_curve_refine_defaults();
     options.levels = levels;
     options.threads = 1;
+    options.simple = BAT_CURVE_SIMPLE_NEVER; // bench_simple measures it
     if (bat_curve_scheme_by_name(scheme, &options.scheme, &error) != BAT_OK ||
         bat_curve_refined_count(&coarse, &options, &result->count, &error) != BAT_OK)
     {

@@ -159,6 +159,7 @@ int main(void)
         bat_curve_refine_options options = bat_curve_refine_defaults();
         options.scheme = contenders[i].scheme;
         options.threads = 1;
+        options.simple = BAT_CURVE_SIMPLE_NEVER; // bench_simple measures it
         time_short(&sphere, &contenders[i], options);
         time_long(&sphere, &contenders[i], options);
         learn_parameters_free(&contenders[i].parameters);

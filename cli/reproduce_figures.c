@@ -52,6 +52,7 @@ static bat_status refine_outlines(figure *f, const bat_space *plane, size_t pane
     bat_curve_refine_options how = bat_curve_refine_defaults();
     how.scheme = *scheme;
     how.levels = LEVELS[panel];
+    how.simple = BAT_CURVE_SIMPLE_NEVER;
     how.progress = report_progress(f->name);
     bat_status status = BAT_OK;
     for (size_t o = 0; o < f->shape->outline_count && status == BAT_OK; o++)

@@ -58,6 +58,41 @@ BAT_API const char *bat_curve_end_rule_name(bat_curve_end_rule value);
 /// @return false past the last
 BAT_API bool bat_curve_end_rule_list(size_t index, bat_choice *choice);
 
+/// Which curves stay simple: where the refined curve crosses or touches itself and the given polygon does not, new points
+/// are drawn back towards their edges until nothing meets. docs/algorithms/simple-curves.md describes it. Only curves in the
+/// plane, on the sphere S^2 and in the disk can cross themselves.
+typedef enum bat_curve_simple
+{
+    /// Closed curves that are simple when they come in; in other spaces none. A curve of a scheme that does not keep the
+    /// given points is tested and not changed. The default.
+    BAT_CURVE_SIMPLE_RINGS,
+    /// Open curves too. BAT_UNSUPPORTED in other spaces, and where a scheme that does not keep the given points gives a
+    /// curve that crosses itself.
+    BAT_CURVE_SIMPLE_ALWAYS,
+    BAT_CURVE_SIMPLE_NEVER ///< No test.
+} bat_curve_simple;
+
+/// A choice of bat_curve_simple by name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_curve_simple_by_name(const char *name, bat_curve_simple *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_curve_simple_name(bat_curve_simple value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_curve_simple_list(size_t index, bat_choice *choice);
+
+/// What refinement found and did; sums over the curves of a call.
+typedef struct bat_curve_refine_report
+{
+    size_t checked;        ///< curves that were tested
+    size_t given_crossing; ///< of these, curves whose given polygon is not simple; they are refined and left as they are
+    size_t crossing;       ///< of the others, curves that crossed or touched themselves after refinement
+    size_t crossings;      ///< pairs of their refined edges that did
+    size_t drawn_back;     ///< edges of the given polygons whose new points were drawn back
+    size_t straight;       ///< of these, edges that became straight
+    size_t left_crossing;  ///< curves that still cross themselves, of schemes that do not keep the given points
+} bat_curve_refine_report;
+
 /// Options of refinement. Begin with bat_curve_refine_defaults().
 typedef struct bat_curve_refine_options
 {
@@ -68,6 +103,10 @@ typedef struct bat_curve_refine_options
     size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
     int threads;             ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;   ///< default: none
+    bat_curve_simple simple; ///< default BAT_CURVE_SIMPLE_RINGS
+    /// Receives what was done when the call succeeds; of bat_curve_refine(), bat_curve_refine_into() and
+    /// bat_curves_refine(). Default: null.
+    bat_curve_refine_report *report;
 } bat_curve_refine_options;
 
 /// The options' default values.
@@ -90,14 +129,16 @@ BAT_API bat_curve_scheme bat_curves_scheme(const bat_curve *curves, size_t count
 BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                            bat_error *error);
 
-/// Refine a curve by repeated subdivision. A level doubles the number of edges.
+/// Refine a curve by repeated subdivision. A level doubles the number of edges. A closed curve that is simple stays so, see
+/// bat_curve_simple.
 /// Memory beyond the result: at most as much again; linear schemes need almost none.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
 /// @param options null for bat_curve_refine_defaults()
 /// @param fine    receives the refined curve; release it with bat_curve_free()
 /// @param error   receives what went wrong and at which point; may be null
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT (also where edges of a simple polygon come so near to each other
+///         that rounding makes their new points cross), BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
 ///         BAT_CANCELLED; `fine` is untouched on failure
 BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
                                     bat_error *error);
@@ -114,7 +155,7 @@ BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, cons
 /// @param points   room for `capacity` rows
 /// @param channels room for `capacity` rows of channels; null: they are not computed
 /// @param capacity at least bat_curve_refined_count(), else BAT_TOO_LARGE
-/// @return as bat_curve_refine()
+/// @return as bat_curve_refine(); the arrays may hold part of a result on failure
 BAT_API bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
                                          double *channels, size_t capacity, bat_error *error);
 

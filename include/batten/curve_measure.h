@@ -93,6 +93,27 @@ BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_me
 BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
                                        bat_curve_fairness_values *fairness, size_t *failed_curve, bat_error *error);
 
+/// Whether a curve is simple: its edges are geodesics that meet nowhere but at the vertices that neighbours share. Edges
+/// that touch, and neighbours that fold back onto each other, make it not simple. Points that repeat their neighbour do not.
+/// An open curve whose last point equals its first is a ring. The answer is exact for the coordinates as they are stored,
+/// except that a coordinate below 2^-480 (plane; of the largest one where that is out of range), 2^-300 (sphere) or 2^-200
+/// (disk) counts as 0. O(n log n) for curves whose pieces lie near in space where they are near in order.
+///
+/// @param curve  at least one point, in the plane, on the sphere S^2 or in the disk
+/// @param simple receives the answer; untouched on failure
+/// @return BAT_OK; BAT_UNSUPPORTED in other spaces; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT or BAT_CUT_LOCUS with the index
+/// of
+///         the point; or BAT_NO_MEMORY
+BAT_API bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat_error *error);
+
+/// bat_curve_is_simple() for many curves, each by itself. Threads share the curves.
+/// @param options      null for the defaults; only threads and progress count
+/// @param simple       receives `count` answers; some of them on failure
+/// @param failed_curve receives the first curve at fault on failure, and is untouched when cancelled; may be null
+/// @return as bat_curve_is_simple(), and BAT_CANCELLED
+BAT_API bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
+                                         bool *simple, size_t *failed_curve, bat_error *error);
+
 /// @name Convergence of refinement
 /// The chordal distance of a refined polygon from its limit, in O(n).
 /// Of the options (null for the defaults) threads and progress count. Both return BAT_OK; BAT_INVALID_ARGUMENT (too few

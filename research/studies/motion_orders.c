@@ -135,6 +135,7 @@ static bat_status points_alone_error(const study_curve *curve, const char *name,
     for (size_t i = 0; i < count; i++)
         parameters[i] = PERIOD * (double)i / (double)count;
     how.levels = LEVELS;
+    how.simple = BAT_CURVE_SIMPLE_NEVER;
     bat_status status = bat_curve_scheme_by_name(name, &how.scheme, error);
     if (status == BAT_OK)
         status = study_curve_sample(curve, parameters, count, true, &samples, error);

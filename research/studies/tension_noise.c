@@ -168,6 +168,7 @@ static bat_status measure(noise_state *state, const bat_curve_scheme *scheme, ba
     refine.scheme = *scheme;
     refine.levels = state->options->levels;
     refine.threads = state->options->threads;
+    refine.simple = BAT_CURVE_SIMPLE_NEVER; // the published program has no such test
     bat_curve_measure_options how = bat_curve_measure_defaults();
     how.threads = state->options->threads;
     size_t failed = 0;

@@ -48,6 +48,7 @@ static bat_status measure_one(const case_set *set, size_t i, const bat_curve_sch
     refine.scheme = *scheme;
     refine.levels = set->levels;
     refine.threads = 1;
+    refine.simple = BAT_CURVE_SIMPLE_NEVER; // the published program has no such test
     bat_curve_measure_options measure = bat_curve_measure_defaults();
     measure.threads = 1;
     bat_curve fine;

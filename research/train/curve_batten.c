@@ -211,6 +211,7 @@ static bat_status refine(const bat_tension_set *set, const bat_space *space, con
     options.scheme.fairness = fairness;
     options.levels = BAT_TENSION_LEVELS;
     options.threads = threads;
+    options.simple = BAT_CURVE_SIMPLE_NEVER; // the rule alone is trained
     for (size_t i = 0; i < set->count; i++)
         coarse[i] = bat_tension_control(set, i, space);
     return bat_curves_refine(coarse, set->count, &options, fine, NULL, error);

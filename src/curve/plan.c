@@ -144,6 +144,7 @@ bat_status bat_curve_refine_options_check(const bat_curve_refine_options *option
         OPTION_FIELD(bat_curve_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
         OPTION_FIELD(bat_curve_refine_options, ends, OPTION_CHOICE, 0, BAT_CURVE_END_FREE),
         OPTION_FIELD(bat_curve_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
+        OPTION_FIELD(bat_curve_refine_options, simple, OPTION_CHOICE, 0, BAT_CURVE_SIMPLE_NEVER),
         OPTION_THREADS(bat_curve_refine_options),
     };
     if (options == NULL)
@@ -165,6 +166,11 @@ static bat_status check_rule_space(const bat_space *space, const bat_curve_angle
 static bat_status check_space(const bat_space *space, const bat_curve_refine_options *options, bat_error *error)
 {
     const bat_curve_scheme *scheme = &options->scheme;
+    int curvature;
+    if (options->simple == BAT_CURVE_SIMPLE_ALWAYS && !space_is_surface(space, &curvature))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "curves cross only in surfaces (plane, sphere in R^3, disk), not in the %s of dimension %zu",
+                         space->name, space->dimension);
     if (scheme->kind != BAT_CURVE_SCHEME_LINEAR && (options->snap || options->ends == BAT_CURVE_END_FREE))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
                          options->snap ? "be moved to their limit" : "leave the ends free");

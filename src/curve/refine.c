@@ -6,6 +6,7 @@
 #include "curve/parametric.h"
 #include "curve/plan.h"
 #include "curve/polygon.h"
+#include "curve/topology/keep_simple.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -256,9 +257,12 @@ static bat_status refine_joined(const bat_curve *coarse, const refine_plan *plan
     return status;
 }
 
+/// The share of the work that is refinement, where the result is tested for crossings.
+#define REFINED_SHARE 0.8
+
 /// Points first, then channels; progress by the numbers made.
-static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
-                            bat_error *error)
+static bat_status make_rows(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *points,
+                            double *channels, bat_error *error)
 {
     bool has_channels = coarse->channel_count > 0 && channels != NULL;
     bat_curve_scheme_kind kind = plan->options.scheme.kind;
@@ -268,11 +272,32 @@ static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, do
         return refine_joined(coarse, plan, points, channels, error);
     double point_dim = (double)coarse->space->point_dim;
     double share = has_channels ? point_dim / (point_dim + (double)coarse->channel_count) : 1;
-    progress_part parts[2] = {{plan->options.progress, 0, share}, {plan->options.progress, share, 1 - share}};
+    progress_part parts[2] = {{progress, 0, share}, {progress, share, 1 - share}};
     bat_status status = refine_points(coarse, plan, progress_of_part(&parts[0]), points, error);
     if (status == BAT_OK && has_channels)
         status = refine_channels(coarse, plan, progress_of_part(&parts[1]), channels, error);
     return status;
+}
+
+/// Everything: rows, and what keeps the curve simple.
+static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
+                            bat_error *error)
+{
+    double share = wants_simple(coarse, &plan->options) ? REFINED_SHARE : 1;
+    progress_part parts[2] = {{plan->options.progress, 0, share}, {plan->options.progress, share, 1 - share}};
+    bat_status status = make_rows(coarse, plan, progress_of_part(&parts[0]), points, channels, error);
+    if (status != BAT_OK)
+        return status;
+    bat_curve fine = {.space = coarse->space, .points = points, .count = plan->count, .closed = coarse->closed};
+    bat_curve_refine_report report;
+    status = keep_simple(coarse, &plan->options, &fine, NULL, progress_of_part(&parts[1]), &report, error);
+    if (status != BAT_OK)
+        return status;
+    if (share < 1 && plan->options.progress.report != NULL)
+        (void)plan->options.progress.report(plan->options.progress.context, 1); // a wish to stop comes too late
+    if (plan->options.report != NULL)
+        *plan->options.report = report;
+    return BAT_OK;
 }
 
 bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,

@@ -22,8 +22,23 @@ static bat_curve_refine_options options_for(const bat_curve *curve, const bat_cu
     return how;
 }
 
+/// Add a curve's report to that of all. Sums of whole numbers do not depend on their order.
+static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_report *one)
+{
+#pragma omp critical(refine_report)
+    {
+        sum->checked += one->checked;
+        sum->given_crossing += one->given_crossing;
+        sum->crossing += one->crossing;
+        sum->crossings += one->crossings;
+        sum->drawn_back += one->drawn_back;
+        sum->straight += one->straight;
+        sum->left_crossing += one->left_crossing;
+    }
+}
+
 static void refine_many(const bat_curve *coarse, const bat_curve_refine_options *options, int threads, bat_curve *fine,
-                        shared_work *work)
+                        bat_curve_refine_report *report, shared_work *work)
 {
     size_t new_points = curves_new_points(coarse, work->total, options->levels);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
@@ -33,16 +48,19 @@ static void refine_many(const bat_curve *coarse, const bat_curve_refine_options 
             continue;
         bat_error error;
         bat_curve_refine_options how = options_for(&coarse[i], options, new_points);
+        bat_curve_refine_report one = {0};
         how.threads = 1;
         how.progress = (bat_progress){0};
+        how.report = &one;
         bat_status status = bat_curve_refine(&coarse[i], &how, &fine[i], &error);
+        add_report(report, &one);
         shared_work_finish(work, i, status, &error);
     }
 }
 
 /// One after the other, each reporting its part of the whole.
 static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
-                             size_t *failed, bat_error *error)
+                             bat_curve_refine_report *report, size_t *failed, bat_error *error)
 {
     size_t new_points = curves_new_points(coarse, count, options->levels);
     bat_status status = BAT_OK;
@@ -50,8 +68,11 @@ static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_cu
     {
         bat_curve_refine_options how = options_for(&coarse[i], options, new_points);
         progress_part part = {how.progress, (double)i / (double)count, 1 / (double)count};
+        bat_curve_refine_report one = {0};
         how.progress = progress_of_part(&part);
+        how.report = &one;
         status = bat_curve_refine(&coarse[i], &how, &fine[i], error);
+        add_report(report, &one);
         *failed = i;
     }
     return status;
@@ -62,6 +83,7 @@ bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_cu
 {
     const bat_curve_refine_options defaults = bat_curve_refine_defaults();
     options = options != NULL ? options : &defaults;
+    bat_curve_refine_report report = {0};
     size_t failed = 0;
     for (size_t i = 0; i < count; i++)
         fine[i] = (bat_curve){.space = coarse[i].space};
@@ -70,14 +92,16 @@ bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_cu
         return status;
     int threads = threads_for(options->threads, SIZE_MAX);
     if (count < MANY * (size_t)threads)
-        status = refine_few(coarse, count, options, fine, &failed, error);
+        status = refine_few(coarse, count, options, fine, &report, &failed, error);
     else
     {
         shared_work work = shared_work_make(count, options->progress);
-        refine_many(coarse, options, threads, fine, &work);
+        refine_many(coarse, options, threads, fine, &report, &work);
         status = shared_work_end(&work, error);
         failed = work.failed;
     }
+    if (status == BAT_OK && options->report != NULL)
+        *options->report = report;
     if (status == BAT_OK)
         return BAT_OK;
     for (size_t i = 0; i < count; i++)

@@ -56,3 +56,14 @@ static const bat_choice END_RULES[] = {
 static const choice_table END_TABLE = CHOICE_TABLE("end rule", END_RULES);
 
 CHOICE_FUNCTIONS(bat_curve_end_rule, END_TABLE, 0)
+
+static const bat_choice SIMPLE_CHOICES[] = {
+    {.name = "rings", .summary = "closed curves that are simple when they come in", .value = BAT_CURVE_SIMPLE_RINGS},
+    {.name = "always",
+     .summary = "open and closed curves that are simple when they come in",
+     .value = BAT_CURVE_SIMPLE_ALWAYS},
+    {.name = "never", .summary = "no test", .value = BAT_CURVE_SIMPLE_NEVER},
+};
+static const choice_table SIMPLE_TABLE = CHOICE_TABLE("choice of simple curves", SIMPLE_CHOICES);
+
+CHOICE_FUNCTIONS(bat_curve_simple, SIMPLE_TABLE, 0)

@@ -55,6 +55,7 @@ static bat_curve_refine_options learned(const bat_curve_model *model, size_t lev
     bat_curve_refine_options how = bat_curve_refine_defaults();
     how.scheme = bat_curve_scheme_of_model(model);
     how.levels = levels;
+    how.simple = BAT_CURVE_SIMPLE_NEVER; // random weights make curves that cross themselves
     return how;
 }
 

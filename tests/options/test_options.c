@@ -12,7 +12,7 @@
 
 enum
 {
-    MOST_CALLS = 5,
+    MOST_CALLS = 6,
     MOST_FIELDS = 20,
     LARGEST_OPTIONS = 4096
 };
@@ -191,6 +191,16 @@ static bat_status call_curves_fairness(const void *options, digest *result, bat_
     bat_curve_fairness_values fairness;
     bat_status status = bat_curves_fairness(&curve, 1, options, &fairness, NULL, error);
     *result = status == BAT_OK ? digest_of(&fairness, sizeof fairness) : 0;
+    return status;
+}
+
+static bat_status call_curves_are_simple(const void *options, digest *result, bat_error *error)
+{
+    bat_space space;
+    bat_curve curve = plane_curve(&space);
+    bool simple = false;
+    bat_status status = bat_curves_are_simple(&curve, 1, options, &simple, NULL, error);
+    *result = status == BAT_OK ? digest_of(&simple, sizeof simple) : 0;
     return status;
 }
 
@@ -688,9 +698,11 @@ static const option_family FAMILIES[] = {
      {BAD(curve_refine, scheme.kind, BAD_INT, 17), BAD(curve_refine, scheme.kind, BAD_INT, -1),
       BAD(curve_refine, levels, BAD_SIZE, 61), BAD(curve_refine, ends, BAD_INT, 3), BAD(curve_refine, ends, BAD_INT, -1),
       BAD(curve_refine, max_points, BAD_SIZE, 0), BAD(curve_refine, threads, BAD_INT, -1),
-      BAD(curve_refine, threads, BAD_INT, 1025)}},
+      BAD(curve_refine, threads, BAD_INT, 1025), BAD(curve_refine, simple, BAD_INT, 3),
+      BAD(curve_refine, simple, BAD_INT, -1)}},
     {HEAD(curve_measure),
-     {call_curve_compare, call_curves_compare, call_curve_fairness, call_curves_fairness, call_chord_distance},
+     {call_curve_compare, call_curves_compare, call_curve_fairness, call_curves_fairness, call_chord_distance,
+      call_curves_are_simple},
      {BAD(curve_measure, bending_offset, BAD_NUMBER, -1), BAD(curve_measure, bending_offset, BAD_NUMBER, NAN),
       BAD(curve_measure, bending_offset, BAD_NUMBER, INFINITY), BAD(curve_measure, threads, BAD_INT, -1)}},
     {HEAD(analysis),
@@ -917,6 +929,7 @@ static void tables_are_complete(void **state)
                                     bat_cloud_sides_list,
                                     bat_curve_end_rule_list,
                                     bat_curve_parameters_list,
+                                    bat_curve_simple_list,
                                     bat_curve_projection_list,
                                     bat_curve_model_list};
     for (size_t l = 0; l < sizeof lists / sizeof *lists; l++)

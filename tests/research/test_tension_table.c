@@ -160,6 +160,7 @@ static double mean_nn_of(bat_tension_space kind, bat_tension_set_kind curves, co
         bat_curve_refine_options how = bat_curve_refine_defaults();
         how.scheme = *scheme;
         how.levels = BAT_TENSION_LEVELS;
+        how.simple = BAT_CURVE_SIMPLE_NEVER; // as the study
         check_status(bat_curve_refine(&control, &how, &fine, NULL), BAT_OK);
         check_status(bat_curve_compare(&fine, &truth, NULL, &distance, NULL), BAT_OK);
         mean += distance.mean_nn / (double)set.count;

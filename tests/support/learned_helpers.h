@@ -30,6 +30,7 @@ static inline bat_curve_refine_options by_rule(const bat_curve_angle_rule *rule,
     how.scheme = bat_curve_scheme_angle_rule(rule);
     how.scheme.fairness = fairness;
     how.levels = levels;
+    how.simple = BAT_CURVE_SIMPLE_NEVER; // the rule alone
     return how;
 }
 

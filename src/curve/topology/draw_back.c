@@ -1,0 +1,207 @@
+#include "curve/topology/draw_back.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    /// After so many halvings an edge becomes straight.
+    MAX_HALVINGS = 4,
+    STRAIGHT = MAX_HALVINGS + 1,
+    /// From this round on an edge becomes straight at once.
+    PATIENCE = 40
+};
+
+/// The state of an edge of a polygon.
+typedef struct edge_state
+{
+    unsigned char halvings; ///< STRAIGHT: lambda is 0
+    bool meets;             ///< one of its refined edges meets another
+} edge_state;
+
+typedef struct draw_back_job
+{
+    const drawn_curve *drawn;
+    bat_curve *fine;
+    size_t count;
+    size_t *first; ///< of each curve, its first edge in `edges`
+    edge_state *edges;
+    size_t edge_count, crossings;
+    edge_place stuck; ///< an edge that is straight and meets a straight one; curve BAT_NO_INDEX for none
+} draw_back_job;
+
+static size_t edges_of(const bat_curve *curve)
+{
+    return curve->closed ? curve->count : curve->count - 1;
+}
+
+/// The place of coarse point i in the refined curve; i may be the number of edges of a closed curve.
+static size_t start_of(const bat_curve *coarse, const bat_curve *fine, const size_t *starts, size_t i)
+{
+    return starts != NULL ? starts[i] : i * (edges_of(fine) / edges_of(coarse));
+}
+
+bool contains_points(const bat_curve *coarse, const bat_curve *fine, const size_t *starts)
+{
+    size_t dim = coarse->space->point_dim;
+    if (starts == NULL && edges_of(fine) % edges_of(coarse) != 0)
+        return false;
+    for (size_t i = 0; i < coarse->count; i++)
+    {
+        const double *p = coarse->points + i * dim, *q = fine->points + start_of(coarse, fine, starts, i) * dim;
+        for (size_t c = 0; c < dim; c++)
+            if (p[c] != q[c])
+                return false;
+    }
+    return true;
+}
+
+/// The edge of the polygon that a refined edge belongs to.
+static size_t edge_under(const draw_back_job *job, edge_place place)
+{
+    const drawn_curve *drawn = &job->drawn[place.curve];
+    size_t low = 0, high = edges_of(drawn->coarse);
+    if (drawn->starts == NULL)
+        return place.edge / (edges_of(&job->fine[place.curve]) / high);
+    while (high - low > 1)
+    {
+        size_t middle = low + (high - low) / 2;
+        *(drawn->starts[middle] <= place.edge ? &low : &high) = middle;
+    }
+    return low;
+}
+
+static bool note_pair(void *context, edge_place first, edge_place second)
+{
+    draw_back_job *job = context;
+    edge_place places[2] = {first, second};
+    bool all_straight = true;
+    job->crossings++;
+    for (int k = 0; k < 2; k++)
+    {
+        places[k].edge = edge_under(job, places[k]);
+        edge_state *edge = &job->edges[job->first[places[k].curve] + places[k].edge];
+        edge->meets = true;
+        all_straight &= edge->halvings == STRAIGHT;
+    }
+    if (all_straight)
+        job->stuck = places[0];
+    return !all_straight;
+}
+
+/// The point at share k / parts of an edge, from the nearer end.
+static bat_status point_of_edge(const bat_space *space, const double *p, const double *q, size_t k, size_t parts,
+                                double *point)
+{
+    bool from_q = 2 * k > parts;
+    double share = (double)(from_q ? parts - k : k) / (double)parts;
+    return bat_space_geodesic(space, from_q ? q : p, from_q ? p : q, share, point);
+}
+
+/// Move the new points of edge `e` half of the way to the edge, or onto it.
+static bat_status move_points(const bat_curve *coarse, bat_curve *fine, const size_t *starts, size_t e, bool onto_edge)
+{
+    const bat_space *space = coarse->space;
+    size_t dim = space->point_dim, begin = start_of(coarse, fine, starts, e), end = start_of(coarse, fine, starts, e + 1);
+    const double *p = coarse->points + e * dim, *q = coarse->points + (e + 1 == coarse->count ? 0 : e + 1) * dim;
+    for (size_t i = begin + 1; i < end; i++)
+    {
+        double on_edge[3], middle[3], *point = fine->points + i * dim;
+        bat_status status = point_of_edge(space, p, q, i - begin, end - begin, on_edge);
+        if (status == BAT_OK && !onto_edge)
+            status = bat_space_geodesic(space, on_edge, point, 0.5, middle);
+        if (status != BAT_OK)
+            return status;
+        memcpy(point, onto_edge ? on_edge : middle, dim * sizeof *point);
+    }
+    return BAT_OK;
+}
+
+/// Draw back every edge that meets another.
+static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, bat_error *error)
+{
+    for (size_t c = 0; c < job->count; c++)
+    {
+        const drawn_curve *drawn = &job->drawn[c];
+        for (size_t e = 0; e < edges_of(drawn->coarse); e++)
+        {
+            edge_state *edge = &job->edges[job->first[c] + e];
+            bool moves = edge->meets && edge->halvings < STRAIGHT;
+            edge->meets = false;
+            if (!moves)
+                continue;
+            edge->halvings = round >= PATIENCE ? STRAIGHT : (unsigned char)(edge->halvings + 1);
+            if (move_points(drawn->coarse, &job->fine[c], drawn->starts, e, edge->halvings == STRAIGHT) != BAT_OK)
+                return error_set(error, BAT_INVALID_POINT, e, 0,
+                                 "the new points after point %zu cannot be drawn back to their edge", e);
+            edge_tree_mark(tree, c, start_of(drawn->coarse, &job->fine[c], drawn->starts, e),
+                           start_of(drawn->coarse, &job->fine[c], drawn->starts, e + 1));
+        }
+    }
+    return edge_tree_update(tree, error);
+}
+
+static bat_status run_rounds(draw_back_job *job, edge_tree *tree, edge_pairs pairs, bat_progress progress,
+                             draw_back_counts *counts, bat_error *error)
+{
+    for (size_t round = 0;; round++)
+    {
+        job->crossings = 0;
+        (void)edge_tree_search(tree, pairs, round > 0, note_pair, job);
+        if (round == 0)
+            counts->crossings = job->crossings;
+        if (job->stuck.curve != BAT_NO_INDEX)
+            return error_set(
+                error, BAT_INVALID_POINT, job->stuck.edge, 0,
+                "the edge after point %zu comes so near to another one that rounding makes their new points cross",
+                job->stuck.edge);
+        if (job->crossings == 0)
+            return BAT_OK;
+        double fraction = 1 - 1 / ((double)round + 2);
+        if (progress.report != NULL && !progress.report(progress.context, fraction))
+            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+        edge_tree_settle(tree);
+        bat_status status = draw_all(job, tree, round, error);
+        if (status != BAT_OK)
+            return status;
+    }
+}
+
+static bat_status make_states(draw_back_job *job, bat_error *error)
+{
+    job->first = memory_array(job->count, sizeof *job->first);
+    if (job->first == NULL)
+        return error_memory(error, job->count * sizeof *job->first);
+    for (size_t c = 0; c < job->count; c++)
+    {
+        job->first[c] = job->edge_count;
+        job->edge_count += edges_of(job->drawn[c].coarse);
+    }
+    job->edges = calloc(job->edge_count > 0 ? job->edge_count : 1, sizeof *job->edges);
+    return job->edges != NULL ? BAT_OK : error_memory(error, job->edge_count * sizeof *job->edges);
+}
+
+bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, edge_pairs pairs, bat_progress progress,
+                     draw_back_counts *counts, bat_error *error)
+{
+    draw_back_job job = {.drawn = drawn, .fine = fine, .count = count, .stuck = {.curve = BAT_NO_INDEX}};
+    edge_tree tree;
+    *counts = (draw_back_counts){0};
+    bat_status status = edge_tree_make(fine, count, &tree, error);
+    if (status == BAT_OK)
+        status = make_states(&job, error);
+    if (status == BAT_OK)
+        status = run_rounds(&job, &tree, pairs, progress, counts, error);
+    for (size_t e = 0; e < job.edge_count && status == BAT_OK; e++)
+    {
+        counts->edges += job.edges[e].halvings > 0;
+        counts->straight += job.edges[e].halvings == STRAIGHT;
+    }
+    free(job.first);
+    free(job.edges);
+    edge_tree_free(&tree);
+    return status;
+}

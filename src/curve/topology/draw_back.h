@@ -1,0 +1,46 @@
+#ifndef CURVE_TOPOLOGY_DRAW_BACK_H
+#define CURVE_TOPOLOGY_DRAW_BACK_H
+
+#include "curve/topology/edge_tree.h"
+
+/// @file
+/// Refined curves drawn back towards their polygons until their edges no longer meet.
+
+/// A curve that was refined from another and contains its points.
+typedef struct drawn_curve
+{
+    const bat_curve *coarse;
+    /// The coarse point i is point starts[i] of the refined curve; for a closed curve, starts[coarse->count] is the number
+    /// of its points. Null: every edge has equally many new points.
+    const size_t *starts;
+} drawn_curve;
+
+/// What was done.
+typedef struct draw_back_counts
+{
+    size_t crossings; ///< pairs of refined edges that crossed or touched before
+    size_t edges;     ///< edges of the polygons whose new points were moved
+    size_t straight;  ///< of these, edges that became straight
+} draw_back_counts;
+
+/// Whether the refined curve contains the points of the coarse one at the places of `starts` (null as above).
+bool contains_points(const bat_curve *coarse, const bat_curve *fine, const size_t *starts);
+
+/// Draw the new points of refined curves back towards the edges that they were made for, until no two refined edges meet
+/// that count.
+///
+/// A new point over an edge of the polygon at share s becomes the point at share lambda of the geodesic from the edge's
+/// point at s to the refined point. Each edge of the polygon has one lambda, 1 at first. As long as refined edges meet, the
+/// lambda of every edge of the polygon with such a pair is halved, after 1/16 it becomes 0. Points of other edges stay as
+/// they are. With lambda 0 everywhere the result is the polygon, whose edges do not meet, so that this ends.
+///
+/// @param drawn  `count` curves whose polygons' edges do not meet; all contains_points()
+/// @param fine   the refined curves in one space with predicates, in the same order; their points are moved
+/// @param counts receives what was done
+/// @return BAT_OK; BAT_INVALID_POINT with the index of a point of a polygon from which edges come so near that rounding
+/// makes
+///         the straight ones meet; BAT_NO_MEMORY or BAT_CANCELLED; the points may be moved on failure
+bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, edge_pairs pairs, bat_progress progress,
+                     draw_back_counts *counts, bat_error *error);
+
+#endif

@@ -1,0 +1,94 @@
+#include "curve/topology/keep_simple.h"
+
+#include "base/error.h"
+#include "curve/topology/draw_back.h"
+
+static bool stop_at_first(void *context, edge_place first, edge_place second)
+{
+    (void)context;
+    (void)first;
+    (void)second;
+    return false;
+}
+
+bat_status curve_edges_are_apart(const bat_curve *curve, bool *apart, bat_error *error)
+{
+    edge_tree tree;
+    bat_status status = edge_tree_make(curve, 1, &tree, error);
+    if (status == BAT_OK)
+        *apart = edge_tree_search(&tree, EDGE_PAIRS_SAME_CURVE, false, stop_at_first, NULL);
+    edge_tree_free(&tree);
+    return status;
+}
+
+/// The number of pairs of edges that meet, and the first of them.
+typedef struct pair_count
+{
+    size_t pairs, first;
+} pair_count;
+
+static bool count_pair(void *context, edge_place first, edge_place second)
+{
+    (void)second;
+    pair_count *count = context;
+    count->first = count->pairs == 0 || first.edge < count->first ? first.edge : count->first;
+    count->pairs++;
+    return true;
+}
+
+/// A curve that does not contain the given points has no edges to be drawn back to.
+static bat_status only_count(const bat_curve *fine, bool must, bat_curve_refine_report *report, bat_error *error)
+{
+    edge_tree tree;
+    pair_count count = {0, 0};
+    bat_status status = edge_tree_make(fine, 1, &tree, error);
+    if (status == BAT_OK)
+        (void)edge_tree_search(&tree, EDGE_PAIRS_SAME_CURVE, false, count_pair, &count);
+    edge_tree_free(&tree);
+    if (status != BAT_OK)
+        return status;
+    if (must && count.pairs > 0)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "the refined curve crosses itself after its point %zu, and the scheme does not keep the given "
+                         "points, to which it could be drawn back",
+                         count.first);
+    report->crossings = count.pairs;
+    report->crossing = report->left_crossing = count.pairs > 0;
+    return BAT_OK;
+}
+
+bool wants_simple(const bat_curve *coarse, const bat_curve_refine_options *options)
+{
+    surface_kind kind;
+    bool wanted =
+        options->simple == BAT_CURVE_SIMPLE_ALWAYS || (options->simple == BAT_CURVE_SIMPLE_RINGS && coarse->closed);
+    return wanted && options->levels > 0 && surface_of_space(coarse->space, &kind);
+}
+
+bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
+                       const size_t *starts, bat_progress progress, bat_curve_refine_report *report, bat_error *error)
+{
+    *report = (bat_curve_refine_report){0};
+    if (!wants_simple(coarse, options))
+        return BAT_OK;
+    bool apart;
+    bat_status status = curve_edges_are_apart(coarse, &apart, error);
+    if (status != BAT_OK)
+        return status;
+    report->checked = 1;
+    report->given_crossing = !apart;
+    if (!apart)
+        return BAT_OK;
+    if (!contains_points(coarse, fine, starts))
+        return only_count(fine, options->simple == BAT_CURVE_SIMPLE_ALWAYS, report, error);
+    draw_back_counts counts;
+    drawn_curve drawn = {.coarse = coarse, .starts = starts};
+    status = draw_back(&drawn, fine, 1, EDGE_PAIRS_SAME_CURVE, progress, &counts, error);
+    if (status != BAT_OK)
+        return status;
+    report->crossing = counts.crossings > 0;
+    report->crossings = counts.crossings;
+    report->drawn_back = counts.edges;
+    report->straight = counts.straight;
+    return BAT_OK;
+}
