@@ -39,6 +39,8 @@ static const option_spec OPTIONS[] = {
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
     {"ends", 0, "RULE", "how open curves end: reflect (default), extrapolate, free"},
+    {"simple", 0, NULL, "keep open curves from crossing themselves too; default: only closed ones (plane, sphere, disk)"},
+    {"no-simple", 0, NULL, "let refined curves cross themselves"},
     {"snap", 0, NULL, "move the points of a linear scheme onto its limit curve"},
     {"project", 0, NULL, "move points that are off their space onto it"},
     {"picture", 0, "FILE", "draw to FILE: .svg, .png or .pdf"},
@@ -158,6 +160,8 @@ static bool check_exclusions(const arguments *given, const curve_job *job)
 {
     if (argument_flag(given, "closed") && argument_flag(given, "open"))
         (void)usage_error(given, "--closed and --open exclude each other");
+    else if (argument_flag(given, "simple") && argument_flag(given, "no-simple"))
+        (void)usage_error(given, "--simple and --no-simple exclude each other");
     else if (job->json && argument_flag(given, "quiet"))
         (void)usage_error(given, "--json and --quiet exclude each other");
     else if (job->json && is_standard_output(job->output))
@@ -235,6 +239,10 @@ static bool read_job(const arguments *given, curve_job *job)
         .json = argument_flag(given, "json"),
     };
     job->refine.snap = argument_flag(given, "snap");
+    if (argument_flag(given, "simple"))
+        job->refine.simple = BAT_CURVE_SIMPLE_ALWAYS;
+    else if (argument_flag(given, "no-simple"))
+        job->refine.simple = BAT_CURVE_SIMPLE_NEVER;
     job->read.space = argument(given, "space");
     job->read.project = argument_flag(given, "project");
     job->draw.comb = argument_flag(given, "comb");
@@ -264,13 +272,17 @@ int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed,
     return report_failure(job->input, &whole);
 }
 
-int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine)
+int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine,
+                 bat_curve_refine_report *report)
 {
+    if (report != NULL)
+        *report = (bat_curve_refine_report){0};
     if (job->is_motion)
         return motion_refine(job, coarse, levels, fine);
     bat_error error;
     bat_curve_refine_options how = job->refine;
     how.levels = levels;
+    how.report = report;
     bat_curve *curves = calloc(coarse->count, sizeof *curves);
     if (curves == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
@@ -344,7 +356,8 @@ static bool load_model(curve_job *job)
 /// The default scheme.
 static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
 {
-    bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension;
+    bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension &&
+                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS;
     if (plain && bat_motion_suits(coarse))
     {
         job->is_motion = true;
@@ -397,7 +410,7 @@ static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
     int code = read_sets(job, sets);
     const bat_curve_set *truth = job->truth != NULL ? &sets->truth : NULL;
     if (code == EXIT_DONE)
-        code = curve_refine(job, &sets->coarse, job->refine.levels, &sets->fine);
+        code = curve_refine(job, &sets->coarse, job->refine.levels, &sets->fine, &findings->simple);
     if (code == EXIT_DONE && !job->quiet)
         code = curve_measure(job, &sets->coarse, truth, &sets->fine, findings);
     if (code == EXIT_DONE)

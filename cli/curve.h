@@ -39,9 +39,10 @@ typedef struct curve_job
     bool best_tension, json, quiet;
 } curve_job;
 
-/// Refine a set by `levels` levels into another that keeps the file's attributes. Returns the program's exit code, as the
-/// following do.
-int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine);
+/// Refine a set by `levels` levels into another that keeps the file's attributes. `report` receives what kept curves simple;
+/// may be null. Returns the program's exit code, as the following do.
+int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine,
+                 bat_curve_refine_report *report);
 
 /// Read the options that both verbs have, and run the job. Returns the program's exit code.
 int curve_run(const arguments *given, curve_job *job);
@@ -68,12 +69,13 @@ typedef struct curve_totals
 /// What is reported.
 typedef struct curve_findings
 {
+    bat_curve_refine_report simple; ///< of curve_refine()
     curve_totals before, after;
     bool compared;
     double mean_nn, hausdorff; ///< when compared with the truth: means over the curves
 } curve_findings;
 
-/// Measure the result; `truth` may be null, else it has as many curves as `fine`.
+/// Measure the result, all but findings->simple; `truth` may be null, else it has as many curves as `fine`.
 int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
                   curve_findings *findings);
 /// Print the report.

@@ -38,7 +38,7 @@ static int make_panel(const curve_job *job, const bat_curve_set *coarse, const b
     size_t p = set->count++, levels = job->panel_count > 0 ? job->panels[p] : job->refine.levels;
     if (levels > 0 && levels != job->refine.levels)
     {
-        int code = curve_refine(job, coarse, levels, &set->fine[p]);
+        int code = curve_refine(job, coarse, levels, &set->fine[p], NULL);
         if (code != EXIT_DONE)
             return code;
         fine = &set->fine[p];

@@ -62,7 +62,7 @@ int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_c
     bat_error error;
     bat_curve_measure_options options = bat_curve_measure_defaults();
     options.threads = job->read.threads;
-    *findings = (curve_findings){.compared = truth != NULL};
+    *findings = (curve_findings){.simple = findings->simple, .compared = truth != NULL};
     if (measure_fairness(coarse, &options, &findings->before, &error) != BAT_OK ||
         measure_fairness(fine, &options, &findings->after, &error) != BAT_OK)
         return report_failure(job->input, &error);
@@ -91,6 +91,20 @@ static void print_row(const char *name, const curve_totals *t)
     (void)printf("%-8s %12zu %12.6g %14.6g %15.6g\n", name, t->points, t->length, t->bending, t->g1);
 }
 
+/// Whether curves crossed themselves.
+static void print_simple(const bat_curve_refine_report *simple)
+{
+    if (simple->given_crossing > 0)
+        (void)printf("crossing before: %zu of %zu given curves cross themselves and may do so refined\n",
+                     simple->given_crossing, simple->checked);
+    if (simple->crossing > simple->left_crossing)
+        (void)printf("kept simple: %zu of %zu curves crossed themselves; the new points of %zu edges were drawn back\n",
+                     simple->crossing - simple->left_crossing, simple->checked, simple->drawn_back);
+    if (simple->left_crossing > 0)
+        (void)printf("crossing: %zu of %zu refined curves cross themselves; the scheme does not keep the given points\n",
+                     simple->left_crossing, simple->checked);
+}
+
 static void print_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     char place[32];
@@ -105,6 +119,7 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
                  many ? "mean bending" : "bending", "largest angle");
     print_row("given", &findings->before);
     print_row("refined", &findings->after);
+    print_simple(&findings->simple);
     if (findings->compared)
         (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
                      findings->mean_nn, findings->hausdorff);
@@ -116,6 +131,14 @@ static json_t *totals_json(const curve_totals *t)
                      report_number(t->bending), "g1", report_number(t->g1));
 }
 
+static json_t *simple_json(const bat_curve_refine_report *simple)
+{
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "checked", (json_int_t)simple->checked, "given_crossing",
+                     (json_int_t)simple->given_crossing, "crossing", (json_int_t)simple->crossing, "crossings",
+                     (json_int_t)simple->crossings, "drawn_back", (json_int_t)simple->drawn_back, "straight",
+                     (json_int_t)simple->straight, "left_crossing", (json_int_t)simple->left_crossing);
+}
+
 static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     bool sampled = job->motion.rate > 0;
@@ -123,6 +146,11 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
     json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
                                sampled ? "rate" : "levels", amount, "curves", (json_int_t)fine->count, "given",
                                totals_json(&findings->before), "refined", totals_json(&findings->after));
+    if (!job->is_motion && json_object_set_new(object, "simple", simple_json(&findings->simple)) != 0)
+    {
+        json_decref(object);
+        return NULL;
+    }
     if (!findings->compared)
         return object;
     json_t *pair = json_pack("{s:o, s:o}", "mean_nn", report_number(findings->mean_nn), "hausdorff",

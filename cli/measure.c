@@ -33,12 +33,11 @@ static const file_option FILES[] = {{"picture", FILE_DRAWN}, {NULL, 0}};
 
 static const verb_spec SPEC = {
     .usage = "batten measure A [B] [options]",
-    .summary =
-        "Measure the fairness of the curves of A and B (bending energy, largest exterior angle) and their distances:\n"
-        "nearest-neighbour and Hausdorff, curve i of A with curve i of B. Files of several curves give the\n"
-        "mean and the median over the curves.\n"
-        "Of one mesh: size, topology, area, volume, quality; of two: the Hausdorff and mean distances of\n"
-        "their surfaces, by Metro's definitions.",
+    .summary = "Measure the fairness of the curves of A and B (bending energy, largest exterior angle), whether those of A\n"
+               "are simple, and their distances: nearest-neighbour and Hausdorff, curve i of A with curve i of B. Files of\n"
+               "several curves give the mean and the median over the curves.\n"
+               "Of one mesh: size, topology, area, volume, quality; of two: the Hausdorff and mean distances of\n"
+               "their surfaces, by Metro's definitions.",
     .options = OPTIONS,
     .min_positional = 1,
     .max_positional = 2,
@@ -90,6 +89,7 @@ typedef struct results
     size_t count;
     bat_curve_fairness_values *fairness[2]; ///< of A and B
     bat_curve_distance *distances;
+    bool *simple; ///< of A; null in spaces where curves do not cross
 } results;
 
 static double result_of(const results *all, size_t row, size_t curve)
@@ -135,6 +135,23 @@ static bat_status summarize(const results *all, bool compared, json_t *object, b
     return status;
 }
 
+/// Report how many curves of A are simple.
+static bat_status report_simple(const results *all, json_t *object)
+{
+    size_t simple = 0;
+    if (all->simple == NULL)
+        return BAT_OK;
+    for (size_t i = 0; i < all->count; i++)
+        simple += all->simple[i];
+    if (object != NULL)
+        return json_object_set_new(object, "simple", json_integer((json_int_t)simple)) == 0 ? BAT_OK : BAT_NO_MEMORY;
+    if (all->count == 1)
+        (void)printf("%-36s %14s\n", "A is simple", simple == 1 ? "yes" : "no");
+    else
+        (void)printf("%-36s %14zu of %zu\n", "simple curves of A", simple, all->count);
+    return BAT_OK;
+}
+
 static int report(const char *path, const results *all, bool compared, bool as_json)
 {
     json_t *object = as_json ? json_pack("{s:I}", "curves", (json_int_t)all->count) : NULL;
@@ -144,6 +161,8 @@ static int report(const char *path, const results *all, bool compared, bool as_j
         (void)printf("%-36s %14s %14s\n", "", "mean", "median");
     bat_error error = {.text = "out of memory"};
     bat_status status = summarize(all, compared, object, &error);
+    if (status == BAT_OK)
+        status = report_simple(all, object);
     if (status == BAT_OK && as_json)
         return report_json(object);
     json_decref(object);
@@ -171,6 +190,25 @@ static int measure_fairness(const char *path, const bat_curve_set *set, const ba
     bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, &failed, &error);
     report_progress_end();
     return status == BAT_OK ? EXIT_DONE : report_curve(path, set, failed, &error);
+}
+
+/// Whether each curve is simple. Does nothing in spaces where curves do not cross.
+static int measure_simple(const measure_job *job, const bat_curve_set *set, bool **simple)
+{
+    bat_error error;
+    size_t failed = BAT_NO_INDEX;
+    bat_curve_measure_options how = job->measure;
+    bool *answers = calloc(set->count > 0 ? set->count : 1, sizeof *answers);
+    if (answers == NULL)
+        return report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
+    how.progress = report_progress("looking for crossings");
+    bat_status status = bat_curves_are_simple(set->curves, set->count, &how, answers, &failed, &error);
+    report_progress_end();
+    if (status == BAT_OK)
+        *simple = answers;
+    else
+        free(answers);
+    return status == BAT_OK || status == BAT_UNSUPPORTED ? EXIT_DONE : report_curve(job->paths[0], set, failed, &error);
 }
 
 static int measure_distances(const char *const paths[2], const bat_curve_set *a, const bat_curve_set *b,
@@ -208,6 +246,8 @@ static int measure_sets(const measure_job *job, const bat_curve_set *a, const ba
         code = report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
     if (code == EXIT_DONE)
         code = measure_fairness(job->paths[0], a, &job->measure, all.fairness[0]);
+    if (code == EXIT_DONE)
+        code = measure_simple(job, a, &all.simple);
     if (code == EXIT_DONE && compared)
         code = measure_distances(job->paths, a, b, &job->measure, all.distances);
     if (code == EXIT_DONE && compared)
@@ -217,6 +257,7 @@ static int measure_sets(const measure_job *job, const bat_curve_set *a, const ba
     free(all.fairness[0]);
     free(all.fairness[1]);
     free(all.distances);
+    free(all.simple);
     return code;
 }
 

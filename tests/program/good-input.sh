@@ -68,6 +68,19 @@ check "the report of curve is JSON" json report.json '"bending"'
 "$batten" measure out.csv "$examples/outline.csv" --json > measure.json
 check "measure prints JSON" json measure.json '"hausdorff"'
 
+printf '0,0\n8,0\n8,6\n5,6\n5,1\n4.5,1\n4.5,6\n0,6\n' > strait.csv
+"$batten" curve strait.csv --closed --scheme six-point -o apart.csv > strait.txt
+check "rings stay simple" grep -q '^kept simple: 1 of 1 curves .* 2 edges were drawn back$' strait.txt
+check "a kept ring is simple" sh -c "'$batten' measure apart.csv | grep -q '^A is simple  *yes$'"
+"$batten" curve strait.csv --closed --scheme six-point --no-simple -o across.csv --json > strait.json
+check "without the test nothing is checked" json strait.json '"checked": 0'
+"$batten" measure across.csv --json > across.json
+check "a ring may cross itself" json across.json '"simple": 0'
+"$batten" curve strait.csv --open --scheme six-point -o open.csv --json > open.json
+check "open curves are not tested" json open.json '"checked": 0'
+"$batten" curve strait.csv --open --scheme six-point --simple -o open.csv --json > open.json
+check "open curves are tested when it is asked for" json open.json '"checked": 1'
+
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' > pyramid.obj
 printf 'OFF\n4 2 0\n0 0 3\n1 0 3\n1 1 3\n0 1 3\n3 0 1 2\n3 0 2 3\n' > square.off
 "$batten" measure pyramid.obj --json > pyramid.json
