@@ -13,7 +13,7 @@ enum
 {
     /// The maximum number of files or names that a verb takes, and of options in its table.
     MAX_POSITIONAL = 64,
-    MAX_OPTIONS = 32,
+    MAX_OPTIONS = 48,
     /// The maximum of --threads.
     MAX_THREADS = 1024,
     /// The maximum number of values in a list.

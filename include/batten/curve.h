@@ -18,6 +18,7 @@ typedef struct bat_curve
     bool closed;      ///< the last point joins the first
     double *channels; ///< count x channel_count further values at the points, such as altitudes; may be null
     size_t channel_count;
+    unsigned char *corners; ///< count flags, not 0 at corners, where bat_curve_refine() cuts the curve; may be null
 } bat_curve;
 
 /// Free what the library allocated for a curve and make it empty. Does nothing to a curve that is empty already.
@@ -91,6 +92,9 @@ typedef struct bat_curve_refine_report
     size_t drawn_back;     ///< edges of the given polygons whose new points were drawn back
     size_t straight;       ///< of these, edges that became straight
     size_t left_crossing;  ///< curves that still cross themselves, of schemes that do not keep the given points
+    size_t corners;        ///< vertices at which curves were cut, and flagged ends of open curves
+    size_t min_levels;     ///< the fewest levels of a coarse edge; without stops, `levels`
+    size_t max_levels;     ///< the most
 } bat_curve_refine_report;
 
 /// Options of refinement. Begin with bat_curve_refine_defaults().
@@ -107,6 +111,16 @@ typedef struct bat_curve_refine_options
     /// Receives what was done when the call succeeds; of bat_curve_refine(), bat_curve_refine_into() and
     /// bat_curves_refine(). Default: null.
     bat_curve_refine_report *report;
+    /// Radians, 0 to pi: a vertex is a corner where the exterior angle, that between -log(before) and log(after), is
+    /// greater. 0: only vertices with a flag in bat_curve::corners are. Default 0.
+    double corner_angle;
+    /// A stop, in the unit of the space's distance: each edge gets the smallest number of levels for which none of its
+    /// pieces is longer, whatever its neighbours get. 0: none. Default 0.
+    double max_segment;
+    /// A stop: each edge gets the smallest number of levels for which the limit curve lies within this distance of its
+    /// pieces. The distance is estimated, see docs/algorithms/curve-schemes.md. 0: none. Default 0.
+    double tolerance;
+    size_t max_levels; ///< with a stop, in place of `levels`: the most levels of an edge, 0 to 40; default 20
 } bat_curve_refine_options;
 
 /// The options' default values.
@@ -124,7 +138,9 @@ BAT_API bat_curve_scheme bat_curves_scheme(const bat_curve *curves, size_t count
 
 /// The number of points that refinement gives. A closed curve gets count * 2^levels points. An open curve gets
 /// (count - 1) * 2^levels + 1 points where the scheme has vertices at the ends: masks of odd length, all interpolatory
-/// schemes. Other schemes add the ends, (count - 1) * 2^levels + 2 points. With BAT_CURVE_END_FREE there are fewer.
+/// schemes. Other schemes add the ends, (count - 1) * 2^levels + 2 points. With BAT_CURVE_END_FREE there are fewer. A curve
+/// with corners gets the points of its pieces, with each corner once. With a stop, an edge with k levels has 2^k pieces, and
+/// the call costs as much as a refinement.
 /// @return as bat_curve_refine(), but for BAT_NO_MEMORY and BAT_CANCELLED
 BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                            bat_error *error);
@@ -133,10 +149,19 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_cu
 /// bat_curve_simple.
 /// Memory beyond the result: at most as much again; linear schemes need almost none.
 ///
+/// The curve is cut at its corners: bat_curve::corners and bat_curve_refine_options::corner_angle. Each piece is refined as
+/// an open curve with the end rule, and corners stay where they are. A piece of one edge becomes a geodesic with evenly
+/// spaced points. Schemes that move points need a symmetric mask and BAT_CURVE_END_REFLECT where there are corners.
+///
+/// Stops (max_segment, tolerance) take the place of `levels`. They need a scheme that keeps its points, or `snap` and a
+/// symmetric mask of odd length; and neither BAT_CURVE_END_FREE nor a rule that uses the mean length, nor `adaptive`.
+///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
 /// @param options null for bat_curve_refine_defaults()
-/// @param fine    receives the refined curve; release it with bat_curve_free()
-/// @param error   receives what went wrong and at which point; may be null
+/// @param fine    receives the refined curve, with flags of its corners where `coarse` has flags or a corner angle is given;
+///                release it with bat_curve_free()
+/// @param error   receives what went wrong and at which point; may be null. BAT_TOO_LARGE names the first edge that needs
+///                more than max_levels
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT (also where edges of a simple polygon come so near to each other
 ///         that rounding makes their new points cross), BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
 ///         BAT_CANCELLED; `fine` is untouched on failure

@@ -68,6 +68,9 @@ BAT_API bat_space bat_euclidean(size_t n);
 /// numbers orthogonal to their point; S^2 is oriented by its outer normal. Random points are uniform.
 /// `n` is clipped to 1 … BAT_SPACE_MAX_DIM - 1.
 BAT_API bat_space bat_sphere(size_t n);
+/// The mean radius of the Earth in metres, to convert lengths on the unit sphere: R1 = (2 a + b) / 3 of GRS 80 (Moritz,
+/// Geodetic Reference System 1980, Journal of Geodesy 74, 2000).
+#define BAT_EARTH_RADIUS 6371008.7714
 /// The hyperbolic plane, curvature -1, as the Poincaré disk. Points are 2 numbers of length below 1. Tangent vectors are 2
 /// numbers in the orthonormal frame that the Möbius translation z -> p + z brings from the origin: their Euclidean length
 /// is their Riemannian length. Oriented. Random points are uniform by area in the disk of hyperbolic radius 3.

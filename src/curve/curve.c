@@ -9,6 +9,7 @@ void bat_curve_free(bat_curve *curve)
 {
     free(curve->points);
     free(curve->channels);
+    free(curve->corners);
     *curve = (bat_curve){.space = curve->space};
 }
 

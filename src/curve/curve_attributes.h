@@ -16,6 +16,7 @@ typedef struct csv_columns
     bool degrees;           ///< the coordinates are longitude and latitude
     const point_form *form; ///< how points are written, where not by their coordinates as they are
     size_t altitude;        ///< the channel that is the altitude, or BAT_NO_INDEX
+    size_t corner;          ///< where the file has its column of corners, which is not in `names`; or BAT_NO_INDEX
 } csv_columns;
 
 /// What else a format keeps of a file.

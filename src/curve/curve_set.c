@@ -14,6 +14,7 @@ bat_curve_attributes *attributes_new(bat_curve_format format)
         atomic_init(&attributes->owners, 1);
         attributes->format = format;
         attributes->csv.altitude = BAT_NO_INDEX;
+        attributes->csv.corner = BAT_NO_INDEX;
     }
     return attributes;
 }

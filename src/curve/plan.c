@@ -2,6 +2,8 @@
 
 #include "base/error.h"
 #include "base/option.h"
+#include "curve/corner.h"
+#include "curve/stop.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -18,6 +20,7 @@ bat_curve_refine_options bat_curve_refine_defaults(void)
         .levels = 5,
         .ends = BAT_CURVE_END_REFLECT,
         .max_points = SIZE_MAX >> 24,
+        .max_levels = STOP_DEFAULT_LEVELS,
     };
 }
 
@@ -146,6 +149,10 @@ bat_status bat_curve_refine_options_check(const bat_curve_refine_options *option
         OPTION_FIELD(bat_curve_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, simple, OPTION_CHOICE, 0, BAT_CURVE_SIMPLE_NEVER),
         OPTION_THREADS(bat_curve_refine_options),
+        OPTION_FIELD(bat_curve_refine_options, corner_angle, OPTION_NUMBER, 0, CORNER_ANGLE_LIMIT),
+        OPTION_FIELD(bat_curve_refine_options, max_segment, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_curve_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
     };
     if (options == NULL)
         return BAT_OK;

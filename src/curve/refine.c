@@ -1,10 +1,10 @@
-#include "batten/curve.h"
+#include "curve/refine.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
 #include "curve/parametric.h"
-#include "curve/plan.h"
+#include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/topology/keep_simple.h"
 #include "space/known.h"
@@ -22,8 +22,7 @@ static polygon_end end_of(const bat_curve_scheme *scheme, bat_curve_end_rule rul
     return bat_mask_is_interpolatory(&scheme->mask) ? POLYGON_END_CUBIC : POLYGON_END_LINE;
 }
 
-/// What a curve's channels are refined by: the scheme's own mask, or the four-point mask beside an angle-based scheme.
-static bat_curve_scheme channel_scheme(const bat_curve_scheme *scheme)
+bat_curve_scheme refine_channel_scheme(const bat_curve_scheme *scheme)
 {
     return bat_curve_scheme_linear(scheme->kind == BAT_CURVE_SCHEME_ANGLE ? bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT)
                                                                           : scheme->mask);
@@ -75,15 +74,22 @@ double kernel_scale(const double *points, size_t count, size_t dim)
     return ldexp(1, exponent);
 }
 
+/// Fill the rows around a polygon by the end rule.
+static bat_status extend(padded_rows *coarse, const refine_kernel *kernel, const bat_curve_scheme *scheme,
+                         bat_curve_end_rule ends, bat_error *error)
+{
+    if (scheme->kind == BAT_CURVE_SCHEME_FOUR_POINT && ends == BAT_CURVE_END_EXTRAPOLATE && !coarse->closed)
+        return parametric_extend(coarse->space, kernel->space, scheme->parameters, coarse->rows, coarse->count,
+                                 coarse->before, coarse->after, error);
+    return polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end_of(scheme, ends), coarse->before,
+                          coarse->after, error);
+}
+
 /// Refine rows by the levels of `task`, whose result goes to `fine`.
 static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_curve_scheme *scheme, bat_curve_end_rule ends,
                                 double *fine, bat_error *error)
 {
-    bool at_parameters = scheme->kind == BAT_CURVE_SCHEME_FOUR_POINT && ends == BAT_CURVE_END_EXTRAPOLATE && !coarse->closed;
-    bat_status status = at_parameters ? parametric_extend(coarse->space, task->kernel.space, scheme->parameters,
-                                                          coarse->rows, coarse->count, coarse->before, coarse->after, error)
-                                      : polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed,
-                                                       end_of(scheme, ends), coarse->before, coarse->after, error);
+    bat_status status = extend(coarse, &task->kernel, scheme, ends, error);
     if (status != BAT_OK)
         return status;
     if (task->kernel.measure != NULL)
@@ -162,6 +168,64 @@ static bat_status refine_rows(const bat_space *space, const double *rows, const 
     return status;
 }
 
+bat_status refine_source_make(const bat_space *space, const double *rows, const bat_curve *coarse,
+                              const bat_curve_scheme *scheme, const refine_kernel *kernel, const refine_plan *plan,
+                              size_t levels, refine_source *source, bat_error *error)
+{
+    cascade task = make_task(kernel, &plan->options, coarse->count, coarse->closed);
+    task.snap = plan->snap;
+    ptrdiff_t centre = (task.kernel.first + task.kernel.last) / 2;
+    source->shift = plan->snap.count > 0 && !bat_mask_is_interpolatory(&scheme->mask) ? centre : 0;
+    size_t edges = coarse->closed ? coarse->count : coarse->count - 1;
+    padded_rows padded = {.space = space, .count = coarse->count, .closed = coarse->closed};
+    for (task.levels = 0; task.levels <= levels; task.levels++)
+    {
+        ptrdiff_t begin = refine_source_index(source, task.levels, 0);
+        task.result = (index_range){begin, begin + (ptrdiff_t)(edges << task.levels) + 1};
+        index_range support = cascade_support(&task);
+        size_t before = support.begin < 0 ? (size_t)-support.begin : 0;
+        size_t after = support.end > (ptrdiff_t)padded.count ? (size_t)support.end - padded.count : 0;
+        padded.before = before > padded.before ? before : padded.before;
+        padded.after = after > padded.after ? after : padded.after;
+    }
+    size_t dim = space->point_dim, count = padded.before + padded.count + padded.after;
+    padded.buffer = memory_array(count, dim * sizeof *padded.buffer);
+    if (padded.buffer == NULL)
+        return error_memory(error, count * dim * sizeof *padded.buffer);
+    padded.rows = padded.buffer + padded.before * dim;
+    memcpy(padded.rows, rows, padded.count * dim * sizeof *rows);
+    bat_status status = extend(&padded, kernel, scheme, plan->options.ends, error);
+    if (status != BAT_OK)
+    {
+        free(padded.buffer);
+        return status;
+    }
+    if (task.kernel.measure != NULL)
+        task.kernel.measure(&task.kernel, padded.rows, padded.count, padded.closed);
+    source->space = space;
+    source->task = task;
+    source->buffer = padded.buffer;
+    source->rows = padded.rows;
+    return BAT_OK;
+}
+
+bat_status refine_source_run(const refine_source *source, size_t levels, size_t edge, size_t begin, size_t count,
+                             int threads, double *fine, bat_error *error)
+{
+    cascade task = source->task;
+    ptrdiff_t first = refine_source_index(source, levels, edge) + (ptrdiff_t)begin;
+    task.levels = levels;
+    task.result = (index_range){first, first + (ptrdiff_t)count};
+    task.threads = threads;
+    return cascade_run(&task, source->rows, fine, error);
+}
+
+void refine_source_free(refine_source *source)
+{
+    free(source->buffer);
+    *source = (refine_source){0};
+}
+
 /// One level of a whole polygon of `count` points.
 static cascade one_level(const bat_curve *coarse, const bat_curve_refine_options *options, size_t count)
 {
@@ -203,8 +267,7 @@ static bat_status refine_level_by_level(const bat_curve *coarse, const refine_pl
     return status;
 }
 
-/// Whether each level must be there as a whole before the next begins.
-static bool needs_whole_polygons(const bat_curve_scheme *scheme)
+bool refine_needs_whole_polygons(const bat_curve_scheme *scheme)
 {
     if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
         return false;
@@ -215,7 +278,7 @@ static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan
                                 bat_error *error)
 {
     const bat_curve_scheme *scheme = &plan->options.scheme;
-    if (needs_whole_polygons(scheme) && plan->options.levels > 0)
+    if (refine_needs_whole_polygons(scheme) && plan->options.levels > 0)
         return refine_level_by_level(coarse, plan, progress, fine, error);
     refine_kernel kernel = kernel_for(coarse->space, scheme);
     return refine_rows(coarse->space, coarse->points, coarse, scheme, &kernel, plan, progress, fine, error);
@@ -225,7 +288,7 @@ static bat_status refine_channels(const bat_curve *coarse, const refine_plan *pl
                                   bat_error *error)
 {
     bat_space space = bat_euclidean(coarse->channel_count);
-    bat_curve_scheme scheme = channel_scheme(&plan->options.scheme);
+    bat_curve_scheme scheme = refine_channel_scheme(&plan->options.scheme);
     refine_kernel kernel = kernel_for(&space, &scheme);
     return refine_rows(&space, coarse->channels, coarse, &scheme, &kernel, plan, progress, fine, error);
 }
@@ -260,8 +323,7 @@ static bat_status refine_joined(const bat_curve *coarse, const refine_plan *plan
 /// The share of the work that is refinement, where the result is tested for crossings.
 #define REFINED_SHARE 0.8
 
-/// Points first, then channels; progress by the numbers made.
-static bat_status make_rows(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *points,
+bat_status refine_carry_out(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *points,
                             double *channels, bat_error *error)
 {
     bool has_channels = coarse->channel_count > 0 && channels != NULL;
@@ -285,7 +347,7 @@ static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, do
 {
     double share = wants_simple(coarse, &plan->options) ? REFINED_SHARE : 1;
     progress_part parts[2] = {{plan->options.progress, 0, share}, {plan->options.progress, share, 1 - share}};
-    bat_status status = make_rows(coarse, plan, progress_of_part(&parts[0]), points, channels, error);
+    bat_status status = refine_carry_out(coarse, plan, progress_of_part(&parts[0]), points, channels, error);
     if (status != BAT_OK)
         return status;
     bat_curve fine = {.space = coarse->space, .points = points, .count = plan->count, .closed = coarse->closed};
@@ -295,6 +357,7 @@ static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, do
         return status;
     if (share < 1 && plan->options.progress.report != NULL)
         (void)plan->options.progress.report(plan->options.progress.context, 1); // a wish to stop comes too late
+    report.min_levels = report.max_levels = plan->options.levels;
     if (plan->options.report != NULL)
         *plan->options.report = report;
     return BAT_OK;
@@ -303,6 +366,8 @@ static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, do
 bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                    bat_error *error)
 {
+    if (pieces_wanted(coarse, options))
+        return pieces_count(coarse, options, count, error);
     refine_plan plan;
     bat_status status = refine_plan_make(coarse, options, &plan, error);
     if (status == BAT_OK)
@@ -313,6 +378,8 @@ bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refi
 bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
                                  double *channels, size_t capacity, bat_error *error)
 {
+    if (pieces_wanted(coarse, options))
+        return pieces_refine_into(coarse, options, points, channels, capacity, error);
     refine_plan plan;
     bat_status status = refine_plan_make(coarse, options, &plan, error);
     if (status != BAT_OK)
@@ -326,6 +393,8 @@ bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine
 bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
                             bat_error *error)
 {
+    if (pieces_wanted(coarse, options))
+        return pieces_refine(coarse, options, fine, NULL, error);
     refine_plan plan;
     bat_status status = refine_plan_make(coarse, options, &plan, error);
     if (status != BAT_OK)

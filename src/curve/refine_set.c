@@ -22,7 +22,7 @@ static bat_curve_refine_options options_for(const bat_curve *curve, const bat_cu
     return how;
 }
 
-/// Add a curve's report to that of all. Sums of whole numbers do not depend on their order.
+/// Add a curve's report to that of all. The result does not depend on the order.
 static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_report *one)
 {
 #pragma omp critical(refine_report)
@@ -34,6 +34,9 @@ static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_repo
         sum->drawn_back += one->drawn_back;
         sum->straight += one->straight;
         sum->left_crossing += one->left_crossing;
+        sum->corners += one->corners;
+        sum->min_levels = one->min_levels < sum->min_levels ? one->min_levels : sum->min_levels;
+        sum->max_levels = one->max_levels > sum->max_levels ? one->max_levels : sum->max_levels;
     }
 }
 
@@ -83,7 +86,7 @@ bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_cu
 {
     const bat_curve_refine_options defaults = bat_curve_refine_defaults();
     options = options != NULL ? options : &defaults;
-    bat_curve_refine_report report = {0};
+    bat_curve_refine_report report = {.min_levels = count > 0 ? SIZE_MAX : 0};
     size_t failed = 0;
     for (size_t i = 0; i < count; i++)
         fine[i] = (bat_curve){.space = coarse[i].space};

@@ -224,6 +224,11 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_optio
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                              "Hermite schemes take points, times and velocities; other columns, here %zu, have no place",
                              set->curves[i].channel_count - known);
+    for (size_t i = 0; i < set->count; i++)
+        if (set->curves[i].corners != NULL)
+            return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                             "Hermite schemes have no corners: a column of corners "
+                             "has no place in a motion");
     bool degrees = set->attributes != NULL && set->attributes->csv.degrees;
     if (options->velocities && (is_nameless(set) || degrees))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "files have no columns for velocities in the space %s%s",

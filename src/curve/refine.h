@@ -1,0 +1,62 @@
+#ifndef CURVE_REFINE_H
+#define CURVE_REFINE_H
+
+#include "curve/plan.h"
+
+/// @file
+/// Refinement of one piece: a closed curve, or an open one without corners.
+
+/// What a curve's channels are refined by: the scheme's own mask, or the four-point mask beside an angle-based scheme.
+bat_curve_scheme refine_channel_scheme(const bat_curve_scheme *scheme);
+
+/// Whether each level must be there as a whole before the next begins.
+bool refine_needs_whole_polygons(const bat_curve_scheme *scheme);
+
+/// Whether a checked scheme keeps the given points.
+static inline bool refine_keeps_points(const bat_curve_scheme *scheme)
+{
+    bool masked = scheme->kind == BAT_CURVE_SCHEME_LINEAR || scheme->kind == BAT_CURVE_SCHEME_LOG_EXP ||
+                  scheme->kind == BAT_CURVE_SCHEME_GEODESIC;
+    return !masked || bat_mask_is_interpolatory(&scheme->mask);
+}
+
+/// Refine a curve by its plan, all levels everywhere: points first, then channels, with progress by the numbers made.
+/// Nothing keeps the result simple.
+/// @param points   room for plan->count rows
+/// @param channels the same; null: they are not computed
+bat_status refine_carry_out(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *points,
+                            double *channels, bat_error *error);
+
+/// A polygon with the points that its end rule adds, from which any run of points of any level is computed.
+typedef struct refine_source
+{
+    const bat_space *space;
+    double *buffer;
+    const double *rows; ///< within `buffer`: row 0 is point 0 of level 0
+    cascade task;       ///< but for levels, result and threads
+    ptrdiff_t shift;    ///< see refine_source_index()
+} refine_source;
+
+/// Prepare up to `levels` levels of a polygon with the same coordinates as `coarse` has points, such as its points or its
+/// channels.
+/// @param rows   coarse->count rows of space->point_dim numbers
+/// @param kernel the scheme's, for rows of the space
+/// @return BAT_OK, BAT_NO_MEMORY, or the failure of the end rule; `source` is to be freed on success
+bat_status refine_source_make(const bat_space *space, const double *rows, const bat_curve *coarse,
+                              const bat_curve_scheme *scheme, const refine_kernel *kernel, const refine_plan *plan,
+                              size_t levels, refine_source *source, bat_error *error);
+void refine_source_free(refine_source *source);
+
+/// The index of the point that begins a coarse edge at a level. After k levels, point i of a mask with centre c lies at the
+/// parameter (i + c) / 2^k - c.
+static inline ptrdiff_t refine_source_index(const refine_source *source, size_t levels, size_t edge)
+{
+    return source->shift * (((ptrdiff_t)1 << levels) - 1) + (ptrdiff_t)(edge << levels);
+}
+
+/// Compute `count` points after `levels` levels, from point `begin` of a coarse edge on.
+/// @return as cascade_run()
+bat_status refine_source_run(const refine_source *source, size_t levels, size_t edge, size_t begin, size_t count,
+                             int threads, double *fine, bat_error *error);
+
+#endif
