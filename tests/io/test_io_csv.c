@@ -197,6 +197,46 @@ static void the_layout_survives(void **state)
     assert_rewritten("lon,lat\n200,-12.5\n", CSV, NULL, "lon,lat\n-160,-12.5\n");
 }
 
+/// A column called corner is neither a coordinate nor a channel. It survives at its place, first, last or between.
+static void a_column_of_corners_survives(void **state)
+{
+    (void)state;
+    const char *const texts[] = {"x,y,corner\n# closed\n0,0,1\n1,0,0\n1,1,1\n", "corner,x,y\n0,0,0\n1,1,0\n0,1,1\n",
+                                 "x,corner,y,z,depth\n0,1,0,0,5\n1,0,0,1,6\n\n1,1,1,2,7\n1,1,1,3,8\n",
+                                 "alt,corner,lon,lat\n5,1,10,20\n6,0,11,21\n",
+                                 "# space: rotation\ncorner,qw,qx,qy,qz\n1,1,0,0,0\n0,0,1,0,0\n"};
+    const char *const spaces[] = {"plane", "plane", "euclidean", "sphere", "rotation"};
+    const size_t channels[] = {0, 0, 0, 1, 0};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+    {
+        bat_curve_set set = must_read(texts[i], BAT_CURVE_FORMAT_CSV, NULL);
+        assert_string_equal(set.space->name, spaces[i]);
+        assert_int_equal(set.curves[0].channel_count, channels[i]);
+        assert_non_null(set.curves[set.count - 1].corners);
+        char *text = must_write(&set, BAT_CURVE_FORMAT_CSV);
+        bat_curve_set again = must_read(text, BAT_CURVE_FORMAT_CSV, NULL);
+        if (i != 0 && strcmp(text, texts[i]) != 0)
+            fail_msg("'%s' came back as '%s'", texts[i], text);
+        for (size_t c = 0; c < set.count; c++)
+            assert_memory_equal(set.curves[c].corners, again.curves[c].corners, set.curves[c].count);
+        free(text);
+        bat_curve_set_free(&again);
+        bat_curve_set_free(&set);
+    }
+    bat_curve_set set = must_read("x,y,\"Corner\"\n# closed\n0,0,0\n1,0,0\n1,1,1\n0,0,1\n", BAT_CURVE_FORMAT_CSV, NULL);
+    assert_int_equal(set.curves[0].count, 3);
+    assert_memory_equal(set.curves[0].corners, "\1\0\1", 3); // the repeated first row says so, too
+    bat_curve_set_free(&set);
+    set = must_read("0,0,1\n1,0,0\n", BAT_CURVE_FORMAT_CSV, NULL);
+    assert_null(set.curves[0].corners);
+    bat_curve_set_free(&set);
+    assert_bad("x,y,corner\n0,0,1\n1,0,2\n", BAT_CURVE_FORMAT_CSV, NULL, 3, "column 3: '2' is not 0 or 1");
+    assert_bad("x,corner,y\n0,,1\n", BAT_CURVE_FORMAT_CSV, NULL, 2, "column 2: '' is empty");
+    assert_bad("corner,x,y\n0,1,a\n", BAT_CURVE_FORMAT_CSV, NULL, 2, "column 3: 'a'");
+    assert_bad("x,y,corner\n0,0\n", BAT_CURVE_FORMAT_CSV, NULL, 2, "2 columns where the first row has 3");
+    assert_bad("corner\n0\n", BAT_CURVE_FORMAT_CSV, NULL, 1, "no columns beside");
+}
+
 static void bad_files_name_their_line(void **state)
 {
     (void)state;
@@ -283,6 +323,7 @@ int main(void)
                                        cmocka_unit_test(points_off_their_space_are_refused_or_moved),
                                        cmocka_unit_test(writing_keeps_every_double),
                                        cmocka_unit_test(the_layout_survives),
+                                       cmocka_unit_test(a_column_of_corners_survives),
                                        cmocka_unit_test(bad_files_name_their_line),
                                        cmocka_unit_test(too_many_columns_are_refused),
                                        cmocka_unit_test(what_cannot_be_written_is_refused)};

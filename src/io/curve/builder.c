@@ -55,6 +55,16 @@ const char *builder_admit(curve_builder *builder)
     return NULL;
 }
 
+bool builder_corner(curve_builder *builder, bool corner)
+{
+    void *corners = builder->corners;
+    bool grown = array_grow(&corners, &builder->corner_capacity, builder->point_count + 1, 1);
+    builder->corners = corners;
+    if (grown)
+        builder->corners[builder->point_count] = corner;
+    return grown;
+}
+
 bool builder_line(curve_builder *builder, size_t line)
 {
     void *lines = builder->lines;
@@ -94,6 +104,8 @@ bool builder_returns(const curve_builder *builder)
 void builder_drop_last(curve_builder *builder)
 {
     builder->point_count--;
+    if (builder->corners != NULL && builder->corners[builder->point_count] != 0)
+        builder->corners[0] = 1;
     if (builder->line_count > 0)
         builder->line_count--;
 }
@@ -138,9 +150,16 @@ bool builder_end_curve(curve_builder *builder, bool closed)
     curve.points = take_doubles(&builder->points, &builder->point_capacity, curve.count * builder->space.point_dim);
     if (curve.points != NULL && curve.channel_count > 0)
         curve.channels = take_doubles(&builder->channels, &builder->channel_capacity, curve.count * curve.channel_count);
-    if (curve.points == NULL || (curve.channel_count > 0 && curve.channels == NULL))
+    if (curve.points != NULL && builder->corners != NULL)
     {
-        free(curve.points);
+        curve.corners = memory_array(curve.count, 1);
+        if (curve.corners != NULL)
+            memcpy(curve.corners, builder->corners, curve.count);
+    }
+    if (curve.points == NULL || (curve.channel_count > 0 && curve.channels == NULL) ||
+        (builder->corners != NULL && curve.corners == NULL))
+    {
+        bat_curve_free(&curve);
         return false;
     }
     builder->curves[builder->curve_count++] = curve;
@@ -190,6 +209,7 @@ void builder_free(curve_builder *builder)
     free(builder->curves);
     free(builder->points);
     free(builder->channels);
+    free(builder->corners);
     free(builder->lines);
     *builder = (curve_builder){0};
 }

@@ -21,6 +21,9 @@ typedef struct curve_builder
     double *channels;
     size_t channel_count, channel_capacity; ///< per point; the capacity in doubles
 
+    unsigned char *corners; ///< flags of the current curve; null without them
+    size_t corner_capacity;
+
     size_t *lines; ///< for all points of all curves; null when no lines are given
     size_t line_count, line_capacity;
 } curve_builder;
@@ -32,6 +35,10 @@ double *builder_next(curve_builder *builder, size_t channel_count, double **chan
 /// Check or project the point of builder_next() and count it. Returns null, or an error text.
 const char *builder_admit(curve_builder *builder);
 
+/// Store whether the last point of builder_next() is a corner; for all points of a file or for none. False when out of
+/// memory.
+bool builder_corner(curve_builder *builder, bool corner);
+
 /// Store the line of the last point. False when out of memory.
 bool builder_line(curve_builder *builder, size_t line);
 
@@ -41,7 +48,7 @@ void builder_continue_signs(curve_builder *builder);
 
 /// Whether the last point of the current curve equals the first, with its channels, but up to the sign of a quaternion.
 bool builder_returns(const curve_builder *builder);
-/// Remove the last point.
+/// Remove the last point. If it was a corner, so is the first, which it repeats.
 void builder_drop_last(curve_builder *builder);
 
 /// Complete the current curve, if it has points. False when out of memory.

@@ -110,6 +110,25 @@ static const char *name_fault(const csv_field *field)
     return NULL;
 }
 
+/// Find the column of corners in a header, and take it out of the fields. Returns the number of those that are left.
+static size_t take_corner_column(csv_reader *reader, size_t count)
+{
+    static const char name[] = "corner";
+    const size_t length = sizeof name - 1;
+    for (size_t i = 0; i < count; i++)
+    {
+        csv_field *field = &reader->fields[i];
+        size_t quotes = field->end > field->begin && *field->begin == '"';
+        if ((size_t)(field->end - field->begin) != length + 2 * quotes ||
+            strncasecmp(field->begin + quotes, name, length) != 0)
+            continue;
+        memmove(field, field + 1, (count - i - 1) * sizeof *field);
+        reader->attributes->csv.corner = i;
+        return count - 1;
+    }
+    return count;
+}
+
 static bat_status read_header(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     for (size_t i = 0; i < count; i++)
@@ -118,6 +137,9 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
         if (fault != NULL)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "column %zu of the header %s", i + 1, fault);
     }
+    count = take_corner_column(reader, count);
+    if (count == 0)
+        return bad_row(error, line, "there are no columns beside that of the corners");
     if (!csv_columns_name(&reader->attributes->csv, reader->fields, count))
         return error_memory(error, count);
     reader->column_count = count;
@@ -241,9 +263,27 @@ static bat_status choose_space(csv_reader *reader, const text_line *line, bat_er
     return use_coordinates(reader, line, name != NULL ? name : names.count == 2 ? "plane" : "euclidean", error);
 }
 
+/// Whether a row is of a corner: 0 or 1 in the column of the corners, which is taken out of the fields.
+static bat_status read_corner(csv_reader *reader, const text_line *line, bool *corner, bat_error *error)
+{
+    size_t column = reader->attributes->csv.corner;
+    csv_field *field = &reader->fields[column], given = *field;
+    char excerpt[EXCERPT_SIZE];
+    double value = 0;
+    const char *fault = given.begin == given.end ? "is empty" : number_read(given.begin, given.end, &value);
+    if (fault != NULL || (value != 0 && value != 1))
+        return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s", column + 1,
+                         text_excerpt(excerpt, given.begin, given.end),
+                         fault != NULL ? fault : "is not 0 or 1, as a corner must be");
+    memmove(field, field + 1, (reader->column_count - column) * sizeof *field);
+    *corner = value != 0;
+    return BAT_OK;
+}
+
 static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_error *error)
 {
     const size_t *places = reader->attributes->csv.places;
+    size_t corner = reader->attributes->csv.corner;
     for (size_t i = 0; i < reader->column_count; i++)
     {
         const csv_field *field = &reader->fields[i];
@@ -252,8 +292,8 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
                                 ? "is empty"
                                 : number_read(field->begin, field->end, &reader->numbers[places != NULL ? places[i] : i]);
         if (fault != NULL)
-            return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s", i + 1,
-                             text_excerpt(excerpt, field->begin, field->end), fault);
+            return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s",
+                             i + 1 + (i >= corner), text_excerpt(excerpt, field->begin, field->end), fault);
     }
     return BAT_OK;
 }
@@ -261,19 +301,24 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
-    if (count != reader->column_count && reader->tum)
+    bool has_corner = reader->attributes->csv.corner != BAT_NO_INDEX, corner = false;
+    size_t column_count = reader->column_count + has_corner;
+    if (count != column_count && reader->tum)
         return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%zu columns where a trajectory has %d",
                          count, TUM_COLUMNS);
-    if (count != reader->column_count)
+    if (count != column_count)
         return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%zu columns where the first row has %zu",
-                         count, reader->column_count);
-    bat_status status = read_numbers(reader, line, error);
+                         count, column_count);
+    count = reader->column_count;
+    bat_status status = has_corner ? read_corner(reader, line, &corner, error) : BAT_OK;
+    if (status == BAT_OK)
+        status = read_numbers(reader, line, error);
     if (status != BAT_OK)
         return status;
     size_t coordinates = reader->coordinate_count;
     double *channels;
     double *point = builder_next(builder, count - coordinates, &channels);
-    if (point == NULL || !builder_line(builder, line->number))
+    if (point == NULL || !builder_line(builder, line->number) || (has_corner && !builder_corner(builder, corner)))
         return error_memory(error, builder->point_capacity * sizeof(double));
     bool degrees = reader->attributes->csv.degrees;
     const point_form *form = reader->attributes->csv.form;

@@ -20,7 +20,8 @@ typedef struct csv_layout
     const csv_columns *columns; ///< names and order of the columns in the input file; or null
     const point_form *form;     ///< the form of the points; null for plain coordinates
     bool degrees;
-    int decimals; ///< of degrees
+    int decimals;  ///< of degrees
+    size_t corner; ///< the column before which that of the corners stands, or BAT_NO_INDEX
 } csv_layout;
 
 static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_options *options, csv_layout *layout,
@@ -37,10 +38,16 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
         globe && attributes != NULL && (attributes->format == BAT_CURVE_FORMAT_GEOJSON || attributes->csv.degrees);
     const point_form *form = attributes != NULL ? attributes->csv.form : NULL;
     size_t coordinates = degrees ? 2 : form != NULL ? form->count : set->space->point_dim;
-    *layout = (csv_layout){coordinates + channels, coordinates, NULL, form, degrees, options->precision};
+    *layout = (csv_layout){coordinates + channels, coordinates, NULL, form, degrees, options->precision, BAT_NO_INDEX};
     if (attributes != NULL && attributes->csv.names != NULL && attributes->csv.count == layout->column_count &&
         attributes->csv.degrees == degrees)
+    {
         layout->columns = &attributes->csv;
+        layout->corner = attributes->csv.corner;
+    }
+    for (size_t i = 0; i < set->count; i++)
+        if (set->curves[i].corners == NULL)
+            layout->corner = BAT_NO_INDEX;
     return BAT_OK;
 }
 
@@ -73,9 +80,11 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
         (void)snprintf(other, sizeof other, "channel%zu", i);
         if (i > 0)
             text_append(text, &separator, 1);
+        if (i == layout->corner)
+            text_append_string(text, "corner,");
         text_append_string(text, layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other);
     }
-    text_append_string(text, "\n");
+    text_append_string(text, layout->corner == layout->column_count ? ",corner\n" : "\n");
 }
 
 static char *write_number(char *out, const csv_layout *layout, const double *numbers, const double *channels,
@@ -117,14 +126,25 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
             point_form_write(layout->form, point, written);
         const double *numbers = layout->form != NULL ? written : point;
         degree_units units = layout->degrees ? degrees_of_point(point, units_per_radian) : (degree_units){0};
-        char *out = text_reserve(text, layout->column_count * (NUMBER_TEXT_SIZE + 1));
+        char *out = text_reserve(text, (layout->column_count + 1) * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
             return BAT_OK; // the sink reports a lack of memory
+        char flag = layout->corner != BAT_NO_INDEX && curve->corners[i] != 0 ? '1' : '0';
         for (size_t j = 0; j < layout->column_count; j++)
         {
+            if (j == layout->corner)
+            {
+                *out++ = flag;
+                *out++ = ',';
+            }
             size_t place = layout->columns != NULL && layout->columns->places != NULL ? layout->columns->places[j] : j;
             out = write_number(out, layout, numbers, channels, units, place);
-            *out++ = j + 1 < layout->column_count ? ',' : '\n';
+            *out++ = j + 1 < layout->column_count || layout->corner == layout->column_count ? ',' : '\n';
+        }
+        if (layout->corner == layout->column_count)
+        {
+            *out++ = flag;
+            *out++ = '\n';
         }
         text_advance(text, out);
     }
