@@ -28,7 +28,15 @@ static const option_spec OPTIONS[] = {
      "points), in R^n four-point; for times or velocities of rotations, motions and tensors hermite, else log-exp-4"},
     {"fairness", 0, "F", "learned: from 0, nearest to the data, to 1, smoothest; default 0.5"},
     {"model", 0, "FILE", "learned: a trained network of your own, a safetensors file"},
-    {"levels", 0, "K", "how often; every level doubles the number of edges; default 5"},
+    {"levels", 0, "K",
+     "how often; every level doubles the number of edges; default 5. With a stop: the most levels of an edge; default 20"},
+    {"max-segment", 0, "L",
+     "a stop, edge by edge: the fewest levels for which no piece is longer than L (metres on the sphere, the Earth's)"},
+    {"tolerance", 0, "E",
+     "a stop, edge by edge: the fewest levels for which the limit curve is within E of the pieces (metres on the sphere)"},
+    {"corner-angle", 0, "A",
+     "keep vertices with an exterior angle above A degrees as corners, and edges between corners straight; a CSV column "
+     "'corner' (0 or 1) names corners, too"},
     {"rate", 0, "R", "of motions, see `batten motion --help`"},
     {"velocities", 0, NULL, "of motions"},
     {"tangents", 0, "ORDER", "of motions"},
@@ -220,6 +228,49 @@ static bool read_numbers(const arguments *given, curve_job *job)
     return true;
 }
 
+/// Read a length above 0.
+static bool read_length(const arguments *given, const char *name, double *value)
+{
+    if (!argument_number(given, name, 0, value))
+        return false;
+    if (argument(given, name) == NULL || *value > 0)
+        return true;
+    (void)usage_error(given, "--%s takes a positive number, not '%s'", name, argument(given, name));
+    return false;
+}
+
+/// Read the corner angle and the stops. With a stop, --levels is the cap.
+static bool read_stops(const arguments *given, curve_job *job)
+{
+    static const double DEGREE = 3.14159265358979323846 / 180, HALF_TURN = 180;
+    bat_curve_refine_options *refine = &job->refine;
+    double degrees;
+    if (!read_length(given, "max-segment", &refine->max_segment) || !read_length(given, "tolerance", &refine->tolerance) ||
+        !read_length(given, "corner-angle", &degrees))
+        return false;
+    refine->corner_angle = degrees * DEGREE;
+    bool stops = curve_stops(job);
+    if (stops && argument(given, "levels") != NULL)
+        refine->max_levels = refine->levels;
+    bat_error error;
+    if (degrees > HALF_TURN)
+        (void)usage_error(given, "--corner-angle takes degrees up to 180, not '%s'", argument(given, "corner-angle"));
+    else if (bat_curve_refine_options_check(refine, &error) != BAT_OK)
+        (void)usage_error(given, "%s", error.text);
+    else if (stops && job->panel_count > 0)
+        (void)usage_error(given, "--panel draws levels, and does not go with --max-segment and --tolerance");
+    else if ((stops || degrees > 0) && job->best_tension)
+        (void)usage_error(given, "--best-tension does not go with --max-segment, --tolerance and --corner-angle");
+    else
+        return true;
+    return false;
+}
+
+bool curve_stops(const curve_job *job)
+{
+    return job->refine.max_segment > 0 || job->refine.tolerance > 0;
+}
+
 static bool read_job(const arguments *given, curve_job *job)
 {
     bool is_motion = job->is_motion;
@@ -251,8 +302,8 @@ static bool read_job(const arguments *given, curve_job *job)
     if (job->output == NULL && job->picture == NULL && !job->json)
         job->output = "-";
     job->quiet = argument_flag(given, "quiet") || is_standard_output(job->output);
-    return read_numbers(given, job) && read_choices(given, job) && read_panels(given, job) && motion_read(given, job) &&
-           read_scheme(given, job) && check_exclusions(given, job) && check_needs(given, job);
+    return read_numbers(given, job) && read_choices(given, job) && read_panels(given, job) && read_stops(given, job) &&
+           motion_read(given, job) && read_scheme(given, job) && check_exclusions(given, job) && check_needs(given, job);
 }
 
 int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error)
@@ -262,6 +313,11 @@ int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed,
         whole.line = bat_curve_set_line(set, failed, error->index);
     if (error->index != BAT_NO_INDEX && set->count > 1)
         (void)snprintf(whole.text, sizeof whole.text, "curve %zu: %.200s", failed, error->text);
+    if (curve_stops(job) && error->status == BAT_TOO_LARGE && error->index != BAT_NO_INDEX)
+    {
+        size_t used = strlen(whole.text);
+        (void)snprintf(whole.text + used, sizeof whole.text - used, "; --levels allows more");
+    }
     bool pair = error->status == BAT_CUT_LOCUS && error->index != BAT_NO_INDEX && error->index > 0 && whole.line > 0;
     if (pair && strstr(error->text, "lines") == NULL)
     {
@@ -357,7 +413,8 @@ static bool load_model(curve_job *job)
 static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
 {
     bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension &&
-                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS;
+                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && !curve_stops(job) && !(job->refine.corner_angle > 0) &&
+                 coarse->curves[0].corners == NULL;
     if (plain && bat_motion_suits(coarse))
     {
         job->is_motion = true;
@@ -373,6 +430,15 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
     }
 }
 
+/// Lengths on the sphere are metres on the Earth.
+static void convert_lengths(curve_job *job, const bat_space *space)
+{
+    bool globe = strcmp(space->name, "sphere") == 0 && space->dimension == 2;
+    job->unit = globe ? " m" : "";
+    job->refine.max_segment /= globe ? BAT_EARTH_RADIUS : 1;
+    job->refine.tolerance /= globe ? BAT_EARTH_RADIUS : 1;
+}
+
 /// The curves of a job.
 typedef struct curve_sets
 {
@@ -386,6 +452,7 @@ static int read_sets(curve_job *job, curve_sets *sets)
         return EXIT_BAD_INPUT;
     if (bat_curve_read(job->input, &job->read, &sets->coarse, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
+    convert_lengths(job, sets->coarse.space);
     if (job->scheme == NULL)
         choose_scheme(job, &sets->coarse);
     int code = EXIT_DONE;
@@ -410,7 +477,7 @@ static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
     int code = read_sets(job, sets);
     const bat_curve_set *truth = job->truth != NULL ? &sets->truth : NULL;
     if (code == EXIT_DONE)
-        code = curve_refine(job, &sets->coarse, job->refine.levels, &sets->fine, &findings->simple);
+        code = curve_refine(job, &sets->coarse, job->refine.levels, &sets->fine, &findings->done);
     if (code == EXIT_DONE && !job->quiet)
         code = curve_measure(job, &sets->coarse, truth, &sets->fine, findings);
     if (code == EXIT_DONE)

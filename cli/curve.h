@@ -25,6 +25,7 @@ typedef struct curve_job
     bat_curve_read_options read;
     bat_curve_write_options write;
     bat_curve_refine_options refine;
+    const char *unit;       ///< of the stops: " m" on the sphere, else empty
     double fairness;        ///< of the scheme "learned"
     const char *model_file; ///< of the scheme "learned"; null for the network that the library comes with
     bat_curve_model *model; ///< what it holds
@@ -39,10 +40,12 @@ typedef struct curve_job
     bool best_tension, json, quiet;
 } curve_job;
 
-/// Refine a set by `levels` levels into another that keeps the file's attributes. `report` receives what kept curves simple;
-/// may be null. Returns the program's exit code, as the following do.
+/// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
+/// receives what was done, zeros for motions; it may be null. Returns the program's exit code, as the following do.
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine,
                  bat_curve_refine_report *report);
+/// Whether edges are refined up to a length or a tolerance, and not by a number of levels.
+bool curve_stops(const curve_job *job);
 
 /// Read the options that both verbs have, and run the job. Returns the program's exit code.
 int curve_run(const arguments *given, curve_job *job);
@@ -69,13 +72,13 @@ typedef struct curve_totals
 /// What is reported.
 typedef struct curve_findings
 {
-    bat_curve_refine_report simple; ///< of curve_refine()
+    bat_curve_refine_report done; ///< of curve_refine()
     curve_totals before, after;
     bool compared;
     double mean_nn, hausdorff; ///< when compared with the truth: means over the curves
 } curve_findings;
 
-/// Measure the result, all but findings->simple; `truth` may be null, else it has as many curves as `fine`.
+/// Measure the result, all but findings->done; `truth` may be null, else it has as many curves as `fine`.
 int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
                   curve_findings *findings);
 /// Print the report.

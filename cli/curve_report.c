@@ -62,7 +62,7 @@ int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_c
     bat_error error;
     bat_curve_measure_options options = bat_curve_measure_defaults();
     options.threads = job->read.threads;
-    *findings = (curve_findings){.simple = findings->simple, .compared = truth != NULL};
+    *findings = (curve_findings){.done = findings->done, .compared = truth != NULL};
     if (measure_fairness(coarse, &options, &findings->before, &error) != BAT_OK ||
         measure_fairness(fine, &options, &findings->after, &error) != BAT_OK)
         return report_failure(job->input, &error);
@@ -105,6 +105,24 @@ static void print_simple(const bat_curve_refine_report *simple)
                      simple->left_crossing, simple->checked);
 }
 
+/// Whether the result has been cut at corners, or could have been.
+static bool has_corners(const curve_job *job, const curve_findings *findings)
+{
+    return job->refine.corner_angle > 0 || findings->done.corners > 0;
+}
+
+/// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit".
+static void print_stops(const curve_job *job, const bat_curve_refine_report *done)
+{
+    const char *length = argument(job->given, "max-segment"), *distance = argument(job->given, "tolerance");
+    (void)printf("%zu to %zu levels", done->min_levels, done->max_levels);
+    if (length != NULL)
+        (void)printf(", pieces up to %s%s", length, job->unit);
+    if (distance != NULL)
+        (void)printf(", within %s%s of the limit", distance, job->unit);
+    (void)printf("\n");
+}
+
 static void print_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     char place[32];
@@ -113,13 +131,17 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
                  job->scheme);
     if (job->motion.rate > 0)
         (void)printf("%g points a unit of time\n", job->motion.rate);
+    else if (curve_stops(job))
+        print_stops(job, &findings->done);
     else
         (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
+    if (has_corners(job, findings))
+        (void)printf("%zu corner%s kept\n", findings->done.corners, findings->done.corners == 1 ? "" : "s");
     (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
                  many ? "mean bending" : "bending", "largest angle");
     print_row("given", &findings->before);
     print_row("refined", &findings->after);
-    print_simple(&findings->simple);
+    print_simple(&findings->done);
     if (findings->compared)
         (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
                      findings->mean_nn, findings->hausdorff);
@@ -143,10 +165,21 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
 {
     bool sampled = job->motion.rate > 0;
     json_t *amount = sampled ? json_real(job->motion.rate) : json_integer((json_int_t)job->refine.levels);
+    if (!sampled && curve_stops(job))
+    {
+        json_decref(amount);
+        amount = json_pack("[I, I]", (json_int_t)findings->done.min_levels, (json_int_t)findings->done.max_levels);
+    }
     json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
                                sampled ? "rate" : "levels", amount, "curves", (json_int_t)fine->count, "given",
                                totals_json(&findings->before), "refined", totals_json(&findings->after));
-    if (!job->is_motion && json_object_set_new(object, "simple", simple_json(&findings->simple)) != 0)
+    if (!job->is_motion && json_object_set_new(object, "simple", simple_json(&findings->done)) != 0)
+    {
+        json_decref(object);
+        return NULL;
+    }
+    if (object != NULL && has_corners(job, findings) &&
+        json_object_set_new(object, "corners", json_integer((json_int_t)findings->done.corners)) != 0)
     {
         json_decref(object);
         return NULL;

@@ -2,6 +2,7 @@
 
 #include "refine_helpers.h"
 
+#include "batten/curve_measure.h"
 #include "curve/pieces.h"
 
 enum
@@ -387,6 +388,42 @@ static void what_cannot_be_is_refused(void **state)
     bat_curve_free(&again);
 }
 
+/// A ring with a neck that crosses itself when refined is drawn back edge by edge, with levels of its own on each; its
+/// corner stays.
+static void rings_stay_simple(void **state)
+{
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    double points[] = {0, 0, 3, 1.4, 3.5, 1.4, 6, 0, 6, 3, 3.5, 1.6, 3, 1.6, 0, 3};
+    unsigned char flags[8] = {1};
+    bat_curve ring = {.space = &plane, .points = points, .count = 8, .closed = true};
+    for (int cut = 0; cut < 2; cut++)
+    {
+        ring.corners = cut ? flags : NULL;
+        bat_curve_refine_report report;
+        bat_curve_refine_options how = options("four-point", 0);
+        how.max_segment = 0.3;
+        how.report = &report;
+        how.simple = BAT_CURVE_SIMPLE_NEVER;
+        bat_curve crossing = refined(&ring, &how);
+        how.simple = BAT_CURVE_SIMPLE_RINGS;
+        bat_curve fine = refined(&ring, &how);
+        bool simple[2];
+        check_status(bat_curve_is_simple(&crossing, &simple[0], NULL), BAT_OK);
+        check_status(bat_curve_is_simple(&fine, &simple[1], NULL), BAT_OK);
+        assert_true(!simple[0] && simple[1]);
+        assert_true(report.crossing == 1 && report.drawn_back > 0 && report.corners == (size_t)cut);
+        assert_true(report.min_levels < report.max_levels);
+        assert_int_equal(fine.count, crossing.count);
+        double *into = calloc(fine.count, 2 * sizeof *into);
+        check_status(bat_curve_refine_into(&ring, &how, into, NULL, fine.count, NULL), BAT_OK);
+        assert_memory_equal(into, fine.points, 2 * fine.count * sizeof *into);
+        free(into);
+        bat_curve_free(&crossing);
+        bat_curve_free(&fine);
+    }
+}
+
 /// A curve that is as it should be stays as it is.
 static void nothing_needed_is_nothing_done(void **state)
 {
@@ -419,6 +456,7 @@ int main(void)
         cmocka_unit_test(neighbours_do_not_matter),
         cmocka_unit_test(threads_and_windows_make_no_difference),
         cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(rings_stay_simple),
         cmocka_unit_test(nothing_needed_is_nothing_done),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

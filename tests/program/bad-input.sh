@@ -177,6 +177,23 @@ refused 2 'no option' curve good.in.csv --level 3
 refused 2 'needs a value' curve good.in.csv --levels
 refused 2 'whole number' curve good.in.csv --levels 2.5
 refused 2 'whole number' curve good.in.csv --levels -1
+refused 2 'max-segment takes a positive number' curve good.in.csv --max-segment -1 -o out.csv
+refused 2 'tolerance takes a positive number' curve good.in.csv --tolerance 0 -o out.csv
+refused 2 'tolerance takes a number' curve good.in.csv --tolerance nan -o out.csv
+refused 2 'corner-angle takes a positive number' curve good.in.csv --corner-angle 0 -o out.csv
+refused 2 'degrees up to 180' curve good.in.csv --corner-angle 181 -o out.csv
+refused 2 'max_levels is 41, but must be from 0 to 40' curve good.in.csv --tolerance 1 --levels 41 -o out.csv
+refused 2 'panel' curve good.in.csv --tolerance 1 --panel 1,2 --picture out.png
+refused 2 'best-tension' curve good.in.csv --corner-angle 30 --best-tension --truth good.in.csv -o out.csv
+refused 2 'max-segment does not go with' curve keygood.in.csv --scheme hermite --max-segment 1 -o out.csv
+refused 1 'good\.in\.csv:1: the edge after point 0 needs more than the 2 levels .*; --levels' curve good.in.csv --max-segment 0.2 --levels 2 -o out.csv
+refused 1 'good\.in\.csv:1: the edge after point 0 needs more than the 20 levels' curve good.in.csv --max-segment 1e-9 -o out.csv
+refused 1 'order=3' curve good.in.csv --scheme chaikin --tolerance 0.1 -o out.csv
+refused 1 'free ends' curve good.in.csv --closed --scheme four-point --ends free --corner-angle 30 -o out.csv
+printf 'x,y,corner\n0,0,1\n1,0,yes\n' > corner.in.csv
+printf 'time,x,y,corner\n0,0,0,1\n1,1,0,0\n' > cornertime.in.csv
+curve "corner\.in\.csv:3: column 3: 'yes'" corner.in.csv
+refused 1 'no corners' curve cornertime.in.csv --scheme hermite -o out.csv
 refused 2 'no scheme' curve good.in.csv --scheme spline
 refused 2 'no setting' curve good.in.csv --scheme chaikin:w=1
 refused 2 'mask of 2 coefficients lies from -4 to 2, not 99' curve good.in.csv --scheme mask:1,1@99 -o out.csv

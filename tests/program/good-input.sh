@@ -37,6 +37,17 @@ check "one thread gives the same bytes" same one.csv file.csv
 check "the directive # closed survives" grep -q '^# closed' file.csv
 check "22 points give 88" test "$(grep -c '^[-0-9]' file.csv)" -eq 88
 
+printf 'x,y,corner\n# closed\n0,0,1\n4,0,1\n4,3,1\n2,3.7,0\n0,3,1\n' > house.csv
+"$batten" curve house.csv --levels 1 -o walls.csv --json > walls.json
+check "corners survive, with new points between them" sh -c "grep -c ',1$' walls.csv | grep -q '^4$'"
+check "an edge between corners stays straight" grep -q '^2,0,0$' walls.csv
+check "the report counts corners" json walls.json '"corners": 4'
+"$batten" curve "$examples/iss-track.geojson" --max-segment 200000 --tolerance 1000 -o dense.geojson > dense.txt
+check "stops are metres on the sphere" grep -q 'levels, pieces up to 200000 m, within 1000 m of the limit' dense.txt
+"$batten" curve "$examples/outline.csv" --tolerance 0.01 --threads 1 -o one.csv --quiet
+"$batten" curve "$examples/outline.csv" --tolerance 0.01 --threads 4 -o four.csv --quiet
+check "a tolerance gives the same bytes for any number of threads" same one.csv four.csv
+
 "$batten" curve "$examples/iss-track.geojson" --levels 3 -o track.geojson --quiet
 check "properties survive" grep -q '"inclination":51.64' track.geojson
 "$batten" curve "$examples/iss-track.geojson" --levels 3 -o track.csv --quiet
