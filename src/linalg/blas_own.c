@@ -17,6 +17,8 @@ static size_t column_step(CBLAS_TRANSPOSE trans, int stride)
     return trans == CblasNoTrans ? 1 : (size_t)stride;
 }
 
+// `number` is a type, which parentheses cannot enclose.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define DEFINE_PRODUCTS(number, own_gemm, own_gemv, scale_row, add_row)                                                     \
     static void scale_row(size_t n, number factor, number *y)                                                               \
     {                                                                                                                       \
@@ -62,6 +64,7 @@ static size_t column_step(CBLAS_TRANSPOSE trans, int stride)
                 y[i] += alpha * sum;                                                                                        \
         }                                                                                                                   \
     }
+// NOLINTEND(bugprone-macro-parentheses)
 
 DEFINE_PRODUCTS(float, own_sgemm, own_sgemv, scale_floats, add_floats)
 DEFINE_PRODUCTS(double, own_dgemm, own_dgemv, scale_doubles, add_doubles)

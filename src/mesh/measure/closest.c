@@ -35,9 +35,9 @@ void closest_free(closest_tree *tree)
     *tree = (closest_tree){0};
 }
 
-double closest_largest(const double *values, size_t count, double smallest)
+double closest_largest(const double *values, size_t count, double min)
 {
-    double largest = smallest;
+    double largest = min;
     for (size_t i = 0; i < count; i++)
         largest = fabs(values[i]) > largest ? fabs(values[i]) : largest;
     return largest;

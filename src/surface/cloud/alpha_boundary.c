@@ -63,6 +63,7 @@ static bat_status find_plane(alpha_boundary_search *search, const double *here, 
     size_t count = search->tree->count, maximum = count / PLANE_SHARE;
     maximum = maximum > MAX_PLANE ? MAX_PLANE : maximum < FEW_PLANE ? FEW_PLANE : maximum;
     double flattest = INFINITY;
+    bool first = true;
     for (size_t wanted = MIN_PLANE < maximum ? MIN_PLANE : maximum;; wanted = 2 * wanted < maximum ? 2 * wanted : maximum)
     {
         bat_status status = neighbours_nearest(search->tree, here, wanted, &search->near, error);
@@ -70,8 +71,9 @@ static bat_status find_plane(alpha_boundary_search *search, const double *here, 
             return status;
         local_plane wider = local_plane_fit(search->points, &search->near);
         double flatness = wider.variance[1] > 0 ? wider.variance[2] / wider.variance[1] : INFINITY;
-        if (flatness < flattest || flattest == INFINITY)
+        if (first || flatness < flattest)
         {
+            first = false;
             flattest = flatness;
             *plane = wider;
         }
