@@ -15,6 +15,11 @@ void grid_globe_sphere(cairo_t *cairo, const draw_view *view);
 void grid_globe_lines(cairo_t *cairo, const draw_view *view);
 /// Draw the outline of a globe, optionally with latitudes beside it and the coordinates of its centre below.
 void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool labels);
+/// Draw the meridians and parallels of a small part of a globe, frame->reach on each side of its centre, its frame, and the
+/// coordinates of the centre below.
+void grid_globe_region(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool lines);
+/// Cut off what lies outside that part.
+void grid_globe_region_clip(cairo_t *cairo, const draw_view *view, const scene_frame *frame);
 /// The margin for labels on each side of a globe.
 #define GRID_GLOBE_MARGIN 22.0
 

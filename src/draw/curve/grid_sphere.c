@@ -141,6 +141,102 @@ void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *f
     }
 }
 
+/// The path of the square of a part of a globe.
+static void region_path(cairo_t *cairo, const draw_view *view, double reach)
+{
+    double side = 2.0 * reach * view->scale;
+    cairo_rectangle(cairo, view_x(view, -reach), view_y(view, reach), side, side);
+}
+
+void grid_globe_region_clip(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
+{
+    region_path(cairo, view, frame->reach);
+    cairo_clip(cairo);
+}
+
+/// Draw part of a parallel, or of a meridian, around a point. All angles are in degrees.
+static void region_line(cairo_t *cairo, const draw_view *view, const double centre[2], double half, bool parallel)
+{
+    enum
+    {
+        STEPS = 60
+    };
+    double points[3 * (STEPS + 1)];
+    for (int i = 0; i <= STEPS; i++)
+    {
+        double away = half * (2.0 * i / STEPS - 1.0);
+        double longitude = centre[0] + (parallel ? away : 0.0);
+        double latitude = fmin(fmax(centre[1] + (parallel ? 0.0 : away), -90.0), 90.0);
+        direction(longitude * DEGREE, latitude * DEGREE, points + (size_t)(3 * i));
+    }
+    path_simplifier path = simplifier_begin(canvas_sink(cairo), 0.05);
+    view_trace(view, points, STEPS + 1, false, VIEW_FRONT, &path);
+}
+
+/// The largest of the usual steps, in degrees, that gives at least five lines in a range.
+static double region_step(double range)
+{
+    double step = 10.0;
+    for (int i = 0; 5.0 * step > range && step > 1e-9; i++)
+    {
+        step *= i % 3 == 1 ? 0.4 : 0.5; // 10, 5, 2, 1, 0.5, 0.2, …
+    }
+    return step;
+}
+
+static void region_lines(cairo_t *cairo, const draw_view *view, const scene_frame *frame, double step)
+{
+    // Half the diagonal of the square, and the longitudes that it covers.
+    double half = asin(fmin(1.42 * frame->reach, 1.0)) / DEGREE;
+    double longitude = frame->longitude / DEGREE;
+    double latitude = frame->latitude / DEGREE;
+    double level = cos((fabs(latitude) + half) * DEGREE);
+    bool pole = fabs(latitude) + half >= 90.0;
+    double wide = pole ? 180.0 : fmin(half / level, 180.0);
+    for (double at = ceil((latitude - half) / step) * step; at <= latitude + half; at += step)
+    {
+        region_line(cairo, view, (double[2]){longitude, at}, wide, true);
+    }
+    double across = pole ? fmax(step, 15.0) : step;
+    while (wide > 20.0 * across)
+    {
+        across *= 2.0;
+    }
+    for (double at = ceil((longitude - wide) / across) * across; at <= longitude + wide; at += across)
+    {
+        region_line(cairo, view, (double[2]){at, latitude}, half, false);
+    }
+}
+
+void grid_globe_region(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool lines)
+{
+    double step = region_step(2.0 * frame->reach / DEGREE);
+    if (lines)
+    {
+        cairo_save(cairo);
+        grid_globe_region_clip(cairo, view, frame);
+        region_lines(cairo, view, frame, step);
+        style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
+        cairo_stroke(cairo);
+        cairo_restore(cairo);
+    }
+    region_path(cairo, view, frame->reach);
+    style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
+    cairo_stroke(cairo);
+    if (lines)
+    {
+        char label[96];
+        double longitude = remainder(frame->longitude / DEGREE, 360.0);
+        double latitude = frame->latitude / DEGREE;
+        int digits = step >= 1.0 ? 1 : 1 + (int)ceil(-log10(step));
+        (void)snprintf(label, sizeof label, "centre %.*f\xc2\xb0%s %.*f\xc2\xb0%s, lines every %g\xc2\xb0", digits,
+                       fabs(latitude), latitude < 0 ? "S" : "N", digits, fabs(longitude), longitude < 0 ? "W" : "E", step);
+        text_use(cairo, TEXT_TICK, false);
+        style_use_colour(cairo, COLOUR_MUTED);
+        text_draw(cairo, label, view_x(view, frame->reach), view_y(view, -frame->reach) + TEXT_TICK + 3.0, 1.0);
+    }
+}
+
 static void map_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude)
 {
     bool meridian = isnan(latitude);

@@ -332,7 +332,17 @@ static bat_status draw_globe(cairo_t *cairo, const scene_panel *panel, const bat
                              const double box[4], bat_error *error)
 {
     draw_view view = make_view(panel, VIEW_GLOBE);
-    fit(&view, box, globe_insets(options), (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
+    double reach = panel->frame.reach;
+    fit(&view, box, globe_insets(options), (double[2]){-reach, -reach}, (double[2]){reach, reach});
+    if (reach < 1.0)
+    {
+        grid_globe_region(cairo, &view, &panel->frame, options->grid);
+        cairo_save(cairo);
+        grid_globe_region_clip(cairo, &view, &panel->frame);
+        bat_status drawn = draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
+        cairo_restore(cairo);
+        return drawn;
+    }
     grid_globe_sphere(cairo, &view);
     bat_status status = draw_layers(cairo, &view, panel, options, VIEW_BACK, error);
     if (options->grid)

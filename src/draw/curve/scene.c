@@ -238,6 +238,8 @@ static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_
 
 static void include_combs(scene_frame *frame, const scene_panel *panel, double *tip)
 {
+    if (panel->combs == NULL)
+        return;
     draw_view view = {.kind = VIEW_FLAT, .space = panel->space, .point_dim = panel->point_dim};
     view_set_solid(&view);
     for (size_t i = 0; i < panel->drawn->layer_count; i++)
@@ -280,16 +282,33 @@ static bat_status frame_combs(scene_frame *frame, const scene *made, const scene
     return status;
 }
 
-/// Choose the centre of the globe for the panels first, …, end - 1.
+/// Choose what a globe shows: curves within a small cap fill the square.
+static void zoom_globe(scene_frame *frame, const bat_curve **curves, size_t count)
+{
+    const double max_reach = 0.25, margin = 1.15, min_reach = 1e-6;
+    draw_view view = {.kind = VIEW_GLOBE, .space = VIEW_SPHERE, .point_dim = 3};
+    view_set_globe(&view, frame->longitude, frame->latitude);
+    double extent = 0.0;
+    for (size_t k = 0; k < count; k++)
+    {
+        for (size_t i = 0; i < curves[k]->count; i++)
+        {
+            double u = 0.0;
+            double v = 0.0;
+            bool front = view_project(&view, curves[k]->points + 3 * i, &u, &v);
+            extent = front ? fmax(extent, fmax(fabs(u), fabs(v))) : 1.0;
+        }
+    }
+    extent = fmax(margin * extent, min_reach);
+    frame->reach = extent < max_reach ? extent : 1.0;
+}
+
+/// Choose the centre of the globe for the panels first, …, end - 1, and how much of it is drawn.
 static bat_status frame_globe(scene_frame *frame, const scene *made, size_t first, size_t end, bat_error *error)
 {
     const bat_curve_picture_options *options = made->options;
     frame->longitude = options->longitude;
     frame->latitude = options->latitude;
-    if (!isnan(options->longitude) && !isnan(options->latitude))
-    {
-        return BAT_OK;
-    }
     size_t count = 0;
     for (size_t i = first; i < end; i++)
     {
@@ -309,7 +328,11 @@ static bat_status frame_globe(scene_frame *frame, const scene *made, size_t firs
             curves[count++] = source->layers[k].curve;
         }
     }
-    view_automatic(curves, count, &frame->longitude, &frame->latitude);
+    if (isnan(options->longitude) || isnan(options->latitude))
+    {
+        view_automatic(curves, count, &frame->longitude, &frame->latitude);
+    }
+    zoom_globe(frame, curves, count);
     free(curves);
     return BAT_OK;
 }

@@ -16,6 +16,7 @@ typedef struct scene_frame
     double low[2], high[2];         ///< flat spaces: the range of u and v
     double box_low[3], box_high[3]; ///< R^3: the range of the coordinates
     double longitude, latitude;     ///< globe: its centre
+    double reach;                   ///< globe: half the side of the square that is drawn; 1 for the whole globe
     double comb_scale;              ///< 0 without combs
     double tensor_unit;             ///< tensors: the largest semi-axis
     size_t tensor_columns;          ///< tensors: the maximal number in a row
