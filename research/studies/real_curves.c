@@ -11,7 +11,6 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve_akima.h"
-#include "polyline_simple.h"
 #include "real_curves_data.h"
 #include "search/nearest.h"
 
@@ -29,9 +28,10 @@ enum
     MAX_LEVELS = 12
 };
 
-static const char POLYGON[] = "polygon", AKIMA[] = "akima", DEFAULT[] = "default";
+static const char POLYGON[] = "polygon", AKIMA[] = "akima", DEFAULT[] = "default", NOT_SIMPLE[] = "default, --no-simple";
 static const char *const METHODS[] = {POLYGON,
                                       DEFAULT,
+                                      NOT_SIMPLE,
                                       "learned:fairness=0",
                                       "learned:fairness=1",
                                       "angle-4",
@@ -175,30 +175,6 @@ static bat_status compare(const real_case *a_case, const bat_curve *curve, const
     return BAT_OK;
 }
 
-/// Whether a curve neither crosses nor touches itself. The gnomonic projection takes great circles of the hemisphere around
-/// the pole to lines.
-static bat_status is_simple(const bat_curve *curve, bool sphere, bool *simple, bat_error *error)
-{
-    if (!sphere)
-        return polyline_is_simple(curve->points, curve->count, curve->closed, simple, error);
-    double *flat = memory_array(curve->count, 2 * sizeof *flat);
-    if (flat == NULL)
-        return error_memory(error, curve->count * 2 * sizeof *flat);
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
-    {
-        const double *p = curve->points + 3 * i;
-        flat[2 * i] = p[0] / p[2];
-        flat[2 * i + 1] = p[1] / p[2];
-        if (!(p[2] > 0))
-            status = error_set(error, BAT_INVALID_POINT, i, 0, "point %zu is beyond the hemisphere of the given points", i);
-    }
-    if (status == BAT_OK)
-        status = polyline_is_simple(flat, curve->count, curve->closed, simple, error);
-    free(flat);
-    return status;
-}
-
 static bat_status measure(const real_case *a_case, const bat_curve *curve, const reference *to, figures *result,
                           bat_error *error)
 {
@@ -212,7 +188,7 @@ static bat_status measure(const real_case *a_case, const bat_curve *curve, const
     if (status == BAT_OK)
         status = bat_curve_fairness(curve, NULL, &fairness, error);
     if (status == BAT_OK && to->simple)
-        status = is_simple(curve, a_case->sphere, &simple, error);
+        status = bat_curve_is_simple(curve, &simple, error);
     result->turn = fairness.g1;
     result->crossed = !simple;
     return status;
@@ -261,6 +237,8 @@ static bat_status refine_all(const study *s, const real_case *a_case, size_t met
     bat_status status = BAT_OK;
     if (further != NULL)
         how.scheme = further->scheme;
+    else if (name == NOT_SIMPLE)
+        how.simple = BAT_CURVE_SIMPLE_NEVER;
     else if (name != DEFAULT)
         status = bat_curve_scheme_by_name(name, &how.scheme, error);
     size_t failed = 0;
@@ -381,7 +359,7 @@ static bat_status case_fill(const real_family *family, const bat_curve_set *cont
             points += 3 * curve->count;
         }
         a_case->references[i] = (reference){.truth = &a_case->truth[i], .edge = mean_edge(curve)};
-        status = is_simple(curve, a_case->sphere, &a_case->references[i].simple, error);
+        status = bat_curve_is_simple(curve, &a_case->references[i].simple, error);
     }
     return status;
 }

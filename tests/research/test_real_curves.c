@@ -5,7 +5,6 @@
 #include "batten/curve.h"
 #include "batten/research/curve_study.h"
 #include "research/studies/curve_akima.h"
-#include "research/studies/polyline_simple.h"
 
 #include <unistd.h>
 
@@ -147,7 +146,7 @@ static void folders_of_several_families(void **state)
     options.threads = 3;
     check_status(bat_real_curves(root, &options, &again, &again_count, NULL), BAT_OK);
     assert_int_equal(count, again_count);
-    assert_int_equal(count, 3 * (15 + 13));
+    assert_int_equal(count, 3 * (16 + 14));
     for (size_t i = 0; i < count; i++)
     {
         assert_string_equal(rows[i].family, again[i].family);
@@ -206,39 +205,6 @@ static void bad_folders_are_refused(void **state)
     remove_file("ring-truth.csv");
 }
 
-static void crossings_are_found(void **state)
-{
-    (void)state;
-    const struct
-    {
-        double points[16];
-        size_t count;
-        bool closed, simple;
-    } cases[] = {
-        {{0, 0, 1, 0, 1, 1, 0, 1}, 4, true, true},               // a square
-        {{0, 0, 1, 1, 1, 0, 0, 1}, 4, true, false},              // a bow
-        {{0, 0, 1, 1, 1, 0, 0, 1}, 4, false, false},             // the same, open
-        {{0, 0, 1, 1, 1, 0, 0.75, 0.5}, 4, false, true},         // not long enough to cross
-        {{0, 0, 2, 0, 2, 1, 1, 0}, 4, false, false},             // touches an edge
-        {{0, 0, 2, 0, 1, 0}, 3, false, false},                   // folds back
-        {{0, 0, 1, 0, 2, 0, 3, 0}, 4, false, true},              // straight on
-        {{0, 0, 0, 0, 1, 0, 1, 0, 1, 1}, 5, true, true},         // repeated points
-        {{0, 0, 1, 1, 2, 0, 1, 1, 2, 2}, 5, false, false},       // passes a vertex twice
-        {{0, 0, 4, 0, 4, 1, 1, 1, 1, -1, 0, -1}, 6, true, false} // one edge through another, far from its neighbours
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-        for (int turned = 0; turned < 2; turned++)
-        {
-            double points[16];
-            for (size_t k = 0; k < 16; k++)
-                points[k] = cases[i].points[turned ? k ^ 1 : k];
-            bool simple;
-            check_status(polyline_is_simple(points, cases[i].count, cases[i].closed, &simple, NULL), BAT_OK);
-            if (simple != cases[i].simple)
-                fail_msg("case %zu", i);
-        }
-}
-
 /// Reference values: Akima1DInterpolator of scipy 1.10, at a quarter of each edge; the closed curve repeated.
 static void akima_agrees_with_reference(void **state)
 {
@@ -275,8 +241,9 @@ static int remove_root(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(circles_have_known_distances), cmocka_unit_test(folders_of_several_families),
-        cmocka_unit_test(bad_folders_are_refused),      cmocka_unit_test(crossings_are_found),
+        cmocka_unit_test(circles_have_known_distances),
+        cmocka_unit_test(folders_of_several_families),
+        cmocka_unit_test(bad_folders_are_refused),
         cmocka_unit_test(akima_agrees_with_reference),
     };
     return cmocka_run_group_tests(tests, make_root, remove_root);
