@@ -23,9 +23,8 @@ static const char LEARNED[] = "learned";
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined curves to OUT (- for standard output)"},
     {"scheme", 0, "NAME",
-     "how to refine, see `batten list schemes`; default: learned on the plane, sphere and disk (angle-4 for more than a "
-     "million new "
-     "points), in R^n four-point; for times or velocities of rotations, motions and tensors hermite, else log-exp-4"},
+     "how to refine, see `batten list schemes`; default: learned on the plane, sphere and disk, in R^n four-point; for "
+     "times or velocities of rotations, motions and tensors hermite, else log-exp-4"},
     {"fairness", 0, "F", "learned: from 0, nearest to the data, to 1, smoothest; default 0.5"},
     {"model", 0, "FILE", "learned: a trained network of your own, a safetensors file"},
     {"levels", 0, "K",
@@ -422,7 +421,8 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
         job->scheme = "hermite";
         return;
     }
-    job->refine.scheme = bat_curves_scheme(coarse->curves, coarse->count, &job->refine, &job->scheme);
+    if (job->refine.scheme.kind == BAT_CURVE_SCHEME_AUTO && coarse->count > 0)
+        job->refine.scheme = bat_curve_scheme_for(coarse->curves[0].space, &job->scheme);
     if (job->best_tension && job->scheme != NULL && strcmp(job->scheme, LEARNED) == 0)
     {
         job->scheme = "angle-4";

@@ -29,11 +29,10 @@ BAT_API void bat_curve_free(bat_curve *curve);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first point at fault
 BAT_API bat_status bat_curve_check(const bat_curve *curve, bat_error *error);
 
-/// The default scheme of a space, for curves that get `new_points` points in all: "learned" on the plane, the sphere S^2 and
-/// the disk up to a million points, "angle-4" beyond; "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All
-/// keep the given points.
+/// The default scheme of a space: "learned" on the plane, the sphere S^2 and the disk, "angle-4" on other oriented surfaces,
+/// "four-point" in other Euclidean spaces, "log-exp-4" elsewhere. All keep the given points.
 /// @param name receives the scheme's name for bat_curve_scheme_by_name(); may be null
-BAT_API bat_curve_scheme bat_curve_scheme_for(const bat_space *space, size_t new_points, const char **name);
+BAT_API bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char **name);
 
 /// How an open curve is continued beyond its ends.
 typedef enum bat_curve_end_rule
@@ -100,7 +99,7 @@ typedef struct bat_curve_refine_report
 /// Options of refinement. Begin with bat_curve_refine_defaults().
 typedef struct bat_curve_refine_options
 {
-    bat_curve_scheme scheme; ///< default BAT_CURVE_SCHEME_AUTO: chosen for the space and the size, bat_curves_scheme()
+    bat_curve_scheme scheme; ///< default BAT_CURVE_SCHEME_AUTO: chosen for the space, bat_curve_scheme_for()
     size_t levels;           ///< 0 to 60; default 5
     bat_curve_end_rule ends; ///< open curves; default BAT_CURVE_END_REFLECT
     bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
@@ -128,13 +127,6 @@ BAT_API bat_curve_refine_options bat_curve_refine_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT with the field out of range; BAT_UNSUPPORTED for a mask that the scheme cannot use
 BAT_API bat_status bat_curve_refine_options_check(const bat_curve_refine_options *options, bat_error *error);
-
-/// The scheme that bat_curves_refine() uses for curves: that of the options, or where it is BAT_CURVE_SCHEME_AUTO the one of
-/// bat_curve_scheme_for() for the first curve's space and the points of all curves.
-/// @param options null for the defaults
-/// @param name    receives the name of the scheme that was chosen; null where the options have one of their own; may be null
-BAT_API bat_curve_scheme bat_curves_scheme(const bat_curve *curves, size_t count, const bat_curve_refine_options *options,
-                                           const char **name);
 
 /// The number of points that refinement gives. A closed curve gets count * 2^levels points. An open curve gets
 /// (count - 1) * 2^levels + 1 points where the scheme has vertices at the ends: masks of odd length, all interpolatory

@@ -48,7 +48,7 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 /// The families of rules.
 typedef enum bat_curve_scheme_kind
 {
-    BAT_CURVE_SCHEME_AUTO,        ///< none yet: chosen for the space and the size, bat_curve_scheme_for()
+    BAT_CURVE_SCHEME_AUTO,        ///< none yet: chosen for the space, bat_curve_scheme_for()
     BAT_CURVE_SCHEME_LINEAR,      ///< a mask applied to coordinates; Euclidean spaces only
     BAT_CURVE_SCHEME_ANGLE,       ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
     BAT_CURVE_SCHEME_LOG_EXP,     ///< a mask applied in the tangent space of one point; any space
@@ -98,7 +98,8 @@ typedef struct bat_curve_angle_rule_view
     const double *lengths; ///< geodesic lengths of the edges -reach … count - 1 + reach
     double mean_length;    ///< of all edges of the polygon, where the rule uses it; else 0
     double fairness;       ///< that of the scheme
-
+    size_t level;          ///< levels before this one, where the rule decides the first levels only; else 0
+    ptrdiff_t first;       ///< index of edge 0 in the polygon of the level, where the rule decides the first levels only
 } bat_curve_angle_rule_view;
 
 typedef struct bat_curve_angle_rule bat_curve_angle_rule;
@@ -112,6 +113,8 @@ struct bat_curve_angle_rule
     size_t reach;           ///< edges and vertices used on either side of an edge, 1 … BAT_CURVE_ANGLE_RULE_REACH
     bool wants_mean_length; ///< true: levels are computed one after the other; false: all at once, in chunks that threads
                             ///< share
+    size_t levels;          ///< the rule decides so many levels, computed one after the other, and the six-point rule in
+                            ///< turns the levels after them; 0: all levels
     size_t scratch_size;    ///< bytes that one call of angles() needs
     const void *parameters; ///< the rule's own; not used by the library
 
@@ -140,8 +143,10 @@ typedef struct bat_curve_scheme
     double tension; ///< ANGLE: mu of eq. (9); FOUR_POINT: w, 1/16 for the cubic through the four points
     bat_curve_angle_sign sign; ///< ANGLE
     bool adaptive;             ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
+    bool turns; ///< ANGLE: eq. (9) of the turns y_i = 2 d_i e / max(e_(i-1) + e_i, e) in place of the exterior angles d_i,
+                ///< for an edge of length e and neighbours of lengths e_i: for uneven spacing
     const bat_curve_angle_rule
-        *rule;           ///< ANGLE: the rule of the angles, in place of eq. (9) and the three fields above; or null
+        *rule;           ///< ANGLE: the rule of the angles, in place of eq. (9) and the four fields above; or null
     double fairness;     ///< ANGLE with a rule: an input of the rule, 0 (nearest to the data) … 1 (smoothest)
     bat_curve_base base; ///< LOG_EXP, FOUR_POINT; it has no effect in R^n
     bat_curve_parameters parameters; ///< FOUR_POINT, CATMULL_ROM, CUBIC
@@ -187,8 +192,8 @@ BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_er
 ///     four-point:parameters=chordal            (uniform, centripetal or chordal; log-exp-4 too)
 ///     catmull-rom   cubic                      (each also with parameters=uniform, centripetal or chordal)
 ///     mask:1/4,3/4,3/4,1/4@-2                  (coefficients as numbers or fractions, then the first index; centred
-///     without) angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1) log-exp-4 log-exp-6
-///     (each also with base=midpoint) learned   learned:fairness=0.8           (bat_curve_scheme_learned())
+///     without) angle-4   angle-6   angle:mu=-0.1        (each also with sign=printed; angle:adaptive=1,turns=1) log-exp-4
+///     log-exp-6 (each also with base=midpoint) learned   learned:fairness=0.8           (bat_curve_scheme_learned())
 ///     log-exp-lane-riesenfeld:order=3          (also with base=midpoint)
 ///     geodesic:order=3
 ///

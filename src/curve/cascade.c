@@ -197,7 +197,7 @@ static void run_chunks(const cascade *task, const double *root, double *fine, pt
             status = run_chunk(task, root, range, &s, fine + i * (size_t)chunk * dim, &fault);
         if (ready && status != BAT_OK)
         {
-            size_t point = point_at_fault(task, fault);
+            size_t point = point_at_fault(task, fault) >> task->base;
             (void)error_set(&error, status, point, 0, "there is no new point after point %zu (%s)", point,
                             bat_status_name(status));
         }

@@ -27,6 +27,7 @@ typedef struct cascade
     refine_kernel kernel;
     size_t levels;
     size_t count; ///< points of level 0, to name the one at fault
+    size_t base;  ///< levels before level 0, likewise
     bool closed;
     index_range result;    ///< indices wanted of the last level
     bat_mask_stencil snap; ///< moves the points of the last level onto the limit curve; count 0: not at all

@@ -29,6 +29,7 @@ struct refine_kernel
     size_t dim;          ///< numbers a point is stored in
     int first, last;     ///< support of the step, see above
     size_t scratch_size; ///< bytes that one call of run() needs
+    size_t level;        ///< levels before this one, where each level has a kernel of its own; else 0
     size_t chunk;        ///< points that are worth a thread; 0 where they cost next to nothing
 
     /// Make the new points 2 j and 2 j + 1 for j = 0 … pairs - 1; row 0 of `points` is old point 0, and rows before and

@@ -22,6 +22,32 @@ static void fixed_slopes(angle_block *block, size_t edges, double tension, doubl
         block->slope[j] = slope_of(block->angle + j, tension, sign);
 }
 
+/// The exterior angle of a vertex between edges of lengths `before` and `after` as a turn along an edge of length `own`.
+static inline double turn_of(double angle, double before, double after, double own)
+{
+    double span = before + after;
+    return 2 * angle * own / (span > own ? span : own);
+}
+
+/// The turns along edge j of the four vertices around it; angle[i] lies between the edges of lengths length[i] and
+/// length[i + 1], and edge j has length[2].
+static inline void turns_of(const double *angle, const double *length, double turn[4])
+{
+    for (int i = 0; i < 4; i++)
+        turn[i] = turn_of(angle[i], length[i], length[i + 1], length[2]);
+}
+
+LANES_CLONES
+static void turn_slopes(angle_block *block, size_t edges, double tension, double sign)
+{
+    for (size_t j = 0; j < edges; j++)
+    {
+        double turn[4];
+        turns_of(block->angle + j, block->length + j, turn);
+        block->slope[j] = slope_of(turn, tension, sign);
+    }
+}
+
 /// Section 7.1 with absolute angles, so that the rule does not change when the curve is mirrored or reversed.
 static inline double adaptive_slope(const double *angle, double tension, double sign, double mean)
 {
@@ -33,10 +59,14 @@ static inline double adaptive_slope(const double *angle, double tension, double 
 }
 
 LANES_CLONES
-static void adaptive_slopes(angle_block *block, size_t edges, double tension, double sign, double mean)
+static void adaptive_slopes(angle_block *block, size_t edges, double tension, double sign, double mean, bool turns)
 {
     for (size_t j = 0; j < edges; j++)
-        block->slope[j] = adaptive_slope(block->angle + j, tension, sign, mean);
+    {
+        double turn[4];
+        turns_of(block->angle + j, block->length + j, turn);
+        block->slope[j] = adaptive_slope(turns ? turn : block->angle + j, tension, sign, mean);
+    }
 }
 
 typedef struct angle_data
@@ -64,8 +94,12 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
         const double *here = points + done * dim;
         angle_block_load(&block, 0, here - 2 * dim, dim, edges + 5);
         where->angles(&block, edges + 3, data->scale);
+        if (scheme->turns)
+            where->lengths(&block, edges + 4, data->scale);
         if (scheme->adaptive)
-            adaptive_slopes(&block, edges, scheme->tension, sign, data->mean);
+            adaptive_slopes(&block, edges, scheme->tension, sign, data->mean, scheme->turns);
+        else if (scheme->turns)
+            turn_slopes(&block, edges, scheme->tension, sign);
         else
             fixed_slopes(&block, edges, scheme->tension, sign);
         where->insert(&block, edges);
@@ -96,6 +130,14 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
         double angle[4], slope;
         for (size_t i = 0; i < 4; i++)
             angle[i] = space->exterior_angle(space, p + i * dim - 2 * dim, p + i * dim - dim, p + i * dim);
+        if (scheme->turns)
+        {
+            double length[5];
+            for (size_t i = 0; i < 5; i++)
+                length[i] = space->distance(space, p + i * dim - 2 * dim, p + i * dim - dim);
+            for (size_t i = 0; i < 4; i++)
+                angle[i] = turn_of(angle[i], length[i], length[i + 1], length[2]);
+        }
         if (scheme->adaptive)
             slope = adaptive_slope(angle, scheme->tension, sign, data->mean);
         else

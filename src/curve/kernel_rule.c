@@ -28,6 +28,7 @@ typedef struct rule_data
     const angle_surface *surface; ///< the vector code of the space; null for a user's space
     double scale;                 ///< kernel_scale() of the polygon
     double mean_length;           ///< of the polygon's edges, where the rule uses it
+    const double *root;           ///< row 0 of the polygon, where each level has a kernel of its own
 } rule_data;
 _Static_assert(sizeof(rule_data) <= KERNEL_DATA, "a kernel has room for its data");
 
@@ -118,7 +119,9 @@ static bat_status run_rule(const refine_kernel *kernel, const double *points, si
                                           .angles = run->angles + reach - 1,
                                           .lengths = run->lengths + reach,
                                           .mean_length = data->mean_length,
-                                          .fairness = data->scheme->fairness};
+                                          .fairness = data->scheme->fairness,
+                                          .level = kernel->level,
+                                          .first = rule->levels > 0 ? (here - data->root) / (ptrdiff_t)dim : 0};
         rule->angles(rule, &view, run->insertion, run->scratch);
         for (size_t j = 0; j < edges; j += ANGLE_BLOCK_EDGES)
         {
@@ -155,6 +158,7 @@ static void measure(refine_kernel *kernel, const double *points, size_t count, b
 {
     rule_data *data = kernel_data(kernel);
     data->scale = kernel_scale(points, count, kernel->dim);
+    data->root = points;
     if (data->scheme->rule->wants_mean_length)
         data->mean_length = mean_length(kernel, points, 0, closed ? count : count - 1);
 }

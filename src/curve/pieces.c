@@ -297,7 +297,6 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
 {
     bat_curve_refine_options whole = options != NULL ? *options : bat_curve_refine_defaults();
     *all = (pieces){.coarse = *coarse, .stops = stop_wanted(&whole), .vertices = coarse->count};
-    whole.scheme = bat_curves_scheme(coarse, 1, &whole, NULL);
     whole.levels = all->stops ? 0 : whole.levels;
     bat_status status = refine_plan_make(coarse, &whole, &all->plan, error);
     if (status != BAT_OK)

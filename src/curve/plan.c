@@ -268,7 +268,8 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_opti
     bat_status status = bat_curve_refine_options_check(&plan->options, error);
     if (status != BAT_OK)
         return status;
-    plan->options.scheme = bat_curves_scheme(coarse, 1, &plan->options, NULL);
+    if (plan->options.scheme.kind == BAT_CURVE_SCHEME_AUTO)
+        plan->options.scheme = bat_curve_scheme_for(coarse->space, NULL);
     status = check_space(coarse->space, &plan->options, error);
     if (status == BAT_OK)
         status = bat_curve_check(coarse, error);

@@ -18,8 +18,6 @@ typedef struct refine_plan
 bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_options *options, refine_plan *plan,
                             bat_error *error);
 
-/// The points of curves after refinement, roughly: the sum of their counts times 2^levels; SIZE_MAX where that overflows.
-size_t curves_new_points(const bat_curve *curves, size_t count, size_t levels);
 /// Whether indices, bytes and the caller's limit leave room for `count` rows refined `levels` times.
 bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit);
 /// The rows of the last level at parameters from 0 to count - 1, those of an open curve.

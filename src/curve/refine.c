@@ -135,27 +135,39 @@ static bat_status check_overflow(const padded_rows *coarse, const bat_curve_sche
     return BAT_OK;
 }
 
+/// Rows of one kind, and the levels that are still to be computed.
+typedef struct refine_input
+{
+    const bat_space *space;
+    const double *rows;
+    size_t count;
+    bool closed;
+    size_t levels;
+    size_t base; ///< levels before
+} refine_input;
+
 /// All levels at once, from rows to the plan's rows; `kernel` is the scheme's, for rows of the space.
-static bat_status refine_rows(const bat_space *space, const double *rows, const bat_curve *coarse,
-                              const bat_curve_scheme *scheme, const refine_kernel *kernel, const refine_plan *plan,
-                              bat_progress progress, double *fine, bat_error *error)
+static bat_status refine_rows(const refine_input *from, const bat_curve_scheme *scheme, const refine_kernel *kernel,
+                              const refine_plan *plan, bat_progress progress, double *fine, bat_error *error)
 {
     const bat_curve_refine_options *options = &plan->options;
-    size_t dim = space->point_dim, count = coarse->count;
-    cascade task = make_task(kernel, options, count, coarse->closed);
-    task.levels = options->levels;
+    const double *rows = from->rows;
+    size_t dim = from->space->point_dim, count = from->count;
+    cascade task = make_task(kernel, options, count, from->closed);
+    task.levels = from->levels;
+    task.base = from->base;
     task.result = plan->points;
     task.snap = plan->snap;
     task.progress = progress;
     padded_rows padded;
-    bat_status status = padded_make(space, &task, count, coarse->closed, &padded, error);
+    bat_status status = padded_make(from->space, &task, count, from->closed, &padded, error);
     if (status == BAT_OK)
     {
         memcpy(padded.rows, rows, count * dim * sizeof *rows);
         status = refine_padded(&padded, &task, scheme, options->ends, fine + (plan->ends_added ? dim : 0), error);
     }
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
-    bool keep_ends = !coarse->closed && options->ends == BAT_CURVE_END_REFLECT && scheme->kind == BAT_CURVE_SCHEME_LINEAR &&
+    bool keep_ends = !from->closed && options->ends == BAT_CURVE_END_REFLECT && scheme->kind == BAT_CURVE_SCHEME_LINEAR &&
                      bat_mask_is_symmetric(&scheme->mask);
     if (status == BAT_OK && (plan->ends_added || keep_ends))
     {
@@ -168,17 +180,136 @@ static bat_status refine_rows(const bat_space *space, const double *rows, const 
     return status;
 }
 
-bat_status refine_source_make(const bat_space *space, const double *rows, const bat_curve *coarse,
-                              const bat_curve_scheme *scheme, const refine_kernel *kernel, const refine_plan *plan,
-                              size_t levels, refine_source *source, bat_error *error)
+bool refine_needs_whole_polygons(const bat_curve_scheme *scheme)
 {
-    cascade task = make_task(kernel, &plan->options, coarse->count, coarse->closed);
+    if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
+        return false;
+    return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
+}
+
+/// The number of levels that must be there as a whole before the next begins.
+static size_t whole_levels(const bat_curve_scheme *scheme, size_t levels)
+{
+    bool is_rule = scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule != NULL;
+    size_t decided = is_rule ? scheme->rule->levels : 0;
+    if (decided > 0)
+        return decided < levels ? decided : levels;
+    return refine_needs_whole_polygons(scheme) ? levels : 0;
+}
+
+/// The scheme of the levels after those that a rule decides.
+static bat_curve_scheme scheme_after_rule(void)
+{
+    bat_curve_scheme scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_SIX_POINT);
+    scheme.turns = true;
+    return scheme;
+}
+
+/// The progress of levels from `first` up to `end` - 1 of `levels`. A level costs twice the one before.
+static progress_part level_progress(bat_progress progress, size_t first, size_t end, size_t levels)
+{
+    double whole = ldexp(1, (int)levels) - 1, begin = ldexp(1, (int)first) - 1;
+    return (progress_part){progress, begin / whole, (ldexp(1, (int)end) - 1 - begin) / whole};
+}
+
+/// One level of a whole polygon.
+/// @param fine receives 2 count points, of an open polygon 2 count - 1
+static bat_status refine_once(const refine_input *from, size_t level, const refine_plan *plan, bat_progress progress,
+                              double *fine, bat_error *error)
+{
+    const bat_curve_refine_options *options = &plan->options;
+    refine_kernel kernel = kernel_for(from->space, &options->scheme);
+    kernel.level = level;
+    cascade task = make_task(&kernel, options, from->count, from->closed);
+    task.levels = 1;
+    task.base = level;
+    task.result = (index_range){0, (ptrdiff_t)(2 * from->count - (from->closed ? 0 : 1))};
+    task.progress = progress;
+    padded_rows padded;
+    bat_status status = padded_make(from->space, &task, from->count, from->closed, &padded, error);
+    if (status == BAT_OK)
+    {
+        memcpy(padded.rows, from->rows, from->count * from->space->point_dim * sizeof *padded.rows);
+        status = refine_padded(&padded, &task, &options->scheme, options->ends, fine, error);
+    }
+    free(padded.buffer);
+    return status;
+}
+
+/// The first `whole` levels of a polygon, one after the other.
+/// @param from   the polygon; receives that of the last of these levels
+/// @param levels in all, for the progress
+/// @param fine   where the rows of the last level go if they are the result; else null
+/// @param owned  receives the memory of from->rows, to be freed; null if they are in `fine` or given
+static bat_status refine_whole_levels(refine_input *from, size_t whole, size_t levels, const refine_plan *plan,
+                                      bat_progress progress, double *fine, double **owned, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    *owned = NULL;
+    for (size_t level = 0; level < whole && status == BAT_OK; level++)
+    {
+        size_t count = 2 * from->count - (from->closed ? 0 : 1), size = from->space->point_dim * sizeof(double);
+        bool last = fine != NULL && level + 1 == whole;
+        double *next = last ? fine : memory_array(count, size);
+        progress_part part = level_progress(progress, level, level + 1, levels);
+        status = next != NULL ? refine_once(from, level, plan, progress_of_part(&part), next, error)
+                              : error_memory(error, count * size);
+        free(*owned);
+        *owned = last ? NULL : next;
+        *from = (refine_input){from->space, next, count, from->closed, from->levels - 1, level + 1};
+    }
+    if (status != BAT_OK)
+    {
+        free(*owned);
+        *owned = NULL;
+    }
+    return status;
+}
+
+/// Level after level for the first `whole` levels, for a rule that needs the whole polygon of each; then all others at once.
+static bat_status refine_level_by_level(const bat_curve *coarse, size_t whole, const refine_plan *plan,
+                                        bat_progress progress, double *fine, bat_error *error)
+{
+    size_t levels = plan->options.levels;
+    refine_input now = {coarse->space, coarse->points, coarse->count, coarse->closed, levels, 0};
+    double *owned;
+    bat_status status =
+        refine_whole_levels(&now, whole, levels, plan, progress, whole == levels ? fine : NULL, &owned, error);
+    if (status == BAT_OK && whole < levels)
+    {
+        const bat_curve_scheme scheme = scheme_after_rule();
+        progress_part part = level_progress(progress, whole, levels, levels);
+        refine_kernel kernel = kernel_for(now.space, &scheme);
+        status = refine_rows(&now, &scheme, &kernel, plan, progress_of_part(&part), fine, error);
+    }
+    free(owned);
+    return status;
+}
+
+static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
+                                bat_error *error)
+{
+    const bat_curve_scheme *scheme = &plan->options.scheme;
+    size_t levels = plan->options.levels, whole = whole_levels(scheme, levels);
+    if (whole > 0)
+        return refine_level_by_level(coarse, whole, plan, progress, fine, error);
+    refine_input all = {coarse->space, coarse->points, coarse->count, coarse->closed, levels, 0};
+    refine_kernel kernel = kernel_for(coarse->space, scheme);
+    return refine_rows(&all, scheme, &kernel, plan, progress, fine, error);
+}
+
+/// Prepare up to `levels` levels of a polygon.
+static bat_status prepare_source(const refine_input *from, const bat_curve_scheme *scheme, const refine_kernel *kernel,
+                                 const refine_plan *plan, refine_source *source, bat_error *error)
+{
+    cascade task = make_task(kernel, &plan->options, from->count, from->closed);
     task.snap = plan->snap;
+    task.base = from->base;
     ptrdiff_t centre = (task.kernel.first + task.kernel.last) / 2;
     source->shift = plan->snap.count > 0 && !bat_mask_is_interpolatory(&scheme->mask) ? centre : 0;
-    size_t edges = coarse->closed ? coarse->count : coarse->count - 1;
-    padded_rows padded = {.space = space, .count = coarse->count, .closed = coarse->closed};
-    for (task.levels = 0; task.levels <= levels; task.levels++)
+    size_t edges = from->closed ? from->count : from->count - 1;
+    padded_rows padded = {.space = from->space, .count = from->count, .closed = from->closed};
+    for (task.levels = 0; task.levels <= from->levels; task.levels++)
     {
         ptrdiff_t begin = refine_source_index(source, task.levels, 0);
         task.result = (index_range){begin, begin + (ptrdiff_t)(edges << task.levels) + 1};
@@ -188,12 +319,12 @@ bat_status refine_source_make(const bat_space *space, const double *rows, const 
         padded.before = before > padded.before ? before : padded.before;
         padded.after = after > padded.after ? after : padded.after;
     }
-    size_t dim = space->point_dim, count = padded.before + padded.count + padded.after;
+    size_t dim = from->space->point_dim, count = padded.before + padded.count + padded.after;
     padded.buffer = memory_array(count, dim * sizeof *padded.buffer);
     if (padded.buffer == NULL)
         return error_memory(error, count * dim * sizeof *padded.buffer);
     padded.rows = padded.buffer + padded.before * dim;
-    memcpy(padded.rows, rows, padded.count * dim * sizeof *rows);
+    memcpy(padded.rows, from->rows, padded.count * dim * sizeof *padded.rows);
     bat_status status = extend(&padded, kernel, scheme, plan->options.ends, error);
     if (status != BAT_OK)
     {
@@ -202,19 +333,46 @@ bat_status refine_source_make(const bat_space *space, const double *rows, const 
     }
     if (task.kernel.measure != NULL)
         task.kernel.measure(&task.kernel, padded.rows, padded.count, padded.closed);
-    source->space = space;
+    source->space = from->space;
     source->task = task;
     source->buffer = padded.buffer;
     source->rows = padded.rows;
     return BAT_OK;
 }
 
+bat_status refine_source_make(const bat_space *space, const double *rows, const bat_curve *coarse,
+                              const bat_curve_scheme *scheme, const refine_kernel *kernel, const refine_plan *plan,
+                              size_t levels, refine_source *source, bat_error *error)
+{
+    refine_input now = {space, rows, coarse->count, coarse->closed, levels, 0};
+    size_t whole = whole_levels(scheme, levels);
+    *source = (refine_source){.base = whole};
+    if (whole == 0)
+        return prepare_source(&now, scheme, kernel, plan, source, error);
+    double *owned;
+    bat_status status = refine_whole_levels(&now, whole, levels, plan, (bat_progress){0}, NULL, &owned, error);
+    source->scheme = scheme_after_rule();
+    refine_kernel late = kernel_for(space, &source->scheme);
+    if (status == BAT_OK)
+        status = prepare_source(&now, &source->scheme, &late, plan, source, error);
+    free(owned);
+    return status;
+}
+
 bat_status refine_source_run(const refine_source *source, size_t levels, size_t edge, size_t begin, size_t count,
                              int threads, double *fine, bat_error *error)
 {
-    cascade task = source->task;
     ptrdiff_t first = refine_source_index(source, levels, edge) + (ptrdiff_t)begin;
-    task.levels = levels;
+    if (levels < source->base)
+    {
+        // A rule keeps its points: those of an earlier level are among those of the last one.
+        size_t dim = source->space->point_dim, step = dim << (source->base - levels);
+        for (size_t i = 0; i < count; i++)
+            memcpy(fine + i * dim, source->rows + ((size_t)first + i) * step, dim * sizeof *fine);
+        return BAT_OK;
+    }
+    cascade task = source->task;
+    task.levels = levels - source->base;
     task.result = (index_range){first, first + (ptrdiff_t)count};
     task.threads = threads;
     return cascade_run(&task, source->rows, fine, error);
@@ -226,71 +384,14 @@ void refine_source_free(refine_source *source)
     *source = (refine_source){0};
 }
 
-/// One level of a whole polygon of `count` points.
-static cascade one_level(const bat_curve *coarse, const bat_curve_refine_options *options, size_t count)
-{
-    refine_kernel kernel = kernel_for(coarse->space, &options->scheme);
-    cascade task = make_task(&kernel, options, count, coarse->closed);
-    task.levels = 1;
-    task.result = (index_range){0, (ptrdiff_t)(coarse->closed ? 2 * count : 2 * count - 1)};
-    return task;
-}
-
-/// Level after level, for a rule that looks at the whole polygon of each. A level costs twice the one before.
-static bat_status refine_level_by_level(const bat_curve *coarse, const refine_plan *plan, bat_progress progress,
-                                        double *fine, bat_error *error)
-{
-    const bat_space *space = coarse->space;
-    const bat_curve_refine_options *options = &plan->options;
-    double cost = ldexp(1, (int)options->levels) - 1;
-    padded_rows now;
-    cascade task = one_level(coarse, options, coarse->count);
-    bat_status status = padded_make(space, &task, coarse->count, coarse->closed, &now, error);
-    if (status == BAT_OK)
-        memcpy(now.rows, coarse->points, coarse->count * space->point_dim * sizeof *now.rows);
-    for (size_t level = 0; level < options->levels && status == BAT_OK; level++)
-    {
-        size_t count = (size_t)task.result.end;
-        cascade next_task = one_level(coarse, options, count);
-        padded_rows next = {.rows = fine};
-        if (level + 1 < options->levels)
-            status = padded_make(space, &next_task, count, coarse->closed, &next, error);
-        progress_part part = {progress, (ldexp(1, (int)level) - 1) / cost, ldexp(1, (int)level) / cost};
-        task.progress = progress_of_part(&part);
-        if (status == BAT_OK)
-            status = refine_padded(&now, &task, &options->scheme, options->ends, next.rows, error);
-        free(now.buffer);
-        now = next;
-        task = next_task;
-    }
-    free(now.buffer);
-    return status;
-}
-
-bool refine_needs_whole_polygons(const bat_curve_scheme *scheme)
-{
-    if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
-        return false;
-    return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
-}
-
-static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
-                                bat_error *error)
-{
-    const bat_curve_scheme *scheme = &plan->options.scheme;
-    if (refine_needs_whole_polygons(scheme) && plan->options.levels > 0)
-        return refine_level_by_level(coarse, plan, progress, fine, error);
-    refine_kernel kernel = kernel_for(coarse->space, scheme);
-    return refine_rows(coarse->space, coarse->points, coarse, scheme, &kernel, plan, progress, fine, error);
-}
-
 static bat_status refine_channels(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *fine,
                                   bat_error *error)
 {
     bat_space space = bat_euclidean(coarse->channel_count);
     bat_curve_scheme scheme = refine_channel_scheme(&plan->options.scheme);
     refine_kernel kernel = kernel_for(&space, &scheme);
-    return refine_rows(&space, coarse->channels, coarse, &scheme, &kernel, plan, progress, fine, error);
+    refine_input all = {&space, coarse->channels, coarse->count, coarse->closed, plan->options.levels, 0};
+    return refine_rows(&all, &scheme, &kernel, plan, progress, fine, error);
 }
 
 /// Points and channels as rows of one space, for the scheme that interpolates channels at the parameters of the points.
@@ -310,8 +411,9 @@ static bat_status refine_joined(const bat_curve *coarse, const refine_plan *plan
     {
         const bat_curve_scheme *scheme = &plan->options.scheme;
         refine_kernel kernel = kernel_four_point(coarse->space, channel_count, scheme);
+        refine_input all = {&rows.space, joined, coarse->count, coarse->closed, plan->options.levels, 0};
         rows_join(coarse, channel_count, joined);
-        status = refine_rows(&rows.space, joined, coarse, scheme, &kernel, plan, plan->options.progress, fine, error);
+        status = refine_rows(&all, scheme, &kernel, plan, plan->options.progress, fine, error);
     }
     if (status == BAT_OK)
         rows_split(fine, plan->count, point_dim, channel_count, points, channels);

@@ -32,9 +32,11 @@ typedef struct refine_source
 {
     const bat_space *space;
     double *buffer;
-    const double *rows; ///< within `buffer`: row 0 is point 0 of level 0
-    cascade task;       ///< but for levels, result and threads
-    ptrdiff_t shift;    ///< see refine_source_index()
+    const double *rows;      ///< within `buffer`: row 0 is point 0 of level `base`
+    size_t base;             ///< levels that a rule has decided
+    bat_curve_scheme scheme; ///< of the levels after these; the task refers to it, so the source must not be moved
+    cascade task;            ///< but for levels, result and threads
+    ptrdiff_t shift;         ///< see refine_source_index()
 } refine_source;
 
 /// Prepare up to `levels` levels of a polygon with the same coordinates as `coarse` has points, such as its points or its
@@ -52,6 +54,12 @@ void refine_source_free(refine_source *source);
 static inline ptrdiff_t refine_source_index(const refine_source *source, size_t levels, size_t edge)
 {
     return source->shift * (((ptrdiff_t)1 << levels) - 1) + (ptrdiff_t)(edge << levels);
+}
+
+/// A vertex of the given polygon, also the one after the last edge.
+static inline const double *refine_source_vertex(const refine_source *source, size_t vertex)
+{
+    return source->rows + (vertex << source->base) * source->space->point_dim;
 }
 
 /// Compute `count` points after `levels` levels, from point `begin` of a coarse edge on.

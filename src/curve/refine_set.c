@@ -12,16 +12,6 @@ enum
     MANY = 4
 };
 
-/// The options for one curve: its scheme, where the options leave it open, is that for as many points as all curves get.
-static bat_curve_refine_options options_for(const bat_curve *curve, const bat_curve_refine_options *options,
-                                            size_t new_points)
-{
-    bat_curve_refine_options how = *options;
-    if (how.scheme.kind == BAT_CURVE_SCHEME_AUTO)
-        how.scheme = bat_curve_scheme_for(curve->space, new_points, NULL);
-    return how;
-}
-
 /// Add a curve's report to that of all. The result does not depend on the order.
 static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_report *one)
 {
@@ -43,14 +33,13 @@ static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_repo
 static void refine_many(const bat_curve *coarse, const bat_curve_refine_options *options, int threads, bat_curve *fine,
                         bat_curve_refine_report *report, shared_work *work)
 {
-    size_t new_points = curves_new_points(coarse, work->total, options->levels);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (size_t i = 0; i < work->total; i++)
     {
         if (!shared_work_wants(work, i))
             continue;
         bat_error error;
-        bat_curve_refine_options how = options_for(&coarse[i], options, new_points);
+        bat_curve_refine_options how = *options;
         bat_curve_refine_report one = {0};
         how.threads = 1;
         how.progress = (bat_progress){0};
@@ -65,11 +54,10 @@ static void refine_many(const bat_curve *coarse, const bat_curve_refine_options 
 static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
                              bat_curve_refine_report *report, size_t *failed, bat_error *error)
 {
-    size_t new_points = curves_new_points(coarse, count, options->levels);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        bat_curve_refine_options how = options_for(&coarse[i], options, new_points);
+        bat_curve_refine_options how = *options;
         progress_part part = {how.progress, (double)i / (double)count, 1 / (double)count};
         bat_curve_refine_report one = {0};
         how.progress = progress_of_part(&part);

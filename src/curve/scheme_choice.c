@@ -4,17 +4,11 @@
 #include "curve/plan.h"
 #include "space/known.h"
 
-#include <stdint.h>
-
-/// The most new points for which the learned scheme is chosen. It takes about a microsecond a point, and curves that are
-/// dense already come out alike by every scheme.
-static const size_t LEARNED_POINTS = 1000000;
-
-bat_curve_scheme bat_curve_scheme_for(const bat_space *space, size_t new_points, const char **name)
+bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char **name)
 {
     int curvature;
     const char *chosen = space_is_euclidean(space) ? "four-point" : "log-exp-4";
-    if (space_is_surface(space, &curvature) && new_points <= LEARNED_POINTS)
+    if (space_is_surface(space, &curvature))
         chosen = "learned";
     else if (space->exterior_angle != NULL && space->apex != NULL)
         chosen = "angle-4";
@@ -23,27 +17,6 @@ bat_curve_scheme bat_curve_scheme_for(const bat_space *space, size_t new_points,
     if (name != NULL)
         *name = chosen;
     return scheme;
-}
-
-size_t curves_new_points(const bat_curve *curves, size_t count, size_t levels)
-{
-    size_t points = 0;
-    for (size_t i = 0; i < count; i++)
-        points = curves[i].count <= SIZE_MAX - points ? points + curves[i].count : SIZE_MAX;
-    bool fits = levels < 8 * sizeof(size_t) && points <= SIZE_MAX >> levels;
-    return fits ? points << levels : SIZE_MAX;
-}
-
-bat_curve_scheme bat_curves_scheme(const bat_curve *curves, size_t count, const bat_curve_refine_options *options,
-                                   const char **name)
-{
-    const bat_curve_refine_options defaults = bat_curve_refine_defaults();
-    options = options != NULL ? options : &defaults;
-    if (name != NULL)
-        *name = NULL;
-    if (options->scheme.kind != BAT_CURVE_SCHEME_AUTO || count == 0)
-        return options->scheme;
-    return bat_curve_scheme_for(curves[0].space, curves_new_points(curves, count, options->levels), name);
 }
 
 static const bat_choice END_RULES[] = {

@@ -15,7 +15,7 @@
 typedef struct settings
 {
     double w, r, s, mu, order, fairness;
-    bool adaptive;
+    bool adaptive, turns;
     bat_curve_angle_sign sign;
     bat_curve_base base;
     bat_curve_parameters parameters;
@@ -70,6 +70,7 @@ static bat_curve_scheme make_angle(const settings *s)
     bat_curve_scheme scheme = bat_curve_scheme_angle(s->mu);
     scheme.sign = s->sign;
     scheme.adaptive = s->adaptive;
+    scheme.turns = s->turns;
     return scheme;
 }
 
@@ -138,17 +139,17 @@ static const entry ENTRIES[] = {
      {.w = 0},
      NULL},
     {{.name = "angle-4",
-      .settings = "sign=outward,adaptive=0",
+      .settings = "sign=outward,adaptive=0,turns=0",
       .summary = "interpolates by exterior angles, tension 0; plane, sphere, disk"},
      {.mu = 0},
      make_angle},
     {{.name = "angle-6",
-      .settings = "sign=outward,adaptive=0",
+      .settings = "sign=outward,adaptive=0,turns=0",
       .summary = "interpolates by exterior angles, tension -1/4; plane, sphere, disk"},
      {.mu = BAT_CURVE_TENSION_SIX_POINT},
      make_angle},
     {{.name = "angle",
-      .settings = "mu=0,sign=outward,adaptive=0",
+      .settings = "mu=0,sign=outward,adaptive=0,turns=0",
       .summary = "interpolates by exterior angles, any tension; plane, sphere, disk"},
      {.mu = 0},
      make_angle},
@@ -300,6 +301,12 @@ static bool read_setting(const char *key, size_t key_length, const char *value, 
     {
         chosen = read_word(value, length, "0", "1");
         s->adaptive = chosen == 1;
+        return chosen >= 0;
+    }
+    if (is_word(key, key_length, "turns"))
+    {
+        chosen = read_word(value, length, "0", "1");
+        s->turns = chosen == 1;
         return chosen >= 0;
     }
     const struct

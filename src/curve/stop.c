@@ -359,10 +359,10 @@ static bat_status begin_search(level_search *search, bool keeps_points, size_t e
     double least = 0;
     for (size_t i = 0; i < edges; i++)
     {
-        const double *p = source->rows + i * space->point_dim;
+        const double *p = refine_source_vertex(source, i), *q = refine_source_vertex(source, i + 1);
         size_t from = 0;
         if (keeps_points && options->max_segment > 0)
-            from = halvings(space->distance(space, p, p + space->point_dim) * (1 - 1e-12), options->max_segment);
+            from = halvings(space->distance(space, p, q) * (1 - 1e-12), options->max_segment);
         least += ldexp(1, (int)from);
         size_t to = from + (search->lookahead > 0 && from < search->most);
         search->tests[i] = (tested){(unsigned char)from, (unsigned char)to};

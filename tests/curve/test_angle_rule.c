@@ -3,6 +3,8 @@
 #include "geometry_helpers.h"
 #include "refine_helpers.h"
 
+#include "batten/curve_measure.h"
+
 enum
 {
     COUNT = 40,
@@ -277,9 +279,95 @@ static void short_polygons_have_wide_stencils(void **state)
             }
 }
 
+// The first levels alone
+
+/// The rule FOUR_POINT, which checks the numbers that it is given. Vertex 0 is the only one where the polygon turns right.
+static void numbered_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *angles,
+                            void *scratch)
+{
+    assert_true(view->level < rule->levels);
+    ptrdiff_t count = (ptrdiff_t)COUNT << view->level;
+    for (ptrdiff_t j = 0; j < (ptrdiff_t)view->count && view->level == 0; j++)
+        assert_true((view->angles[j] < 0) == ((view->first + j) % count == 0));
+    four_point_angles(rule, view, angles, scratch);
+}
+
+/// A polygon around the origin with one vertex drawn inwards.
+static void make_dented(double *points)
+{
+    for (size_t j = 0; j < COUNT; j++)
+        polar_point(GEOMETRY_PLANE, j == 0 ? 0.9 : 1, 2 * PI * (double)j / COUNT + 0.02 * sin(5.0 * (double)j),
+                    points + 2 * j);
+}
+
+static void a_rule_may_decide_the_first_levels(void **state)
+{
+    (void)state;
+    double points[2 * COUNT];
+    make_dented(points);
+    bat_space plane = bat_euclidean(2);
+    bat_curve coarse = {.space = &plane, .points = points, .count = COUNT, .closed = true};
+    bat_curve_angle_rule rule = FOUR_POINT;
+    rule.levels = 2;
+    rule.angles = numbered_angles;
+    for (int closed = 0; closed < 2; closed++)
+    {
+        coarse.closed = closed == 1;
+        rule.angles = closed ? numbered_angles : four_point_angles;
+        bat_curve_refine_options first = options("angle-4", 2), last = options("angle-6:turns=1", 2),
+                                 all = with_rule(&rule, 4);
+        bat_curve half = refined(&coarse, &first), expected = refined(&half, &last), fine = refined(&coarse, &all);
+        check_same(&fine, &expected, 1e-12);
+        bat_curve_free(&half);
+        bat_curve_free(&expected);
+        bat_curve_free(&fine);
+        all.levels = 1;
+        first.levels = 1;
+        expected = refined(&coarse, &first);
+        fine = refined(&coarse, &all);
+        check_same(&fine, &expected, 1e-12);
+        bat_curve_free(&expected);
+        bat_curve_free(&fine);
+    }
+}
+
+static double largest_turn(const bat_curve *curve)
+{
+    bat_curve_fairness_values fairness;
+    check_status(bat_curve_fairness(curve, NULL, &fairness, NULL), BAT_OK);
+    return fairness.g1;
+}
+
+/// The largest exterior angle halves with every level, between edges of any lengths.
+static void turns_halve_on_uneven_polygons(void **state)
+{
+    (void)state;
+    bat_random random = bat_random_seed(3);
+    double points[3 * COUNT], angles[COUNT];
+    for (int s = 0; s < 3; s++)
+    {
+        bat_space space = space_of(SURFACES[s]);
+        double sum = 0;
+        for (size_t j = 0; j < COUNT; j++)
+            angles[j] = sum += exp(1.5 * (2 * bat_random_uniform(&random) - 1));
+        for (size_t j = 0; j < COUNT; j++)
+            polar_point(SURFACES[s], 0.3 + 0.1 * bat_random_uniform(&random), 2 * PI * angles[j] / sum,
+                        points + j * space.point_dim);
+        bat_curve coarse = {.space = &space, .points = points, .count = COUNT, .closed = true};
+        bat_curve_refine_options five = options("angle-6:turns=1", 5), nine = options("angle-6:turns=1", 9);
+        bat_curve before = refined(&coarse, &five), after = refined(&coarse, &nine);
+        assert_true(largest_turn(&after) < 0.075 * largest_turn(&before));
+        assert_true(largest_turn(&after) > 0.05 * largest_turn(&before));
+        bat_curve_free(&before);
+        bat_curve_free(&after);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_rule_may_decide_the_first_levels),
+        cmocka_unit_test(turns_halve_on_uneven_polygons),
         cmocka_unit_test(the_four_point_scheme_can_be_a_rule),
         cmocka_unit_test(a_rule_sees_angles_and_lengths),
         cmocka_unit_test(threads_and_a_users_space_make_no_difference),

@@ -491,7 +491,7 @@ static void a_copy_of_a_space_with_another_function_is_another_space(void **stat
     double points[] = {0.8, 0.1, 0.95, 0.1, 0.1, 0.1, 0.25, 0.1};
     bat_curve coarse = {.space = &torus, .points = points, .count = 4}, fine;
     const char *name;
-    (void)bat_curve_scheme_for(&torus, 1, &name);
+    (void)bat_curve_scheme_for(&torus, &name);
     assert_string_equal(name, "log-exp-4");
     bat_curve_refine_options how = options("four-point", 1);
     check_status(bat_curve_refine(&coarse, &how, &fine, NULL), BAT_UNSUPPORTED);

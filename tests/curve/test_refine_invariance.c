@@ -14,7 +14,8 @@ static void vector_code_agrees_with_the_spaces(void **state)
 {
     (void)state;
     bat_space known[3] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
-    const char *names[] = {"angle-4", "angle-6:sign=printed", "angle-4:adaptive=1", "log-exp-4", "log-exp-6:base=midpoint"};
+    const char *names[] = {"angle-4",   "angle-6:sign=printed",   "angle-4:adaptive=1", "angle-6:turns=1",
+                           "log-exp-4", "log-exp-6:base=midpoint"};
     bat_random random = bat_random_seed(7);
     for (int k = 0; k < 3; k++)
         for (size_t s = 0; s < 5; s++)
@@ -51,7 +52,7 @@ static void isometries_commute_with_refinement(void **state)
 {
     (void)state;
     bat_space sphere = bat_sphere(2), plane = bat_euclidean(2), disk = bat_disk();
-    const char *names[] = {"angle-4", "angle-6", "angle-6:adaptive=1", "log-exp-4", "log-exp-6"};
+    const char *names[] = {"angle-4", "angle-6", "angle-6:adaptive=1", "angle-6:turns=1", "log-exp-4", "log-exp-6"};
     for (size_t s = 0; s < 5; s++)
     {
         double round[30], turned[30], flat[20], moved[20], bent[20], shifted[20];
@@ -119,8 +120,13 @@ static void isometries_commute_with_refinement(void **state)
 static void reversal_reverses(void **state)
 {
     (void)state;
-    const char *names[] = {"chaikin", "four-point",         "lane-riesenfeld:order=4",
-                           "angle-4", "angle-6:adaptive=1", "log-exp-4:base=midpoint"};
+    const char *names[] = {"chaikin",
+                           "four-point",
+                           "lane-riesenfeld:order=4",
+                           "angle-4",
+                           "angle-6:adaptive=1",
+                           "angle-6:turns=1",
+                           "log-exp-4:base=midpoint"};
     bat_space plane = bat_euclidean(2), sphere = bat_sphere(2);
     for (size_t s = 0; s < 6; s++)
         for (int open = 0; open < 2; open++)

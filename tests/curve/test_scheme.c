@@ -82,7 +82,7 @@ static void every_space_has_a_scheme(void **state)
         const bat_space *space = &cases[i].space;
         size_t dim = space->point_dim;
         const char *name;
-        bat_curve_scheme chosen = bat_curve_scheme_for(space, 13, &name);
+        bat_curve_scheme chosen = bat_curve_scheme_for(space, &name);
         assert_string_equal(name, cases[i].name);
         double points[4 * 4];
         for (size_t k = 0; k < 4; k++)

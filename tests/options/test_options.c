@@ -885,33 +885,24 @@ static void fields_out_of_range_are_refused(void **state)
         }
 }
 
-/// The default scheme of curves is the same for one call and for many, and told by its name.
-static void the_default_scheme_of_curves_is_told(void **state)
+/// The default scheme of a space is known by its name.
+static void every_space_has_a_default_scheme(void **state)
 {
     (void)state;
     const struct
     {
         bat_space space;
-        size_t count;
         const char *name;
     } cases[] = {
-        {bat_euclidean(2), 31250, "learned"}, {bat_euclidean(2), 31251, "angle-4"}, {bat_sphere(2), 4, "learned"},
-        {bat_disk(), 4, "learned"},           {bat_euclidean(3), 4, "four-point"},  {bat_sphere(3), 4, "log-exp-4"},
-        {bat_rotation(), 4, "log-exp-4"},
+        {bat_euclidean(2), "learned"},    {bat_sphere(2), "learned"},   {bat_disk(), "learned"},
+        {bat_euclidean(3), "four-point"}, {bat_sphere(3), "log-exp-4"}, {bat_rotation(), "log-exp-4"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {
         const char *name;
-        bat_curve curve = {.space = &cases[i].space, .count = cases[i].count};
-        (void)bat_curves_scheme(&curve, 1, NULL, &name);
+        (void)bat_curve_scheme_for(&cases[i].space, &name);
         assert_string_equal(name, cases[i].name);
     }
-    bat_curve_refine_options own = bat_curve_refine_defaults();
-    own.scheme = bat_curve_scheme_geodesic(3);
-    const char *name = "";
-    bat_curve curve = {.space = &cases[0].space, .count = 4};
-    assert_int_equal(bat_curves_scheme(&curve, 1, &own, &name).kind, BAT_CURVE_SCHEME_GEODESIC);
-    assert_null(name);
 }
 
 typedef bool list_function(size_t index, bat_choice *choice);
@@ -965,7 +956,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_means_the_defaults),
         cmocka_unit_test(fields_out_of_range_are_refused),
-        cmocka_unit_test(the_default_scheme_of_curves_is_told),
+        cmocka_unit_test(every_space_has_a_default_scheme),
         cmocka_unit_test(tables_are_complete),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
