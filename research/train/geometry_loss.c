@@ -286,3 +286,136 @@ void geometry_mean_nearest_back(const double *points, size_t count, const double
     for (size_t i = 0; i < count; i++)
         add_distance_gradient(points + i * dim, truth + of_points[i] * dim, dim, factor, point_gradients + i * dim);
 }
+
+// Polylines
+
+/// Points of 2 or 3 coordinates, joined in order.
+typedef struct polyline
+{
+    const double *points;
+    size_t count, dim;
+    bool closed;
+} polyline;
+
+static const double *row_of(const polyline *line, size_t i)
+{
+    return line->points + i % line->count * line->dim;
+}
+
+/// Half the lengths of the edges at each point, divided by the length of the polyline.
+static void weigh_points(const polyline *line, double *weights)
+{
+    size_t edges = line->closed ? line->count : line->count - 1;
+    double total = 0;
+    for (size_t i = 0; i < line->count; i++)
+        weights[i] = 0;
+    for (size_t i = 0; i < edges; i++)
+    {
+        double length = distance_between(row_of(line, i), row_of(line, i + 1), line->dim);
+        weights[i] += length;
+        weights[(i + 1) % line->count] += length;
+        total += 2 * length;
+    }
+    for (size_t i = 0; i < line->count; i++)
+        weights[i] /= total;
+}
+
+/// The nearest point of an edge.
+static geometry_foot foot_on(const polyline *line, size_t edge, const double *query)
+{
+    const double *p = row_of(line, edge), *q = row_of(line, edge + 1);
+    double along = 0, squared = 0;
+    for (size_t i = 0; i < line->dim; i++)
+    {
+        along += (query[i] - p[i]) * (q[i] - p[i]);
+        squared += (q[i] - p[i]) * (q[i] - p[i]);
+    }
+    double share = squared > 0 ? along / squared : 0;
+    return (geometry_foot){edge, share < 0 ? 0 : share > 1 ? 1 : share};
+}
+
+/// The vector from a foot to a query.
+static double foot_vector(const polyline *line, geometry_foot foot, const double *query, double vector[3])
+{
+    const double *p = row_of(line, foot.edge), *q = row_of(line, foot.edge + 1);
+    double squared = 0;
+    for (size_t i = 0; i < line->dim; i++)
+    {
+        vector[i] = query[i] - (p[i] + foot.share * (q[i] - p[i]));
+        squared += vector[i] * vector[i];
+    }
+    return sqrt(squared);
+}
+
+/// The weighted mean distance of points to a polyline.
+static double mean_foot_distance(const double *queries, const double *weights, size_t count, const polyline *line,
+                                 size_t *nearest, geometry_foot *feet)
+{
+    double sum = 0;
+    geometry_nearest(queries, count, line->points, line->count, line->dim, nearest);
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *query = queries + i * line->dim;
+        size_t at = nearest[i], before = at == 0 ? line->count - 1 : at - 1;
+        bool has_before = line->closed || at > 0, has_after = line->closed || at + 1 < line->count;
+        geometry_foot one = foot_on(line, has_before ? before : at, query),
+                      other = foot_on(line, has_after ? at : before, query);
+        double vector[3], first = foot_vector(line, one, query, vector), second = foot_vector(line, other, query, vector);
+        feet[i] = first < second ? one : other;
+        sum += weights[i] * fmin(first, second);
+    }
+    return sum;
+}
+
+double geometry_curve_distance(const geometry_polygon *polygon, const double *truth, size_t truth_count, geometry_feet feet)
+{
+    size_t dim = geometry_dim(polygon->surface);
+    const polyline line = {polygon->points, polygon->count, dim, polygon->closed};
+    const polyline true_line = {truth, truth_count, dim, polygon->closed};
+    weigh_points(&line, feet.point_weights);
+    weigh_points(&true_line, feet.truth_weights);
+    return 0.5 * (mean_foot_distance(line.points, feet.point_weights, line.count, &true_line, feet.nearest, feet.of_points) +
+                  mean_foot_distance(truth, feet.truth_weights, truth_count, &line, feet.nearest, feet.of_truth));
+}
+
+void geometry_curve_distance_back(const geometry_polygon *polygon, const double *truth, size_t truth_count,
+                                  geometry_feet feet, double loss_gradient, double *point_gradients)
+{
+    size_t dim = geometry_dim(polygon->surface);
+    const polyline line = {polygon->points, polygon->count, dim, polygon->closed};
+    const polyline true_line = {truth, truth_count, dim, polygon->closed};
+    double vector[3], next[3], mean = 0, total = 0;
+    for (size_t i = 0; i < line.count; i++)
+    {
+        double distance = foot_vector(&true_line, feet.of_points[i], row_of(&line, i), vector);
+        double factor = distance > 0 ? 0.5 * loss_gradient * feet.point_weights[i] / distance : 0;
+        mean += feet.point_weights[i] * distance;
+        for (size_t k = 0; k < dim; k++)
+            point_gradients[i * dim + k] += factor * vector[k];
+    }
+    // The weights depend on the lengths.
+    size_t edges = line.closed ? line.count : line.count - 1;
+    for (size_t i = 0; i < edges; i++)
+        total += distance_between(row_of(&line, i), row_of(&line, i + 1), dim);
+    for (size_t i = 0; i < edges; i++)
+    {
+        const double *p = row_of(&line, i), *q = row_of(&line, i + 1);
+        double here = foot_vector(&true_line, feet.of_points[i], p, vector);
+        double there = foot_vector(&true_line, feet.of_points[(i + 1) % line.count], q, next);
+        double by_length = 0.5 * loss_gradient * (0.5 * (here + there) - mean) / total;
+        add_distance_gradient(p, q, dim, by_length, point_gradients + i * dim);
+        add_distance_gradient(q, p, dim, by_length, point_gradients + (i + 1) % line.count * dim);
+    }
+    for (size_t i = 0; i < truth_count; i++)
+    {
+        geometry_foot foot = feet.of_truth[i];
+        double distance = foot_vector(&line, foot, truth + i * dim, vector);
+        double factor = distance > 0 ? -0.5 * loss_gradient * feet.truth_weights[i] / distance : 0;
+        double *begin = point_gradients + foot.edge * dim, *end = point_gradients + (foot.edge + 1) % line.count * dim;
+        for (size_t k = 0; k < dim; k++)
+        {
+            begin[k] += factor * (1 - foot.share) * vector[k];
+            end[k] += factor * foot.share * vector[k];
+        }
+    }
+}

@@ -64,4 +64,31 @@ double geometry_mean_nearest(const double *points, size_t count, const double *t
 void geometry_mean_nearest_back(const double *points, size_t count, const double *truth, size_t dim, const size_t *of_points,
                                 double loss_gradient, double *point_gradients);
 
+// Distances of two polylines, Euclidean in the stored coordinates, with chords between the points.
+
+/// A point on a polyline.
+typedef struct geometry_foot
+{
+    size_t edge;  ///< from item `edge` to the next one
+    double share; ///< 0 at its begin, 1 at its end
+} geometry_foot;
+
+/// What the derivative of geometry_curve_distance() needs; arrays of the caller.
+typedef struct geometry_feet
+{
+    geometry_foot *of_points; ///< for each point of the polygon, on the truth
+    geometry_foot *of_truth;  ///< for each point of the truth, on the polygon
+    double *point_weights;    ///< share of the length that belongs to a point; sum 1
+    double *truth_weights;
+    size_t *nearest; ///< room for the larger count
+} geometry_feet;
+
+/// Half the mean distance of the polygon to the truth plus half that of the truth to the polygon. Means are over the points,
+/// weighted by the lengths of the edges at them; a distance is that to the edges at the nearest point.
+/// @param truth truth_count x dim, at least 2, closed like the polygon
+double geometry_curve_distance(const geometry_polygon *polygon, const double *truth, size_t truth_count, geometry_feet feet);
+/// The derivative with respect to the points.
+void geometry_curve_distance_back(const geometry_polygon *polygon, const double *truth, size_t truth_count,
+                                  geometry_feet feet, double loss_gradient, double *point_gradients);
+
 #endif

@@ -154,6 +154,7 @@ typedef struct judgement
     const double *truth;
     size_t truth_count;
     geometry_matches matches;
+    geometry_feet feet;
     double power;
 } judgement;
 
@@ -267,5 +268,32 @@ learn_array *tape_polygon_angle_power_mean(learn_tape *tape, tape_polygon *polyg
         return &tape->nothing;
     j->power = power;
     *j->loss->value = (real)geometry_angle_power_mean(&polygon->shape, polygon->profile, power);
+    return j->loss;
+}
+
+static void curve_distance_back(void *context)
+{
+    const judgement *j = context;
+    geometry_curve_distance_back(&j->polygon->shape, j->truth, j->truth_count, j->feet, (double)*j->loss->gradient,
+                                 j->polygon->point_gradient);
+}
+
+learn_array *tape_polygon_curve_distance(learn_tape *tape, tape_polygon *polygon, const double *truth, size_t truth_count)
+{
+    judgement *j = judge(tape, polygon, curve_distance_back);
+    if (j == NULL)
+        return &tape->nothing;
+    const geometry_polygon *shape = &polygon->shape;
+    size_t count = shape->count, larger = count > truth_count ? count : truth_count;
+    j->truth = truth;
+    j->truth_count = truth_count;
+    j->feet.of_points = learn_tape_memory(tape, count, sizeof *j->feet.of_points);
+    j->feet.of_truth = learn_tape_memory(tape, truth_count, sizeof *j->feet.of_truth);
+    j->feet.point_weights = learn_tape_memory(tape, count, sizeof *j->feet.point_weights);
+    j->feet.truth_weights = learn_tape_memory(tape, truth_count, sizeof *j->feet.truth_weights);
+    j->feet.nearest = learn_tape_memory(tape, larger, sizeof *j->feet.nearest);
+    if (tape->status != BAT_OK)
+        return &tape->nothing;
+    *j->loss->value = (real)geometry_curve_distance(shape, truth, truth_count, j->feet);
     return j->loss;
 }

@@ -38,6 +38,8 @@ learn_array *tape_polygon_smoothness(learn_tape *tape, tape_polygon *polygon);
 learn_array *tape_polygon_bending(learn_tape *tape, tape_polygon *polygon);
 /// The mean distance of the polygon's vertices to the truth. The truth must stay until the step has been differentiated.
 learn_array *tape_polygon_mean_nearest(learn_tape *tape, tape_polygon *polygon, const double *truth, size_t truth_count);
+/// geometry_curve_distance(). The truth must stay until the step has been differentiated.
+learn_array *tape_polygon_curve_distance(learn_tape *tape, tape_polygon *polygon, const double *truth, size_t truth_count);
 /// geometry_angle_power_mean().
 learn_array *tape_polygon_angle_power_mean(learn_tape *tape, tape_polygon *polygon, double power);
 
