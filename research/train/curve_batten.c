@@ -6,6 +6,8 @@
 #include "curve/network/learned_network.h"
 #include "curve/network/learned_rule.h"
 #include "research/data/control_polygon.h"
+#include "research/data/rough_curve.h"
+#include "research/data/simplify.h"
 #include "research/data/tension_family.h"
 #include "research/data/tension_set.h"
 #include "research/data/wave.h"
@@ -27,29 +29,29 @@ enum
     TRUTH = BAT_TENSION_TRUTH_POINTS,
     PUBLISHED_COUNT = BAT_TENSION_CONTROL_POINTS,
     MIN_COUNT = 4,
-    MAX_COUNT = 32,
-    MAX_DIM = 3
+    MAX_COUNT = 48,
+    MAX_DIM = 3,
+    ROUGH_POINTS = SIMPLIFY_MAX_POINTS,
 };
+/// The share of rough curves; the others are of smooth families.
+static const double ROUGH_SHARE = 0.5;
 static const double FAIRNESS[BAT_CURVE_TRAIN_FAIRNESSES] = {0, 0.5, 1};
 /// The seed of the validation curves; the tables have another.
 static const uint64_t VALIDATION_SEED = 2;
 
-/// The distance units are mean distances that a good rule reaches.
-static const curve_loss_weights WEIGHTS = {
-    .distance_unit = {[BAT_TENSION_PLANE] = 0.006, [BAT_TENSION_SPHERE] = 0.0105, [BAT_TENSION_DISK] = 0.0027},
-    .bending_unit = {[BAT_TENSION_PLANE] = 24, [BAT_TENSION_SPHERE] = 12, [BAT_TENSION_DISK] = 16},
-    .angle_unit = {[BAT_TENSION_PLANE] = 0.13, [BAT_TENSION_SPHERE] = 0.4, [BAT_TENSION_DISK] = 0.1},
-    .min_roughness = 0.006,
-};
-
-/// During training the weight of the roughness grows, and then the balance of bending and large angles is set: the network
-/// learns to follow the data first.
+/// During training the weight of the roughness grows: the network learns to follow the data first.
 static const struct
 {
-    double from;          ///< share of the epochs
-    double max_roughness; ///< as in curve_loss_weights
-    double angle[SPACES]; ///< likewise, in each space
-} PHASES[] = {{0, 7, {1, 1, 1}}, {0.5, 9, {0.78, 0.78, 0.78}}, {0.75, 10, {0.98, 1.2, 0.85}}};
+    double from; ///< share of the epochs
+    curve_loss_weights weights;
+} PHASES[] = {
+    {0, {.min_roughness = 0.005, .max_roughness = 5, .angle = 1, .hinge = 0.5}},
+    {0.5, {.min_roughness = 0.005, .max_roughness = 8, .angle = 1, .hinge = 1}},
+};
+
+/// Mean distances that a good rule reaches on the smooth families.
+static const double SMOOTH_UNIT[SPACES] = {
+    [BAT_TENSION_PLANE] = 0.006, [BAT_TENSION_SPHERE] = 0.0105, [BAT_TENSION_DISK] = 0.0027};
 
 /// What is recorded of every batch.
 enum
@@ -75,7 +77,7 @@ static tension_control_plan draw_plan(bat_random *random)
     bool from_start = bat_random_uniform(random) < 0.25;
     double start = bat_random_uniform(random), jitter = bat_random_uniform(random);
     return (tension_control_plan){
-        .count = published ? PUBLISHED_COUNT : (size_t)draw_whole(random, MIN_COUNT, MAX_COUNT),
+        .count = published ? PUBLISHED_COUNT : (size_t)draw_whole(random, MIN_COUNT, 32),
         .start = from_start ? 0 : start,
         .jitter = even ? 0 : jitter,
     };
@@ -123,7 +125,7 @@ static void snap_to_corner(size_t corner, const double *lengths, size_t count, s
 
 /// A new curve with its control polygon.
 /// @param truth,control room for TRUTH and MAX_COUNT points
-static tension_sample draw_sample(bat_tension_space space, bat_random *random, double *truth, double *control)
+static tension_sample draw_smooth_sample(bat_tension_space space, bat_random *random, double *truth, double *control)
 {
     double lengths[TRUTH + 1];
     size_t samples[MAX_COUNT], dim = tension_dim(space);
@@ -144,10 +146,90 @@ static tension_sample draw_sample(bat_tension_space space, bat_random *random, d
     for (size_t k = 0; k < plan.count; k++)
         memcpy(control + k * dim, truth + samples[k] * dim, dim * sizeof *control);
     // Open curves are pieces of closed ones.
-    bool open = bat_random_uniform(random) < 0.15;
+    bool open = bat_random_uniform(random) < 0.15 && samples[0] < samples[plan.count - 1];
     size_t count = open ? (size_t)draw_whole(random, MIN_COUNT, (int)plan.count) : plan.count;
+    size_t first = open ? samples[0] : 0, end = open ? samples[count - 1] + 1 : TRUTH;
     return (tension_sample){
         .control = {.points = control, .count = count, .surface = tension_surface(space), .closed = !open},
+        .truth = truth + first * dim,
+        .truth_count = end - first,
+    };
+}
+
+// Rough curves
+
+/// Whether neighbouring control points are distinct.
+static bool samples_are_fit(const double *points, const size_t *samples, size_t count, bool closed)
+{
+    for (size_t k = 0; k + (closed ? 0 : 1) < count; k++)
+    {
+        const double *p = points + 2 * samples[k], *q = points + 2 * samples[(k + 1) % count];
+        if (hypot(q[0] - p[0], q[1] - p[1]) < 1e-4)
+            return false;
+    }
+    return true;
+}
+
+/// Map a plane point with norm at most 1 into a space: the plane itself, a cap of the sphere of angular radius `reach` by
+/// the azimuthal equidistant map, or a concentric disk of Euclidean radius `reach`.
+static void place_point(bat_tension_space space, double reach, const double *from, double *point)
+{
+    double radius = hypot(from[0], from[1]), factor = space == BAT_TENSION_PLANE ? 1 : reach;
+    if (space == BAT_TENSION_SPHERE && radius > 0)
+        factor = sin(reach * radius) / radius;
+    point[0] = factor * from[0];
+    point[1] = factor * from[1];
+    if (space == BAT_TENSION_SPHERE)
+        point[2] = cos(reach * radius);
+}
+
+static size_t draw_count(bat_random *random, size_t low, size_t high)
+{
+    return (size_t)((double)low * pow((double)(high + 1) / (double)low, bat_random_uniform(random)));
+}
+
+/// A new rough curve with its control polygon.
+/// @param truth,control room for TRUTH and MAX_COUNT points
+static tension_sample draw_rough_sample(bat_tension_space space, bat_random *random, double *truth, double *control)
+{
+    double plane[2 * ROUGH_POINTS], moved[2];
+    size_t samples[MAX_COUNT], dim = tension_dim(space), count = draw_count(random, 5, MAX_COUNT);
+    static const rough_family FAMILIES[] = {ROUGH_RADIAL,    ROUGH_SPECTRAL, ROUGH_DIRECTION,
+                                            ROUGH_DIRECTION, ROUGH_CORNERS,  ROUGH_STROKE};
+    rough_family family = FAMILIES[draw_whole(random, 0, sizeof FAMILIES / sizeof *FAMILIES - 1)];
+    bool closed = rough_curve_draw(family, random, ROUGH_POINTS, plane);
+    // Half of the curves with a spectrum are themselves polylines, of 3 to 12 pieces for each control edge.
+    bool polyline = family != ROUGH_CORNERS && family != ROUGH_STROKE && draw_coin(random);
+    if (polyline)
+        rough_curve_simplify(random, closed, count * (size_t)draw_whole(random, 3, 12), ROUGH_POINTS, plane);
+    static const curve_sampling SAMPLINGS[] = {
+        CURVE_SAMPLING_EVEN,        CURVE_SAMPLING_UNEVEN,          CURVE_SAMPLING_UNEVEN,
+        CURVE_SAMPLING_UNEVEN,      CURVE_SAMPLING_DOUGLAS_PEUCKER, CURVE_SAMPLING_DOUGLAS_PEUCKER,
+        CURVE_SAMPLING_VISVALINGAM, CURVE_SAMPLING_VISVALINGAM,     CURVE_SAMPLING_TIME,
+    };
+    curve_sampling how = SAMPLINGS[draw_whole(random, 0, sizeof SAMPLINGS / sizeof *SAMPLINGS - 1)];
+    curve_sample(how, plane, ROUGH_POINTS, closed, count, random, samples);
+    while (!samples_are_fit(plane, samples, count, closed))
+    {
+        closed = rough_curve_draw(ROUGH_RADIAL, random, ROUGH_POINTS, plane);
+        curve_sample(CURVE_SAMPLING_EVEN, plane, ROUGH_POINTS, closed, count, random, samples);
+    }
+    double reach = space == BAT_TENSION_SPHERE ? draw_between(random, 0.02, 1.2) : draw_between(random, 0.1, 0.75);
+    double noise = bat_random_uniform(random) < 0.15 ? draw_between(random, 0, 0.1) / (double)count : 0;
+    for (size_t i = 0; i < TRUTH; i++)
+    {
+        // An open curve keeps both ends.
+        size_t from = closed ? i * ROUGH_POINTS / TRUTH : i * (ROUGH_POINTS - 1) / (TRUTH - 1);
+        place_point(space, reach, plane + 2 * from, truth + i * dim);
+    }
+    for (size_t k = 0; k < count; k++)
+    {
+        for (size_t a = 0; a < 2; a++)
+            moved[a] = plane[2 * samples[k] + a] + (noise > 0 ? noise * bat_random_normal(random) : 0);
+        place_point(space, reach, moved, control + k * dim);
+    }
+    return (tension_sample){
+        .control = {.points = control, .count = count, .surface = tension_surface(space), .closed = closed},
         .truth = truth,
         .truth_count = TRUTH,
     };
@@ -156,7 +238,7 @@ static tension_sample draw_sample(bat_tension_space space, bat_random *random, d
 /// The number of levels after which a polygon has about a hundred vertices or more.
 static size_t steps_for(size_t count)
 {
-    return count < 9 ? 5 : count < 18 ? 4 : 3;
+    return count < 9 ? 5 : count < 20 ? 4 : 3;
 }
 
 /// Uniform, with additional probability for 0 and 1.
@@ -165,15 +247,12 @@ static double draw_fairness(bat_random *random)
     return fmin(fmax(1.3 * bat_random_uniform(random) - 0.15, 0), 1);
 }
 
-static curve_loss_weights weights_at(uint64_t epoch, uint64_t epochs, bat_tension_space space)
+static curve_loss_weights weights_at(uint64_t epoch, uint64_t epochs)
 {
-    curve_loss_weights weights = WEIGHTS;
+    curve_loss_weights weights = PHASES[0].weights;
     for (size_t i = 0; i < sizeof PHASES / sizeof *PHASES; i++)
         if ((double)epoch >= PHASES[i].from * (double)epochs)
-        {
-            weights.max_roughness = PHASES[i].max_roughness;
-            weights.angle = PHASES[i].angle[space];
-        }
+            weights = PHASES[i].weights;
     return weights;
 }
 
@@ -186,14 +265,15 @@ static learn_array *train_curve(const curve_training *t, uint64_t epoch, learn_t
     double *control = learn_tape_memory(tape, MAX_COUNT * MAX_DIM, sizeof *control);
     if (tape->status != BAT_OK)
         return &tape->nothing;
-    tension_sample sample = draw_sample(space, random, truth, control);
-    curve_loss_weights weights = weights_at(epoch, t->options->run.epochs, space);
+    bool rough = bat_random_uniform(random) < ROUGH_SHARE;
+    tension_sample sample = (rough ? draw_rough_sample : draw_smooth_sample)(space, random, truth, control);
+    curve_loss_weights weights = weights_at(epoch, t->options->run.epochs);
+    weights.distance_unit = rough ? 0 : SMOOTH_UNIT[space];
     double fairness = draw_fairness(random), share = 1.0 / (PIECES * CURVES);
-    curve_network_loss loss =
-        curve_network_sample_loss(tape, &sample, space, steps_for(sample.control.count), fairness, &weights);
+    curve_network_loss loss = curve_network_sample_loss(tape, &sample, steps_for(sample.control.count), fairness, &weights);
     if (tape->status == BAT_OK)
     {
-        metrics[DISTANCE] += share * (double)*loss.distance->value / WEIGHTS.distance_unit[space];
+        metrics[DISTANCE] += share * (double)*loss.distance->value;
         metrics[BENDING] += share * (double)*loss.bending->value;
         metrics[ANGLE] += share * (double)*loss.angle->value;
     }

@@ -1,7 +1,7 @@
 #ifndef TESTS_SUPPORT_LEARNED_HELPERS_H
 #define TESTS_SUPPORT_LEARNED_HELPERS_H
 
-// Weights of the shipped rule's network that say something, and refinement with them.
+// Random weights of the learned rule's network, and refinement with them.
 
 #include "geometry_helpers.h"
 #include "refine_helpers.h"
@@ -16,7 +16,8 @@ static inline learn_parameters random_weights(uint64_t seed)
     bat_random random = bat_random_seed(seed);
     check_status(learned_network_make(&parameters, NULL), BAT_OK);
     learned_network_start(&parameters, seed);
-    learn_parameter_fill_normal(&parameters, LEARNED_AT_OUTPUT, 0.2, &random);
+    for (size_t i = LEARNED_AT_OUTPUT; i < LEARNED_PARAMETERS; i++)
+        learn_parameter_fill_normal(&parameters, i, 0.05, &random);
     for (size_t i = 0; i < LEARNED_AT_OUTPUT; i++)
         if (parameters.list[i].rank == 1)
             learn_parameter_fill_normal(&parameters, i, 0.1, &random);

@@ -6,66 +6,100 @@
 #include <stddef.h>
 
 /// @file
-/// What the shipped curve rule sees of an edge, and where it begins: the six-point rule.
+/// The features of an edge for the learned curve rule, and the classical rule that the network corrects: the six-point rule
+/// in turns.
 ///
-/// Everything is made of the exterior angles d and lengths e around the edge, e_0 being its own, as *turns*
+/// The exterior angles d and the lengths e around the edge, e_0 being its own, give the *turns*
 ///
-///     y_i = 2 d_i e_0 / max(e_(i-1) + e_i, e_0),
+///     y_i = 2 d_i e_0 / max(e_(i-1) + e_i, e_0).
 ///
-/// which is how far a curve turns over the edge at the curvature that vertex i shows. (The bound matters at a vertex between
-/// two edges that together are shorter than this one.) The six-point rule in turns,
+/// A turn is the angle by which a curve with the curvature of vertex i turns along the edge. The bound matters at a vertex
+/// between two edges that together are shorter than this one. The six-point rule in turns,
 ///
 ///     base = -(5 (y_0 + y_1) - (y_(-1) + y_2)) / 32,
 ///
-/// is the outward six-point rule of Ugail and Howard (2026, eq. 9 with mu = -1/4) where the edges are equally long, and
-/// gives an arc of constant curvature however long they are. A network adds to it at most
+/// is the outward six-point rule of Ugail and Howard (2026, eq. 9 with mu = -1/4) where the edges are equally long. On
+/// an arc of constant curvature its error falls with the third power of the lengths, also where they differ. The learned
+/// rule multiplies it by a gate between 0 and 2, and adds a correction of at most
 ///
 ///     scale = sqrt(t^2 + r^4) / (1 + r),
 ///
-/// with r the root mean square of the turns and t^2 the variance of the middle ones: an amount that falls by 4 with every
-/// level where the curvature is continuous, as the turns themselves fall by 2. So whatever the weights are, the rule comes
-/// near the six-point rule as the polygon becomes fine.
+/// where r is the root mean square of the turns and t^2 the variance of the middle ones. Where the curvature is continuous,
+/// the scale falls by 4 with every level, and the turns fall by 2.
 ///
-/// A mirror image has the opposite turns, and so has the reversed polygon, in reversed order. What a network sees is sorted
-/// by what the two do to it (learn/klein.h, first the mirror, second mirror and reversal together, which exchanges the two
-/// ends of the edge and nothing else).
+/// A mirror image has the opposite turns. The reversed polygon has the opposite turns in reversed order. The features are in
+/// blocks according to the effect of the two (learn/klein.h): the first reflection is the mirror, the second is mirror and
+/// reversal together, which exchanges the two ends of the edge and nothing else.
+
+/// How a polygon was sampled decides how far its curve bulges over an edge: the points of a simplified curve are extreme
+/// ones, points at random are not. Statistics of a wider range of the given polygon tell the two apart. The *deviation* of
+/// vertex i is its distance from the point of the line between its neighbours that divides it like their edges,
+///
+///     h_i = e_(i-1) e_i / (e_(i-1) + e_i) 2 sin(|d_i| / 2).
+///
+/// After Douglas and Peucker's simplification all deviations are above its tolerance, and after Visvalingam and Whyatt's all
+/// areas e_(i-1) e_i 2 sin(|d_i| / 2) are above one; so their logarithms vary little.
 
 #ifndef LEARNED_REACH
 #define LEARNED_REACH 4
+#endif
+#ifndef LEARNED_RANGE
+#define LEARNED_RANGE 8
 #endif
 
 enum
 {
     LEARNED_ANGLES = 2 * LEARNED_REACH,      ///< of the vertices 1 - reach … reach
     LEARNED_LENGTHS = 2 * LEARNED_REACH + 1, ///< of the edges -reach … reach
-    LEARNED_SCALARS = 5, ///< how strong the turns are (2), how uneven, the curvature of the space, the fairness
-    LEARNED_FEATURES = 4 * LEARNED_REACH + LEARNED_SCALARS
+    /// Size of the turns (2), their variance, size of the exterior angles, curvature of the space, fairness, level.
+    LEARNED_PLAIN_SCALARS = 7,
+    /// Mean and deviation of the logarithms of vertex deviations; deviations of those of areas and of lengths; how often
+    /// neighbours turn the same way.
+    LEARNED_STATISTICS = 5,
+    LEARNED_SCALARS = LEARNED_PLAIN_SCALARS + LEARNED_STATISTICS,
+    LEARNED_FEATURES = LEARNED_REACH + LEARNED_SCALARS + LEARNED_REACH + 1 + 4 * LEARNED_REACH
 };
 
 /// The blocks of the features.
 static inline klein_widths learned_widths(void)
 {
     return (klein_widths){{[KLEIN_KEPT] = LEARNED_REACH + LEARNED_SCALARS,
-                           [KLEIN_SECOND] = LEARNED_REACH,
-                           [KLEIN_FIRST] = LEARNED_REACH,
-                           [KLEIN_BOTH] = LEARNED_REACH}};
+                           [KLEIN_SECOND] = LEARNED_REACH + 1,
+                           [KLEIN_FIRST] = 2 * LEARNED_REACH,
+                           [KLEIN_BOTH] = 2 * LEARNED_REACH}};
 }
 
-/// One edge.
-typedef struct learned_features
+/// What the features of an edge depend on besides angles and lengths.
+typedef struct learned_setting
 {
-    double base;  ///< insertion angle of the six-point rule, positive to the left of the edge
-    double scale; ///< of what a network may add
-} learned_features;
+    double curvature; ///< of the space
+    double fairness;
+    double level;  ///< 0 for the given polygon, 1 for the first refined one
+    double parity; ///< level 1: 1 where the edge begins at a given point, -1 where it ends at one; level 0: 0
+} learned_setting;
 
-/// @param angles    angles[i] is that of vertex i, 1 - LEARNED_REACH <= i <= LEARNED_REACH; the edge goes from vertex 0 to 1
-/// @param lengths   lengths[i] is that of edge i, -LEARNED_REACH <= i <= LEARNED_REACH, positive
-/// @param curvature of the space
+/// The classical part of the rule for one edge.
+typedef struct learned_edge
+{
+    double base;  ///< insertion angle of the six-point rule in turns, positive to the left of the edge
+    double scale; ///< bound of the correction
+} learned_edge;
+
+/// The insertion angle of an edge, not limited to the admissible ones.
+/// @param correction,gate the outputs of the network
+double learned_angle(learned_edge edge, double correction, double gate);
+
+/// Compute the features of an edge.
+/// @param angles    angles[i] is that of vertex i, 1 - LEARNED_RANGE <= i <= LEARNED_RANGE; the edge goes from vertex 0 to 1
+/// @param lengths   lengths[i] is that of edge i, -LEARNED_RANGE <= i <= LEARNED_RANGE, positive
 /// @param features  receives the numbers of learned_widths()
-learned_features learned_see(const double *angles, const double *lengths, double curvature, double fairness,
-                             double *features);
-/// Adds to the gradients, which are placed like the angles and lengths.
-void learned_see_back(const double *angles, const double *lengths, double curvature, const double *feature_gradient,
-                      learned_features sight_gradient, double *angle_gradient, double *length_gradient);
+learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting, double *features);
+/// Add the gradients with respect to angles and lengths to arrays that are placed like them. Statistics are of the given
+/// polygon, which has no gradient; they are 0 at later levels.
+/// @param feature_gradient with respect to the features
+/// @param edge_gradient    with respect to the result
+void learned_features_back(const double *angles, const double *lengths, learned_setting setting,
+                           const double *feature_gradient, learned_edge edge_gradient, double *angle_gradient,
+                           double *length_gradient);
 
 #endif

@@ -26,7 +26,7 @@ static void linear(const real *weights, klein_widths in, size_t rows, const real
     }
 }
 
-/// Whole tiles of rows. Returns what the output layer sees: rows x C.
+/// Whole tiles of rows. Returns the input of the output layer: for each block rows x C.
 static const real *forward(const real *weights, size_t rows, learned_scratch *s)
 {
     real *x = s->x, *inner = s->inner, *next = s->next;
@@ -43,35 +43,42 @@ static const real *forward(const real *weights, size_t rows, learned_scratch *s)
             x[i] += inner[i];
     }
     learn_packed_klein_gelu(rows * C, x, next);
-    return next + KLEIN_FIRST * rows * C;
+    return next;
 }
 
-static double choose(learned_features sight, const real *weights, const real *row)
+static double product(const real *weights, const real *row)
 {
-    double said = 0;
+    double sum = 0;
     for (size_t c = 0; c < C; c++)
-        said += (double)weights[c] * (double)row[c];
-    double share = tanh(said);
-    return isnan(share) ? sight.base : sight.base + sight.scale * share;
+        sum += (double)weights[c] * (double)row[c];
+    return sum;
 }
 
 void learned_inference_angles(const real *weights, size_t count, const double *angles, const double *lengths,
-                              double curvature, double fairness, double *chosen, learned_scratch *scratch)
+                              learned_setting setting, double *chosen, learned_scratch *scratch)
 {
+    const double parity = setting.parity;
     for (size_t done = 0; done < count; done += LEARNED_ROWS)
     {
         size_t rows = count - done < LEARNED_ROWS ? count - done : LEARNED_ROWS, whole = learn_whole_tiles(rows);
         memset(scratch->features + rows * LEARNED_FEATURES, 0, (whole - rows) * LEARNED_FEATURES * sizeof(real));
         for (size_t r = 0; r < rows; r++)
         {
-            double seen[LEARNED_FEATURES];
+            double features[LEARNED_FEATURES];
             size_t j = done + r;
-            scratch->sights[r] = learned_see(angles + j, lengths + j, curvature, fairness, seen);
+            setting.parity = j % 2 == 0 ? parity : -parity;
+            scratch->edges[r] = learned_features_of(angles + j, lengths + j, setting, features);
             for (size_t i = 0; i < LEARNED_FEATURES; i++)
-                scratch->features[r * LEARNED_FEATURES + i] = (real)seen[i];
+                scratch->features[r * LEARNED_FEATURES + i] = (real)features[i];
         }
         const real *last = forward(weights, whole, scratch);
+        const real *kept = last + KLEIN_KEPT * whole * C, *first = last + KLEIN_FIRST * whole * C;
         for (size_t r = 0; r < rows; r++)
-            chosen[done + r] = choose(scratch->sights[r], weights + OUTPUT_AT, last + r * C);
+        {
+            double correction = product(weights + OUTPUT_AT, first + r * C);
+            double gate = product(weights + OUTPUT_AT + C, kept + r * C);
+            double angle = learned_angle(scratch->edges[r], correction, gate);
+            chosen[done + r] = isnan(angle) ? scratch->edges[r].base : angle;
+        }
     }
 }

@@ -5,8 +5,8 @@
 #include "learn/packed.h"
 
 /// @file
-/// The network of src/curve/network/learned_network.h for inference alone: no tape, nothing allocated, nothing laid out
-/// anew: the weights are used as a file holds them.
+/// The network of src/curve/network/learned_network.h for inference: no tape, no allocation. The weights are
+/// used in the layout of their file.
 
 enum
 {
@@ -20,15 +20,16 @@ typedef struct learned_scratch
     _Alignas(64) real x[LEARNED_ROWS * LEARNED_WIDTH];
     real inner[LEARNED_ROWS * LEARNED_WIDTH], next[LEARNED_ROWS * LEARNED_WIDTH];
     real features[LEARNED_ROWS * LEARNED_FEATURES];
-    learned_features sights[LEARNED_ROWS];
+    learned_edge edges[LEARNED_ROWS];
 } learned_scratch;
 
 /// The insertion angles of `count` edges, positive to the left. Where weights are so large that numbers overflow on the way,
 /// the angle is that of the six-point rule.
 /// @param weights  the values of learned_network_make()'s parameters, in order
-/// @param angles   angles[j + i] is that of vertex i as edge j counts (learned_see()), lengths alike
+/// @param angles   angles[j + i] is that of vertex i of edge j (learned_features_of()), lengths likewise
+/// @param setting  that of edge 0; the parity alternates
 /// @param chosen   receives `count` angles; not limited to the admissible ones
 void learned_inference_angles(const real *weights, size_t count, const double *angles, const double *lengths,
-                              double curvature, double fairness, double *chosen, learned_scratch *scratch);
+                              learned_setting setting, double *chosen, learned_scratch *scratch);
 
 #endif

@@ -22,6 +22,7 @@ bat_status learned_network_make(learn_parameters *parameters, bat_error *error)
     for (size_t layer = 0; layer < LEARNED_LAYERS; layer++)
         add_layer(parameters, layer, layer == 0 ? learned_widths() : klein_equal(LEARNED_CHANNELS));
     (void)learn_parameters_add(parameters, 1, LEARNED_CHANNELS, "output.first");
+    (void)learn_parameters_add(parameters, 1, LEARNED_CHANNELS, "output.kept");
     bat_status status = learn_parameters_allocate(parameters, error);
     if (status != BAT_OK)
         learn_parameters_free(parameters);
@@ -61,6 +62,11 @@ learn_array *learned_network_apply(learn_tape *tape, learn_array *features)
         learn_array *inner = learn_klein_gelu(tape, linear_at(tape, x, layer));
         x = learn_add(tape, x, linear_at(tape, inner, layer + 1));
     }
-    x = learn_slice_columns(tape, learn_klein_gelu(tape, x), KLEIN_FIRST * LEARNED_CHANNELS, LEARNED_CHANNELS);
-    return learn_linear(tape, x, learn_parameter_array(tape, LEARNED_AT_OUTPUT), NULL);
+    x = learn_klein_gelu(tape, x);
+    static const klein_character BLOCKS[LEARNED_OUTPUTS] = {KLEIN_FIRST, KLEIN_KEPT};
+    learn_array *outputs[LEARNED_OUTPUTS];
+    for (size_t i = 0; i < LEARNED_OUTPUTS; i++)
+        outputs[i] = learn_linear(tape, learn_slice_columns(tape, x, BLOCKS[i] * LEARNED_CHANNELS, LEARNED_CHANNELS),
+                                  learn_parameter_array(tape, LEARNED_AT_OUTPUT + i), NULL);
+    return learn_concatenate_columns(tape, outputs, LEARNED_OUTPUTS);
 }

