@@ -198,7 +198,8 @@ static void check_total(fixture *f)
 {
     curve_network_loss loss = loss_of(f, NULL);
     double distance = (double)*loss.distance->value;
-    double fair = 0.1 * pow(30, pow(f->fairness, 1.25)), roughness = (double)*loss.bending->value + 0.8 * (double)*loss.angle->value;
+    double fair = 0.1 * pow(30, pow(f->fairness, 1.25)),
+           roughness = (double)*loss.bending->value + 0.8 * (double)*loss.angle->value;
     double total = distance * (distance > 1 ? 1.7 : 1) + fair * roughness;
     check_relative((double)*loss.total->value, total, DOUBLE ? 1e-13 : 1e-5);
 }
