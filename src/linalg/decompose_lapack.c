@@ -38,18 +38,6 @@ bat_status decompose_eigenvectors(size_t n, double *a, double *real, double *ima
     return lapack_status(info, error);
 }
 
-bat_status decompose_singular(size_t n, double *a, double *values, double *adjoint, bat_error *error)
-{
-    double *superdiagonal = memory_array(n, sizeof *superdiagonal);
-    if (superdiagonal == NULL)
-        return error_memory(error, n * sizeof *superdiagonal);
-    const lapack_int side = (lapack_int)n;
-    const lapack_int info = LAPACKE_zgesvd(LAPACK_ROW_MAJOR, 'N', 'A', side, side, (lapack_complex_double *)(void *)a, side,
-                                           values, NULL, 1, (lapack_complex_double *)(void *)adjoint, side, superdiagonal);
-    free(superdiagonal);
-    return lapack_status(info, error);
-}
-
 bat_status decompose_least_squares(size_t rows, size_t columns, double *a, double *b, bat_error *error)
 {
     return lapack_status(

@@ -112,8 +112,8 @@ static void orientations_in_the_disk_are_exact(void **state)
                 n += whole(&random, 2);
             x[i][0] = (double)m * 0x1p-20;
             x[i][1] = (double)n * 0x1p-20;
-            p[i][0] = m << 20;
-            p[i][1] = n << 20;
+            p[i][0] = m * (1 << 20);
+            p[i][1] = n * (1 << 20);
             p[i][2] = ((int64_t)1 << 40) + m * m + n * n;
         }
         int expected = sign_of(determinant(p[0], p[1], p[2]));
