@@ -5,8 +5,9 @@
 
 /// @file
 /// The decompositions of dense matrices that linalg/dense.h rests on: LAPACK's where the library was built with it
-/// (decompose_lapack.c), else our own for small matrices (decompose_own.c). Singular values are our own in both cases. Matrices are row-major and square of side `n`
-/// unless said otherwise. All give BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE where an iteration did not converge.
+/// (decompose_lapack.c), else our own for small matrices (decompose_own.c). Singular values are our own in both cases.
+/// Matrices are row-major and square of side `n` unless said otherwise. All give BAT_OK, BAT_NO_MEMORY, or
+/// BAT_NO_CONVERGENCE where an iteration did not converge.
 
 /// The eigenvalues of `a`, which is destroyed. Complex ones stand in pairs, positive imaginary part first.
 bat_status decompose_eigenvalues(size_t n, double *a, double *real, double *imaginary, bat_error *error);
