@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/polygon.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -116,7 +117,7 @@ static void evaluate(const akima *a, size_t levels, double *fine)
 bat_status curve_akima(const bat_curve *coarse, size_t levels, bat_curve *fine, bat_error *error)
 {
     akima a = {.coarse = coarse, .dim = coarse->space->point_dim};
-    a.edges = coarse->closed ? coarse->count : coarse->count - 1;
+    a.edges = polygon_edges(coarse->count, coarse->closed);
     bat_curve result = {.space = coarse->space, .closed = coarse->closed};
     result.count = (a.edges << levels) + (coarse->closed ? 0 : 1);
     a.lengths = memory_array(a.edges, sizeof *a.lengths);

@@ -10,6 +10,7 @@
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
+#include "curve/polygon.h"
 #include "curve_akima.h"
 #include "real_curves_data.h"
 #include "search/nearest.h"
@@ -109,7 +110,7 @@ static const double *edge_end(const bat_curve *curve, size_t edge)
 static bat_status resample(const bat_curve *curve, double *points)
 {
     const bat_space *space = curve->space;
-    size_t dim = space->point_dim, edges = curve->closed ? curve->count : curve->count - 1;
+    size_t dim = space->point_dim, edges = polygon_edges(curve->count, curve->closed);
     double total = 0, begin = 0, length = 0;
     for (size_t i = 0; i < edges; i++)
         total += space->distance(space, curve->points + i * dim, edge_end(curve, i));
@@ -325,7 +326,7 @@ static bat_status run_methods(study *s, const real_case *a_case, const char *fam
 
 static double mean_edge(const bat_curve *curve)
 {
-    size_t dim = curve->space->point_dim, edges = curve->closed ? curve->count : curve->count - 1;
+    size_t dim = curve->space->point_dim, edges = polygon_edges(curve->count, curve->closed);
     double sum = 0;
     for (size_t i = 0; i < edges; i++)
         sum += curve->space->distance(curve->space, curve->points + i * dim, edge_end(curve, i));

@@ -1,6 +1,7 @@
 #include "curve/parametric.h"
 
 #include "base/error.h"
+#include "curve/polygon.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -78,27 +79,6 @@ static void end_knots(const bat_space *points, bat_curve_parameters parameters, 
     }
 }
 
-/// The value at `-at` of the polynomial through `degree` + 1 rows, in the tangent space of the end.
-static bat_status value_beyond(const bat_space *rows, const double *end, ptrdiff_t step, const double *knots, size_t degree,
-                               double at, double *row)
-{
-    double tangent[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
-    memset(sum, 0, rows->tangent_dim * sizeof *sum);
-    for (size_t node = 1; node <= degree; node++)
-    {
-        double weight = 1;
-        for (size_t other = 0; other <= degree; other++)
-            if (other != node)
-                weight *= (-at - knots[other]) / (knots[node] - knots[other]);
-        bat_status status = rows->log(rows, end, end + (ptrdiff_t)node * step, tangent);
-        if (status != BAT_OK)
-            return status;
-        for (size_t i = 0; i < rows->tangent_dim; i++)
-            sum[i] += weight * tangent[i];
-    }
-    return rows->exp(rows, end, sum, row);
-}
-
 static bat_status extend_end(const bat_space *rows, const bat_space *points, bat_curve_parameters parameters, double *end,
                              ptrdiff_t step, size_t count, size_t wanted)
 {
@@ -112,7 +92,7 @@ static bat_status extend_end(const bat_space *rows, const bat_space *points, bat
     {
         size_t mirrored = k < degree ? k : degree;
         at += knots[mirrored] - knots[mirrored - 1];
-        status = value_beyond(rows, end, step, knots, degree, at, end - (ptrdiff_t)k * step);
+        status = polygon_value_beyond(rows, end, step, knots, degree, at, end - (ptrdiff_t)k * step);
     }
     return status;
 }

@@ -7,6 +7,7 @@
 #include "base/threads.h"
 #include "curve/corner.h"
 #include "curve/parametric.h"
+#include "curve/polygon.h"
 #include "curve/stop.h"
 #include "curve/topology/keep_simple.h"
 
@@ -303,7 +304,7 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
         return status;
     const bat_curve_scheme *scheme = &all->plan.options.scheme;
     all->keeps_points = refine_keeps_points(scheme);
-    all->edges = coarse->closed ? coarse->count : coarse->count - 1;
+    all->edges = polygon_edges(coarse->count, coarse->closed);
     all->corners = memory_array(coarse->count, 1);
     all->levels = memory_array(all->edges, 1);
     if (all->corners == NULL || all->levels == NULL)

@@ -45,9 +45,52 @@ static bat_status mirror(const bat_space *space, const double *p, const double *
     return space->exp(space, middle, tangent, image);
 }
 
-/// The value at -distance of the polynomial through the points at 0, step, 2 step, … rows from `end`, in its tangent space.
-static bat_status extrapolate(const bat_space *space, const double *end, ptrdiff_t step, size_t degree, double distance,
-                              double *image)
+/// A tangent vector at p brought to length 1; by a power of two first, so that its square stays in range.
+static void make_unit(const bat_space *space, const double *p, double *tangent)
+{
+    double largest = 0;
+    int exponent;
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        largest = fmax(largest, fabs(tangent[i]));
+    (void)frexp(largest, &exponent);
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        tangent[i] = ldexp(tangent[i], -exponent);
+    double length = sqrt(space->inner(space, p, tangent, tangent));
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        tangent[i] /= length;
+}
+
+/// The angle between two unit vectors at p, by half angles (Kahan 2006): exact near 0 and near pi.
+static double angle_between(const bat_space *space, const double *p, const double *u, const double *v)
+{
+    double difference[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
+    for (size_t i = 0; i < space->tangent_dim; i++)
+    {
+        difference[i] = u[i] - v[i];
+        sum[i] = u[i] + v[i];
+    }
+    return 2 * atan2(sqrt(space->inner(space, p, difference, difference)), sqrt(space->inner(space, p, sum, sum)));
+}
+
+bat_status polygon_exterior_angle(const bat_space *space, const double *before, const double *p, const double *after,
+                                  double *angle)
+{
+    double back[BAT_SPACE_MAX_DIM], forth[BAT_SPACE_MAX_DIM];
+    bat_status status = space->log(space, p, before, back);
+    if (status == BAT_OK)
+        status = space->log(space, p, after, forth);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        back[i] = -back[i];
+    make_unit(space, p, back);
+    make_unit(space, p, forth);
+    *angle = angle_between(space, p, back, forth);
+    return BAT_OK;
+}
+
+bat_status polygon_value_beyond(const bat_space *space, const double *end, ptrdiff_t step, const double *knots,
+                                size_t degree, double at, double *row)
 {
     double tangent[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
     memset(sum, 0, space->tangent_dim * sizeof *sum);
@@ -56,26 +99,28 @@ static bat_status extrapolate(const bat_space *space, const double *end, ptrdiff
         double weight = 1;
         for (size_t other = 0; other <= degree; other++)
             if (other != node)
-                weight *= (-distance - (double)other) / ((double)node - (double)other);
+                weight *= (-at - knots[other]) / (knots[node] - knots[other]);
         bat_status status = space->log(space, end, end + (ptrdiff_t)node * step, tangent);
         if (status != BAT_OK)
             return status;
         for (size_t i = 0; i < space->tangent_dim; i++)
             sum[i] += weight * tangent[i];
     }
-    return space->exp(space, end, sum, image);
+    return space->exp(space, end, sum, row);
 }
 
 /// The point `distance` steps beyond `end`; the polygon's other points lie at multiples of `step` from it.
 static bat_status point_beyond(const bat_space *space, polygon_end rule, const double *end, ptrdiff_t step, size_t count,
                                size_t distance, double *image)
 {
+    static const double EVEN[CUBIC_DEGREE + 1] = {0, 1, 2, 3};
     switch (rule)
     {
     case POLYGON_END_LINE:
-        return extrapolate(space, end, step, 1, (double)distance, image);
+        return polygon_value_beyond(space, end, step, EVEN, 1, (double)distance, image);
     case POLYGON_END_CUBIC:
-        return extrapolate(space, end, step, count > CUBIC_DEGREE ? CUBIC_DEGREE : count - 1, (double)distance, image);
+        return polygon_value_beyond(space, end, step, EVEN, count > CUBIC_DEGREE ? CUBIC_DEGREE : count - 1,
+                                    (double)distance, image);
     case POLYGON_END_MIRROR:
         if (count > 2)
             return mirror(space, end, end + step, end + (ptrdiff_t)(distance + 1) * step, image);

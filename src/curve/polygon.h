@@ -12,6 +12,26 @@ typedef enum polygon_end
     POLYGON_END_MIRROR   ///< reflection in the perpendicular bisector of the end edge, which continues circles
 } polygon_end;
 
+/// The edges of a polygon of `count` points, at least one.
+static inline size_t polygon_edges(size_t count, bool closed)
+{
+    return closed ? count : count - 1;
+}
+
+/// The exterior angle at `p` in any space, without a sign: that between -log(before) and log(after), in [0, pi]. Lengths of
+/// any size are in range.
+/// @return BAT_OK, or what the logarithms return
+bat_status polygon_exterior_angle(const bat_space *space, const double *before, const double *p, const double *after,
+                                  double *angle);
+
+/// The value at `-at` of the polynomial through rows at parameters, in the tangent space of the first.
+/// @param end    the first row; the others lie at multiples of `step` numbers from it
+/// @param knots  degree + 1 parameters; the first is 0
+/// @param row    receives the value
+/// @return BAT_OK, or what the space's functions return
+bat_status polygon_value_beyond(const bat_space *space, const double *end, ptrdiff_t step, const double *knots,
+                                size_t degree, double at, double *row);
+
 /// Fill rows -before … -1 and count … count + after - 1 around a polygon of `count` rows of space->point_dim numbers: the
 /// points of a closed polygon again, or those that the end rule makes.
 /// @return BAT_OK, or the status of the space's function that failed, with the index of the end point

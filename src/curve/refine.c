@@ -307,7 +307,7 @@ static bat_status prepare_source(const refine_input *from, const bat_curve_schem
     task.base = from->base;
     ptrdiff_t centre = (task.kernel.first + task.kernel.last) / 2;
     source->shift = plan->snap.count > 0 && !bat_mask_is_interpolatory(&scheme->mask) ? centre : 0;
-    size_t edges = from->closed ? from->count : from->count - 1;
+    size_t edges = polygon_edges(from->count, from->closed);
     padded_rows padded = {.space = from->space, .count = from->count, .closed = from->closed};
     for (task.levels = 0; task.levels <= from->levels; task.levels++)
     {

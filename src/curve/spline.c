@@ -5,6 +5,7 @@
 /// are C1.
 
 #include "curve/parametric.h"
+#include "curve/polygon.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -448,7 +449,7 @@ bat_status spline_refine(const bat_curve *coarse, const refine_plan *plan, doubl
     s.euclidean = space_is_euclidean(coarse->space);
     s.dim = rows.space.point_dim;
     s.tangent_dim = rows.space.tangent_dim;
-    s.edges = coarse->closed ? s.count : s.count - 1;
+    s.edges = polygon_edges(s.count, coarse->closed);
     s.rows = memory_array(s.count * s.dim, sizeof *s.rows);
     s.velocities = memory_array(s.count * s.tangent_dim, sizeof *s.velocities);
     s.increments = memory_array(s.count, sizeof *s.increments);

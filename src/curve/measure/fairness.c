@@ -1,39 +1,13 @@
 #include "batten/curve_measure.h"
 
 #include "base/error.h"
+#include "curve/polygon.h"
 
 #include <math.h>
 
 static const double *row(const bat_curve *curve, size_t index)
 {
     return curve->points + index * curve->space->point_dim;
-}
-
-/// A tangent vector at p brought to length 1; by a power of two first, so that its square stays in range.
-static void make_unit(const bat_space *space, const double *p, double *tangent)
-{
-    double largest = 0;
-    int exponent;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        largest = fmax(largest, fabs(tangent[i]));
-    (void)frexp(largest, &exponent);
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        tangent[i] = ldexp(tangent[i], -exponent);
-    double length = sqrt(space->inner(space, p, tangent, tangent));
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        tangent[i] /= length;
-}
-
-/// The angle between two unit vectors at p, by half angles: exact near 0 and near pi.
-static double angle_between(const bat_space *space, const double *p, const double *u, const double *v)
-{
-    double difference[BAT_SPACE_MAX_DIM], sum[BAT_SPACE_MAX_DIM];
-    for (size_t i = 0; i < space->tangent_dim; i++)
-    {
-        difference[i] = u[i] - v[i];
-        sum[i] = u[i] + v[i];
-    }
-    return 2 * atan2(sqrt(space->inner(space, p, difference, difference)), sqrt(space->inner(space, p, sum, sum)));
 }
 
 /// Spaces multiply the lengths of the two edges on their way to a signed angle; outside of this range they lose digits.
@@ -48,18 +22,7 @@ static bat_status exterior_angle(const bat_space *space, const double *before, c
         *angle = fabs(space->exterior_angle(space, before, p, after));
         return BAT_OK;
     }
-    double back[BAT_SPACE_MAX_DIM], forth[BAT_SPACE_MAX_DIM];
-    bat_status status = space->log(space, p, before, back);
-    if (status == BAT_OK)
-        status = space->log(space, p, after, forth);
-    if (status != BAT_OK)
-        return status;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        back[i] = -back[i];
-    make_unit(space, p, back);
-    make_unit(space, p, forth);
-    *angle = angle_between(space, p, back, forth);
-    return BAT_OK;
+    return polygon_exterior_angle(space, before, p, after, angle);
 }
 
 /// A walk along the vertices that differ from the one before.

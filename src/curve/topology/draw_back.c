@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/polygon.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +36,7 @@ typedef struct draw_back_job
 
 static size_t edges_of(const bat_curve *curve)
 {
-    return curve->closed ? curve->count : curve->count - 1;
+    return polygon_edges(curve->count, curve->closed);
 }
 
 /// The place of coarse point i in the refined curve; i may be the number of edges of a closed curve.

@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
+#include "curve/polygon.h"
 #include "curve/topology/edge_tree.h"
 #include "curve/topology/keep_simple.h"
 
@@ -11,7 +12,7 @@
 static bat_status check_edges(const bat_curve *curve, bat_error *error)
 {
     const bat_space *space = curve->space;
-    size_t edges = curve->closed ? curve->count : curve->count - 1;
+    size_t edges = polygon_edges(curve->count, curve->closed);
     for (size_t i = 0; i < edges; i++)
     {
         size_t next = i + 1 == curve->count ? 0 : i + 1;
