@@ -501,7 +501,7 @@ int curve_run(const arguments *given, curve_job *job)
         (void)fprintf(stderr, "batten: %s %s, see `batten motion --help`\n", job->input, job->hint);
     if (code == EXIT_DONE && is_standard_output(job->output))
         code = write_curves(job, &sets.fine, "-");
-    if (code == EXIT_DONE && !job->quiet)
+    if (code == EXIT_DONE && !argument_flag(given, "quiet"))
         code = curve_report(job, &sets.fine, &findings);
     bat_curve_set_free(&sets.coarse);
     bat_curve_set_free(&sets.truth);

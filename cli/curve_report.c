@@ -123,6 +123,14 @@ static void print_stops(const curve_job *job, const bat_curve_refine_report *don
     (void)printf("\n");
 }
 
+/// What the reader guessed or changed.
+static void print_notes(FILE *stream, const bat_curve_set *set)
+{
+    const char *note;
+    for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
+        (void)fprintf(stream, "note: %s\n", note);
+}
+
 static void print_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     char place[32];
@@ -142,9 +150,19 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
     print_row("given", &findings->before);
     print_row("refined", &findings->after);
     print_simple(&findings->done);
+    print_notes(stdout, fine);
     if (findings->compared)
         (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
                      findings->mean_nn, findings->hausdorff);
+}
+
+static json_t *notes_json(const bat_curve_set *set)
+{
+    json_t *notes = json_array();
+    const char *note;
+    for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
+        (void)json_array_append_new(notes, json_string(note));
+    return notes;
 }
 
 static json_t *totals_json(const curve_totals *t)
@@ -173,6 +191,11 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
     json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
                                sampled ? "rate" : "levels", amount, "curves", (json_int_t)fine->count, "given",
                                totals_json(&findings->before), "refined", totals_json(&findings->after));
+    if (bat_curve_set_note(fine, 0) != NULL && json_object_set_new(object, "notes", notes_json(fine)) != 0)
+    {
+        json_decref(object);
+        return NULL;
+    }
     if (!job->is_motion && json_object_set_new(object, "simple", simple_json(&findings->done)) != 0)
     {
         json_decref(object);
@@ -198,6 +221,9 @@ int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_fi
 {
     if (job->json)
         return report_json(make_json(job, fine, findings));
-    print_report(job, fine, findings);
+    if (job->quiet)
+        print_notes(stderr, fine);
+    else
+        print_report(job, fine, findings);
     return EXIT_DONE;
 }

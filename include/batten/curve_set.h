@@ -62,6 +62,11 @@ BAT_API bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *cu
 /// it is not known.
 BAT_API size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point);
 
+/// What the reader guessed or changed, a short sentence each: the meaning of columns, dropped points, joined polygons.
+/// @param index from 0 on
+/// @return null past the last; the text lives as long as the attributes
+BAT_API const char *bat_curve_set_note(const bat_curve_set *set, size_t index);
+
 BAT_C_END
 
 #endif

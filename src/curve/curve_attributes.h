@@ -33,6 +33,8 @@ struct bat_curve_attributes
     bat_curve_format format; ///< what the file was
     csv_columns csv;
     file_remainder remainder;
+    char **notes; ///< note_count sentences about the reading; see bat_curve_set_note()
+    size_t note_count;
 };
 
 /// Attributes with one owner.
@@ -40,5 +42,7 @@ bat_curve_attributes *attributes_new(bat_curve_format format);
 void attributes_share(bat_curve_attributes *attributes);
 /// Give up one ownership, and free the attributes when it was the last. Null is allowed.
 void attributes_release(bat_curve_attributes *attributes);
+/// Add a note, see bat_curve_set_note(), before the attributes are shared. False when out of memory.
+bool attributes_note(bat_curve_attributes *attributes, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

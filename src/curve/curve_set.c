@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,11 +31,39 @@ void attributes_release(bat_curve_attributes *attributes)
 {
     if (attributes == NULL || atomic_fetch_sub(&attributes->owners, 1) != 1)
         return;
+    for (size_t i = 0; i < attributes->note_count; i++)
+        free(attributes->notes[i]);
+    free(attributes->notes);
     free(attributes->csv.names);
     free(attributes->csv.places);
     if (attributes->remainder.content != NULL)
         attributes->remainder.free(attributes->remainder.content);
     free(attributes);
+}
+
+bool attributes_note(bat_curve_attributes *attributes, const char *format, ...)
+{
+    enum
+    {
+        LONGEST = 240
+    };
+    char text[LONGEST];
+    va_list values;
+    va_start(values, format);
+    (void)vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    char **notes = realloc(attributes->notes, (attributes->note_count + 1) * sizeof *notes);
+    if (notes == NULL)
+        return false;
+    attributes->notes = notes;
+    notes[attributes->note_count] = strdup(text);
+    return notes[attributes->note_count] != NULL && ++attributes->note_count > 0;
+}
+
+const char *bat_curve_set_note(const bat_curve_set *set, size_t index)
+{
+    const bat_curve_attributes *attributes = set->attributes;
+    return attributes != NULL && index < attributes->note_count ? attributes->notes[index] : NULL;
 }
 
 void bat_curve_set_free(bat_curve_set *set)
