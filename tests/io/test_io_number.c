@@ -1,7 +1,7 @@
 #include "test_io_helpers.h"
 
-#include "io/common/degrees.h"
 #include "io/common/number_text.h"
+#include "space/degrees.h"
 
 #include <float.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 
 degree_grid degree_grid_of(int decimals)
 {
-    int64_t degree = number_power_of_ten(decimals);
+    int64_t degree = degree_units_per_degree(decimals);
     return (degree_grid){180 * degree, 90 * degree, degree_units_per_radian(decimals)};
 }
 

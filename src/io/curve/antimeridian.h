@@ -2,7 +2,7 @@
 #define IO_CURVE_ANTIMERIDIAN_H
 
 #include "base/array_grow.h"
-#include "io/common/degrees.h"
+#include "space/degrees.h"
 
 /// @file
 /// Curves and polygons on the sphere, cut at the antimeridian as RFC 7946, section 3.1.9, requires.

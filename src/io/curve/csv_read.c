@@ -1,8 +1,9 @@
 #include "base/error.h"
 #include "curve/csv_columns.h"
-#include "io/common/degrees.h"
+#include "io/common/number_text.h"
 #include "io/curve/builder.h"
 #include "io/curve/formats.h"
+#include "space/degrees.h"
 
 #include <string.h>
 #include <strings.h>

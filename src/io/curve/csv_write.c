@@ -1,9 +1,9 @@
 #include "base/error.h"
 #include "curve/csv_columns.h"
-#include "io/common/degrees.h"
 #include "io/common/number_text.h"
 #include "io/curve/formats.h"
 #include "io/curve/rows.h"
+#include "space/degrees.h"
 
 #include <math.h>
 #include <stdio.h>

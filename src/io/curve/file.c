@@ -5,8 +5,8 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "curve/curve_attributes.h"
-#include "io/common/degrees.h"
 #include "io/curve/formats.h"
+#include "space/degrees.h"
 
 #include <math.h>
 #include <string.h>

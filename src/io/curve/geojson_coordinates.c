@@ -2,7 +2,8 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "io/common/degrees.h"
+#include "io/common/number_text.h"
+#include "space/degrees.h"
 
 #include <stdarg.h>
 #include <stdio.h>

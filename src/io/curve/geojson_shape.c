@@ -1,6 +1,7 @@
 #include "io/curve/geojson_shape.h"
 
 #include "base/error.h"
+#include "io/common/number_text.h"
 
 /// @file
 /// Curves as the coordinates of a GeoJSON geometry, cut at the antimeridian where needed.

@@ -1,7 +1,17 @@
-#include "io/common/degrees.h"
+#include "space/degrees.h"
+
+#include <stddef.h>
 
 /// @file
 /// Trigonometric functions of degrees, exact at multiples of 90 degrees.
+
+int64_t degree_units_per_degree(int decimals)
+{
+    int64_t units = 1;
+    for (int i = 0; i < decimals; i++)
+        units *= 10;
+    return units;
+}
 
 const char *degrees_fault(double longitude, double latitude)
 {

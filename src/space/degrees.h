@@ -1,9 +1,8 @@
-#ifndef IO_COMMON_DEGREES_H
-#define IO_COMMON_DEGREES_H
-
-#include "io/common/number_text.h"
+#ifndef SPACE_DEGREES_H
+#define SPACE_DEGREES_H
 
 #include <math.h>
+#include <stdint.h>
 
 /// @file
 /// Longitudes and latitudes in degrees, as files write them, and unit vectors.
@@ -28,11 +27,14 @@ const char *degrees_fault(double longitude, double latitude);
 /// The unit vector for a longitude and latitude in degrees; exact at multiples of 90 degrees.
 void degrees_to_point(double longitude, double latitude, double point[3]);
 
+/// The number of units in one degree, 10^decimals; `decimals` from 0 to DEGREE_MAX_DECIMALS.
+int64_t degree_units_per_degree(int decimals);
+
 /// The number of units in one radian.
 static inline double degree_units_per_radian(int decimals)
 {
     static const double degrees_per_radian = 57.295779513082320876798154814105;
-    return degrees_per_radian * (double)number_power_of_ten(decimals);
+    return degrees_per_radian * (double)degree_units_per_degree(decimals);
 }
 
 /// The longitude and latitude of a unit vector, rounded to units. Both use atan2, which is accurate at the poles.
