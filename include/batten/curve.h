@@ -120,6 +120,9 @@ typedef struct bat_curve_refine_options
     /// pieces. The distance is estimated, see docs/algorithms/curve-schemes.md. 0: none. Default 0.
     double tolerance;
     size_t max_levels; ///< with a stop, in place of `levels`: the most levels of an edge, 0 to 40; default 20
+    /// The level of the given curve, for rules that decide the first levels only: with 2, the first computed level is the
+    /// rule's third. So refinement by 2 levels and then by 3 gives what 5 levels give. 0 to 60; default 0.
+    size_t first_level;
 } bat_curve_refine_options;
 
 /// The options' default values.

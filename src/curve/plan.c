@@ -153,6 +153,7 @@ bat_status bat_curve_refine_options_check(const bat_curve_refine_options *option
         OPTION_FIELD(bat_curve_refine_options, max_segment, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
+        OPTION_FIELD(bat_curve_refine_options, first_level, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
     };
     if (options == NULL)
         return BAT_OK;

@@ -187,14 +187,23 @@ bool refine_needs_whole_polygons(const bat_curve_scheme *scheme)
     return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
 }
 
-/// The number of levels that must be there as a whole before the next begins.
-static size_t whole_levels(const bat_curve_scheme *scheme, size_t levels)
+/// The number of first levels that the scheme's rule decides; 0 where it decides all levels, or there is no rule.
+static size_t decided_levels(const bat_curve_scheme *scheme)
 {
     bool is_rule = scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule != NULL;
-    size_t decided = is_rule ? scheme->rule->levels : 0;
+    return is_rule ? scheme->rule->levels : 0;
+}
+
+/// The number of levels that must be there as a whole before the next begins.
+static size_t whole_levels(const bat_curve_refine_options *options, size_t levels)
+{
+    size_t decided = decided_levels(&options->scheme);
     if (decided > 0)
-        return decided < levels ? decided : levels;
-    return refine_needs_whole_polygons(scheme) ? levels : 0;
+    {
+        size_t left = decided > options->first_level ? decided - options->first_level : 0;
+        return left < levels ? left : levels;
+    }
+    return refine_needs_whole_polygons(&options->scheme) ? levels : 0;
 }
 
 /// The scheme of the levels after those that a rule decides.
@@ -219,7 +228,7 @@ static bat_status refine_once(const refine_input *from, size_t level, const refi
 {
     const bat_curve_refine_options *options = &plan->options;
     refine_kernel kernel = kernel_for(from->space, &options->scheme);
-    kernel.level = level;
+    kernel.level = options->first_level + level;
     cascade task = make_task(&kernel, options, from->count, from->closed);
     task.levels = 1;
     task.base = level;
@@ -290,8 +299,8 @@ static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan
                                 bat_error *error)
 {
     const bat_curve_scheme *scheme = &plan->options.scheme;
-    size_t levels = plan->options.levels, whole = whole_levels(scheme, levels);
-    if (whole > 0)
+    size_t levels = plan->options.levels, whole = whole_levels(&plan->options, levels);
+    if (whole > 0 || (decided_levels(scheme) > 0 && levels > 0))
         return refine_level_by_level(coarse, whole, plan, progress, fine, error);
     refine_input all = {coarse->space, coarse->points, coarse->count, coarse->closed, levels, 0};
     refine_kernel kernel = kernel_for(coarse->space, scheme);
@@ -345,9 +354,9 @@ bat_status refine_source_make(const bat_space *space, const double *rows, const 
                               size_t levels, refine_source *source, bat_error *error)
 {
     refine_input now = {space, rows, coarse->count, coarse->closed, levels, 0};
-    size_t whole = whole_levels(scheme, levels);
+    size_t whole = whole_levels(&plan->options, levels);
     *source = (refine_source){.base = whole};
-    if (whole == 0)
+    if (whole == 0 && decided_levels(scheme) == 0)
         return prepare_source(&now, scheme, kernel, plan, source, error);
     double *owned;
     bat_status status = refine_whole_levels(&now, whole, levels, plan, (bat_progress){0}, NULL, &owned, error);

@@ -703,7 +703,7 @@ static const option_family FAMILIES[] = {
       BAD(curve_refine, corner_angle, BAD_NUMBER, 3.2), BAD(curve_refine, corner_angle, BAD_NUMBER, NAN),
       BAD(curve_refine, max_segment, BAD_NUMBER, -1), BAD(curve_refine, max_segment, BAD_NUMBER, NAN),
       BAD(curve_refine, tolerance, BAD_NUMBER, -1), BAD(curve_refine, tolerance, BAD_NUMBER, INFINITY),
-      BAD(curve_refine, max_levels, BAD_SIZE, 41)}},
+      BAD(curve_refine, max_levels, BAD_SIZE, 41), BAD(curve_refine, first_level, BAD_SIZE, 61)}},
     {HEAD(curve_measure),
      {call_curve_compare, call_curves_compare, call_curve_fairness, call_curves_fairness, call_chord_distance,
       call_curves_are_simple},
