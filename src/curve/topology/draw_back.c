@@ -28,9 +28,10 @@ typedef struct draw_back_job
     const drawn_curve *drawn;
     bat_curve *fine;
     size_t count;
+    const draw_rules *rules;
     size_t *first; ///< of each curve, its first edge in `edges`
     edge_state *edges;
-    size_t edge_count, crossings;
+    size_t edge_count, crossings, allowed;
     edge_place stuck; ///< an edge that is straight and meets a straight one; curve BAT_NO_INDEX for none
 } draw_back_job;
 
@@ -80,10 +81,16 @@ static bool note_pair(void *context, edge_place first, edge_place second)
     draw_back_job *job = context;
     edge_place places[2] = {first, second};
     bool all_straight = true;
+    for (int k = 0; k < 2; k++)
+        places[k].edge = edge_under(job, places[k]);
+    if (job->rules->may_meet != NULL && job->rules->may_meet(job->rules->context, places[0], places[1]))
+    {
+        job->allowed++;
+        return true;
+    }
     job->crossings++;
     for (int k = 0; k < 2; k++)
     {
-        places[k].edge = edge_under(job, places[k]);
         edge_state *edge = &job->edges[job->first[places[k].curve] + places[k].edge];
         edge->meets = true;
         all_straight &= edge->halvings == STRAIGHT;
@@ -121,6 +128,17 @@ static bat_status move_points(const bat_curve *coarse, bat_curve *fine, const si
     return BAT_OK;
 }
 
+/// Move the new points of edge `e` of a curve as the rules say.
+static bool move_edge(draw_back_job *job, size_t c, size_t e, bool onto_edge)
+{
+    const drawn_curve *drawn = &job->drawn[c];
+    bat_curve *fine = &job->fine[c];
+    if (job->rules->move == NULL)
+        return move_points(drawn->coarse, fine, drawn->starts, e, onto_edge) == BAT_OK;
+    return job->rules->move(job->rules->context, c, e, start_of(drawn->coarse, fine, drawn->starts, e),
+                            start_of(drawn->coarse, fine, drawn->starts, e + 1), onto_edge);
+}
+
 /// Draw back every edge that meets another.
 static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, bat_error *error)
 {
@@ -135,7 +153,7 @@ static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, ba
             if (!moves)
                 continue;
             edge->halvings = round >= PATIENCE ? STRAIGHT : (unsigned char)(edge->halvings + 1);
-            if (move_points(drawn->coarse, &job->fine[c], drawn->starts, e, edge->halvings == STRAIGHT) != BAT_OK)
+            if (!move_edge(job, c, e, edge->halvings == STRAIGHT))
                 return error_set(error, BAT_INVALID_POINT, e, 0,
                                  "the new points after point %zu cannot be drawn back to their edge", e);
             edge_tree_mark(tree, c, start_of(drawn->coarse, &job->fine[c], drawn->starts, e),
@@ -145,15 +163,18 @@ static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, ba
     return edge_tree_update(tree, error);
 }
 
-static bat_status run_rounds(draw_back_job *job, edge_tree *tree, edge_pairs pairs, bat_progress progress,
-                             draw_back_counts *counts, bat_error *error)
+static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress progress, draw_back_counts *counts,
+                             bat_error *error)
 {
     for (size_t round = 0;; round++)
     {
         job->crossings = 0;
-        (void)edge_tree_search(tree, pairs, round > 0, note_pair, job);
+        (void)edge_tree_search(tree, job->rules->pairs, round > 0, note_pair, job);
         if (round == 0)
+        {
             counts->crossings = job->crossings;
+            counts->allowed = job->allowed;
+        }
         if (job->stuck.curve != BAT_NO_INDEX)
             return error_set(
                 error, BAT_INVALID_POINT, job->stuck.edge, 0,
@@ -185,17 +206,19 @@ static bat_status make_states(draw_back_job *job, bat_error *error)
     return job->edges != NULL ? BAT_OK : error_memory(error, job->edge_count * sizeof *job->edges);
 }
 
-bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, edge_pairs pairs, bat_progress progress,
+bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, const draw_rules *rules, bat_progress progress,
                      draw_back_counts *counts, bat_error *error)
 {
-    draw_back_job job = {.drawn = drawn, .fine = fine, .count = count, .stuck = {.curve = BAT_NO_INDEX}};
+    draw_back_job job = {.drawn = drawn, .fine = fine, .count = count, .rules = rules, .stuck = {.curve = BAT_NO_INDEX}};
     edge_tree tree;
-    *counts = (draw_back_counts){0};
+    *counts = (draw_back_counts){.stuck = {BAT_NO_INDEX, BAT_NO_INDEX}};
     bat_status status = edge_tree_make(fine, count, &tree, error);
+    tree.turn = rules->turn;
     if (status == BAT_OK)
         status = make_states(&job, error);
     if (status == BAT_OK)
-        status = run_rounds(&job, &tree, pairs, progress, counts, error);
+        status = run_rounds(&job, &tree, progress, counts, error);
+    counts->stuck = job.stuck;
     for (size_t e = 0; e < job.edge_count && status == BAT_OK; e++)
     {
         counts->edges += job.edges[e].halvings > 0;

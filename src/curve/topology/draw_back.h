@@ -18,10 +18,25 @@ typedef struct drawn_curve
 /// What was done.
 typedef struct draw_back_counts
 {
-    size_t crossings; ///< pairs of refined edges that crossed or touched before
+    size_t allowed;   ///< pairs of refined edges that meet and may
+    size_t crossings; ///< other pairs of refined edges that crossed or touched before
     size_t edges;     ///< edges of the polygons whose new points were moved
     size_t straight;  ///< of these, edges that became straight
+    edge_place stuck; ///< on failure, an edge of a polygon that rounding makes meet another one
 } draw_back_counts;
+
+/// What may be drawn back, and how.
+typedef struct draw_rules
+{
+    edge_pairs pairs;
+    double turn; ///< as in edge_tree
+    /// Move the points begin + 1 … end - 1 of refined curve `curve`, those over edge `edge` of its polygon, half of the way
+    /// to the edge, or onto it; points of `fine` change with them. False where that is impossible. Null: along geodesics
+    bool (*move)(void *context, size_t curve, size_t edge, size_t begin, size_t end, bool onto_edge);
+    /// Whether these edges of polygons may meet after refinement. Null: none
+    bool (*may_meet)(void *context, edge_place first, edge_place second);
+    void *context;
+} draw_rules;
 
 /// Whether the refined curve contains the points of the coarse one at the places of `starts` (null as above).
 bool contains_points(const bat_curve *coarse, const bat_curve *fine, const size_t *starts);
@@ -36,11 +51,12 @@ bool contains_points(const bat_curve *coarse, const bat_curve *fine, const size_
 ///
 /// @param drawn  `count` curves whose polygons' edges do not meet; all contains_points()
 /// @param fine   the refined curves in one space with predicates, in the same order; their points are moved
+/// @param rules  what may be drawn back, and how
 /// @param counts receives what was done
 /// @return BAT_OK; BAT_INVALID_POINT with the index of a point of a polygon from which edges come so near that rounding
 /// makes
 ///         the straight ones meet; BAT_NO_MEMORY or BAT_CANCELLED; the points may be moved on failure
-bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, edge_pairs pairs, bat_progress progress,
+bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, const draw_rules *rules, bat_progress progress,
                      draw_back_counts *counts, bat_error *error);
 
 #endif

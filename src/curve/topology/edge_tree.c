@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 /// Points of the sphere may be off unit length by 1e-9: boxes grow by twice that much and a little.
 #define SPHERE_SLACK 2.1e-9
@@ -198,13 +199,13 @@ static inline unsigned sphere_edge(const double *p, const double *q, edge_box *b
 }
 
 /// The box of an edge, and its class of directions.
-static inline unsigned edge_bounds(surface_kind kind, const double *p, const double *q, edge_box *box)
+static inline unsigned edge_bounds(surface_kind kind, const double *p, const double *q, double slack, edge_box *box)
 {
     if (kind == SURFACE_SPHERE)
         return sphere_edge(p, q, box);
     if (kind == SURFACE_DISK)
         return disk_edge(p, q, box);
-    flat_box(p, q, 0, box);
+    flat_box(p, q, slack, box);
     return quadrant_of(p, q);
 }
 
@@ -232,7 +233,7 @@ static void load_leaf(const edge_tree *tree, size_t index, const edge_box *clip,
     for (size_t i = begin; i < end; i++)
     {
         const double *q = point_of(tree, curve, next_point(curve, i));
-        unsigned directions = edge_bounds(tree->kind, p, q, &leaf->boxes[count]);
+        unsigned directions = edge_bounds(tree->kind, p, q, tree->slack, &leaf->boxes[count]);
         bool wanted = boxes_meet(&leaf->boxes[count], clip) && !is_same(tree, p, q);
         leaf->edges[count] = i;
         leaf->directions[count] = directions;
@@ -291,7 +292,7 @@ static inline unsigned join_edges(const edge_tree *tree, size_t index, surface_k
     {
         edge_box one;
         const double *q = point_of(tree, curve, next_point(curve, i));
-        directions |= edge_bounds(kind, p, q, &one);
+        directions |= edge_bounds(kind, p, q, tree->slack, &one);
         join_boxes(&sum, &one);
         p = q;
     }
@@ -355,7 +356,12 @@ static bat_status lay_out(edge_tree *tree, const bat_curve *curves, bat_error *e
 
 bat_status edge_tree_make(const bat_curve *curves, size_t count, edge_tree *tree, bat_error *error)
 {
-    *tree = (edge_tree){.curve_count = count};
+    return edge_tree_make_wide(curves, count, 0, tree, error);
+}
+
+bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double slack, edge_tree *tree, bat_error *error)
+{
+    *tree = (edge_tree){.curve_count = count, .scale = 1, .slack = slack};
     if (count == 0)
         return BAT_OK;
     (void)surface_of_space(curves[0].space, &tree->kind);
@@ -455,6 +461,7 @@ typedef struct edge_search
 {
     const edge_tree *tree;
     edge_pairs pairs;
+    double shift; ///< added to the first coordinate of second edges
     bool changed_only, stopped;
     edge_pair_found *found;
     void *context;
@@ -493,19 +500,61 @@ static bool edges_of_one_meet(const edge_tree *tree, const tree_curve *curve, si
     return predicate_edges_meet(tree->kind, a, b, c, d);
 }
 
+/// The points of an edge, moved by `shift`.
+typedef struct placed_edge
+{
+    double ends[2][3];
+    bool at_end[2]; ///< the point is an end of its open curve
+} placed_edge;
+
+static placed_edge place_edge(const edge_tree *tree, edge_place place, double shift)
+{
+    const tree_curve *curve = &tree->curves[place.curve];
+    size_t points[2] = {place.edge, next_point(curve, place.edge)};
+    placed_edge edge;
+    for (int k = 0; k < 2; k++)
+    {
+        memcpy(edge.ends[k], point_of(tree, curve, points[k]), tree->dim * sizeof(double));
+        edge.ends[k][0] += shift;
+    }
+    edge.at_end[0] = !curve->closed && is_one_point(tree, curve, 0, points[0]);
+    edge.at_end[1] = !curve->closed && is_one_point(tree, curve, points[1], curve->count - 1);
+    return edge;
+}
+
+/// Whether edges of different curves have more in common than an end that the curves share.
+static bool arcs_meet(const edge_tree *tree, const placed_edge *p, const placed_edge *q)
+{
+    int shared = 0, own = 0, other = 0;
+    for (int k = 0; k < 2; k++)
+        for (int m = 0; m < 2; m++)
+            if (p->at_end[k] && q->at_end[m] && is_same(tree, p->ends[k], q->ends[m]))
+            {
+                shared++;
+                own = k;
+                other = m;
+            }
+    if (shared == 0)
+        return predicate_edges_meet(tree->kind, p->ends[0], p->ends[1], q->ends[0], q->ends[1]);
+    return shared > 1 || predicate_folds_back(tree->kind, p->ends[!own], p->ends[own], q->ends[!other]);
+}
+
 static void test_pair(edge_search *search, edge_place first, edge_place second)
 {
     const edge_tree *tree = search->tree;
     bool meet;
-    if (first.curve == second.curve)
+    if (search->pairs == EDGE_PAIRS_NEAR)
+        meet = true;
+    else if (first.curve == second.curve && search->shift == 0)
         meet = edges_of_one_meet(tree, &tree->curves[first.curve], first.edge, second.edge);
     else if (search->pairs == EDGE_PAIRS_SAME_CURVE)
         return;
     else
     {
-        const tree_curve *p = &tree->curves[first.curve], *q = &tree->curves[second.curve];
-        meet = predicate_edges_meet(tree->kind, point_of(tree, p, first.edge), point_of(tree, p, next_point(p, first.edge)),
-                                    point_of(tree, q, second.edge), point_of(tree, q, next_point(q, second.edge)));
+        placed_edge p = place_edge(tree, first, 0), q = place_edge(tree, second, search->shift);
+        meet = search->pairs == EDGE_PAIRS_ARCS
+                   ? arcs_meet(tree, &p, &q)
+                   : predicate_edges_meet(tree->kind, p.ends[0], p.ends[1], q.ends[0], q.ends[1]);
     }
     if (meet)
         search->stopped = !search->found(search->context, first, second);
@@ -539,14 +588,25 @@ static void search_leaf(edge_search *search, size_t index)
     }
 }
 
+static inline edge_box shifted(edge_box box, double shift)
+{
+    box.low[0] += shift;
+    box.high[0] += shift;
+    return box;
+}
+
 static void search_leaves(edge_search *search, size_t first, size_t second)
 {
     const edge_tree *tree = search->tree;
     leaf_edges a, b;
-    load_leaf(tree, first, &tree->nodes[second].box, &a);
+    edge_box there = shifted(tree->nodes[second].box, search->shift);
+    edge_box here = shifted(tree->nodes[first].box, -search->shift);
+    load_leaf(tree, first, &there, &a);
     if (a.count == 0)
         return;
-    load_leaf(tree, second, &tree->nodes[first].box, &b);
+    load_leaf(tree, second, &here, &b);
+    for (size_t j = 0; j < b.count; j++)
+        b.boxes[j] = shifted(b.boxes[j], search->shift);
     for (size_t i = 0; i < a.count; i++)
         for (size_t j = 0; j < b.count && !search->stopped; j++)
             if (boxes_meet(&a.boxes[i], &b.boxes[j]))
@@ -609,10 +669,32 @@ static void search_node(edge_search *search, size_t level, size_t index)
     search_pair(search, level - 1, 2 * index, 2 * index + 1);
 }
 
+/// The pairs of an edge of node `first` and one of node `second`, which is moved by the shift, of a level.
+static void search_shifted(edge_search *search, size_t level, size_t first, size_t second)
+{
+    const edge_tree *tree = search->tree;
+    const edge_node *a = node_at(tree, level, first), *b = node_at(tree, level, second);
+    edge_box moved = shifted(b->box, search->shift);
+    if (search->stopped || (search->changed_only && !a->changed && !b->changed) || !boxes_meet(&a->box, &moved))
+        return;
+    if (level == 0)
+    {
+        search_leaves(search, first, second);
+        return;
+    }
+    size_t size = tree->level_size[level - 1];
+    for (size_t i = 2 * first; i < 2 * first + 2 && i < size; i++)
+        for (size_t j = 2 * second; j < 2 * second + 2 && j < size; j++)
+            search_shifted(search, level - 1, i, j);
+}
+
 bool edge_tree_search(const edge_tree *tree, edge_pairs pairs, bool changed_only, edge_pair_found *found, void *context)
 {
     edge_search search = {.tree = tree, .pairs = pairs, .changed_only = changed_only, .found = found, .context = context};
     if (tree->level_count > 0)
         search_node(&search, tree->level_count - 1, 0);
+    search.shift = tree->turn * tree->scale;
+    if (tree->level_count > 0 && search.shift > 0)
+        search_shifted(&search, tree->level_count - 1, 0, 0);
     return !search.stopped;
 }

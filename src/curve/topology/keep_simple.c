@@ -83,7 +83,8 @@ bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *
         return only_count(fine, options->simple == BAT_CURVE_SIMPLE_ALWAYS, report, error);
     draw_back_counts counts;
     drawn_curve drawn = {.coarse = coarse, .starts = starts};
-    status = draw_back(&drawn, fine, 1, EDGE_PAIRS_SAME_CURVE, progress, &counts, error);
+    draw_rules rules = {.pairs = EDGE_PAIRS_SAME_CURVE};
+    status = draw_back(&drawn, fine, 1, &rules, progress, &counts, error);
     if (status != BAT_OK)
         return status;
     report->crossing = counts.crossings > 0;

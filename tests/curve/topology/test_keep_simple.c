@@ -309,7 +309,9 @@ static void uneven_edges_are_drawn_back(void **state)
     assert_true(contains_points(&coarse, &fine, starts));
     assert_false(contains_points(&coarse, &fine, NULL));
     assert_false(is_simple(&fine));
-    assert_int_equal(draw_back(&drawn, &fine, 1, EDGE_PAIRS_SAME_CURVE, (bat_progress){0}, &counts, NULL), BAT_OK);
+    assert_int_equal(
+        draw_back(&drawn, &fine, 1, &(draw_rules){.pairs = EDGE_PAIRS_SAME_CURVE}, (bat_progress){0}, &counts, NULL),
+        BAT_OK);
     assert_true(is_simple(&fine));
     assert_int_equal(counts.crossings, 2);
     assert_int_equal(counts.edges, 2);
@@ -333,9 +335,11 @@ static void neighbours_are_drawn_apart(void **state)
         drawn[c] = (drawn_curve){.coarse = &coarse[c]};
     }
     draw_back_counts counts;
-    assert_int_equal(draw_back(drawn, fine, 2, EDGE_PAIRS_SAME_CURVE, (bat_progress){0}, &counts, NULL), BAT_OK);
+    assert_int_equal(
+        draw_back(drawn, fine, 2, &(draw_rules){.pairs = EDGE_PAIRS_SAME_CURVE}, (bat_progress){0}, &counts, NULL), BAT_OK);
     assert_int_equal(counts.crossings, 0);
-    assert_int_equal(draw_back(drawn, fine, 2, EDGE_PAIRS_ALL, (bat_progress){0}, &counts, NULL), BAT_OK);
+    assert_int_equal(draw_back(drawn, fine, 2, &(draw_rules){.pairs = EDGE_PAIRS_ALL}, (bat_progress){0}, &counts, NULL),
+                     BAT_OK);
     assert_int_equal(counts.crossings, 2);
     assert_int_equal(counts.edges, 2);
     assert_true(bulges[0][3] == 1 && bulges[1][3] == 1.25);
