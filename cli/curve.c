@@ -48,6 +48,9 @@ static const option_spec OPTIONS[] = {
     {"ends", 0, "RULE", "how open curves end: reflect (default), extrapolate, free"},
     {"simple", 0, NULL, "keep open curves from crossing themselves too; default: only closed ones (plane, sphere, disk)"},
     {"no-simple", 0, NULL, "let refined curves cross themselves"},
+    {"separate", 0, NULL, "refine every curve by itself: borders that features share may tear"},
+    {"snap-tolerance", 0, "D", "join points of a map nearer than D to each other (metres on the sphere)"},
+    {"keep-area", 0, NULL, "keep the areas of rings"},
     {"snap", 0, NULL, "move the points of a linear scheme onto its limit curve"},
     {"project", 0, NULL, "move points that are off their space onto it"},
     {"picture", 0, "FILE", "draw to FILE: .svg, .png or .pdf"},
@@ -169,6 +172,8 @@ static bool check_exclusions(const arguments *given, const curve_job *job)
         (void)usage_error(given, "--closed and --open exclude each other");
     else if (argument_flag(given, "simple") && argument_flag(given, "no-simple"))
         (void)usage_error(given, "--simple and --no-simple exclude each other");
+    else if (job->map.topology == BAT_CURVE_MAP_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
+        (void)usage_error(given, "--separate does not go with --keep-area and --snap-tolerance");
     else if (job->json && argument_flag(given, "quiet"))
         (void)usage_error(given, "--json and --quiet exclude each other");
     else if (job->json && is_standard_output(job->output))
@@ -245,7 +250,7 @@ static bool read_stops(const arguments *given, curve_job *job)
     bat_curve_refine_options *refine = &job->refine;
     double degrees;
     if (!read_length(given, "max-segment", &refine->max_segment) || !read_length(given, "tolerance", &refine->tolerance) ||
-        !read_length(given, "corner-angle", &degrees))
+        !read_length(given, "corner-angle", &degrees) || !read_length(given, "snap-tolerance", &job->map.snap_tolerance))
         return false;
     refine->corner_angle = degrees * DEGREE;
     bool stops = curve_stops(job);
@@ -284,11 +289,15 @@ static bool read_job(const arguments *given, curve_job *job)
         .read = bat_curve_read_defaults(),
         .write = bat_curve_write_defaults(),
         .refine = bat_curve_refine_defaults(),
+        .map = bat_curve_map_defaults(),
         .draw = bat_curve_picture_defaults(),
         .best_tension = argument_flag(given, "best-tension"),
         .json = argument_flag(given, "json"),
     };
     job->refine.snap = argument_flag(given, "snap");
+    job->map.keep_area = argument_flag(given, "keep-area");
+    if (argument_flag(given, "separate"))
+        job->map.topology = BAT_CURVE_MAP_SEPARATE;
     if (argument_flag(given, "simple"))
         job->refine.simple = BAT_CURVE_SIMPLE_ALWAYS;
     else if (argument_flag(given, "no-simple"))
@@ -328,33 +337,23 @@ int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed,
 }
 
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine,
-                 bat_curve_refine_report *report)
+                 bat_curve_map_report *report)
 {
     if (report != NULL)
-        *report = (bat_curve_refine_report){0};
+        *report = (bat_curve_map_report){.map = false};
     if (job->is_motion)
         return motion_refine(job, coarse, levels, fine);
     bat_error error;
-    bat_curve_refine_options how = job->refine;
-    how.levels = levels;
+    bat_curve_map_options how = job->map;
+    how.refine = job->refine;
+    how.refine.levels = levels;
+    how.refine.progress = report_progress("refining");
+    how.decimals = job->write.precision;
     how.report = report;
-    bat_curve *curves = calloc(coarse->count, sizeof *curves);
-    if (curves == NULL)
-        return report_failure(NULL, &(bat_error){.text = "out of memory"});
-    size_t failed = coarse->count;
-    how.progress = report_progress("refining");
-    bat_status status = bat_curves_refine(coarse->curves, coarse->count, &how, curves, &failed, &error);
+    size_t failed;
+    bat_status status = bat_curve_map_refine(coarse, &how, fine, &failed, &error);
     report_progress_end();
-    if (status == BAT_OK)
-    {
-        status = bat_curve_set_like(coarse, curves, fine, &error);
-        if (status == BAT_OK)
-            return EXIT_DONE;
-        for (size_t i = 0; i < coarse->count; i++)
-            bat_curve_free(&curves[i]);
-    }
-    free(curves);
-    return curve_failure(job, coarse, failed, &error);
+    return status == BAT_OK ? EXIT_DONE : curve_failure(job, coarse, failed, &error);
 }
 
 /// Replace the tension of the scheme by the best for this truth, and its name.
@@ -437,6 +436,7 @@ static void convert_lengths(curve_job *job, const bat_space *space)
     job->unit = globe ? " m" : "";
     job->refine.max_segment /= globe ? BAT_EARTH_RADIUS : 1;
     job->refine.tolerance /= globe ? BAT_EARTH_RADIUS : 1;
+    job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
 }
 
 /// The curves of a job.

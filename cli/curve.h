@@ -4,6 +4,7 @@
 #include "outputs.h"
 
 #include "batten/curve_file.h"
+#include "batten/curve_map.h"
 #include "batten/curve_picture.h"
 #include "batten/curve_scheme.h"
 #include "batten/motion.h"
@@ -25,12 +26,13 @@ typedef struct curve_job
     bat_curve_read_options read;
     bat_curve_write_options write;
     bat_curve_refine_options refine;
-    const char *unit;       ///< of the stops: " m" on the sphere, else empty
-    double fairness;        ///< of the scheme "learned"
-    const char *model_file; ///< of the scheme "learned"; null for the network that the library comes with
-    bat_curve_model *model; ///< what it holds
-    bool is_motion;         ///< points with tangents: `motion` in place of `refine`
-    const char *hint;       ///< why `batten curve` treats the file as a motion; null when it does not
+    bat_curve_map_options map; ///< but for `refine`
+    const char *unit;          ///< of lengths: " m" on the sphere, else empty
+    double fairness;           ///< of the scheme "learned"
+    const char *model_file;    ///< of the scheme "learned"; null for the network that the library comes with
+    bat_curve_model *model;    ///< what it holds
+    bool is_motion;            ///< points with tangents: `motion` in place of `refine`
+    const char *hint;          ///< why `batten curve` treats the file as a motion; null when it does not
     bat_motion_options motion;
     const char *scheme; ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;
@@ -43,7 +45,7 @@ typedef struct curve_job
 /// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
 /// receives what was done, zeros for motions; it may be null. Returns the program's exit code, as the following do.
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine,
-                 bat_curve_refine_report *report);
+                 bat_curve_map_report *report);
 /// Whether edges are refined up to a length or a tolerance, and not by a number of levels.
 bool curve_stops(const curve_job *job);
 
@@ -72,7 +74,7 @@ typedef struct curve_totals
 /// What is reported.
 typedef struct curve_findings
 {
-    bat_curve_refine_report done; ///< of curve_refine()
+    bat_curve_map_report done; ///< of curve_refine()
     curve_totals before, after;
     bool compared;
     double mean_nn, hausdorff; ///< when compared with the truth: means over the curves

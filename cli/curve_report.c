@@ -105,10 +105,35 @@ static void print_simple(const bat_curve_refine_report *simple)
                      simple->left_crossing, simple->checked);
 }
 
+/// What was done to a map.
+static void print_map(const bat_curve_map_report *map, const char *unit, double unit_length)
+{
+    (void)printf("map: %zu arcs between %zu nodes, %zu arcs shared\n", map->arcs, map->nodes, map->shared);
+    if (map->snapped > 0)
+        (void)printf("joined: %zu points moved onto others or added to edges, by %.3g%s at most\n", map->snapped,
+                     map->largest_snap * unit_length, unit);
+    if (map->given_crossing > 0)
+        (void)printf("crossing before: %zu pairs of given edges cross or touch, and may do so refined\n",
+                     map->given_crossing);
+    if (map->largest_area_error > 0)
+        (void)printf("areas kept to %.1g of them\n", map->largest_area_error);
+    if (map->crossings > 0)
+        (void)printf("kept apart: %zu pairs of refined edges met; the new points of %zu edges were drawn back\n",
+                     map->crossings, map->drawn_back);
+}
+
+static void print_crossings(const curve_job *job, const bat_curve_map_report *done)
+{
+    if (done->map)
+        print_map(done, job->unit, job->unit[0] != '\0' ? BAT_EARTH_RADIUS : 1);
+    else
+        print_simple(&done->curves);
+}
+
 /// Whether the result has been cut at corners, or could have been.
 static bool has_corners(const curve_job *job, const curve_findings *findings)
 {
-    return job->refine.corner_angle > 0 || findings->done.corners > 0;
+    return job->refine.corner_angle > 0 || findings->done.curves.corners > 0;
 }
 
 /// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit".
@@ -140,16 +165,16 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
     if (job->motion.rate > 0)
         (void)printf("%g points a unit of time\n", job->motion.rate);
     else if (curve_stops(job))
-        print_stops(job, &findings->done);
+        print_stops(job, &findings->done.curves);
     else
         (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
     if (has_corners(job, findings))
-        (void)printf("%zu corner%s kept\n", findings->done.corners, findings->done.corners == 1 ? "" : "s");
+        (void)printf("%zu corner%s kept\n", findings->done.curves.corners, findings->done.curves.corners == 1 ? "" : "s");
     (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
                  many ? "mean bending" : "bending", "largest angle");
     print_row("given", &findings->before);
     print_row("refined", &findings->after);
-    print_simple(&findings->done);
+    print_crossings(job, &findings->done);
     print_notes(stdout, fine);
     if (findings->compared)
         (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
@@ -179,6 +204,15 @@ static json_t *simple_json(const bat_curve_refine_report *simple)
                      (json_int_t)simple->straight, "left_crossing", (json_int_t)simple->left_crossing);
 }
 
+static json_t *map_json(const bat_curve_map_report *map)
+{
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "arcs", (json_int_t)map->arcs, "nodes",
+                     (json_int_t)map->nodes, "shared", (json_int_t)map->shared, "given_crossing",
+                     (json_int_t)map->given_crossing, "crossings", (json_int_t)map->crossings, "drawn_back",
+                     (json_int_t)map->drawn_back, "snapped", (json_int_t)map->snapped, "largest_area_error",
+                     map->largest_area_error);
+}
+
 static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     bool sampled = job->motion.rate > 0;
@@ -186,7 +220,8 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
     if (!sampled && curve_stops(job))
     {
         json_decref(amount);
-        amount = json_pack("[I, I]", (json_int_t)findings->done.min_levels, (json_int_t)findings->done.max_levels);
+        amount =
+            json_pack("[I, I]", (json_int_t)findings->done.curves.min_levels, (json_int_t)findings->done.curves.max_levels);
     }
     json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
                                sampled ? "rate" : "levels", amount, "curves", (json_int_t)fine->count, "given",
@@ -196,13 +231,15 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
         json_decref(object);
         return NULL;
     }
-    if (!job->is_motion && json_object_set_new(object, "simple", simple_json(&findings->done)) != 0)
+    bool map = findings->done.map;
+    if (!job->is_motion && json_object_set_new(object, map ? "map" : "simple",
+                                               map ? map_json(&findings->done) : simple_json(&findings->done.curves)) != 0)
     {
         json_decref(object);
         return NULL;
     }
     if (object != NULL && has_corners(job, findings) &&
-        json_object_set_new(object, "corners", json_integer((json_int_t)findings->done.corners)) != 0)
+        json_object_set_new(object, "corners", json_integer((json_int_t)findings->done.curves.corners)) != 0)
     {
         json_decref(object);
         return NULL;

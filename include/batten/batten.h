@@ -41,6 +41,7 @@
 // Files
 #if BAT_HAS_FILES
 #include "batten/curve_file.h"
+#include "batten/curve_map.h"
 #include "batten/mesh_file.h"
 #if BAT_HAS_SURFACES
 #include "batten/cloud_file.h"

@@ -1,0 +1,383 @@
+#include "curve/map/arc_refine.h"
+
+#include "base/array_grow.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/progress.h"
+#include "base/shared_work.h"
+#include "base/threads.h"
+#include "curve/pieces.h"
+#include "curve/polygon.h"
+#include "curve/refine.h"
+#include "curve/topology/draw_back.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Two edges of arcs that meet before refinement.
+typedef struct given_pair
+{
+    edge_place places[2]; ///< each pair occurs in both orders
+} given_pair;
+
+/// The state of a refinement.
+typedef struct arc_job
+{
+    const arc_graph *graph;
+    const bat_curve_refine_options *options;
+    const map_chart *chart;
+    bat_curve_map_report *report;
+    given_pair *given; ///< in order
+    size_t given_count, given_capacity;
+    bool failed;         ///< out of memory while pairs were found
+    size_t levels;       ///< levels before the polygons of the present step
+    refined_arcs *fine;  ///< the result of the present step
+    chart_curves before; ///< the charts of the polygons of the present step
+    chart_curves after;  ///< the charts of its result
+} arc_job;
+
+// Edges that meet before refinement
+
+static int compare_sizes(size_t a, size_t b)
+{
+    return (a > b) - (a < b);
+}
+
+static int compare_pairs(const void *a, const void *b)
+{
+    const given_pair *p = a, *q = b;
+    for (int k = 0; k < 2; k++)
+    {
+        int order = compare_sizes(p->places[k].curve, q->places[k].curve);
+        if (order == 0)
+            order = compare_sizes(p->places[k].edge, q->places[k].edge);
+        if (order != 0)
+            return order;
+    }
+    return 0;
+}
+
+static bool note_given(void *context, edge_place first, edge_place second)
+{
+    arc_job *job = context;
+    void *given = job->given;
+    job->failed = !array_grow(&given, &job->given_capacity, job->given_count + 2, sizeof *job->given);
+    job->given = given;
+    if (job->failed)
+        return false;
+    job->given[job->given_count++] = (given_pair){{first, second}};
+    job->given[job->given_count++] = (given_pair){{second, first}};
+    return true;
+}
+
+/// Find the given edges that meet, which may meet after refinement as well.
+static bat_status find_given(arc_job *job, bat_error *error)
+{
+    edge_tree tree;
+    bat_status status = edge_tree_make(job->before.curves, job->before.count, &tree, error);
+    tree.turn = job->chart->turn;
+    if (status == BAT_OK && !edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_given, job))
+        status = error_memory(error, job->given_count * sizeof *job->given);
+    edge_tree_free(&tree);
+    if (job->given_count > 0)
+        qsort(job->given, job->given_count, sizeof *job->given, compare_pairs);
+    job->report->given_crossing = job->given_count / 2;
+    return status;
+}
+
+/// Whether the given edges under two edges of the present polygons meet, or neighbours of them.
+static bool may_meet(void *context, edge_place first, edge_place second)
+{
+    const arc_job *job = context;
+    size_t edges[2];
+    edge_place places[2] = {first, second};
+    for (int k = 0; k < 2; k++)
+    {
+        const bat_curve *arc = &job->graph->arcs[places[k].curve];
+        edges[k] = polygon_edges(arc->count, arc->closed);
+        places[k].edge >>= job->levels;
+    }
+    for (size_t i = 0; i < 3; i++)
+        for (size_t j = 0; j < 3; j++)
+        {
+            given_pair pair = {{{places[0].curve, (places[0].edge + i + edges[0] - 1) % edges[0]},
+                                {places[1].curve, (places[1].edge + j + edges[1] - 1) % edges[1]}}};
+            if (bsearch(&pair, job->given, job->given_count, sizeof pair, compare_pairs) != NULL)
+                return true;
+        }
+    return false;
+}
+
+// Steps
+
+/// The arcs of the graph are not refined yet.
+static bool is_first_step(const arc_job *job)
+{
+    return job->fine->arcs == NULL;
+}
+
+static const bat_curve *arcs_of(const arc_job *job)
+{
+    return is_first_step(job) ? job->graph->arcs : job->fine->arcs;
+}
+
+/// Refine one arc with stops, where edges have levels of their own.
+static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_options *how, refined_arcs *next, size_t *arc,
+                                bat_error *error)
+{
+    shared_work work = shared_work_make(next->count, how->progress);
+    next->starts = calloc(next->count, sizeof *next->starts);
+    if (next->starts == NULL)
+        return error_memory(error, next->count * sizeof *next->starts);
+    size_t least = SIZE_MAX, most = 0;
+#pragma omp parallel for schedule(dynamic) num_threads(threads_for(how->threads, next->count)) reduction(min                \
+                                                                                                         : least)           \
+    reduction(max                                                                                                           \
+              : most)
+    for (size_t i = 0; i < next->count; i++)
+    {
+        if (!shared_work_wants(&work, i))
+            continue;
+        bat_error failure;
+        bat_curve_refine_options one = *how;
+        bat_curve_refine_report report = {0};
+        one.threads = 1;
+        one.progress = (bat_progress){0};
+        one.report = &report;
+        bat_status status = pieces_refine(&job->graph->arcs[i], &one, &next->arcs[i], &next->starts[i], &failure);
+        least = report.min_levels < least ? report.min_levels : least;
+        most = report.max_levels > most ? report.max_levels : most;
+        shared_work_finish(&work, i, status, &failure);
+    }
+    job->report->curves.min_levels = least == SIZE_MAX ? 0 : least;
+    job->report->curves.max_levels = most;
+    *arc = work.failed;
+    return shared_work_end(&work, error);
+}
+
+static bool has_stops(const bat_curve_refine_options *options)
+{
+    return options->max_segment > 0 || options->tolerance > 0;
+}
+
+static bool keeps_points(const bat_curve_refine_options *options)
+{
+    return refine_keeps_points(&options->scheme) && !options->snap;
+}
+
+/// Whether the levels are computed and tested one after the other. Splines are not made level by level.
+static bool goes_by_levels(const arc_job *job)
+{
+    bat_curve_scheme_kind kind = job->options->scheme.kind;
+    return job->chart != NULL && !has_stops(job->options) && keeps_points(job->options) &&
+           kind != BAT_CURVE_SCHEME_CATMULL_ROM && kind != BAT_CURVE_SCHEME_CUBIC;
+}
+
+static bool move_edge(void *context, size_t curve, size_t edge, size_t begin, size_t end, bool onto_edge)
+{
+    arc_job *job = context;
+    chart_move(job->chart, &job->before.curves[curve], &job->fine->arcs[curve], &job->after.curves[curve], edge, begin, end,
+               onto_edge);
+    return true;
+}
+
+/// Draw back what meets after a step.
+static bat_status draw_arcs_back(arc_job *job, bat_progress progress, size_t *arc, bat_error *error)
+{
+    size_t count = job->fine->count;
+    drawn_curve *drawn = memory_array(count, sizeof *drawn);
+    if (drawn == NULL)
+        return error_memory(error, count * sizeof *drawn);
+    for (size_t i = 0; i < count; i++)
+        drawn[i] = (drawn_curve){&job->before.curves[i], job->fine->starts != NULL ? job->fine->starts[i] : NULL};
+    draw_rules rules = {.pairs = EDGE_PAIRS_ARCS,
+                        .turn = job->chart->turn,
+                        .move = job->chart->globe ? move_edge : NULL,
+                        .may_meet = job->given_count > 0 ? may_meet : NULL,
+                        .context = job};
+    draw_back_counts counts;
+    bat_status status = draw_back(drawn, job->after.curves, count, &rules, progress, &counts, error);
+    job->report->crossings += counts.crossings;
+    job->report->drawn_back += counts.edges;
+    *arc = counts.stuck.curve;
+    free(drawn);
+    return status;
+}
+
+/// The given edge of an arc that a refined edge lies over, roughly where the scheme moves the given points.
+static edge_place given_edge(const arc_job *job, edge_place fine)
+{
+    const bat_curve *coarse = &job->graph->arcs[fine.curve], *refined = &job->fine->arcs[fine.curve];
+    size_t edges = polygon_edges(refined->count, refined->closed);
+    return (edge_place){fine.curve, fine.edge * polygon_edges(coarse->count, coarse->closed) / edges};
+}
+
+/// A search for edges that meet and should not.
+typedef struct crossing_search
+{
+    arc_job *job;
+    edge_place found; ///< the given edge beneath; curve BAT_NO_INDEX for none
+} crossing_search;
+
+static bool note_crossing(void *context, edge_place first, edge_place second)
+{
+    crossing_search *search = context;
+    first = given_edge(search->job, first);
+    second = given_edge(search->job, second);
+    if (may_meet(search->job, first, second))
+        return true;
+    search->found = first;
+    return false;
+}
+
+/// Refuse arcs that meet, of schemes that move the given points: there are no edges to which they could be drawn back.
+static bat_status refuse_crossings(arc_job *job, size_t *arc, bat_error *error)
+{
+    edge_tree tree;
+    crossing_search search = {job, {BAT_NO_INDEX, 0}};
+    bat_status status = edge_tree_make(job->after.curves, job->after.count, &tree, error);
+    tree.turn = job->chart->turn;
+    if (status == BAT_OK)
+        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, &search);
+    edge_tree_free(&tree);
+    *arc = search.found.curve;
+    if (status == BAT_OK && *arc != BAT_NO_INDEX)
+        return error_set(error, BAT_UNSUPPORTED, search.found.edge, 0,
+                         "the refined curve crosses a curve after point %zu, and the scheme does not keep the given points, "
+                         "to which it could be drawn back",
+                         search.found.edge);
+    return status;
+}
+
+/// The charts of the result of a step, and what follows from them.
+static bat_status keep_apart(arc_job *job, bat_progress progress, size_t *arc, bat_error *error)
+{
+    bool keeps = keeps_points(job->options);
+    bat_status status = chart_curves_make(job->chart, job->fine->arcs, job->fine->count, keeps ? &job->before : NULL,
+                                          (size_t *const *)job->fine->starts, job->options->threads, &job->after, error);
+    if (status != BAT_OK)
+        return status;
+    return keeps ? draw_arcs_back(job, progress, arc, error) : refuse_crossings(job, arc, error);
+}
+
+static void free_arcs(bat_curve *arcs, size_t count)
+{
+    for (size_t i = 0; arcs != NULL && i < count; i++)
+        bat_curve_free(&arcs[i]);
+    free(arcs);
+}
+
+/// Refine the present polygons, which have job->levels levels, by `how`, and keep them apart.
+static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, size_t *arc, bat_error *error)
+{
+    static const double REFINED_SHARE = 0.6; // of the work
+    size_t count = job->graph->arc_count;
+    progress_part parts[2] = {{how->progress, 0, REFINED_SHARE}, {how->progress, REFINED_SHARE, 1 - REFINED_SHARE}};
+    bat_curve_refine_options one = *how;
+    bat_curve_refine_report report;
+    refined_arcs next = {.count = count, .arcs = calloc(count, sizeof *next.arcs)};
+    one.progress = progress_of_part(&parts[0]);
+    one.report = &report;
+    *arc = BAT_NO_INDEX;
+    if (next.arcs == NULL)
+        return error_memory(error, count * sizeof *next.arcs);
+    bat_status status;
+    if (has_stops(how))
+        status = refine_pieces(job, &one, &next, arc, error);
+    else
+        status = bat_curves_refine(arcs_of(job), count, &one, next.arcs, arc, error);
+    if (status != BAT_OK)
+    {
+        refined_arcs_free(&next);
+        return status;
+    }
+    free_arcs(job->fine->arcs, job->fine->count);
+    *job->fine = next;
+    if (job->chart == NULL)
+        return BAT_OK;
+    status = keep_apart(job, progress_of_part(&parts[1]), arc, error);
+    chart_curves_free(&job->before);
+    job->before = job->after;
+    job->after = (chart_curves){0};
+    return status;
+}
+
+/// The steps: one, or one for each level.
+static bat_status run_steps(arc_job *job, size_t *arc, bat_error *error)
+{
+    bat_curve_refine_options how = *job->options;
+    how.simple = BAT_CURVE_SIMPLE_NEVER;
+    how.corner_angle = 0;
+    if (!has_stops(&how))
+        job->report->curves.min_levels = job->report->curves.max_levels = how.levels;
+    if (!goes_by_levels(job) || how.levels == 0)
+        return run_step(job, &how, arc, error);
+    bat_status status = BAT_OK;
+    double whole = ldexp(1, (int)job->options->levels) - 1;
+    how.levels = 1;
+    for (size_t level = 0; level < job->options->levels && status == BAT_OK; level++)
+    {
+        progress_part part = {job->options->progress, (ldexp(1, (int)level) - 1) / whole, ldexp(1, (int)level) / whole};
+        how.progress = progress_of_part(&part);
+        how.first_level = job->options->first_level + level;
+        job->levels = level;
+        status = run_step(job, &how, arc, error);
+    }
+    return status;
+}
+
+/// Whether the arcs of a graph have room for all levels.
+static bat_status check_room(const arc_job *job, size_t *arc, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    bat_curve_refine_options how = *job->options;
+    size_t longest = 0, count;
+    for (size_t i = 1; i < job->graph->arc_count; i++)
+        longest = job->graph->arcs[i].count > job->graph->arcs[longest].count ? i : longest;
+    how.corner_angle = 0;
+    if (job->graph->arc_count > 0 && !has_stops(&how))
+        status = bat_curve_refined_count(&job->graph->arcs[longest], &how, &count, error);
+    *arc = longest;
+    return status;
+}
+
+bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
+                             bat_curve_map_report *report, size_t *arc, refined_arcs *fine, bat_error *error)
+{
+    *fine = (refined_arcs){0};
+    arc_job job = {.graph = graph, .options = options, .chart = chart, .report = report, .fine = fine};
+    bat_status status = check_room(&job, arc, error);
+    if (status == BAT_OK && chart != NULL)
+    {
+        *arc = BAT_NO_INDEX;
+        status = chart_curves_make(chart, graph->arcs, graph->arc_count, NULL, NULL, options->threads, &job.before, error);
+        if (status == BAT_OK)
+            status = find_given(&job, error);
+    }
+    if (status == BAT_OK)
+        status = run_steps(&job, arc, error);
+    if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)
+        error->index >>= job.levels;
+    chart_curves_free(&job.before);
+    chart_curves_free(&job.after);
+    free(job.given);
+    return status;
+}
+
+size_t refined_arcs_row(const refined_arcs *fine, const arc_graph *graph, size_t arc, size_t i)
+{
+    const bat_curve *coarse = &graph->arcs[arc], *refined = &fine->arcs[arc];
+    if (fine->starts != NULL)
+        return fine->starts[arc][i];
+    return i * (polygon_edges(refined->count, refined->closed) / polygon_edges(coarse->count, coarse->closed));
+}
+
+void refined_arcs_free(refined_arcs *fine)
+{
+    free_arcs(fine->arcs, fine->count);
+    for (size_t i = 0; i < fine->count && fine->starts != NULL; i++)
+        free(fine->starts[i]);
+    free(fine->starts);
+    *fine = (refined_arcs){0};
+}

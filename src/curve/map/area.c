@@ -1,0 +1,491 @@
+#include "curve/map/area.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "curve/polygon.h"
+#include "curve/refine.h"
+#include "curve/topology/edge_tree.h"
+#include "space/known.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    NEWTON_STEPS = 20,
+    /// After so many rounds with crossings the call gives up.
+    ROUNDS = 60
+};
+
+/// The relative error of an area that is promised, and that at which Newton's method ends.
+#define AREA_PROMISE 1e-6
+#define AREA_GOAL 1e-8
+/// The share of the largest relative residual at which conjugate gradients end. Newton's steps do the rest; the system is
+/// singular, so that going on to the last digit would only add what rounding makes inconsistent.
+#define RESIDUAL_SHARE 1e-4
+/// The largest t: an edge then bulges by its own length, and Newton's method has lost its way.
+#define MAX_SHARE 1.0
+
+/// The state of an arc.
+typedef struct area_arc
+{
+    double *weights; ///< of each refined point: how far it moves for t = 1; 0 for given points
+    double *given;   ///< the refined points before they are moved
+    double gain;     ///< the area to the left of the arc that is lost for t = 1
+    double share;    ///< t of this step
+} area_arc;
+
+typedef struct area_job
+{
+    const arc_graph *graph;
+    const bat_curve *curves;
+    size_t count, dim;
+    bool sphere, keeps_points;
+    refined_arcs *fine;
+    area_arc *arcs;
+    double *targets; ///< of each curve its area; NaN for open curves
+    double *areas;
+    double *vectors; ///< five of `count` numbers, for conjugate gradients
+    size_t frozen;   ///< edges whose points stay
+    const map_chart *chart;
+} area_job;
+
+static double determinant(const double *a, const double *b, const double *c)
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// The signed area of the triangle between a fixed point and an edge; on the sphere by Eriksson's formula.
+static double triangle(const area_job *job, const double *fixed, const double *p, const double *q)
+{
+    if (!job->sphere)
+        return ((p[0] - fixed[0]) * (q[1] - fixed[1]) - (p[1] - fixed[1]) * (q[0] - fixed[0])) / 2;
+    // The determinant of the differences is that of the vectors, and accurate for small triangles.
+    double to_p[3], to_q[3];
+    for (int c = 0; c < 3; c++)
+    {
+        to_p[c] = p[c] - fixed[c];
+        to_q[c] = q[c] - fixed[c];
+    }
+    return 2 * atan2(determinant(fixed, to_p, to_q), 1 + dot(fixed, p) + dot(p, q) + dot(q, fixed));
+}
+
+/// A point in the middle of a ring.
+static void middle_of(const area_job *job, const bat_curve *curve, double *middle)
+{
+    for (size_t c = 0; c < job->dim; c++)
+        middle[c] = 0;
+    for (size_t i = 0; i < curve->count; i++)
+        for (size_t c = 0; c < job->dim; c++)
+            middle[c] += curve->points[i * job->dim + c] / (double)curve->count;
+    double length = job->sphere ? sqrt(dot(middle, middle)) : 1;
+    for (size_t c = 0; c < job->dim; c++)
+        middle[c] /= length > 0 ? length : 1;
+}
+
+/// The signed area under a polyline, as triangles with a fixed point.
+static double area_under(const area_job *job, const double *fixed, const bat_curve *line)
+{
+    double sum = 0;
+    size_t edges = polygon_edges(line->count, line->closed);
+    for (size_t i = 0; i < edges; i++)
+        sum +=
+            triangle(job, fixed, line->points + i * job->dim, line->points + (i + 1 == line->count ? 0 : i + 1) * job->dim);
+    return sum;
+}
+
+static double side_of(const arc_use *use)
+{
+    return use->reversed ? -1 : 1;
+}
+
+/// The area of a refined ring.
+static double refined_area(const area_job *job, size_t curve)
+{
+    double middle[3], sum = 0;
+    middle_of(job, &job->curves[curve], middle);
+    for (size_t u = job->graph->first_use[curve]; u < job->graph->first_use[curve + 1]; u++)
+    {
+        const arc_use *use = &job->graph->uses[u];
+        sum += side_of(use) * area_under(job, middle, &job->fine->arcs[use->arc]);
+    }
+    return sum;
+}
+
+/// The unit vector to the left of an arc at point i, and the distance of its neighbours.
+static double left_of(const area_job *job, const bat_curve *line, size_t i, double *left)
+{
+    size_t dim = job->dim;
+    const double *p = line->points + i * dim, *before = line->points + (i > 0 ? i - 1 : line->count - 1) * dim,
+                 *after = line->points + (i + 1 < line->count ? i + 1 : 0) * dim;
+    double along[3] = {0}, square = 0, across = 0;
+    for (size_t c = 0; c < dim; c++)
+    {
+        along[c] = after[c] - before[c];
+        square += along[c] * along[c];
+    }
+    left[0] = job->sphere ? p[1] * along[2] - p[2] * along[1] : -along[1];
+    left[1] = job->sphere ? p[2] * along[0] - p[0] * along[2] : along[0];
+    left[2] = job->sphere ? p[0] * along[1] - p[1] * along[0] : 0;
+    across = sqrt(dot(left, left));
+    for (int c = 0; c < 3; c++)
+        left[c] = across > 0 ? left[c] / across : 0;
+    return sqrt(square);
+}
+
+/// The weights of an arc of a scheme that keeps the given points.
+static void weigh_edges(const area_job *job, size_t a, double *weights)
+{
+    const bat_curve *coarse = &job->graph->arcs[a];
+    size_t edges = polygon_edges(coarse->count, coarse->closed), rows = job->fine->arcs[a].count;
+    for (size_t e = 0; e < edges; e++)
+    {
+        const double *p = coarse->points + e * job->dim,
+                     *q = coarse->points + (e + 1 == coarse->count ? 0 : e + 1) * job->dim;
+        double length = coarse->space->distance(coarse->space, p, q);
+        size_t begin = refined_arcs_row(job->fine, job->graph, a, e),
+               end = e + 1 == edges && coarse->closed ? rows : refined_arcs_row(job->fine, job->graph, a, e + 1);
+        for (size_t i = begin; i < end; i++)
+        {
+            double s = (double)(i - begin) / (double)(end - begin);
+            weights[i] = 16 * s * s * (1 - s) * (1 - s) * length;
+        }
+    }
+    if (!coarse->closed)
+        weights[rows - 1] = 0;
+}
+
+/// The weights of an arc of a scheme that moves the given points: even, and 0 at the ends.
+static void weigh_arc(const area_job *job, size_t a, double *weights)
+{
+    const bat_curve *coarse = &job->graph->arcs[a];
+    size_t edges = polygon_edges(coarse->count, coarse->closed), rows = job->fine->arcs[a].count;
+    double length = 0;
+    for (size_t e = 0; e < edges; e++)
+        length += coarse->space->distance(coarse->space, coarse->points + e * job->dim,
+                                          coarse->points + (e + 1) % coarse->count * job->dim) /
+                  (double)edges;
+    for (size_t i = 0; i < rows; i++)
+    {
+        double u = coarse->closed ? 0 : 2 * (double)i / (double)(rows - 1) - 1;
+        weights[i] = length * (1 - u * u) * (1 - u * u);
+    }
+}
+
+/// Set up the arcs and the areas to keep.
+static bat_status prepare(area_job *job, bat_error *error)
+{
+    size_t arcs = job->graph->arc_count;
+    job->arcs = calloc(arcs, sizeof *job->arcs);
+    job->targets = memory_array(job->count, sizeof(double));
+    job->areas = memory_array(job->count, sizeof(double));
+    job->vectors = memory_array(5 * job->count, sizeof(double));
+    if (job->arcs == NULL || job->targets == NULL || job->areas == NULL || job->vectors == NULL)
+        return error_memory(error, arcs * sizeof *job->arcs);
+    for (size_t a = 0; a < arcs; a++)
+    {
+        size_t rows = job->fine->arcs[a].count, values = rows * job->dim;
+        job->arcs[a].weights = memory_array(rows, sizeof(double));
+        job->arcs[a].given = memory_array(values, sizeof(double));
+        if (job->arcs[a].weights == NULL || job->arcs[a].given == NULL)
+            return error_memory(error, values * sizeof(double));
+        memcpy(job->arcs[a].given, job->fine->arcs[a].points, values * sizeof(double));
+        (job->keeps_points ? weigh_edges : weigh_arc)(job, a, job->arcs[a].weights);
+    }
+    for (size_t c = 0; c < job->count; c++)
+    {
+        double middle[3];
+        middle_of(job, &job->curves[c], middle);
+        job->targets[c] = job->curves[c].closed ? area_under(job, middle, &job->curves[c]) : NAN;
+    }
+    return BAT_OK;
+}
+
+/// The gains of the arcs where they are now.
+static void measure_gains(area_job *job)
+{
+    for (size_t a = 0; a < job->graph->arc_count; a++)
+    {
+        const bat_curve *line = &job->fine->arcs[a];
+        double left[3], gain = 0;
+        for (size_t i = 0; i < line->count; i++)
+            if (job->arcs[a].weights[i] > 0)
+                gain += left_of(job, line, i, left) * job->arcs[a].weights[i] / 2;
+        job->arcs[a].gain = gain;
+    }
+}
+
+static bool is_ring(const area_job *job, size_t curve)
+{
+    return job->curves[curve].closed;
+}
+
+/// The shares of the arcs for multipliers of the rings.
+static void spread(area_job *job, const double *multipliers)
+{
+    for (size_t a = 0; a < job->graph->arc_count; a++)
+        job->arcs[a].share = 0;
+    for (size_t c = 0; c < job->count; c++)
+        for (size_t u = job->graph->first_use[c]; u < job->graph->first_use[c + 1] && is_ring(job, c); u++)
+            job->arcs[job->graph->uses[u].arc].share += side_of(&job->graph->uses[u]) * multipliers[c];
+}
+
+/// The area that each ring loses with the shares of the arcs.
+static void collect(const area_job *job, double *losses)
+{
+    for (size_t c = 0; c < job->count; c++)
+    {
+        losses[c] = 0;
+        for (size_t u = job->graph->first_use[c]; u < job->graph->first_use[c + 1] && is_ring(job, c); u++)
+        {
+            const arc_use *use = &job->graph->uses[u];
+            losses[c] += side_of(use) * job->arcs[use->arc].gain * job->arcs[use->arc].share;
+        }
+    }
+}
+
+/// Solve for the shares with which the rings lose `losses`, by conjugate gradients in the multipliers. The system is
+/// positive semidefinite and consistent: rings that bound the same faces from both sides repeat each other.
+static void solve_shares(area_job *job, const double *losses)
+{
+    size_t n = job->count;
+    double *x = job->vectors, *r = x + n, *z = r + n, *p = z + n, *q = p + n, scale = 0, product = 0;
+    const size_t limit = 10 * n + 100;
+    for (size_t c = 0; c < n; c++)
+    {
+        x[c] = 0;
+        r[c] = is_ring(job, c) ? losses[c] : 0;
+        scale = fmax(scale, fabs(r[c] / (is_ring(job, c) && job->targets[c] != 0 ? job->targets[c] : 1)));
+    }
+    double *inverse = job->areas; // of the diagonal
+    for (size_t c = 0; c < n; c++)
+    {
+        double diagonal = 0;
+        for (size_t u = job->graph->first_use[c]; u < job->graph->first_use[c + 1] && is_ring(job, c); u++)
+            diagonal += job->arcs[job->graph->uses[u].arc].gain;
+        inverse[c] = diagonal > 0 ? 1 / diagonal : 0;
+        z[c] = inverse[c] * r[c];
+        p[c] = z[c];
+        product += r[c] * z[c];
+    }
+    for (size_t step = 0; step < limit && product > 0; step++)
+    {
+        double energy = 0, next = 0, worst = 0;
+        spread(job, p);
+        collect(job, q);
+        for (size_t c = 0; c < n; c++)
+            energy += p[c] * q[c];
+        if (!(energy > 0))
+            break;
+        for (size_t c = 0; c < n; c++)
+        {
+            x[c] += product / energy * p[c];
+            r[c] -= product / energy * q[c];
+            z[c] = inverse[c] * r[c];
+            next += r[c] * z[c];
+            if (is_ring(job, c) && job->targets[c] != 0)
+                worst = fmax(worst, fabs(r[c] / job->targets[c]));
+        }
+        if (worst <= RESIDUAL_SHARE * scale)
+            break;
+        for (size_t c = 0; c < n; c++)
+            p[c] = z[c] + next / product * p[c];
+        product = next;
+    }
+    spread(job, x);
+}
+
+/// Move the points of all arcs by their shares.
+static bat_status move_arcs(area_job *job, bat_error *error)
+{
+    size_t longest = 0;
+    for (size_t a = 0; a < job->graph->arc_count; a++)
+        longest = job->fine->arcs[a].count > longest ? job->fine->arcs[a].count : longest;
+    double *moved = memory_array(longest, 3 * sizeof(double));
+    if (moved == NULL)
+        return error_memory(error, longest * 3 * sizeof(double));
+    for (size_t a = 0; a < job->graph->arc_count; a++)
+    {
+        bat_curve *line = &job->fine->arcs[a];
+        const area_arc *arc = &job->arcs[a];
+        memcpy(moved, line->points, line->count * job->dim * sizeof(double));
+        for (size_t i = 0; i < line->count; i++)
+        {
+            double left[3], *point = moved + i * job->dim;
+            double way = arc->share * arc->weights[i];
+            if (way == 0)
+                continue;
+            (void)left_of(job, line, i, left);
+            for (size_t c = 0; c < job->dim; c++)
+                point[c] += way * left[c];
+            double length = job->sphere ? sqrt(dot(point, point)) : 1;
+            for (size_t c = 0; c < job->dim; c++)
+                point[c] /= length;
+        }
+        memcpy(line->points, moved, line->count * job->dim * sizeof(double));
+    }
+    free(moved);
+    return BAT_OK;
+}
+
+/// The largest relative error of a ring's area, and the ring.
+static double measure_areas(area_job *job, double *losses, size_t *ring)
+{
+    double largest = 0;
+    *ring = BAT_NO_INDEX;
+    for (size_t c = 0; c < job->count; c++)
+    {
+        losses[c] = 0;
+        if (!is_ring(job, c))
+            continue;
+        losses[c] = refined_area(job, c) - job->targets[c];
+        double relative = job->targets[c] != 0 ? fabs(losses[c] / job->targets[c]) : 0;
+        if (relative > largest)
+        {
+            largest = relative;
+            *ring = c;
+        }
+    }
+    return largest;
+}
+
+static bool shares_are_small(const area_job *job)
+{
+    for (size_t a = 0; a < job->graph->arc_count; a++)
+        if (!(fabs(job->arcs[a].share) <= MAX_SHARE))
+            return false;
+    return true;
+}
+
+/// Newton's method from where the points are.
+static bat_status run_newton(area_job *job, double *losses, double *largest, size_t *ring, bat_error *error)
+{
+    *largest = measure_areas(job, losses, ring);
+    for (size_t step = 0; step<NEWTON_STEPS && * largest> AREA_GOAL; step++)
+    {
+        measure_gains(job);
+        solve_shares(job, losses);
+        if (!shares_are_small(job))
+            return BAT_OK;
+        bat_status status = move_arcs(job, error);
+        if (status != BAT_OK)
+            return status;
+        double before = *largest;
+        *largest = measure_areas(job, losses, ring);
+        if (*largest<AREA_PROMISE && * largest> before / 2)
+            break;
+    }
+    return BAT_OK;
+}
+
+// Crossings
+
+/// The points of the given edge over which a refined edge lies stay as they are, and those of both its neighbours.
+static void freeze(area_job *job, edge_place place)
+{
+    double *weights = job->arcs[place.curve].weights;
+    const bat_curve *line = &job->fine->arcs[place.curve];
+    size_t rows = line->count, begin = place.edge, end = (place.edge + 1) % rows;
+    while (weights[begin] > 0)
+    {
+        weights[begin] = 0;
+        job->frozen++;
+        begin = begin > 0 ? begin - 1 : rows - 1;
+    }
+    while (weights[end] > 0)
+    {
+        weights[end] = 0;
+        job->frozen++;
+        end = end + 1 < rows ? end + 1 : 0;
+    }
+}
+
+static bool note_crossing(void *context, edge_place first, edge_place second)
+{
+    area_job *job = context;
+    freeze(job, first);
+    freeze(job, second);
+    return true;
+}
+
+/// Freeze edges whose refined points cross others.
+static bat_status freeze_crossings(area_job *job, bat_error *error)
+{
+    chart_curves charts;
+    edge_tree tree = {0};
+    bat_status status = chart_curves_make(job->chart, job->fine->arcs, job->fine->count, NULL, NULL, 1, &charts, error);
+    if (status == BAT_OK)
+        status = edge_tree_make(charts.curves, charts.count, &tree, error);
+    tree.turn = job->chart->turn;
+    if (status == BAT_OK)
+        (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, job);
+    edge_tree_free(&tree);
+    chart_curves_free(&charts);
+    return status;
+}
+
+static void restore(area_job *job)
+{
+    for (size_t a = 0; a < job->graph->arc_count; a++)
+        memcpy(job->fine->arcs[a].points, job->arcs[a].given, job->fine->arcs[a].count * job->dim * sizeof(double));
+}
+
+static bat_status run(area_job *job, bool tested, double *largest, size_t *failed, bat_error *error)
+{
+    double *losses = memory_array(job->count, sizeof *losses);
+    if (losses == NULL)
+        return error_memory(error, job->count * sizeof *losses);
+    bat_status status = BAT_OK;
+    bool apart = false;
+    if (tested)
+        status = freeze_crossings(job, error); // those that crossed before do not count again
+    for (size_t round = 0; round < ROUNDS && status == BAT_OK && !apart; round++)
+    {
+        restore(job);
+        status = run_newton(job, losses, largest, failed, error);
+        size_t before = job->frozen;
+        if (status == BAT_OK && tested)
+            status = freeze_crossings(job, error);
+        apart = job->frozen == before;
+    }
+    free(losses);
+    if (status != BAT_OK)
+        return status;
+    if (!apart || *largest > AREA_PROMISE)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "the area of the ring cannot be kept to %g of it without crossings; refine without keep_area",
+                         AREA_PROMISE);
+    *failed = BAT_NO_INDEX;
+    return BAT_OK;
+}
+
+bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_t count,
+                          const bat_curve_refine_options *options, const map_chart *chart, bool tested, refined_arcs *fine,
+                          double *largest, size_t *failed, bat_error *error)
+{
+    area_job job = {.graph = graph, .curves = curves, .count = count, .fine = fine, .chart = chart};
+    job.dim = curves[0].space->point_dim;
+    job.sphere = space_is_sphere(curves[0].space);
+    job.keeps_points = refine_keeps_points(&options->scheme) && !options->snap;
+    if (!job.sphere && !space_is_plane(curves[0].space))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "areas can be kept in the plane and on the sphere only");
+    bat_status status = prepare(&job, error);
+    if (status == BAT_OK)
+        status = run(&job, tested, largest, failed, error);
+    for (size_t a = 0; a < graph->arc_count && job.arcs != NULL; a++)
+    {
+        free(job.arcs[a].weights);
+        free(job.arcs[a].given);
+    }
+    free(job.arcs);
+    free(job.targets);
+    free(job.areas);
+    free(job.vectors);
+    return status;
+}

@@ -1,0 +1,375 @@
+#include "batten/curve_map.h"
+
+#include "base/choice.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/option.h"
+#include "base/shared_work.h"
+#include "base/threads.h"
+#include "curve/corner.h"
+#include "curve/curve_attributes.h"
+#include "curve/map/arc_refine.h"
+#include "curve/map/area.h"
+#include "curve/map/snap.h"
+#include "curve/polygon.h"
+#include "curve/refine.h"
+#include "space/degrees.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const bat_choice TOPOLOGIES[] = {
+    {.name = "features", .summary = "files with features, such as GeoJSON, are maps", .value = BAT_CURVE_MAP_FEATURES},
+    {.name = "always", .summary = "every set of curves is a map", .value = BAT_CURVE_MAP_ALWAYS},
+    {.name = "separate", .summary = "every curve is refined by itself", .value = BAT_CURVE_MAP_SEPARATE},
+};
+static const choice_table TABLE = CHOICE_TABLE("map topology", TOPOLOGIES);
+
+CHOICE_FUNCTIONS(bat_curve_map_topology, TABLE, 0)
+
+bat_curve_map_options bat_curve_map_defaults(void)
+{
+    return (bat_curve_map_options){.refine = bat_curve_refine_defaults(), .decimals = 10};
+}
+
+bat_status bat_curve_map_options_check(const bat_curve_map_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_curve_map_options, topology, OPTION_CHOICE, 0, BAT_CURVE_MAP_SEPARATE),
+        OPTION_FIELD(bat_curve_map_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_curve_map_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    return status == BAT_OK ? bat_curve_refine_options_check(&options->refine, error) : status;
+}
+
+/// A map during refinement.
+typedef struct map_job
+{
+    const bat_curve *curves; ///< the given ones, or those of `snapped`
+    size_t count;
+    snapped_curves snapped;
+    bat_curve_refine_options refine; ///< complete
+    bat_curve_map_report report;
+    unsigned char **corners; ///< of each curve; null without corners
+    arc_graph graph;
+    refined_arcs fine;
+    bat_curve *result;
+} map_job;
+
+/// Run a function for each curve.
+/// @param failed receives the first curve for which it failed
+typedef bat_status curve_work(map_job *job, size_t curve, bat_error *error);
+static bat_status for_each_curve(map_job *job, curve_work *run, size_t *failed, bat_error *error)
+{
+    shared_work work = shared_work_make(job->count, (bat_progress){0});
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads_for(job->refine.threads, job->count))
+    for (size_t i = 0; i < job->count; i++)
+    {
+        bat_error failure;
+        if (shared_work_wants(&work, i))
+            shared_work_finish(&work, i, run(job, i, &failure), &failure);
+    }
+    bat_status status = shared_work_end(&work, error);
+    if (status != BAT_OK)
+        *failed = work.failed;
+    return status;
+}
+
+static bat_status check_curve(map_job *job, size_t curve, bat_error *error)
+{
+    return bat_curve_check(&job->curves[curve], error);
+}
+
+/// Find the corners of a curve.
+static bat_status find_corners(map_job *job, size_t curve, bat_error *error)
+{
+    const bat_curve *given = &job->curves[curve];
+    size_t count;
+    job->corners[curve] = memory_array(given->count, 1);
+    if (job->corners[curve] == NULL)
+        return error_memory(error, given->count);
+    return corners_find(given, job->refine.corner_angle, job->corners[curve], &count, error);
+}
+
+static bat_status find_all_corners(map_job *job, size_t *failed, bat_error *error)
+{
+    bool has_corners = job->refine.corner_angle > 0;
+    for (size_t i = 0; i < job->count; i++)
+        has_corners |= job->curves[i].corners != NULL;
+    if (!has_corners)
+        return BAT_OK;
+    job->corners = calloc(job->count, sizeof *job->corners);
+    if (job->corners == NULL)
+        return error_memory(error, job->count * sizeof *job->corners);
+    bat_status status = for_each_curve(job, find_corners, failed, error);
+    for (size_t i = 0; i < job->count && status == BAT_OK; i++)
+        for (size_t k = 0; k < job->curves[i].count; k++)
+            job->report.curves.corners += job->corners[i][k];
+    return status;
+}
+
+/// Check the given curves, join their points, and cut them into arcs.
+static bat_status prepare(map_job *job, const map_chart *chart, double tolerance, size_t *failed, bat_error *error)
+{
+    bat_status status = for_each_curve(job, check_curve, failed, error);
+    if (status == BAT_OK && chart != NULL)
+        status = snapped_curves_make(job->curves, job->count, chart, tolerance, job->refine.threads, &job->snapped, error);
+    if (status != BAT_OK)
+        return status;
+    if (job->snapped.curves != NULL)
+        job->curves = job->snapped.curves;
+    job->report.snapped = job->snapped.moved + job->snapped.added;
+    job->report.largest_snap = job->snapped.largest;
+    status = find_all_corners(job, failed, error);
+    if (status == BAT_OK)
+        status = arc_graph_make(job->curves, job->count, job->corners, refine_keeps_points(&job->refine.scheme), &job->graph,
+                                error);
+    job->report.arcs = job->graph.arc_count;
+    job->report.nodes = job->graph.nodes;
+    job->report.shared = job->graph.shared;
+    return status;
+}
+
+// Curves of arcs
+
+/// The uses of a curve, one after the other, as rows of the refined curve before its rotation.
+typedef struct use_rows
+{
+    const arc_use *use;
+    const bat_curve *arc; ///< refined
+    size_t row, count;    ///< the first row and the number of rows
+} use_rows;
+
+/// The rows of a use. The last point of an open arc belongs to the next use.
+static use_rows rows_of_use(const map_job *job, const arc_use *use, size_t row)
+{
+    const bat_curve *arc = &job->fine.arcs[use->arc];
+    return (use_rows){use, arc, row, polygon_edges(arc->count, arc->closed)};
+}
+
+/// The point of the arc in row `i` of a use.
+static size_t point_in_row(const use_rows *rows, size_t offset, size_t i)
+{
+    size_t count = rows->arc->count;
+    if (!rows->arc->closed)
+        return rows->use->reversed ? count - 1 - i : i;
+    return rows->use->reversed ? (offset + count - i) % count : (offset + i) % count;
+}
+
+/// The row at which point 0 of a ring lies, when the first use begins at point graph->begins[curve].
+static size_t row_of_first_point(const map_job *job, size_t curve)
+{
+    const arc_graph *graph = &job->graph;
+    size_t begin = graph->begins[curve], left = begin > 0 ? job->curves[curve].count - begin : 0, row = 0;
+    for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1] && refine_keeps_points(&job->refine.scheme);
+         u++)
+    {
+        const arc_use *use = &graph->uses[u];
+        const bat_curve *arc = &graph->arcs[use->arc];
+        size_t edges = polygon_edges(arc->count, arc->closed);
+        use_rows rows = rows_of_use(job, use, row);
+        if (left < edges && use->reversed)
+            return row + rows.count - refined_arcs_row(&job->fine, graph, use->arc, edges - left);
+        if (left < edges)
+            return row + refined_arcs_row(&job->fine, graph, use->arc, left);
+        left -= edges;
+        row += rows.count;
+    }
+    return 0;
+}
+
+/// Refine the channels of a curve over one use, in the direction of the arc, so that the points are the arc's.
+static bat_status refine_channels(const map_job *job, size_t curve, size_t begin, const arc_use *use, bat_curve *fine,
+                                  bat_error *error)
+{
+    const bat_curve *given = &job->curves[curve], *arc = &job->graph.arcs[use->arc];
+    size_t channels = given->channel_count, row = channels * sizeof(double);
+    bat_curve slice = *arc;
+    slice.channel_count = channels;
+    slice.channels = memory_array(arc->count, row);
+    if (slice.channels == NULL)
+        return error_memory(error, arc->count * row);
+    for (size_t i = 0; i < arc->count; i++)
+    {
+        size_t step = arc->closed ? (use->reversed ? use->offset + arc->count - i : i + arc->count - use->offset)
+                                  : (use->reversed ? arc->count - 1 - i : i);
+        memcpy(slice.channels + i * channels, given->channels + (begin + step) % given->count * channels, row);
+    }
+    bat_curve_refine_options how = job->refine;
+    how.simple = BAT_CURVE_SIMPLE_NEVER;
+    how.corner_angle = 0;
+    how.progress = (bat_progress){0};
+    how.threads = 1;
+    how.report = NULL;
+    bat_status status = bat_curve_refine(&slice, &how, fine, error);
+    free(slice.channels);
+    return status;
+}
+
+/// Copy the points and channels of one use to their rows of a curve, whose row `first` is row 0 of the result.
+static bat_status copy_use(const map_job *job, size_t curve, size_t begin, const use_rows *rows, size_t first,
+                           bat_curve *result, bat_error *error)
+{
+    const arc_use *use = rows->use;
+    size_t dim = result->space->point_dim, channels = result->channel_count;
+    size_t offset = rows->arc->closed ? refined_arcs_row(&job->fine, &job->graph, use->arc, use->offset) : 0;
+    bat_curve with_channels = {.space = result->space};
+    bat_status status = channels > 0 ? refine_channels(job, curve, begin, use, &with_channels, error) : BAT_OK;
+    bool last = !result->closed && rows->row + rows->count + 1 == result->count; // an open curve has a last point
+    for (size_t i = 0; i < rows->count + last && status == BAT_OK; i++)
+    {
+        size_t to = (rows->row + i + result->count - first) % result->count, from = point_in_row(rows, offset, i);
+        memcpy(result->points + to * dim, rows->arc->points + from * dim, dim * sizeof(double));
+        if (channels > 0)
+            memcpy(result->channels + to * channels, with_channels.channels + from * channels, channels * sizeof(double));
+    }
+    if (status == BAT_OK && result->corners != NULL)
+        result->corners[(rows->row + result->count - first) % result->count] = job->corners[curve][begin];
+    bat_curve_free(&with_channels);
+    return status;
+}
+
+/// Put a refined curve together from its arcs.
+static bat_status assemble_curve(map_job *job, size_t curve, bat_error *error)
+{
+    const arc_graph *graph = &job->graph;
+    const bat_curve *given = &job->curves[curve];
+    bat_curve *result = &job->result[curve];
+    *result = (bat_curve){.space = given->space, .closed = given->closed, .channel_count = given->channel_count};
+    result->count = !given->closed;
+    for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1]; u++)
+        result->count += rows_of_use(job, &graph->uses[u], 0).count;
+    result->points = memory_array(result->count, given->space->point_dim * sizeof(double));
+    if (given->channel_count > 0)
+        result->channels = memory_array(result->count, given->channel_count * sizeof(double));
+    if (job->corners != NULL)
+        result->corners = calloc(result->count, 1);
+    if (result->points == NULL || (given->channel_count > 0 && result->channels == NULL) ||
+        (job->corners != NULL && result->corners == NULL))
+        return error_memory(error, result->count * given->space->point_dim * sizeof(double));
+    size_t first = row_of_first_point(job, curve), row = 0, begin = graph->begins[curve];
+    bat_status status = BAT_OK;
+    for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1] && status == BAT_OK; u++)
+    {
+        const arc_use *use = &graph->uses[u];
+        const bat_curve *arc = &graph->arcs[use->arc];
+        use_rows rows = rows_of_use(job, use, row);
+        status = copy_use(job, curve, begin, &rows, first, result, error);
+        row += rows.count;
+        begin = (begin + polygon_edges(arc->count, arc->closed)) % given->count;
+    }
+    if (result->corners != NULL && !given->closed)
+        result->corners[result->count - 1] = job->corners[curve][given->count - 1];
+    return status;
+}
+
+// The whole
+
+static void free_job(map_job *job)
+{
+    for (size_t i = 0; i < job->count && job->corners != NULL; i++)
+        free(job->corners[i]);
+    for (size_t i = 0; i < job->count && job->result != NULL; i++)
+        bat_curve_free(&job->result[i]);
+    free(job->corners);
+    free(job->result);
+    arc_graph_free(&job->graph);
+    snapped_curves_free(&job->snapped);
+    refined_arcs_free(&job->fine);
+}
+
+/// Say which point of which curve failed, when it was a point of an arc.
+static void name_place(const map_job *job, size_t arc, size_t *failed, bat_error *error)
+{
+    if (arc == BAT_NO_INDEX || arc >= job->graph.arc_count)
+        return;
+    arc_origin origin = job->graph.origins[arc];
+    *failed = origin.curve;
+    if (error == NULL || error->index == BAT_NO_INDEX)
+        return;
+    size_t point = (origin.point + error->index) % job->curves[origin.curve].count;
+    error->index = job->snapped.curves != NULL ? job->snapped.origins[origin.curve][point] : point;
+}
+
+static bat_status refine_map(map_job *job, const bat_curve_map_options *options, size_t *failed, bat_error *error)
+{
+    const bat_space *space = job->curves[0].space;
+    map_chart chart;
+    bool has_chart = chart_of_space(space, options->decimals, &chart);
+    bool tested = has_chart && job->refine.simple != BAT_CURVE_SIMPLE_NEVER;
+    if (job->refine.ends == BAT_CURVE_END_FREE)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "the end rule free leaves gaps between the arcs of a map; refine the curves separately");
+    bat_status status = prepare(job, has_chart ? &chart : NULL, options->snap_tolerance, failed, error);
+    if (status != BAT_OK)
+        return status;
+    size_t arc;
+    status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL, &job->report, &arc, &job->fine, error);
+    if (status != BAT_OK)
+    {
+        name_place(job, arc, failed, error);
+        return status;
+    }
+    if (options->keep_area)
+        status = has_chart ? arcs_keep_area(&job->graph, job->curves, job->count, &job->refine, &chart, tested, &job->fine,
+                                            &job->report.largest_area_error, failed, error)
+                           : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "there are no areas in this space");
+    if (status != BAT_OK)
+        return status;
+    job->result = calloc(job->count, sizeof *job->result);
+    if (job->result == NULL)
+        return error_memory(error, job->count * sizeof *job->result);
+    return for_each_curve(job, assemble_curve, failed, error);
+}
+
+/// Whether a set is refined as a map.
+static bool is_map(const bat_curve_set *set, const bat_curve_map_options *options)
+{
+    map_chart chart;
+    if (options->topology == BAT_CURVE_MAP_ALWAYS)
+        return true;
+    bool features = set->attributes != NULL && set->attributes->remainder.content != NULL;
+    return options->topology == BAT_CURVE_MAP_FEATURES && features && set->count > 0 &&
+           chart_of_space(set->space, options->decimals, &chart);
+}
+
+static bat_status refine_separately(map_job *job, size_t *failed, bat_error *error)
+{
+    job->result = calloc(job->count, sizeof *job->result);
+    if (job->result == NULL)
+        return error_memory(error, job->count * sizeof *job->result);
+    job->refine.report = &job->report.curves;
+    return bat_curves_refine(job->curves, job->count, &job->refine, job->result, failed, error);
+}
+
+bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_options *options, bat_curve_set *fine,
+                                size_t *failed, bat_error *error)
+{
+    bat_curve_map_options defaults = bat_curve_map_defaults();
+    options = options != NULL ? options : &defaults;
+    size_t place = BAT_NO_INDEX;
+    failed = failed != NULL ? failed : &place;
+    *failed = BAT_NO_INDEX;
+    bat_status status = bat_curve_map_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
+    map_job job = {.curves = coarse->curves, .count = coarse->count, .refine = options->refine};
+    job.report.map = is_map(coarse, options);
+    if (job.refine.scheme.kind == BAT_CURVE_SCHEME_AUTO && coarse->count > 0)
+        job.refine.scheme = bat_curve_scheme_for(coarse->space, NULL);
+    status = job.report.map && coarse->count > 0 ? refine_map(&job, options, failed, error)
+                                                 : refine_separately(&job, failed, error);
+    if (status == BAT_OK)
+        status = bat_curve_set_like(coarse, job.result, fine, error);
+    if (status == BAT_OK)
+    {
+        job.result = NULL;
+        if (options->report != NULL)
+            *options->report = job.report;
+    }
+    free_job(&job);
+    return status;
+}

@@ -1,0 +1,537 @@
+#include "curve/map/snap.h"
+
+#include "base/array_grow.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "curve/polygon.h"
+#include "curve/topology/edge_tree.h"
+#include "space/known.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MAX_DIM = 3,
+    /// The size of a cell in tolerances. Cells next to a point's own are searched where the point is near to their border.
+    CELL_TOLERANCES = 4
+};
+
+/// Items in cells of a grid.
+typedef struct cell_grid
+{
+    size_t dim;
+    double cell;
+    size_t *heads; ///< of each hash: an item and 1, or 0
+    size_t mask;
+    size_t *items, *next; ///< what lies in a cell, and the next entry and 1
+    size_t count, item_capacity, next_capacity;
+} cell_grid;
+
+/// A point that becomes a vertex of an edge.
+typedef struct added_vertex
+{
+    size_t curve, edge; ///< in the curves with joined points
+    double share;       ///< where on the edge
+    const double *point;
+} added_vertex;
+
+typedef struct snap_job
+{
+    const bat_curve *curves;
+    size_t count, dim, point_count;
+    double tolerance;
+    bool sphere;
+    size_t *first;         ///< of each curve, its first point
+    const double **points; ///< of each point
+    size_t *targets;       ///< of each point, the point where it goes; itself where it stays
+    cell_grid grid;
+    const map_chart *chart;
+    chart_curves charts;     ///< of the curves with joined points
+    double chart_tolerance;  ///< the tolerance in the unit of the chart
+    const bat_curve *joined; ///< the curves with joined points
+    added_vertex *added;
+    size_t added_count, added_capacity;
+    snapped_curves *result;
+} snap_job;
+
+static bool grid_make(size_t dim, double cell, size_t count, cell_grid *grid)
+{
+    size_t size = 2;
+    while (size < count)
+        size *= 2;
+    *grid = (cell_grid){.dim = dim, .cell = cell, .mask = size - 1, .heads = calloc(size, sizeof *grid->heads)};
+    return grid->heads != NULL;
+}
+
+static void grid_free(cell_grid *grid)
+{
+    free(grid->heads);
+    free(grid->items);
+    free(grid->next);
+    *grid = (cell_grid){0};
+}
+
+static size_t cell_hash(const cell_grid *grid, const double *cell)
+{
+    uint64_t hash = grid->dim;
+    for (size_t c = 0; c < grid->dim; c++)
+    {
+        double value = cell[c] + 0.0;
+        uint64_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        hash = (hash ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
+        hash ^= hash >> 29;
+    }
+    return (size_t)hash & grid->mask;
+}
+
+static bool grid_add(cell_grid *grid, const double *cell, size_t item)
+{
+    void *items = grid->items, *next = grid->next;
+    bool grown = array_grow(&items, &grid->item_capacity, grid->count + 1, sizeof(size_t));
+    grid->items = items;
+    grown = grown && array_grow(&next, &grid->next_capacity, grid->count + 1, sizeof(size_t));
+    grid->next = next;
+    if (!grown)
+        return false;
+    size_t *head = &grid->heads[cell_hash(grid, cell)];
+    grid->items[grid->count] = item;
+    grid->next[grid->count] = *head;
+    *head = ++grid->count;
+    return true;
+}
+
+static double distance(const snap_job *job, const double *p, const double *q)
+{
+    double square = 0;
+    for (size_t c = 0; c < job->dim; c++)
+        square += (p[c] - q[c]) * (p[c] - q[c]);
+    return sqrt(square);
+}
+
+/// The point within the tolerance that is nearest to point `i`, among those that stay; the first of equally near ones.
+static size_t nearest_point(const snap_job *job, size_t i)
+{
+    const cell_grid *grid = &job->grid;
+    const double *point = job->points[i];
+    size_t best = i, cells = 1;
+    double least = job->tolerance, low[MAX_DIM], sides[MAX_DIM];
+    for (size_t c = 0; c < job->dim; c++)
+    {
+        low[c] = floor((point[c] - job->tolerance) / grid->cell);
+        sides[c] = floor((point[c] + job->tolerance) / grid->cell) - low[c];
+        cells *= 1 + (size_t)sides[c];
+    }
+    for (size_t k = 0; k < cells; k++)
+    {
+        double cell[MAX_DIM];
+        size_t rest = k;
+        for (size_t c = 0; c < job->dim; c++)
+        {
+            size_t sizes = 1 + (size_t)sides[c];
+            cell[c] = low[c] + (double)(rest % sizes);
+            rest /= sizes;
+        }
+        for (size_t entry = grid->heads[cell_hash(grid, cell)]; entry != 0; entry = grid->next[entry - 1])
+        {
+            size_t other = grid->items[entry - 1];
+            double d = distance(job, point, job->points[other]);
+            if (d < least || (d == least && other < best))
+            {
+                least = d;
+                best = other;
+            }
+        }
+    }
+    return best;
+}
+
+/// Find where each point goes.
+static bat_status join_points(snap_job *job, bat_error *error)
+{
+    for (size_t i = 0; i < job->point_count; i++)
+    {
+        size_t target = nearest_point(job, i);
+        job->targets[i] = target;
+        if (target != i)
+        {
+            double way = distance(job, job->points[i], job->points[target]);
+            job->result->moved += way > 0;
+            job->result->largest = fmax(job->result->largest, way);
+            continue;
+        }
+        double cell[MAX_DIM];
+        for (size_t c = 0; c < job->dim; c++)
+            cell[c] = floor(job->points[i][c] / job->grid.cell);
+        if (!grid_add(&job->grid, cell, i))
+            return error_memory(error, job->point_count * sizeof(size_t));
+    }
+    return BAT_OK;
+}
+
+/// Drop points of a list that repeat the one before.
+static size_t drop_repeats(const snap_job *job, size_t first, size_t *list, size_t count, bool closed)
+{
+    const size_t *to = job->targets + first;
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++)
+        if (kept == 0 || to[list[kept - 1]] != to[list[i]])
+            list[kept++] = list[i];
+    while (closed && kept > 1 && to[list[kept - 1]] == to[list[0]])
+        kept--;
+    return kept;
+}
+
+static bat_status copy_curve(const snap_job *job, size_t curve, const size_t *list, size_t count, bat_error *error)
+{
+    const bat_curve *given = &job->curves[curve];
+    size_t channels = given->channel_count;
+    bat_curve copy = {.space = given->space, .count = count, .closed = given->closed, .channel_count = channels};
+    copy.points = memory_array(count, job->dim * sizeof(double));
+    copy.channels = channels > 0 ? memory_array(count, channels * sizeof(double)) : NULL;
+    copy.corners = given->corners != NULL ? memory_array(count, 1) : NULL;
+    size_t *origins = memory_array(count, sizeof *origins);
+    job->result->curves[curve] = copy;
+    job->result->origins[curve] = origins;
+    if (copy.points == NULL || (channels > 0 && copy.channels == NULL) || (given->corners != NULL && copy.corners == NULL) ||
+        origins == NULL)
+        return error_memory(error, count * job->dim * sizeof(double));
+    for (size_t i = 0; i < count; i++)
+    {
+        size_t from = list[i];
+        memcpy(copy.points + i * job->dim, job->points[job->targets[job->first[curve] + from]], job->dim * sizeof(double));
+        if (channels > 0)
+            memcpy(copy.channels + i * channels, given->channels + from * channels, channels * sizeof(double));
+        if (given->corners != NULL)
+            copy.corners[i] = given->corners[from];
+        origins[i] = from;
+    }
+    return BAT_OK;
+}
+
+/// Copy the curves with their points moved.
+static bat_status copy_curves(snap_job *job, bat_error *error)
+{
+    snapped_curves *result = job->result;
+    result->count = job->count;
+    result->curves = calloc(job->count, sizeof *result->curves);
+    result->origins = calloc(job->count, sizeof *result->origins);
+    size_t *list = memory_array(job->point_count, sizeof *list);
+    bat_status status = BAT_OK;
+    if (result->curves == NULL || result->origins == NULL || list == NULL)
+        status = error_memory(error, job->point_count * sizeof *list);
+    for (size_t c = 0; c < job->count && status == BAT_OK; c++)
+    {
+        size_t n = job->curves[c].count, least = job->curves[c].closed ? 3 : 2;
+        for (size_t i = 0; i < n; i++)
+            list[i] = i;
+        size_t kept = drop_repeats(job, job->first[c], list, n, job->curves[c].closed);
+        if (kept < least)
+        {
+            for (kept = 0; kept < n; kept++)
+            {
+                list[kept] = kept;
+                job->targets[job->first[c] + kept] = job->first[c] + kept;
+            }
+        }
+        status = copy_curve(job, c, list, kept, error);
+    }
+    free(list);
+    return status;
+}
+
+// Points on edges
+
+/// Note a point of one edge that lies near the inside of another.
+/// @param flat  the point in the chart, moved to the edge's turn
+/// @return false when out of memory
+static bool note_near(snap_job *job, edge_place edge, const double *flat, const double *point)
+{
+    const bat_curve *chart = &job->charts.curves[edge.curve], *curve = &job->joined[edge.curve];
+    const double *p = chart->points + 2 * edge.edge,
+                 *q = chart->points + 2 * (edge.edge + 1 == chart->count ? 0 : edge.edge + 1);
+    const double *ends[2] = {curve->points + edge.edge * job->dim,
+                             curve->points + (edge.edge + 1) % curve->count * job->dim};
+    static const double RADIANS = 3.14159265358979323846 / 180;
+    double narrow = job->sphere ? cos(flat[1] / job->chart->units_per_degree * RADIANS) : 1;
+    double along[2] = {(q[0] - p[0]) * narrow, q[1] - p[1]}, to[2] = {(flat[0] - p[0]) * narrow, flat[1] - p[1]};
+    double square = along[0] * along[0] + along[1] * along[1];
+    double share = (to[0] * along[0] + to[1] * along[1]) / square;
+    if (!(share > 0 && share < 1) || fabs(to[0] * along[1] - to[1] * along[0]) > job->chart_tolerance * sqrt(square))
+        return true;
+    for (int k = 0; k < 2; k++)
+        if (memcmp(ends[k], point, job->dim * sizeof *point) == 0)
+            return true;
+    void *added = job->added;
+    bool grown = array_grow(&added, &job->added_capacity, job->added_count + 1, sizeof *job->added);
+    job->added = added;
+    if (grown)
+        job->added[job->added_count++] = (added_vertex){edge.curve, edge.edge, share, point};
+    return grown;
+}
+
+static bool note_pair(void *context, edge_place first, edge_place second)
+{
+    snap_job *job = context;
+    edge_place places[2] = {first, second};
+    bool ok = true;
+    for (int k = 0; k < 2 && ok; k++)
+    {
+        const bat_curve *chart = &job->charts.curves[places[!k].curve], *other = &job->charts.curves[places[k].curve];
+        const bat_curve *curve = &job->joined[places[!k].curve];
+        for (size_t end = 0; end < 2 && ok; end++)
+        {
+            size_t i = places[!k].edge + end;
+            double flat[2] = {chart->points[2 * (i % chart->count)], chart->points[2 * (i % chart->count) + 1]};
+            double turn = job->chart->turn;
+            if (turn > 0)
+                flat[0] -= turn * rint((flat[0] - other->points[2 * places[k].edge]) / turn);
+            ok = note_near(job, places[k], flat, curve->points + i % curve->count * job->dim);
+        }
+    }
+    return ok;
+}
+
+static int compare_added(const void *a, const void *b)
+{
+    const added_vertex *p = a, *q = b;
+    if (p->curve != q->curve)
+        return p->curve < q->curve ? -1 : 1;
+    if (p->edge != q->edge)
+        return p->edge < q->edge ? -1 : 1;
+    return (p->share > q->share) - (p->share < q->share);
+}
+
+/// Find the points that lie near edges of other curves, or of other parts of their own.
+static bat_status find_near(snap_job *job, int threads, bat_error *error)
+{
+    bat_status status = chart_curves_make(job->chart, job->joined, job->count, NULL, NULL, threads, &job->charts, error);
+    if (status != BAT_OK)
+        return status;
+    double highest = 0, slack = job->chart_tolerance;
+    static const double HIGHEST = 89; // degrees; nearer to the poles some near points are not found
+    static const double RADIANS = 3.14159265358979323846 / 180;
+    for (size_t c = 0; c < job->count && job->sphere; c++)
+        for (size_t i = 0; i < job->charts.curves[c].count; i++)
+            highest = fmax(highest, fabs(job->charts.curves[c].points[2 * i + 1]));
+    if (job->sphere)
+        slack /= cos(fmin(highest / job->chart->units_per_degree, HIGHEST) * RADIANS);
+    edge_tree tree;
+    status = edge_tree_make_wide(job->charts.curves, job->count, slack, &tree, error);
+    tree.turn = job->chart->turn;
+    if (status == BAT_OK && !edge_tree_search(&tree, EDGE_PAIRS_NEAR, false, note_pair, job))
+        status = error_memory(error, job->added_count * sizeof *job->added);
+    edge_tree_free(&tree);
+    if (job->added_count > 0)
+        qsort(job->added, job->added_count, sizeof *job->added, compare_added);
+    return status;
+}
+
+/// Whether an added vertex repeats the one before it.
+static bool repeats(const snap_job *job, size_t i)
+{
+    const added_vertex *p = &job->added[i];
+    return i > 0 && p[-1].curve == p->curve && p[-1].edge == p->edge &&
+           memcmp(p[-1].point, p->point, job->dim * sizeof(double)) == 0;
+}
+
+/// Move a row of a curve to an earlier one.
+static void move_row(bat_curve *curve, size_t *origins, size_t from, size_t to)
+{
+    size_t dim = curve->space->point_dim, channels = curve->channel_count;
+    memmove(curve->points + to * dim, curve->points + from * dim, dim * sizeof(double));
+    if (channels > 0)
+        memmove(curve->channels + to * channels, curve->channels + from * channels, channels * sizeof(double));
+    if (curve->corners != NULL)
+        curve->corners[to] = curve->corners[from];
+    origins[to] = origins[from];
+}
+
+static bool rows_agree(const bat_curve *curve, size_t i, size_t j)
+{
+    size_t dim = curve->space->point_dim;
+    return memcmp(curve->points + i * dim, curve->points + j * dim, dim * sizeof(double)) == 0;
+}
+
+/// Drop the spikes of a ring: edges that lead there and back, which rounding had kept apart.
+static void drop_spikes(bat_curve *curve, size_t *origins)
+{
+    enum
+    {
+        FEWEST = 3
+    };
+    size_t kept = 0, count = curve->count;
+    for (size_t i = 0; i < count; i++)
+    {
+        if (kept >= 2 && rows_agree(curve, kept - 2, i))
+            kept--; // the tip; row i repeats the row that is last now
+        else
+        {
+            if (kept != i)
+                move_row(curve, origins, i, kept);
+            kept++;
+        }
+    }
+    size_t begin = 0;
+    while (kept - begin > FEWEST && (rows_agree(curve, begin, kept - 2) || rows_agree(curve, begin + 1, kept - 1)))
+    {
+        bool last_is_tip = rows_agree(curve, begin, kept - 2);
+        kept -= last_is_tip ? 2 : 1;
+        begin += last_is_tip ? 0 : 1;
+    }
+    if (kept - begin < FEWEST)
+        return;
+    for (size_t i = begin; i < kept && begin > 0; i++)
+        move_row(curve, origins, i, i - begin);
+    curve->count = kept - begin;
+}
+
+/// Copy a curve with its added vertices, which begin with number `*next`.
+static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve *copy, size_t **origins, bat_error *error)
+{
+    const bat_curve *curve = &job->joined[c];
+    size_t end = *next, channels = curve->channel_count, dim = job->dim;
+    while (end < job->added_count && job->added[end].curve == c)
+        end++;
+    size_t room = curve->count + end - *next, row = 0;
+    *copy = (bat_curve){.space = curve->space, .closed = curve->closed, .channel_count = channels};
+    copy->points = memory_array(room, dim * sizeof(double));
+    copy->channels = channels > 0 ? memory_array(room, channels * sizeof(double)) : NULL;
+    copy->corners = curve->corners != NULL ? calloc(room > 0 ? room : 1, 1) : NULL;
+    *origins = memory_array(room, sizeof **origins);
+    if (copy->points == NULL || (channels > 0 && copy->channels == NULL) ||
+        (curve->corners != NULL && copy->corners == NULL) || *origins == NULL)
+        return error_memory(error, room * dim * sizeof(double));
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        const double *here = curve->channels + i * channels,
+                     *there = curve->channels + (i + 1 == curve->count ? 0 : i + 1) * channels;
+        size_t origin = job->result->origins != NULL ? job->result->origins[c][i] : i;
+        memcpy(copy->points + row * dim, curve->points + i * dim, dim * sizeof(double));
+        if (channels > 0)
+            memcpy(copy->channels + row * channels, here, channels * sizeof(double));
+        if (curve->corners != NULL)
+            copy->corners[row] = curve->corners[i];
+        (*origins)[row++] = origin;
+        for (; *next < end && job->added[*next].edge == i; ++*next)
+        {
+            const added_vertex *vertex = &job->added[*next];
+            if (repeats(job, *next))
+                continue;
+            memcpy(copy->points + row * dim, vertex->point, dim * sizeof(double));
+            for (size_t k = 0; k < channels; k++)
+                copy->channels[row * channels + k] = here[k] + vertex->share * (there[k] - here[k]);
+            (*origins)[row++] = origin;
+            job->result->added++;
+        }
+    }
+    copy->count = row;
+    if (curve->closed && row > curve->count)
+        drop_spikes(copy, *origins);
+    return BAT_OK;
+}
+
+static void free_curves(bat_curve *curves, size_t **origins, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        if (curves != NULL)
+            bat_curve_free(&curves[i]);
+        if (origins != NULL)
+            free(origins[i]);
+    }
+    free(curves);
+    free(origins);
+}
+
+/// Copy the curves with joined points, and with the added vertices.
+static bat_status add_vertices(snap_job *job, bat_error *error)
+{
+    bat_curve *curves = calloc(job->count, sizeof *curves);
+    size_t **origins = calloc(job->count, sizeof *origins), next = 0;
+    bat_status status = BAT_OK;
+    if (curves == NULL || origins == NULL)
+        status = error_memory(error, job->count * sizeof *curves);
+    for (size_t c = 0; c < job->count && status == BAT_OK; c++)
+        status = add_to_curve(job, c, &next, &curves[c], &origins[c], error);
+    if (status != BAT_OK)
+    {
+        free_curves(curves, origins, job->count);
+        return status;
+    }
+    free_curves(job->result->curves, job->result->origins, job->count);
+    job->result->curves = curves;
+    job->result->origins = origins;
+    job->result->count = job->count;
+    return BAT_OK;
+}
+
+static double default_tolerance(const snap_job *job)
+{
+    double largest = 0;
+    if (job->sphere)
+        return SNAP_ROUNDING_SPHERE;
+    for (size_t i = 0; i < job->point_count; i++)
+        for (size_t c = 0; c < job->dim; c++)
+            largest = fmax(largest, fabs(job->points[i][c]));
+    return SNAP_ROUNDING_FLAT * largest;
+}
+
+bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_chart *chart, double tolerance, int threads,
+                               snapped_curves *snapped, bat_error *error)
+{
+    *snapped = (snapped_curves){0};
+    snap_job job = {.curves = curves, .count = count, .chart = chart, .joined = curves, .result = snapped};
+    if (count == 0)
+        return BAT_OK;
+    job.dim = curves[0].space->point_dim;
+    job.sphere = space_is_sphere(curves[0].space);
+    for (size_t i = 0; i < count; i++)
+        job.point_count += curves[i].count;
+    job.first = memory_array(count, sizeof *job.first);
+    job.points = memory_array(job.point_count, sizeof *job.points);
+    job.targets = memory_array(job.point_count, sizeof *job.targets);
+    bat_status status = BAT_OK;
+    if (job.first == NULL || job.points == NULL || job.targets == NULL)
+        status = error_memory(error, job.point_count * sizeof *job.points);
+    for (size_t c = 0, at = 0; c < count && status == BAT_OK; c++)
+    {
+        job.first[c] = at;
+        for (size_t i = 0; i < curves[c].count; i++)
+            job.points[at++] = curves[c].points + i * job.dim;
+    }
+    if (status == BAT_OK)
+    {
+        job.tolerance = fmax(tolerance, default_tolerance(&job));
+        if (!grid_make(job.dim, CELL_TOLERANCES * job.tolerance, job.point_count, &job.grid))
+            status = error_memory(error, job.point_count * sizeof(size_t));
+    }
+    if (status == BAT_OK && job.tolerance > 0)
+        status = join_points(&job, error);
+    if (status == BAT_OK && snapped->moved > 0)
+        status = copy_curves(&job, error);
+    if (status == BAT_OK && !space_is_disk(curves[0].space))
+    {
+        job.joined = snapped->curves != NULL ? snapped->curves : curves;
+        job.chart_tolerance = chart->globe ? job.tolerance * chart->units_per_radian : job.tolerance;
+        status = find_near(&job, threads, error);
+    }
+    if (status == BAT_OK && job.added_count > 0)
+        status = add_vertices(&job, error);
+    chart_curves_free(&job.charts);
+    free(job.added);
+    grid_free(&job.grid);
+    free(job.first);
+    free(job.points);
+    free(job.targets);
+    return status;
+}
+
+void snapped_curves_free(snapped_curves *snapped)
+{
+    free_curves(snapped->curves, snapped->origins, snapped->count);
+    *snapped = (snapped_curves){0};
+}
