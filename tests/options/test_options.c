@@ -116,6 +116,29 @@ static bat_status call_curves_refine(const void *options, digest *result, bat_er
     return status;
 }
 
+static bat_status call_map_refine(const void *options, digest *result, bat_error *error)
+{
+    bat_space space;
+    bat_curve *curves = calloc(1, sizeof *curves);
+    curves[0] = plane_curve(&space);
+    double *points = malloc(sizeof LINE);
+    memcpy(points, LINE, sizeof LINE);
+    curves[0].points = points;
+    bat_curve_set coarse, fine;
+    assert_int_equal(bat_curve_set_take(curves, 1, &coarse, NULL), BAT_OK);
+    mark(&fine, sizeof fine);
+    bat_status status = bat_curve_map_refine(&coarse, options, &fine, NULL, error);
+    bat_curve_set_free(&coarse);
+    if (status != BAT_OK)
+    {
+        check_marked(&fine, sizeof fine);
+        return status;
+    }
+    *result = digest_of(fine.curves[0].points, fine.curves[0].count * 2 * sizeof(double));
+    bat_curve_set_free(&fine);
+    return BAT_OK;
+}
+
 static bat_status call_refined_count(const void *options, digest *result, bat_error *error)
 {
     bat_space space;
@@ -663,6 +686,7 @@ typedef struct option_family
     }
 
 FAMILY(curve_refine, bat_curve_refine_defaults)
+FAMILY(curve_map, bat_curve_map_defaults)
 FAMILY(curve_measure, bat_curve_measure_defaults)
 FAMILY(analysis, bat_analysis_defaults)
 FAMILY(mask_sweep, bat_mask_sweep_defaults)
@@ -704,6 +728,12 @@ static const option_family FAMILIES[] = {
       BAD(curve_refine, max_segment, BAD_NUMBER, -1), BAD(curve_refine, max_segment, BAD_NUMBER, NAN),
       BAD(curve_refine, tolerance, BAD_NUMBER, -1), BAD(curve_refine, tolerance, BAD_NUMBER, INFINITY),
       BAD(curve_refine, max_levels, BAD_SIZE, 41), BAD(curve_refine, first_level, BAD_SIZE, 61)}},
+    {HEAD(curve_map),
+     {call_map_refine},
+     {BAD(curve_map, refine.levels, BAD_SIZE, 61), BAD(curve_map, topology, BAD_INT, 3),
+      BAD(curve_map, topology, BAD_INT, -1), BAD(curve_map, snap_tolerance, BAD_NUMBER, -1),
+      BAD(curve_map, snap_tolerance, BAD_NUMBER, NAN), BAD(curve_map, decimals, BAD_INT, -1),
+      BAD(curve_map, decimals, BAD_INT, 13)}},
     {HEAD(curve_measure),
      {call_curve_compare, call_curves_compare, call_curve_fairness, call_curves_fairness, call_chord_distance,
       call_curves_are_simple},

@@ -337,6 +337,56 @@ static bat_status count_shared(arc_graph *graph, bat_error *error)
     return BAT_OK;
 }
 
+/// The root of an arc among joined arcs.
+static size_t root_of(size_t *parents, size_t arc)
+{
+    while (parents[arc] != arc)
+    {
+        parents[arc] = parents[parents[arc]];
+        arc = parents[arc];
+    }
+    return arc;
+}
+
+/// Number the connected parts: arcs that have a vertex in common belong together.
+static bat_status number_components(graph_job *job, bat_error *error)
+{
+    arc_graph *graph = job->graph;
+    size_t *parents = memory_array(graph->arc_count, sizeof *parents);
+    size_t *arc_at = memory_array(job->vertex_count, sizeof *arc_at);
+    graph->components = memory_array(graph->arc_count, sizeof *graph->components);
+    if (parents == NULL || arc_at == NULL || graph->components == NULL)
+    {
+        free(parents);
+        free(arc_at);
+        return error_memory(error, job->vertex_count * sizeof *arc_at);
+    }
+    for (size_t i = 0; i < job->vertex_count; i++)
+        arc_at[i] = BAT_NO_INDEX;
+    for (size_t a = 0; a < graph->arc_count; a++)
+        parents[a] = a;
+    for (size_t a = 0; a < graph->arc_count; a++)
+    {
+        const curve_run run = {graph->origins[a].curve, graph->origins[a].point, graph->arcs[a].count, false};
+        for (size_t i = 0; i < run.count; i++)
+        {
+            size_t *known = &arc_at[id_in_run(job, &run, i)];
+            if (*known == BAT_NO_INDEX)
+                *known = a;
+            size_t p = root_of(parents, *known), q = root_of(parents, a);
+            parents[p > q ? p : q] = p > q ? q : p;
+        }
+    }
+    for (size_t a = 0; a < graph->arc_count; a++)
+    {
+        size_t root = root_of(parents, a);
+        graph->components[a] = root == a ? graph->component_count++ : graph->components[root];
+    }
+    free(parents);
+    free(arc_at);
+    return BAT_OK;
+}
+
 bat_status arc_graph_make(const bat_curve *curves, size_t count, unsigned char *const *corners, bool cross, arc_graph *graph,
                           bat_error *error)
 {
@@ -359,6 +409,8 @@ bat_status arc_graph_make(const bat_curve *curves, size_t count, unsigned char *
     }
     if (status == BAT_OK)
         status = count_shared(graph, error);
+    if (status == BAT_OK)
+        status = number_components(&job, error);
     free(job.first_point);
     free(job.ids);
     free(job.vertices);
@@ -374,6 +426,7 @@ void arc_graph_free(arc_graph *graph)
     free(graph->points);
     free(graph->origins);
     free(graph->uses);
+    free(graph->components);
     free(graph->first_use);
     free(graph->begins);
     *graph = (arc_graph){0};

@@ -33,6 +33,7 @@ typedef struct arc_job
     bool failed;         ///< out of memory while pairs were found
     size_t levels;       ///< levels before the polygons of the present step
     refined_arcs *fine;  ///< the result of the present step
+    anchor_grid anchors; ///< a given point of each connected part
     chart_curves before; ///< the charts of the polygons of the present step
     chart_curves after;  ///< the charts of its result
 } arc_job;
@@ -83,6 +84,35 @@ static bat_status find_given(arc_job *job, bat_error *error)
     if (job->given_count > 0)
         qsort(job->given, job->given_count, sizeof *job->given, compare_pairs);
     job->report->given_crossing = job->given_count / 2;
+    return status;
+}
+
+/// Choose an anchor for each connected part: the first point of its first arc. On the globe it stands for the points one
+/// turn away as well.
+static bat_status set_anchors(arc_job *job, bat_error *error)
+{
+    const arc_graph *graph = job->graph;
+    size_t copies = job->chart->turn > 0 ? 3 : 1, room = copies * graph->component_count, count = 0, seen = 0;
+    double *points = memory_array(room, 2 * sizeof *points);
+    size_t *components = memory_array(room, sizeof *components);
+    bat_status status = points != NULL && components != NULL ? BAT_OK : error_memory(error, room * 2 * sizeof *points);
+    for (size_t a = 0; a < graph->arc_count && status == BAT_OK; a++)
+    {
+        if (graph->components[a] != seen)
+            continue;
+        seen++;
+        for (size_t k = 0; k < copies; k++, count++)
+        {
+            static const double TURNS[] = {0, -1, 1};
+            points[2 * count] = job->before.curves[a].points[0] + TURNS[k] * job->chart->turn;
+            points[2 * count + 1] = job->before.curves[a].points[1];
+            components[count] = graph->components[a];
+        }
+    }
+    if (status == BAT_OK && graph->component_count > 1)
+        status = anchor_grid_make(points, components, count, &job->anchors, error);
+    free(points);
+    free(components);
     return status;
 }
 
@@ -195,7 +225,9 @@ static bat_status draw_arcs_back(arc_job *job, bat_progress progress, size_t *ar
                         .turn = job->chart->turn,
                         .move = job->chart->globe ? move_edge : NULL,
                         .may_meet = job->given_count > 0 ? may_meet : NULL,
-                        .context = job};
+                        .context = job,
+                        .anchors = &job->anchors,
+                        .components = job->graph->components};
     draw_back_counts counts;
     bat_status status = draw_back(drawn, job->after.curves, count, &rules, progress, &counts, error);
     job->report->crossings += counts.crossings;
@@ -261,6 +293,31 @@ static bat_status keep_apart(arc_job *job, bat_progress progress, size_t *arc, b
     return keeps ? draw_arcs_back(job, progress, arc, error) : refuse_crossings(job, arc, error);
 }
 
+/// Make the new points of arcs of one edge even on geodesics: they are straight for every scheme, and exactly so.
+static bat_status straighten(const arc_job *job, refined_arcs *next, bat_error *error)
+{
+    for (size_t a = 0; a < next->count && keeps_points(job->options); a++)
+    {
+        const bat_curve *before = &arcs_of(job)[a];
+        bat_curve *after = &next->arcs[a];
+        size_t dim = after->space->point_dim;
+        if (job->graph->arcs[a].count != 2 || job->graph->arcs[a].closed)
+            continue;
+        size_t step = (after->count - 1) / (before->count - 1);
+        for (size_t i = 0; i < after->count; i++)
+        {
+            size_t e = i / step, k = i % step, from = 2 * k > step;
+            if (k == 0)
+                continue;
+            double share = (double)(from ? step - k : k) / (double)step; // from the nearer end
+            const double *p = before->points + (e + from) * dim, *q = before->points + (e + !from) * dim;
+            if (bat_space_geodesic(after->space, p, q, share, after->points + i * dim) != BAT_OK)
+                return error_set(error, BAT_CUT_LOCUS, 0, 0, "there is no unique geodesic along the edge after point 0");
+        }
+    }
+    return BAT_OK;
+}
+
 static void free_arcs(bat_curve *arcs, size_t count)
 {
     for (size_t i = 0; arcs != NULL && i < count; i++)
@@ -287,19 +344,23 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, si
         status = refine_pieces(job, &one, &next, arc, error);
     else
         status = bat_curves_refine(arcs_of(job), count, &one, next.arcs, arc, error);
+    if (status == BAT_OK)
+        status = straighten(job, &next, error);
     if (status != BAT_OK)
     {
         refined_arcs_free(&next);
         return status;
     }
-    free_arcs(job->fine->arcs, job->fine->count);
+    bat_curve *given = job->fine->arcs; // charts of the plane and the disk use their points
     *job->fine = next;
-    if (job->chart == NULL)
-        return BAT_OK;
-    status = keep_apart(job, progress_of_part(&parts[1]), arc, error);
-    chart_curves_free(&job->before);
-    job->before = job->after;
-    job->after = (chart_curves){0};
+    if (job->chart != NULL)
+    {
+        status = keep_apart(job, progress_of_part(&parts[1]), arc, error);
+        chart_curves_free(&job->before);
+        job->before = job->after;
+        job->after = (chart_curves){0};
+    }
+    free_arcs(given, count);
     return status;
 }
 
@@ -354,11 +415,14 @@ bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_opti
         status = chart_curves_make(chart, graph->arcs, graph->arc_count, NULL, NULL, options->threads, &job.before, error);
         if (status == BAT_OK)
             status = find_given(&job, error);
+        if (status == BAT_OK)
+            status = set_anchors(&job, error);
     }
     if (status == BAT_OK)
         status = run_steps(&job, arc, error);
     if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)
         error->index >>= job.levels;
+    anchor_grid_free(&job.anchors);
     chart_curves_free(&job.before);
     chart_curves_free(&job.after);
     free(job.given);

@@ -20,7 +20,8 @@ enum
 typedef struct edge_state
 {
     unsigned char halvings; ///< STRAIGHT: lambda is 0
-    bool meets;             ///< one of its refined edges meets another
+    bool meets;             ///< one of its refined edges meets another, or they passed over an anchor
+    bool moved;             ///< in the last round
 } edge_state;
 
 typedef struct draw_back_job
@@ -150,6 +151,7 @@ static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, ba
             edge_state *edge = &job->edges[job->first[c] + e];
             bool moves = edge->meets && edge->halvings < STRAIGHT;
             edge->meets = false;
+            edge->moved = moves;
             if (!moves)
                 continue;
             edge->halvings = round >= PATIENCE ? STRAIGHT : (unsigned char)(edge->halvings + 1);
@@ -163,6 +165,43 @@ static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, ba
     return edge_tree_update(tree, error);
 }
 
+/// Whether the new points of edge `e` of a curve have an anchor between them and the edge.
+static bool passes_anchor(const draw_back_job *job, size_t c, size_t e)
+{
+    const drawn_curve *drawn = &job->drawn[c];
+    const bat_curve *fine = &job->fine[c];
+    size_t begin = start_of(drawn->coarse, fine, drawn->starts, e),
+           end = start_of(drawn->coarse, fine, drawn->starts, e + 1);
+    size_t component = job->rules->components[c];
+    if (end < fine->count)
+        return anchor_grid_inside(job->rules->anchors, fine->points + 2 * begin, end - begin + 1, component);
+    enum
+    {
+        ROOM = 1 << 10
+    };
+    double rows[2 * ROOM]; // the last edge of a closed curve ends at the first point
+    size_t count = end - begin + 1;
+    if (count > ROOM)
+        return false;
+    memcpy(rows, fine->points + 2 * begin, 2 * (count - 1) * sizeof *rows);
+    memcpy(rows + 2 * (count - 1), fine->points, 2 * sizeof *rows);
+    return anchor_grid_inside(job->rules->anchors, rows, count, component);
+}
+
+/// Find edges that passed over anchors, in later rounds among those that were moved.
+static void note_anchors(draw_back_job *job, bool moved_only)
+{
+    for (size_t c = 0; c < job->count && job->rules->anchors != NULL; c++)
+        for (size_t e = 0; e < edges_of(job->drawn[c].coarse); e++)
+        {
+            edge_state *edge = &job->edges[job->first[c] + e];
+            if ((moved_only && !edge->moved) || edge->halvings == STRAIGHT || !passes_anchor(job, c, e))
+                continue;
+            edge->meets = true;
+            job->crossings++;
+        }
+}
+
 static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress progress, draw_back_counts *counts,
                              bat_error *error)
 {
@@ -170,6 +209,7 @@ static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress p
     {
         job->crossings = 0;
         (void)edge_tree_search(tree, job->rules->pairs, round > 0, note_pair, job);
+        note_anchors(job, round > 0);
         if (round == 0)
         {
             counts->crossings = job->crossings;

@@ -1,6 +1,7 @@
 #ifndef CURVE_TOPOLOGY_DRAW_BACK_H
 #define CURVE_TOPOLOGY_DRAW_BACK_H
 
+#include "curve/topology/anchors.h"
 #include "curve/topology/edge_tree.h"
 
 /// @file
@@ -19,7 +20,7 @@ typedef struct drawn_curve
 typedef struct draw_back_counts
 {
     size_t allowed;   ///< pairs of refined edges that meet and may
-    size_t crossings; ///< other pairs of refined edges that crossed or touched before
+    size_t crossings; ///< other pairs of refined edges that crossed or touched before, and edges that passed over anchors
     size_t edges;     ///< edges of the polygons whose new points were moved
     size_t straight;  ///< of these, edges that became straight
     edge_place stuck; ///< on failure, an edge of a polygon that rounding makes meet another one
@@ -36,6 +37,9 @@ typedef struct draw_rules
     /// Whether these edges of polygons may meet after refinement. Null: none
     bool (*may_meet)(void *context, edge_place first, edge_place second);
     void *context;
+    /// Points over which no refined edge may have passed, of curves with two coordinates; null: none
+    const anchor_grid *anchors;
+    const size_t *components; ///< of each curve, its part; an edge may pass over the anchor of its own part
 } draw_rules;
 
 /// Whether the refined curve contains the points of the coarse one at the places of `starts` (null as above).
