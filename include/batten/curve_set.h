@@ -67,6 +67,12 @@ BAT_API size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t
 /// @return null past the last; the text lives as long as the attributes
 BAT_API const char *bat_curve_set_note(const bat_curve_set *set, size_t index);
 
+/// The polygon and the feature that a curve belongs to. The first ring of a polygon is its outer one; the rings of a polygon
+/// follow each other. Where a format has no polygons, every closed curve of a file in degrees is one of its own.
+/// @param polygon,feature receive indices, counted over the file
+/// @return false when the curve bounds no polygon, or `curve` is out of range
+BAT_API bool bat_curve_set_polygon(const bat_curve_set *set, size_t curve, size_t *polygon, size_t *feature);
+
 BAT_C_END
 
 #endif

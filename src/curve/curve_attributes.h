@@ -27,12 +27,21 @@ typedef struct file_remainder
     size_t (*line)(const void *content, size_t curve); ///< the line that a curve begins on; 0 when unknown
 } file_remainder;
 
+/// What a closed curve bounds.
+typedef struct curve_ring
+{
+    size_t polygon; ///< the index of its polygon; BAT_NO_INDEX for a line
+    size_t feature; ///< the index of its feature
+} curve_ring;
+
 struct bat_curve_attributes
 {
     atomic_size_t owners;
     bat_curve_format format; ///< what the file was
     csv_columns csv;
     file_remainder remainder;
+    curve_ring *rings; ///< one for each curve of the set; null when the file knows no polygons
+    size_t ring_count;
     char **notes; ///< note_count sentences about the reading; see bat_curve_set_note()
     size_t note_count;
 };

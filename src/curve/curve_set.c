@@ -36,6 +36,7 @@ void attributes_release(bat_curve_attributes *attributes)
     free(attributes->notes);
     free(attributes->csv.names);
     free(attributes->csv.places);
+    free(attributes->rings);
     if (attributes->remainder.content != NULL)
         attributes->remainder.free(attributes->remainder.content);
     free(attributes);
@@ -144,4 +145,21 @@ size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point)
     for (size_t i = 0; i < curve; i++)
         before += set->curves[i].count;
     return set->lines[before + point];
+}
+
+bool bat_curve_set_polygon(const bat_curve_set *set, size_t curve, size_t *polygon, size_t *feature)
+{
+    const bat_curve_attributes *attributes = set->attributes;
+    if (attributes == NULL || curve >= set->count)
+        return false;
+    curve_ring ring = {.polygon = BAT_NO_INDEX};
+    if (attributes->rings != NULL && curve < attributes->ring_count)
+        ring = attributes->rings[curve];
+    else if (attributes->rings == NULL && attributes->csv.degrees)
+        ring = (curve_ring){curve, curve};
+    if (ring.polygon == BAT_NO_INDEX || !set->curves[curve].closed)
+        return false;
+    *polygon = ring.polygon;
+    *feature = ring.feature;
+    return true;
 }

@@ -44,6 +44,41 @@ static void all_but_the_curves_survives(void **state)
     bat_curve_set_free(&set);
 }
 
+/// A line, a polygon with a hole beside a line, and two polygons of one feature.
+static void rings_know_their_polygons(void **state)
+{
+    (void)state;
+#define TWO_RINGS POLYGON("[[[0,0],[9,0],[9,9],[0,0]],[[5,1],[8,1],[8,4],[5,1]]]")
+#define MIXED "{\"type\":\"GeometryCollection\",\"geometries\":[" TWO_RINGS "," LINE("[[2,0],[3,0]]") "]}"
+#define TWO_PARTS "[[[[0,0],[1,0],[1,1],[0,0]]],[[[4,0],[5,0],[5,1],[4,0]]]]"
+#define PARTS "{\"type\":\"MultiPolygon\",\"coordinates\":" TWO_PARTS "}"
+    const char *text = COLLECTION(FEATURE(LINE("[[0,0],[1,0]]")) "," FEATURE(MIXED) "," FEATURE(PARTS));
+    bat_curve_set set = {0};
+    bat_error error;
+    if (bat_curve_read_memory(text, strlen(text), NULL, &set, &error) != BAT_OK)
+        fail_msg("%s", error.text);
+    const size_t line = BAT_NO_INDEX;
+    const size_t polygons[] = {line, 0, 0, line, 1, 2}, features[] = {line, 1, 1, line, 2, 2};
+    assert_int_equal(set.count, 6);
+    for (size_t i = 0; i < 7; i++)
+    {
+        size_t polygon = BAT_NO_INDEX, feature = BAT_NO_INDEX;
+        bool rings = bat_curve_set_polygon(&set, i, &polygon, &feature);
+        assert_int_equal(rings, i < 6 && polygons[i] != line);
+        assert_int_equal(polygon, i < 6 ? polygons[i] : line);
+        assert_int_equal(feature, i < 6 ? features[i] : line);
+    }
+    bat_curve_set_free(&set);
+    const char *closed = "lon,lat\n0,0\n1,0\n1,1\n0,0\n", *flat = "x,y\n0,0\n1,0\n1,1\n0,0\n";
+    size_t polygon, feature;
+    assert_int_equal(bat_curve_read_memory(closed, strlen(closed), NULL, &set, NULL), BAT_OK);
+    assert_true(bat_curve_set_polygon(&set, 0, &polygon, &feature) == set.curves[0].closed);
+    bat_curve_set_free(&set);
+    assert_int_equal(bat_curve_read_memory(flat, strlen(flat), NULL, &set, NULL), BAT_OK);
+    assert_false(bat_curve_set_polygon(&set, 0, &polygon, &feature));
+    bat_curve_set_free(&set);
+}
+
 static void geometries_become_curves(void **state)
 {
     (void)state;
@@ -382,6 +417,7 @@ static void wrong_structure_names_its_place(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(all_but_the_curves_survives),
+                                       cmocka_unit_test(rings_know_their_polygons),
                                        cmocka_unit_test(geometries_become_curves),
                                        cmocka_unit_test(what_looks_like_coordinates_survives),
                                        cmocka_unit_test(wrong_numbers_are_wrong_syntax),
