@@ -57,7 +57,7 @@ static const option_spec OPTIONS[] = {
     {"truth", 0, "FILE", "curves to compare with and to draw, as many as given"},
     {"best-tension", 0, NULL, "angle-based: search the tension that brings the result nearest to the truth"},
     {"panel", 0, "K,K,…", "draw these levels side by side"},
-    {"projection", 0, "NAME", "draw the sphere as globe (default), map or both"},
+    {"projection", 0, "NAME", "draw the sphere as globe, map, local or both; default: auto, by what the curves cover"},
     {"comb", 0, NULL, "draw the curvature comb"},
     {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
     {"title", 0, "TEXT", "write a title above the picture"},
@@ -483,7 +483,7 @@ static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
     if (code == EXIT_DONE)
         code = write_curves(job, &sets->fine, output_path(&job->files, "output"));
     if (code == EXIT_DONE && job->picture != NULL)
-        code = curve_draw(job, &sets->coarse, truth, &sets->fine);
+        code = curve_draw(job, &sets->coarse, truth, &sets->fine, &findings->projection);
     return code;
 }
 

@@ -59,8 +59,10 @@ int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t l
 /// Report that refining failed with curve `failed` of a set.
 int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error);
 
-/// Draw the picture to job->files; `truth` may be null.
-int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine);
+/// Draw the picture to job->files; `truth` may be null. `projection` receives that of the sphere, else
+/// BAT_CURVE_PROJECTION_AUTO.
+int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
+               bat_curve_projection *projection);
 
 /// The curves of a set in a few numbers.
 typedef struct curve_totals
@@ -77,7 +79,8 @@ typedef struct curve_findings
     bat_curve_map_report done; ///< of curve_refine()
     curve_totals before, after;
     bool compared;
-    double mean_nn, hausdorff; ///< when compared with the truth: means over the curves
+    double mean_nn, hausdorff;       ///< when compared with the truth: means over the curves
+    bat_curve_projection projection; ///< of the picture, if it shows the sphere
 } curve_findings;
 
 /// Measure the result, all but findings->done; `truth` may be null, else it has as many curves as `fine`.

@@ -175,6 +175,8 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
     print_row("given", &findings->before);
     print_row("refined", &findings->after);
     print_crossings(job, &findings->done);
+    if (findings->projection != BAT_CURVE_PROJECTION_AUTO)
+        (void)printf("picture: projection %s\n", bat_curve_projection_name(findings->projection));
     print_notes(stdout, fine);
     if (findings->compared)
         (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
@@ -240,6 +242,12 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
     }
     if (object != NULL && has_corners(job, findings) &&
         json_object_set_new(object, "corners", json_integer((json_int_t)findings->done.curves.corners)) != 0)
+    {
+        json_decref(object);
+        return NULL;
+    }
+    if (object != NULL && findings->projection != BAT_CURVE_PROJECTION_AUTO &&
+        json_object_set_new(object, "projection", json_string(bat_curve_projection_name(findings->projection))) != 0)
     {
         json_decref(object);
         return NULL;

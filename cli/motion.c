@@ -21,7 +21,7 @@ static const option_spec OPTIONS[] = {
     {"picture", 0, "FILE", "draw to FILE: .svg, .png or .pdf"},
     {"truth", 0, "FILE", "curves to compare with and to draw, as many as given"},
     {"panel", 0, "K,K,…", "draw these levels side by side"},
-    {"projection", 0, "NAME", "draw the sphere as globe (default), map or both"},
+    {"projection", 0, "NAME", "draw the sphere as globe, map, local or both; default: auto, by what the curves cover"},
     {"comb", 0, NULL, "draw the curvature comb"},
     {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
     {"title", 0, "TEXT", "write a title above the picture"},

@@ -9,8 +9,13 @@ BAT_C_BEGIN
 /// Pictures of curves, and charts of numbers, as SVG, PNG or PDF.
 ///
 /// A picture is a grid of panels; a panel shows curves in one space. Euclidean spaces are drawn flat and at true aspect: R^3
-/// in an axonometric view, R^n by its first two coordinates. The sphere S^2 is a globe or a world map, the hyperbolic plane
-/// the Poincaré disk. Edges are geodesics: great-circle arcs, or circular arcs orthogonal to the unit circle.
+/// in an axonometric view, R^n by its first two coordinates. The sphere S^2 is a globe, a world map or a map of a region,
+/// the hyperbolic plane the Poincaré disk. Edges are geodesics: great-circle arcs, or circular arcs orthogonal to the unit
+/// circle.
+///
+/// Layers that are rings of polygons make a map of their panel: polygons are filled in light colours, different for
+/// neighbours, and an edge that several rings have is drawn once. The given lines are thin and grey beneath the results, and
+/// given points are shown where there are at most 400. A local projection is drawn in the same style.
 ///
 /// Rotations are drawn as the three columns of their matrices on the sphere. Rigid motions are a path in R^3 with the axes
 /// of the body. Symmetric positive-definite 2 x 2 and 3 x 3 matrices are a row of ellipses or ellipsoids for each curve.
@@ -19,8 +24,13 @@ BAT_C_BEGIN
 /// The map projection of the sphere.
 typedef enum bat_curve_projection
 {
-    BAT_CURVE_PROJECTION_GLOBE, ///< orthographic; the far side is faint. The default.
-    BAT_CURVE_PROJECTION_MAP,   ///< equirectangular: longitude to the right, latitude upwards, cut at the antimeridian
+    BAT_CURVE_PROJECTION_AUTO, ///< local for curves within a cap of 30 degrees around its centre, for polygons of 80; beyond
+                               ///< it the map for polygons, and the globe for other curves. The default.
+    BAT_CURVE_PROJECTION_GLOBE, ///< orthographic; the far side is faint, but hidden behind polygons
+    BAT_CURVE_PROJECTION_MAP, ///< Equal Earth, which keeps areas; cut at the meridian opposite to the middle one. Šavrič,
+                              ///< Patterson and Jenny, "The Equal Earth map projection", IJGIS 33 (2019)
+    BAT_CURVE_PROJECTION_LOCAL, ///< Lambert's azimuthal equal-area projection about the centre of the curves, with a scale
+                                ///< bar that is true there. Snyder, "Map projections" (1987), pages 182-190
     BAT_CURVE_PROJECTION_BOTH   ///< the globe, and the map to its right
 } bat_curve_projection;
 
@@ -51,6 +61,10 @@ typedef struct bat_curve_picture_layer
     bat_curve_layer_role role;
     const char *label; ///< UTF-8, for the legend; null or "" for none
     int colour;        ///< 1, 2, …: that colour of the fixed order; 0: the place among the panel's curves
+    size_t
+        polygon; ///< R^2 and the sphere, 1, 2, …: the polygon that this ring bounds, filled even-odd with the layers beside
+                 ///< it of the same number and role; 0: none. On the sphere a ring encloses the side of smaller area
+    size_t feature; ///< polygons of one feature have the same fill
 } bat_curve_picture_layer;
 
 /// One panel of a picture.
@@ -70,8 +84,8 @@ typedef struct bat_curve_picture_options
     double pixels_per_point;         ///< PNG only, 0.1 to 20; default 2
     size_t columns;                  ///< panels in a row; 0: up to five as `width` allows, evenly filled; default 0
     bool own_frames;                 ///< every panel has its own scale and view, else a row shares them; default false
-    bat_curve_projection projection; ///< default BAT_CURVE_PROJECTION_GLOBE
-    double longitude;                ///< of the middle of the globe, radians; NaN: automatic; default NaN
+    bat_curve_projection projection; ///< default BAT_CURVE_PROJECTION_AUTO
+    double longitude;                ///< of the middle of the globe or map, radians; NaN: automatic; default NaN
     double latitude; ///< the same, -pi/2 to pi/2; automatic when either is NaN: see bat_curve_picture_view(); default NaN
     bool control_polygon; ///< draw the edges of BAT_CURVE_LAYER_CONTROL; default true
     bool control_points;  ///< draw the points of BAT_CURVE_LAYER_CONTROL, if there are at most 5000; default true
@@ -79,6 +93,8 @@ typedef struct bat_curve_picture_options
     double comb_scale;    ///< length of a comb's line per curvature, in the space's unit squared; 0: automatic; default 0
     bool grid;         ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
     bool axes;         ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false
+    const char *unit;  ///< the unit of R^2, UTF-8, for the scale bar of panels with polygons and without axes; "m" counts
+                       ///< kilometres, too; null: none; default null
     bool legend;       ///< explain the labels below the panels; default true
     const char *title; ///< UTF-8, above the panels; null or "" for none; default null
 } bat_curve_picture_options;
@@ -109,6 +125,15 @@ BAT_API bat_status bat_curve_picture_options_check(const bat_curve_picture_optio
 ///         BAT_FILE_ACCESS
 BAT_API bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_panel *panels, size_t count,
                                            const bat_curve_picture_options *options, bat_error *error);
+
+/// The projection that BAT_CURVE_PROJECTION_AUTO stands for in the first panel on the sphere, or the one that the options
+/// name.
+/// @param options null for the defaults
+/// @param taken   receives it; BAT_CURVE_PROJECTION_AUTO when no panel is on the sphere
+/// @return BAT_OK, or as bat_curve_picture_write()
+BAT_API bat_status bat_curve_picture_projection(const bat_curve_picture_panel *panels, size_t count,
+                                                const bat_curve_picture_options *options, bat_curve_projection *taken,
+                                                bat_error *error);
 
 /// The automatic middle of the globe for curves on S^2: the direction of the mean of all points, weighted by length. Where
 /// curves surround the sphere and the mean says little, a view that shows the best plane through them obliquely, from

@@ -43,9 +43,9 @@ static bat_curve make_ellipse(const bat_space *space, size_t count, bool closed,
 static bat_status write_three(const char *path, const bat_curve *coarse, const bat_curve *truth, const bat_curve *fine,
                               const bat_curve_picture_options *options, bat_error *error)
 {
-    bat_curve_picture_layer layers[] = {{coarse, BAT_CURVE_LAYER_CONTROL, "given", 0},
-                                        {truth, BAT_CURVE_LAYER_TRUTH, "truth", 0},
-                                        {fine, BAT_CURVE_LAYER_CURVE, "curve", 0}};
+    bat_curve_picture_layer layers[] = {{.curve = coarse, .role = BAT_CURVE_LAYER_CONTROL, .label = "given"},
+                                        {.curve = truth, .role = BAT_CURVE_LAYER_TRUTH, .label = "truth"},
+                                        {.curve = fine, .role = BAT_CURVE_LAYER_CURVE, .label = "curve"}};
     bat_curve_picture_panel panels[] = {{layers, 3, "all"}, {layers, 1, NULL}};
     return bat_curve_picture_write(path, panels, 2, options, error);
 }
@@ -81,7 +81,7 @@ static char *picture_of(const bat_curve *curve, bat_curve_layer_role role, size_
 {
     char path[128];
     path_of(path, "one.svg");
-    bat_curve_picture_layer layer = {curve, role, NULL, 0};
+    bat_curve_picture_layer layer = {.curve = curve, .role = role};
     assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
     char *bytes = slurp(path, size);
     assert_int_equal(unlink(path), 0);
@@ -122,7 +122,8 @@ static void rotations_become_their_columns(void **state)
     const double angle = 1.2;
     double quaternions[8] = {1, 0, 0, 0, cos(angle / 2), 0, 0, sin(angle / 2)};
     bat_curve turn = {.space = &spaces[0], .points = quaternions, .count = 2};
-    bat_curve_picture_layer layers[] = {{&turn, BAT_CURVE_LAYER_CURVE, NULL, 0}, {&turn, BAT_CURVE_LAYER_CONTROL, NULL, 0}};
+    bat_curve_picture_layer layers[] = {{.curve = &turn, .role = BAT_CURVE_LAYER_CURVE},
+                                        {.curve = &turn, .role = BAT_CURVE_LAYER_CONTROL}};
     bat_curve_picture_panel panel = {layers, 2, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
@@ -151,7 +152,7 @@ static void the_hyperboloid_becomes_the_disk(void **state)
 {
     (void)state;
     bat_curve curve = make_ellipse(&spaces[3], COUNT, false, 0.5);
-    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
     assert_int_equal(proxy_make(&(bat_curve_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
@@ -170,7 +171,7 @@ static void motions_become_frames_on_their_path(void **state)
     (void)state;
     double poses[14] = {0, 0, 0, 1, 0, 0, 0, 3, 4, 0, 0, 1, 0, 0};
     bat_curve curve = {.space = &spaces[4], .points = poses, .count = 2};
-    bat_curve_picture_layer layer = {&curve, BAT_CURVE_LAYER_CONTROL, NULL, 0};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CONTROL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
     assert_int_equal(proxy_make(&(bat_curve_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
@@ -198,8 +199,8 @@ static void rows_fit_the_largest_tensor(void **state)
         double unit = units[i];
         double tensors[9] = {4 * unit, 0, unit, 5 * unit, 4 * unit, 5 * unit, unit, 0, unit};
         bat_curve curve = {.space = &spaces[1], .points = tensors, .count = 3};
-        bat_curve_picture_layer layers[] = {{&curve, BAT_CURVE_LAYER_CONTROL, NULL, 0},
-                                            {&curve, BAT_CURVE_LAYER_CURVE, NULL, 0}};
+        bat_curve_picture_layer layers[] = {{.curve = &curve, .role = BAT_CURVE_LAYER_CONTROL},
+                                            {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE}};
         scene_frame frame = {0};
         assert_int_equal(tensor_row_include(&frame, &(bat_curve_picture_panel){layers, 2, NULL}, NULL), BAT_OK);
         check_near(frame.tensor_unit / sqrt(unit), 3, 1e-12); // 5 + 4
@@ -216,7 +217,7 @@ static void check_refused(const bat_curve *curve, bat_status status, size_t inde
     char path[128];
     bat_error error = {0};
     path_of(path, "refused.svg");
-    bat_curve_picture_layer layer = {curve, BAT_CURVE_LAYER_CURVE, NULL, 0};
+    bat_curve_picture_layer layer = {.curve = curve, .role = BAT_CURVE_LAYER_CURVE};
     assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, &error), status);
     assert_int_equal(error.status, status);
     assert_int_equal(error.index, index);
@@ -261,8 +262,8 @@ static void mixed_panels_are_refused(void **state)
     const bat_curve *pairs[2][2] = {{&a, &b}, {&c, &d}};
     for (size_t i = 0; i < 2; i++)
     {
-        bat_curve_picture_layer layers[] = {{pairs[i][0], BAT_CURVE_LAYER_CURVE, NULL, 0},
-                                            {pairs[i][1], BAT_CURVE_LAYER_CURVE, NULL, 0}};
+        bat_curve_picture_layer layers[] = {{.curve = pairs[i][0], .role = BAT_CURVE_LAYER_CURVE},
+                                            {.curve = pairs[i][1], .role = BAT_CURVE_LAYER_CURVE}};
         assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){layers, 2, NULL}, 1, NULL, NULL),
                          BAT_INVALID_ARGUMENT);
     }

@@ -761,7 +761,7 @@ static const option_family FAMILIES[] = {
      {call_curve_picture, call_chart},
      {BAD(curve_picture, width, BAD_NUMBER, 19), BAD(curve_picture, width, BAD_NUMBER, NAN),
       BAD(curve_picture, height, BAD_NUMBER, 10001), BAD(curve_picture, pixels_per_point, BAD_NUMBER, 0),
-      BAD(curve_picture, pixels_per_point, BAD_NUMBER, 21), BAD(curve_picture, projection, BAD_INT, 3),
+      BAD(curve_picture, pixels_per_point, BAD_NUMBER, 21), BAD(curve_picture, projection, BAD_INT, 5),
       BAD(curve_picture, longitude, BAD_NUMBER, INFINITY), BAD(curve_picture, latitude, BAD_NUMBER, 2),
       BAD(curve_picture, comb_scale, BAD_NUMBER, -1)}},
     {HEAD(hermite),

@@ -22,6 +22,19 @@ draw_colour style_palette(int index)
     return palette[(unsigned)(index - 1) % BAT_CURVE_PICTURE_COLOURS];
 }
 
+draw_colour style_fill(int index)
+{
+    static const draw_colour fills[] = {
+        {0.965, 0.937, 0.847}, // sand
+        {0.882, 0.929, 0.847}, // green
+        {0.969, 0.886, 0.839}, // peach
+        {0.902, 0.882, 0.945}, // lilac
+        {0.996, 0.965, 0.749}, // yellow
+        {0.953, 0.867, 0.906}, // rose
+    };
+    return fills[(unsigned)index % (sizeof fills / sizeof fills[0])];
+}
+
 line_style style_curve(int index)
 {
     static const double dashes[][2] = {{0.0, 0.0}, {6.0, 2.5}, {2.0, 2.0}};

@@ -31,6 +31,14 @@ static const draw_colour COLOUR_TRUTH = {0.68, 0.69, 0.71};
 static const draw_colour COLOUR_GRID = {0.865, 0.88, 0.90};
 static const draw_colour COLOUR_STRONG_GRID = {0.68, 0.715, 0.755};
 
+/// Of maps: the ground beneath polygons and that of maps without, the graticule, the borders of results and of given
+/// polygons.
+static const draw_colour COLOUR_SEA = {0.925, 0.952, 0.972};
+static const draw_colour COLOUR_EMPTY = {0.982, 0.986, 0.991};
+static const draw_colour COLOUR_GRATICULE = {0.80, 0.835, 0.87};
+static const draw_colour COLOUR_BORDER = {0.30, 0.33, 0.37};
+static const draw_colour COLOUR_GIVEN = {0.62, 0.64, 0.67};
+
 #define TEXT_TITLE 11.5
 #define TEXT_CAPTION 9.5
 #define TEXT_LEGEND 9.0
@@ -43,12 +51,18 @@ static const draw_colour COLOUR_STRONG_GRID = {0.68, 0.715, 0.755};
 #define LINE_ENVELOPE 0.7
 #define LINE_GRID 0.5
 #define LINE_FRAME 0.7
+#define LINE_GRATICULE 0.4
+#define LINE_BORDER 0.7
+#define LINE_GIVEN 0.45
+#define LINE_ROUTE 1.2
 #define MARKER_RADIUS 2.1
 
 /// Colour `index` of the palette, from 1; it repeats after BAT_CURVE_PICTURE_COLOURS.
 draw_colour style_palette(int index);
 /// The line of the curve with colour `index`: solid for the first colours, then with long dashes, then with short dashes.
 line_style style_curve(int index);
+/// The light fill `index` of maps, from 0; there are MAP_COLOURS.
+draw_colour style_fill(int index);
 /// The mixture share a + (1 - share) b.
 draw_colour style_mix(draw_colour a, draw_colour b, double share);
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 /// @file
-/// Graticules of the globe and of the equirectangular map.
+/// Graticules of the globe and of the world map.
 
 static const double DEGREE = 3.14159265358979323846 / 180.0;
 static const double TURN = 6.28318530717958647693;
@@ -15,16 +15,18 @@ static const double TURN = 6.28318530717958647693;
 /// The radius from which a globe has lines every 15 degrees.
 #define FINE_RADIUS 110.0
 
-void grid_globe_sphere(cairo_t *cairo, const draw_view *view)
+void grid_globe_sphere(cairo_t *cairo, const draw_view *view, bool sea)
 {
+    const double red = sea ? 0.945 : 1.0;
+    const double green = sea ? 0.97 : 1.0;
     double x = view->origin_x;
     double y = view->origin_y;
     double radius = view->scale;
     cairo_pattern_t *light =
         cairo_pattern_create_radial(x - 0.3 * radius, y - 0.35 * radius, 0.1 * radius, x, y, 1.02 * radius);
-    cairo_pattern_add_color_stop_rgb(light, 0.0, 1.0, 1.0, 1.0);
-    cairo_pattern_add_color_stop_rgb(light, 0.6, 0.975, 0.98, 0.987);
-    cairo_pattern_add_color_stop_rgb(light, 1.0, 0.905, 0.922, 0.942);
+    cairo_pattern_add_color_stop_rgb(light, 0.0, red, green, 1.0);
+    cairo_pattern_add_color_stop_rgb(light, 0.6, 0.975 * red, 0.98 * green, 0.987);
+    cairo_pattern_add_color_stop_rgb(light, 1.0, 0.905 * red, 0.922 * green, 0.942);
     cairo_arc(cairo, x, y, radius, 0.0, TURN);
     cairo_set_source(cairo, light);
     cairo_fill(cairo);
@@ -113,8 +115,8 @@ static void middle_label(cairo_t *cairo, const draw_view *view, const scene_fram
     char east[16];
     char north[16];
     char label[64];
-    degree_label(remainder(frame->longitude / DEGREE, 360.0), "E", "W", east, sizeof east);
-    degree_label(frame->latitude / DEGREE, "N", "S", north, sizeof north);
+    degree_label(remainder(frame->map.longitude / DEGREE, 360.0), "E", "W", east, sizeof east);
+    degree_label(frame->map.latitude / DEGREE, "N", "S", north, sizeof north);
     (void)snprintf(label, sizeof label, "centre %s %s", north, east);
     text_use(cairo, TEXT_TICK, false);
     double radius = view->scale;
@@ -136,131 +138,48 @@ void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *f
     cairo_stroke(cairo);
     if (labels)
     {
-        limb_labels(cairo, view, frame->latitude);
+        limb_labels(cairo, view, frame->map.latitude);
         middle_label(cairo, view, frame);
-    }
-}
-
-/// The path of the square of a part of a globe.
-static void region_path(cairo_t *cairo, const draw_view *view, double reach)
-{
-    double side = 2.0 * reach * view->scale;
-    cairo_rectangle(cairo, view_x(view, -reach), view_y(view, reach), side, side);
-}
-
-void grid_globe_region_clip(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
-{
-    region_path(cairo, view, frame->reach);
-    cairo_clip(cairo);
-}
-
-/// Draw part of a parallel, or of a meridian, around a point. All angles are in degrees.
-static void region_line(cairo_t *cairo, const draw_view *view, const double centre[2], double half, bool parallel)
-{
-    enum
-    {
-        STEPS = 60
-    };
-    double points[3 * (STEPS + 1)];
-    for (int i = 0; i <= STEPS; i++)
-    {
-        double away = half * (2.0 * i / STEPS - 1.0);
-        double longitude = centre[0] + (parallel ? away : 0.0);
-        double latitude = fmin(fmax(centre[1] + (parallel ? 0.0 : away), -90.0), 90.0);
-        direction(longitude * DEGREE, latitude * DEGREE, points + (size_t)(3 * i));
-    }
-    path_simplifier path = simplifier_begin(canvas_sink(cairo), 0.05);
-    view_trace(view, points, STEPS + 1, false, VIEW_FRONT, &path);
-}
-
-/// The largest of the usual steps, in degrees, that gives at least five lines in a range.
-static double region_step(double range)
-{
-    double step = 10.0;
-    for (int i = 0; 5.0 * step > range && step > 1e-9; i++)
-    {
-        step *= i % 3 == 1 ? 0.4 : 0.5; // 10, 5, 2, 1, 0.5, 0.2, …
-    }
-    return step;
-}
-
-static void region_lines(cairo_t *cairo, const draw_view *view, const scene_frame *frame, double step)
-{
-    // Half the diagonal of the square, and the longitudes that it covers.
-    double half = asin(fmin(1.42 * frame->reach, 1.0)) / DEGREE;
-    double longitude = frame->longitude / DEGREE;
-    double latitude = frame->latitude / DEGREE;
-    double level = cos((fabs(latitude) + half) * DEGREE);
-    bool pole = fabs(latitude) + half >= 90.0;
-    double wide = pole ? 180.0 : fmin(half / level, 180.0);
-    for (double at = ceil((latitude - half) / step) * step; at <= latitude + half; at += step)
-    {
-        region_line(cairo, view, (double[2]){longitude, at}, wide, true);
-    }
-    double across = pole ? fmax(step, 15.0) : step;
-    while (wide > 20.0 * across)
-    {
-        across *= 2.0;
-    }
-    for (double at = ceil((longitude - wide) / across) * across; at <= longitude + wide; at += across)
-    {
-        region_line(cairo, view, (double[2]){at, latitude}, half, false);
-    }
-}
-
-void grid_globe_region(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool lines)
-{
-    double step = region_step(2.0 * frame->reach / DEGREE);
-    if (lines)
-    {
-        cairo_save(cairo);
-        grid_globe_region_clip(cairo, view, frame);
-        region_lines(cairo, view, frame, step);
-        style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-        cairo_stroke(cairo);
-        cairo_restore(cairo);
-    }
-    region_path(cairo, view, frame->reach);
-    style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
-    cairo_stroke(cairo);
-    if (lines)
-    {
-        char label[96];
-        double longitude = remainder(frame->longitude / DEGREE, 360.0);
-        double latitude = frame->latitude / DEGREE;
-        int digits = step >= 1.0 ? 1 : 1 + (int)ceil(-log10(step));
-        (void)snprintf(label, sizeof label, "centre %.*f\xc2\xb0%s %.*f\xc2\xb0%s, lines every %g\xc2\xb0", digits,
-                       fabs(latitude), latitude < 0 ? "S" : "N", digits, fabs(longitude), longitude < 0 ? "W" : "E", step);
-        text_use(cairo, TEXT_TICK, false);
-        style_use_colour(cairo, COLOUR_MUTED);
-        text_draw(cairo, label, view_x(view, frame->reach), view_y(view, -frame->reach) + TEXT_TICK + 3.0, 1.0);
     }
 }
 
 static void map_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude)
 {
+    enum
+    {
+        STEPS = 90
+    };
     bool meridian = isnan(latitude);
-    double u = meridian ? longitude * DEGREE : TURN / 2.0;
-    double v = meridian ? TURN / 4.0 : latitude * DEGREE;
-    cairo_move_to(cairo, view_x(view, meridian ? u : -u), view_y(view, meridian ? -v : v));
-    cairo_line_to(cairo, view_x(view, u), view_y(view, v));
+    for (int i = 0; i <= STEPS; i++)
+    {
+        double share = 2.0 * i / STEPS - 1.0;
+        double u;
+        double v;
+        view_equal_earth(meridian ? longitude * DEGREE : share * TURN / 2.0,
+                         meridian ? share * TURN / 4.0 : latitude * DEGREE, &u, &v);
+        (i == 0 ? cairo_move_to : cairo_line_to)(cairo, view_x(view, u), view_y(view, v));
+    }
 }
 
-static void map_graticule(cairo_t *cairo, const draw_view *view)
+/// The longitude of a map's middle in degrees.
+static double map_middle(const draw_view *view)
 {
-    for (int degrees = -150; degrees <= 150; degrees += 30)
+    return atan2(view->rotation[0][1], view->rotation[0][0]) / DEGREE;
+}
+
+void grid_map_lines(cairo_t *cairo, const draw_view *view)
+{
+    double middle = map_middle(view);
+    for (int degrees = -180; degrees < 180; degrees += 30)
     {
-        map_line(cairo, view, degrees, NAN);
-        if (abs(degrees) <= 60)
-        {
-            map_line(cairo, view, NAN, degrees);
-        }
+        double longitude = remainder(degrees - middle, 360.0);
+        if (fabs(longitude) < 179.5)
+            map_line(cairo, view, longitude, NAN);
+        if (abs(degrees) <= 60 && degrees != 0)
+            map_line(cairo, view, 0.0, degrees);
     }
-    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-    cairo_stroke(cairo);
-    map_line(cairo, view, 0.0, NAN);
-    map_line(cairo, view, NAN, 0.0);
-    style_use_line(cairo, (line_style){COLOUR_STRONG_GRID, LINE_GRID * 1.3, 0.0, 0.0});
+    map_line(cairo, view, 0.0, 0.0);
+    style_use_line(cairo, (line_style){COLOUR_GRATICULE, LINE_GRATICULE, 0.0, 0.0});
     cairo_stroke(cairo);
 }
 
@@ -268,51 +187,69 @@ static void map_labels(cairo_t *cairo, const draw_view *view)
 {
     text_use(cairo, TEXT_TICK, false);
     style_use_colour(cairo, COLOUR_MUTED);
-    double left = view_x(view, -TURN / 2.0) - 4.0;
-    double bottom = view_y(view, -TURN / 4.0) + 10.0;
-    double spacing = 30.0 * DEGREE * view->scale;
-    int across = spacing > 34.0 ? 30 : spacing > 17.0 ? 60 : 90;
-    int upwards = spacing > 12.0 ? 30 : 60;
+    double u;
+    double v;
+    double middle = map_middle(view);
     char label[16];
-    for (int degrees = -180; degrees <= 180; degrees += across)
+    view_equal_earth(30.0 * DEGREE, -TURN / 4.0, &u, &v);
+    double bottom = view_y(view, v) + 10.0;
+    double spacing = u * view->scale;
+    int across = spacing > 34.0 ? 30 : spacing > 17.0 ? 60 : 90;
+    for (int degrees = -180; degrees < 180; degrees += across)
     {
+        double longitude = remainder(degrees - middle, 360.0);
+        view_equal_earth(longitude * DEGREE, -TURN / 4.0, &u, &v);
         degree_label(degrees, "E", "W", label, sizeof label);
-        text_draw(cairo, label, view_x(view, degrees * DEGREE), bottom, 0.5);
+        text_draw(cairo, label, view_x(view, u), bottom, 0.5);
+        if (fabs(longitude) > 179.5)
+            text_draw(cairo, label, view_x(view, -u), bottom, 0.5);
     }
+    view_equal_earth(0.0, 30.0 * DEGREE, &u, &v);
+    int upwards = v * view->scale > 12.0 ? 30 : 60;
     for (int degrees = -60; degrees <= 60; degrees += upwards)
     {
+        view_equal_earth(-TURN / 2.0, degrees * DEGREE, &u, &v);
         degree_label(degrees, "N", "S", label, sizeof label);
-        text_draw_middle(cairo, label, left, view_y(view, degrees * DEGREE), 1.0);
+        text_draw_middle(cairo, label, view_x(view, u) - 4.0, view_y(view, v), 1.0);
     }
 }
 
-/// Append the frame of the map, enlarged by `margin`, to the path.
-static void map_frame(cairo_t *cairo, const draw_view *view, double margin)
+/// Append the frame of the map to the path.
+static void map_frame(cairo_t *cairo, const draw_view *view)
 {
-    double left = view_x(view, -TURN / 2.0) - margin;
-    double top = view_y(view, TURN / 4.0) - margin;
-    double width = TURN * view->scale;
-    cairo_rectangle(cairo, left, top, width + 2.0 * margin, 0.5 * width + 2.0 * margin);
+    enum
+    {
+        STEPS = 90
+    };
+    for (int i = 0; i < 2 * (STEPS + 1); i++)
+    {
+        double share = 2.0 * (i <= STEPS ? i : 2 * STEPS + 1 - i) / STEPS - 1.0;
+        double u;
+        double v;
+        view_equal_earth(i <= STEPS ? TURN / 2.0 : -TURN / 2.0, share * TURN / 4.0, &u, &v);
+        (i == 0 ? cairo_move_to : cairo_line_to)(cairo, view_x(view, u), view_y(view, v));
+    }
+    cairo_close_path(cairo);
 }
 
 void grid_map_clip(cairo_t *cairo, const draw_view *view)
 {
-    map_frame(cairo, view, 0.5 * LINE_FRAME);
+    map_frame(cairo, view);
     cairo_clip(cairo);
 }
 
-void grid_map(cairo_t *cairo, const draw_view *view, bool lines)
+void grid_map_ground(cairo_t *cairo, const draw_view *view, bool sea)
 {
-    map_frame(cairo, view, 0.0);
-    cairo_set_source_rgb(cairo, 0.982, 0.986, 0.991);
+    map_frame(cairo, view);
+    style_use_colour(cairo, sea ? COLOUR_SEA : COLOUR_EMPTY);
     cairo_fill(cairo);
-    if (lines)
-    {
-        map_graticule(cairo, view);
+}
+
+void grid_map_frame(cairo_t *cairo, const draw_view *view, bool labels)
+{
+    if (labels)
         map_labels(cairo, view);
-    }
-    map_frame(cairo, view, 0.0);
+    map_frame(cairo, view);
     style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
-    cairo_set_line_join(cairo, CAIRO_LINE_JOIN_MITER);
     cairo_stroke(cairo);
 }

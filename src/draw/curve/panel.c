@@ -1,7 +1,9 @@
 #include "draw/curve/panel.h"
 
+#include "draw/common/text.h"
 #include "draw/curve/comb.h"
 #include "draw/curve/grid.h"
+#include "draw/curve/map_draw.h"
 #include "draw/curve/scene.h"
 #include "draw/curve/stroke.h"
 
@@ -28,6 +30,12 @@ typedef struct insets
     double left, top, right, bottom;
 } insets;
 
+/// Whether a flat panel has a scale bar.
+static bool panel_has_scale_bar(const scene_panel *panel, const bat_curve_picture_options *options)
+{
+    return panel->space == VIEW_PLANE && panel->polygons && !options->axes && text_given(options->unit);
+}
+
 static insets flat_insets(const scene_panel *panel, const bat_curve_picture_options *options)
 {
     double margin = FLAT_MARGIN;
@@ -41,7 +49,15 @@ static insets flat_insets(const scene_panel *panel, const bat_curve_picture_opti
         grid_plane_room(&panel->frame, room);
         return (insets){room[0], room[1], room[2], room[3]};
     }
-    return (insets){margin, margin, margin, margin};
+    double below = margin + (panel_has_scale_bar(panel, options) ? GRID_SCALE_HEIGHT : 0.0);
+    return (insets){margin, margin, margin, below};
+}
+
+static insets local_insets(const scene_panel *panel, const bat_curve_picture_options *options)
+{
+    double room[4];
+    grid_local_room(&panel->frame, options->grid, room);
+    return (insets){room[0], room[1], room[2], room[3]};
 }
 
 static insets globe_insets(const bat_curve_picture_options *options)
@@ -83,15 +99,20 @@ double panel_height(const scene_panel *panel, const bat_curve_picture_options *o
     }
     insets globe = globe_insets(options);
     insets map = map_insets(options);
-    switch (options->projection)
+    const map_choice *shown = &panel->frame.map;
+    const double earth = EQUAL_EARTH_HALF_WIDTH / EQUAL_EARTH_HALF_HEIGHT;
+    switch (shown->projection)
     {
+    case BAT_CURVE_PROJECTION_LOCAL:
+        return height_around(local_insets(panel, options), width,
+                             (shown->high[1] - shown->low[1]) / (shown->high[0] - shown->low[0]));
     case BAT_CURVE_PROJECTION_MAP:
-        return height_around(map, width, 0.5);
+        return height_around(map, width, 1.0 / earth);
     case BAT_CURVE_PROJECTION_BOTH:
-        // width = (h - globe.top - globe.bottom + globe.left + globe.right) + BETWEEN + 2 (h - map.top - map.bottom) + ...
-        return (width - BETWEEN + globe.top + globe.bottom - globe.left - globe.right + 2.0 * (map.top + map.bottom) -
+        // width = (h - globe.top - globe.bottom + globe.left + globe.right) + BETWEEN + earth (h - map.top - map.bottom) + …
+        return (width - BETWEEN + globe.top + globe.bottom - globe.left - globe.right + earth * (map.top + map.bottom) -
                 map.left - map.right) /
-               3.0;
+               (1.0 + earth);
     default:
         return height_around(globe, width, 1.0);
     }
@@ -110,9 +131,13 @@ static void fit(draw_view *view, const double box[4], insets around, const doubl
 static draw_view make_view(const scene_panel *panel, view_kind kind)
 {
     draw_view view = {.kind = kind, .space = panel->space, .point_dim = panel->point_dim, .tolerance = STROKE_TOLERANCE};
-    if (kind == VIEW_GLOBE)
+    if (kind == VIEW_GLOBE || kind == VIEW_LOCAL)
     {
-        view_set_globe(&view, panel->frame.longitude, panel->frame.latitude);
+        view_set_globe(&view, panel->frame.map.longitude, panel->frame.map.latitude);
+    }
+    if (kind == VIEW_MAP)
+    {
+        view_set_map(&view, panel->frame.map.meridian);
     }
     if (panel->space == VIEW_SOLID)
     {
@@ -121,7 +146,8 @@ static draw_view make_view(const scene_panel *panel, view_kind kind)
     return view;
 }
 
-static line_style layer_line(const bat_curve_picture_panel *panel, size_t index)
+/// The style of a layer, other than on maps.
+static line_style plain_line(const bat_curve_picture_panel *panel, size_t index)
 {
     switch (panel->layers[index].role)
     {
@@ -134,19 +160,31 @@ static line_style layer_line(const bat_curve_picture_panel *panel, size_t index)
     }
 }
 
-static bool has_rings(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options)
+/// The style of a layer. The layers of a proxy have their own.
+static line_style layer_line(const scene_panel *panel, size_t index)
 {
-    return layer->role == BAT_CURVE_LAYER_CONTROL && options->control_points && layer->curve->count <= MANY_RINGS;
+    bool proxied = panel->drawn == &panel->proxied.panel && panel->proxied.lines[index].width > 0.0;
+    if (scene_is_map(panel))
+    {
+        return map_line(panel, index);
+    }
+    return proxied ? panel->proxied.lines[index] : plain_line(panel->drawn, index);
 }
 
-legend_item panel_legend_item(const bat_curve_picture_panel *panel, size_t index, const bat_curve_picture_options *options)
+static bool has_rings(const bat_curve_picture_layer *layer)
 {
-    const bat_curve_picture_layer *layer = &panel->layers[index];
-    legend_item item = {layer->label, layer_line(panel, index), LEGEND_NO_MARK};
+    return layer->role == BAT_CURVE_LAYER_CONTROL && layer->curve->count <= MANY_RINGS;
+}
+
+legend_item panel_legend_item(const scene_panel *panel, size_t index, const bat_curve_picture_options *options)
+{
+    const bat_curve_picture_layer *layer = &panel->source->layers[index];
+    bool map = scene_is_map(panel) && panel->drawn == panel->source;
+    legend_item item = {layer->label, map ? map_line(panel, index) : plain_line(panel->source, index), LEGEND_NO_MARK};
     if (layer->role == BAT_CURVE_LAYER_CONTROL)
     {
         item.line.width = options->control_polygon ? item.line.width : 0.0;
-        item.mark = has_rings(layer, options) ? LEGEND_RING : LEGEND_NO_MARK;
+        item.mark = has_rings(layer) && scene_points_shown(panel, options) ? LEGEND_RING : LEGEND_NO_MARK;
     }
     return item;
 }
@@ -163,11 +201,7 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_p
                             bat_error *error)
 {
     const bat_curve *curve = panel->drawn->layers[index].curve;
-    line_style line = layer_line(panel->drawn, index);
-    if (panel->drawn == &panel->proxied.panel && panel->proxied.lines[index].width > 0.0)
-    {
-        line = panel->proxied.lines[index];
-    }
+    line_style line = layer_line(panel, index);
     line = side == VIEW_BACK ? behind(line) : line;
     double x;
     double y;
@@ -183,7 +217,7 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_p
 }
 
 /// The radius of open circles, smaller for many points.
-static double ring_radius(const draw_view *view, const bat_curve *curve)
+static double ring_radius(const draw_view *view, const bat_curve *curve, bool map)
 {
     double length = 0.0;
     double last_x;
@@ -198,14 +232,15 @@ static double ring_radius(const draw_view *view, const bat_curve *curve)
         last_x = x;
         last_y = y;
     }
+    double largest = map ? 0.75 * MARKER_RADIUS : MARKER_RADIUS;
     double spacing = curve->count > 1 ? length / (double)(curve->count - 1) : INFINITY;
-    return fmin(MARKER_RADIUS, fmax(0.7, 0.2 * spacing));
+    return fmin(largest, fmax(0.7, 0.2 * spacing));
 }
 
 /// Draw open circles at the points of one side, at least half a radius apart.
-static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *curve, view_side side)
+static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *curve, view_side side, bool map)
 {
-    double radius = ring_radius(view, curve);
+    double radius = ring_radius(view, curve, map);
     line_style line = {COLOUR_CONTROL, 1.0, 0.0, 0.0};
     double last_x = INFINITY;
     double last_y = INFINITY;
@@ -229,6 +264,10 @@ static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_p
                             view_side side, bat_error *error)
 {
     bat_status status = BAT_OK;
+    if (panel->polygons)
+    {
+        return side == VIEW_FRONT ? map_draw_lines(cairo, view, panel, role, error) : BAT_OK;
+    }
     for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
     {
         status = panel->drawn->layers[i].role == role ? draw_line(cairo, view, panel, i, side, error) : BAT_OK;
@@ -237,14 +276,15 @@ static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_p
 }
 
 /// Draw the points of all control polygons.
-static void draw_all_rings(cairo_t *cairo, const draw_view *view, const bat_curve_picture_panel *panel,
+static void draw_all_rings(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
                            const bat_curve_picture_options *options, view_side side)
 {
-    for (size_t i = 0; i < panel->layer_count; i++)
+    bool hidden = side == VIEW_BACK && panel->polygons;
+    for (size_t i = 0; i < panel->drawn->layer_count && scene_points_shown(panel, options) && !hidden; i++)
     {
-        if (has_rings(&panel->layers[i], options))
+        if (has_rings(&panel->drawn->layers[i]))
         {
-            draw_rings(cairo, view, panel->layers[i].curve, side);
+            draw_rings(cairo, view, panel->drawn->layers[i].curve, side, scene_is_map(panel));
         }
     }
 }
@@ -292,7 +332,7 @@ static bat_status draw_layers(cairo_t *cairo, const draw_view *view, const scene
                               const bat_curve_picture_options *options, view_side side, bat_error *error)
 {
     bat_status status = draw_lines(cairo, view, panel, options, side, error);
-    draw_all_rings(cairo, view, panel->drawn, options, side);
+    draw_all_rings(cairo, view, panel, options, side);
     return status;
 }
 
@@ -314,6 +354,13 @@ static bat_status draw_flat(cairo_t *cairo, const scene_panel *panel, const bat_
                            view_y(&view, panel->frame.high[1]) - FLAT_MARGIN, width, height};
         grid_plane(cairo, &view, &panel->frame, inner);
     }
+    map_draw_fills(cairo, &view, panel);
+    if (panel_has_scale_bar(panel, options))
+    {
+        double extent = panel->frame.high[0] - panel->frame.low[0];
+        double y = view_y(&view, panel->frame.low[1]) + FLAT_MARGIN + 0.6 * GRID_SCALE_HEIGHT;
+        grid_scale_bar(cairo, view_x(&view, panel->frame.low[0]), y, extent * view.scale, extent, options->unit);
+    }
     return draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
 }
 
@@ -332,19 +379,10 @@ static bat_status draw_globe(cairo_t *cairo, const scene_panel *panel, const bat
                              const double box[4], bat_error *error)
 {
     draw_view view = make_view(panel, VIEW_GLOBE);
-    double reach = panel->frame.reach;
-    fit(&view, box, globe_insets(options), (double[2]){-reach, -reach}, (double[2]){reach, reach});
-    if (reach < 1.0)
-    {
-        grid_globe_region(cairo, &view, &panel->frame, options->grid);
-        cairo_save(cairo);
-        grid_globe_region_clip(cairo, &view, &panel->frame);
-        bat_status drawn = draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
-        cairo_restore(cairo);
-        return drawn;
-    }
-    grid_globe_sphere(cairo, &view);
+    fit(&view, box, globe_insets(options), (double[2]){-1.0, -1.0}, (double[2]){1.0, 1.0});
+    grid_globe_sphere(cairo, &view, panel->polygons);
     bat_status status = draw_layers(cairo, &view, panel, options, VIEW_BACK, error);
+    map_draw_fills(cairo, &view, panel);
     if (options->grid)
     {
         grid_globe_lines(cairo, &view);
@@ -357,26 +395,55 @@ static bat_status draw_map(cairo_t *cairo, const scene_panel *panel, const bat_c
                            const double box[4], bat_error *error)
 {
     draw_view view = make_view(panel, VIEW_MAP);
-    fit(&view, box, map_insets(options), (double[2]){-TURN / 2.0, -TURN / 4.0}, (double[2]){TURN / 2.0, TURN / 4.0});
-    grid_map(cairo, &view, options->grid);
+    fit(&view, box, map_insets(options), (double[2]){-EQUAL_EARTH_HALF_WIDTH, -EQUAL_EARTH_HALF_HEIGHT},
+        (double[2]){EQUAL_EARTH_HALF_WIDTH, EQUAL_EARTH_HALF_HEIGHT});
+    grid_map_ground(cairo, &view, panel->polygons);
+    map_draw_fills(cairo, &view, panel);
     cairo_save(cairo);
     grid_map_clip(cairo, &view);
+    if (options->grid)
+    {
+        grid_map_lines(cairo, &view);
+    }
     bat_status status = draw_lines(cairo, &view, panel, options, VIEW_FRONT, error);
     cairo_restore(cairo);
-    draw_all_rings(cairo, &view, panel->drawn, options, VIEW_FRONT);
+    draw_all_rings(cairo, &view, panel, options, VIEW_FRONT);
+    grid_map_frame(cairo, &view, options->grid);
+    return status;
+}
+
+static bat_status draw_local(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                             const double box[4], bat_error *error)
+{
+    draw_view view = make_view(panel, VIEW_LOCAL);
+    fit(&view, box, local_insets(panel, options), panel->frame.map.low, panel->frame.map.high);
+    grid_local_ground(cairo, &view, &panel->frame, panel->polygons);
+    map_draw_fills(cairo, &view, panel);
+    cairo_save(cairo);
+    grid_local_clip(cairo, &view, &panel->frame);
+    if (options->grid)
+    {
+        grid_local_lines(cairo, &view, &panel->frame);
+    }
+    bat_status status = draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
+    cairo_restore(cairo);
+    grid_local_frame(cairo, &view, &panel->frame, options->grid);
     return status;
 }
 
 static bat_status draw_sphere(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
                               const double box[4], bat_error *error)
 {
-    if (options->projection == BAT_CURVE_PROJECTION_GLOBE)
+    switch (panel->frame.map.projection)
     {
-        return draw_globe(cairo, panel, options, box, error);
-    }
-    if (options->projection == BAT_CURVE_PROJECTION_MAP)
-    {
+    case BAT_CURVE_PROJECTION_LOCAL:
+        return draw_local(cairo, panel, options, box, error);
+    case BAT_CURVE_PROJECTION_MAP:
         return draw_map(cairo, panel, options, box, error);
+    case BAT_CURVE_PROJECTION_BOTH:
+        break;
+    default:
+        return draw_globe(cairo, panel, options, box, error);
     }
     double share = fmin(globe_share(options, box[3]), 0.4 * box[2]);
     double left[4] = {box[0], box[1], share, box[3]};

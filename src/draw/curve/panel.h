@@ -15,6 +15,6 @@ double panel_height(const scene_panel *panel, const bat_curve_picture_options *o
 bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
                       const double box[4], bat_error *error);
 /// The legend item of a layer; the label may be null.
-legend_item panel_legend_item(const bat_curve_picture_panel *panel, size_t index, const bat_curve_picture_options *options);
+legend_item panel_legend_item(const scene_panel *panel, size_t index, const bat_curve_picture_options *options);
 
 #endif

@@ -13,8 +13,12 @@
 /// @file
 /// Pictures of curves: a page of panels with a legend.
 static const bat_choice PROJECTIONS[] = {
+    {.name = "auto", .summary = "local, map or globe, by what the curves cover", .value = BAT_CURVE_PROJECTION_AUTO},
     {.name = "globe", .summary = "orthographic, from far away", .value = BAT_CURVE_PROJECTION_GLOBE},
-    {.name = "map", .summary = "equirectangular", .value = BAT_CURVE_PROJECTION_MAP},
+    {.name = "map", .summary = "the world in the Equal Earth projection", .value = BAT_CURVE_PROJECTION_MAP},
+    {.name = "local",
+     .summary = "azimuthal equal-area about the curves, with a scale bar",
+     .value = BAT_CURVE_PROJECTION_LOCAL},
     {.name = "both", .summary = "the globe, and the map to its right", .value = BAT_CURVE_PROJECTION_BOTH},
 };
 static const choice_table TABLE = CHOICE_TABLE("projection", PROJECTIONS);
@@ -44,7 +48,10 @@ static double narrowing(const scene *made)
     {
         const scene_panel *panel = &made->panels[i];
         bool flat = panel->space == VIEW_PLANE || panel->space == VIEW_SOLID;
-        share = fmax(share, flat ? TALLEST / scene_aspect(&panel->frame) : 1.0);
+        bool local = panel->space == VIEW_SPHERE && panel->frame.map.projection == BAT_CURVE_PROJECTION_LOCAL;
+        const double *low = local ? panel->frame.map.low : panel->frame.low;
+        const double *high = local ? panel->frame.map.high : panel->frame.high;
+        share = fmax(share, flat || local ? TALLEST * (high[0] - low[0]) / (high[1] - low[1]) : 1.0);
     }
     return fmin(share, 1.0);
 }
@@ -84,11 +91,13 @@ static bat_status collect_legend(const scene *made, legend_item **items, size_t 
     for (size_t i = 0; i < made->count && made->options->legend; i++)
     {
         const bat_curve_picture_panel *panel = made->panels[i].source;
-        for (size_t k = 0; k < panel->layer_count; k++)
+        bool repeats = // the lines that other panels show beneath results
+            made->count > 1 && scene_is_map(&made->panels[i]) && made->panels[i].given_only;
+        for (size_t k = 0; k < panel->layer_count && !repeats; k++)
         {
             if (text_given(panel->layers[k].label) && scene_layer_shown(&panel->layers[k], made->options))
             {
-                legend_add(*items, count, panel_legend_item(panel, k, made->options));
+                legend_add(*items, count, panel_legend_item(&made->panels[i], k, made->options));
             }
         }
     }
@@ -99,16 +108,20 @@ static bat_status collect_legend(const scene *made, legend_item **items, size_t 
 static double natural_width(const scene *made)
 {
     bool wide = false;
+    bool local = false;
     for (size_t i = 0; i < made->count; i++)
     {
-        wide = wide || (made->panels[i].space == VIEW_SPHERE && made->options->projection != BAT_CURVE_PROJECTION_GLOBE);
+        bat_curve_projection shown = made->panels[i].frame.map.projection;
+        bool sphere = made->panels[i].space == VIEW_SPHERE;
+        wide = wide || (sphere && (shown == BAT_CURVE_PROJECTION_MAP || shown == BAT_CURVE_PROJECTION_BOTH));
+        local = local || (sphere && shown == BAT_CURVE_PROJECTION_LOCAL);
     }
     switch (made->columns)
     {
     case 1:
-        return wide ? 640.0 : 400.0;
+        return wide ? 640.0 : local ? 480.0 : 400.0;
     case 2:
-        return wide ? 960.0 : 620.0;
+        return wide ? 960.0 : local ? 800.0 : 620.0;
     default:
         return wide ? 1200.0 : fmin(840.0 + 130.0 * fmax(0.0, (double)made->columns - 5.0), 4000.0);
     }
@@ -154,6 +167,30 @@ bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_pan
     }
     scene_free(&made);
     return status;
+}
+
+bat_status bat_curve_picture_projection(const bat_curve_picture_panel *panels, size_t count,
+                                        const bat_curve_picture_options *options, bat_curve_projection *taken,
+                                        bat_error *error)
+{
+    bat_curve_picture_options defaults = bat_curve_picture_defaults();
+    scene made;
+    if (panels == NULL || count == 0 || taken == NULL)
+    {
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a projection needs at least one panel");
+    }
+    bat_status status = scene_measure(panels, count, options != NULL ? options : &defaults, &made, error);
+    if (status != BAT_OK)
+    {
+        return status;
+    }
+    *taken = BAT_CURVE_PROJECTION_AUTO;
+    for (size_t i = count; i-- > 0;)
+    {
+        *taken = made.panels[i].space == VIEW_SPHERE ? made.panels[i].frame.map.projection : *taken;
+    }
+    scene_free(&made);
+    return BAT_OK;
 }
 
 bat_status bat_curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,

@@ -26,10 +26,21 @@ bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_pic
     return layer->role != BAT_CURVE_LAYER_CONTROL || options->control_points || options->control_polygon;
 }
 
+bool scene_is_map(const scene_panel *panel)
+{
+    return panel->polygons || (panel->space == VIEW_SPHERE && panel->frame.map.projection == BAT_CURVE_PROJECTION_LOCAL);
+}
+
+bool scene_points_shown(const scene_panel *panel, const bat_curve_picture_options *options)
+{
+    const size_t few = 400;
+    return options->control_points && (panel->given_points <= few || !scene_is_map(panel));
+}
+
 int scene_colour(const bat_curve_picture_panel *panel, size_t index)
 {
     int place = 1;
-    for (size_t i = 0; i < index; i++)
+    for (size_t i = 0; i < index && panel->layers[index].colour == 0; i++)
     {
         place += panel->layers[i].role == BAT_CURVE_LAYER_CURVE ? 1 : 0;
     }
@@ -65,6 +76,8 @@ bat_status bat_curve_picture_options_check(const bat_curve_picture_options *opti
     bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options != NULL && !text_is_valid(options->title))
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "title must be UTF-8 without control characters");
+    if (status == BAT_OK && options != NULL && !text_is_valid(options->unit))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unit must be UTF-8 without control characters");
     return status;
 }
 
@@ -282,33 +295,9 @@ static bat_status frame_combs(scene_frame *frame, const scene *made, const scene
     return status;
 }
 
-/// Choose what a globe shows: curves within a small cap fill the square.
-static void zoom_globe(scene_frame *frame, const bat_curve **curves, size_t count)
+/// Choose what the panels first, …, end - 1 show of the sphere.
+static bat_status frame_sphere(scene_frame *frame, const scene *made, size_t first, size_t end, bat_error *error)
 {
-    const double max_reach = 0.25, margin = 1.15, min_reach = 1e-6;
-    draw_view view = {.kind = VIEW_GLOBE, .space = VIEW_SPHERE, .point_dim = 3};
-    view_set_globe(&view, frame->longitude, frame->latitude);
-    double extent = 0.0;
-    for (size_t k = 0; k < count; k++)
-    {
-        for (size_t i = 0; i < curves[k]->count; i++)
-        {
-            double u = 0.0;
-            double v = 0.0;
-            bool front = view_project(&view, curves[k]->points + 3 * i, &u, &v);
-            extent = front ? fmax(extent, fmax(fabs(u), fabs(v))) : 1.0;
-        }
-    }
-    extent = fmax(margin * extent, min_reach);
-    frame->reach = extent < max_reach ? extent : 1.0;
-}
-
-/// Choose the centre of the globe for the panels first, …, end - 1, and how much of it is drawn.
-static bat_status frame_globe(scene_frame *frame, const scene *made, size_t first, size_t end, bat_error *error)
-{
-    const bat_curve_picture_options *options = made->options;
-    frame->longitude = options->longitude;
-    frame->latitude = options->latitude;
     size_t count = 0;
     for (size_t i = first; i < end; i++)
     {
@@ -320,19 +309,17 @@ static bat_status frame_globe(scene_frame *frame, const scene *made, size_t firs
         return error_memory(error, count * sizeof *curves);
     }
     count = 0;
+    bool polygons = false;
     for (size_t i = first; i < end; i++)
     {
         const bat_curve_picture_panel *source = made->panels[i].drawn;
+        polygons = polygons || (made->panels[i].space == VIEW_SPHERE && made->panels[i].polygons);
         for (size_t k = 0; k < source->layer_count && made->panels[i].space == VIEW_SPHERE; k++)
         {
             curves[count++] = source->layers[k].curve;
         }
     }
-    if (isnan(options->longitude) || isnan(options->latitude))
-    {
-        view_automatic(curves, count, &frame->longitude, &frame->latitude);
-    }
-    zoom_globe(frame, curves, count);
+    frame->map = map_choose(curves, count, polygons, made->options);
     free(curves);
     return BAT_OK;
 }
@@ -377,7 +364,7 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
     {
         include_place(&frame, 0.0, 0.0);
     }
-    bat_status status = panel->space == VIEW_SPHERE ? frame_globe(&frame, made, first, end, error) : BAT_OK;
+    bat_status status = panel->space == VIEW_SPHERE ? frame_sphere(&frame, made, first, end, error) : BAT_OK;
     for (size_t i = first; i < end && panel->space == VIEW_TENSOR && status == BAT_OK; i++)
     {
         status = same_space(panel, &made->panels[i]) ? tensor_row_include(&frame, made->panels[i].drawn, error) : BAT_OK;
@@ -411,6 +398,20 @@ static bat_status choose_drawn(scene_panel *panel, const bat_curve_picture_optio
     return BAT_OK;
 }
 
+/// What the layers of a panel are, taken together.
+static void summarize(scene_panel *panel)
+{
+    bool holds = panel->space == VIEW_SPHERE || panel->space == VIEW_PLANE;
+    panel->given_only = true;
+    for (size_t k = 0; k < panel->drawn->layer_count; k++)
+    {
+        const bat_curve_picture_layer *layer = &panel->drawn->layers[k];
+        panel->polygons = panel->polygons || (holds && layer->polygon > 0);
+        panel->given_only = panel->given_only && layer->role != BAT_CURVE_LAYER_CURVE;
+        panel->given_points += layer->role == BAT_CURVE_LAYER_CONTROL ? layer->curve->count : 0;
+    }
+}
+
 static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -427,6 +428,10 @@ static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_e
         {
             status = make_combs(panel, error);
         }
+        if (status == BAT_OK)
+        {
+            summarize(panel);
+        }
     }
     for (size_t i = 0; i < made->count && status == BAT_OK; i++)
     {
@@ -435,8 +440,8 @@ static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_e
     return status;
 }
 
-bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
-                      scene *made, bat_error *error)
+bat_status scene_measure(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
+                         scene *made, bat_error *error)
 {
     bat_status status = bat_curve_picture_options_check(options, error);
     if (status != BAT_OK)
@@ -458,6 +463,26 @@ bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const
     return status;
 }
 
+bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
+                      scene *made, bat_error *error)
+{
+    bat_status status = scene_measure(panels, count, options, made, error);
+    if (status != BAT_OK)
+    {
+        return status;
+    }
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        scene_panel *panel = &made->panels[i];
+        status = panel->polygons ? map_network_make(panel->drawn, &panel->network, error) : BAT_OK;
+    }
+    if (status != BAT_OK)
+    {
+        scene_free(made);
+    }
+    return status;
+}
+
 void scene_free(scene *made)
 {
     for (size_t i = 0; i < made->count && made->panels != NULL; i++)
@@ -467,6 +492,7 @@ void scene_free(scene *made)
             comb_free(&made->panels[i].combs[k]);
         }
         free(made->panels[i].combs);
+        map_network_free(&made->panels[i].network);
         proxy_free(&made->panels[i].proxied);
     }
     free(made->panels);

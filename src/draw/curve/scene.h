@@ -3,6 +3,8 @@
 
 #include "batten/curve_picture.h"
 #include "draw/curve/comb.h"
+#include "draw/curve/map_choice.h"
+#include "draw/curve/map_network.h"
 #include "draw/curve/proxy.h"
 
 #include <cairo.h>
@@ -15,8 +17,7 @@ typedef struct scene_frame
 {
     double low[2], high[2];         ///< flat spaces: the range of u and v
     double box_low[3], box_high[3]; ///< R^3: the range of the coordinates
-    double longitude, latitude;     ///< globe: its centre
-    double reach;                   ///< globe: half the side of the square that is drawn; 1 for the whole globe
+    map_choice map;                 ///< sphere: the projection and its centre
     double comb_scale;              ///< 0 without combs
     double tensor_unit;             ///< tensors: the largest semi-axis
     size_t tensor_columns;          ///< tensors: the maximal number in a row
@@ -29,7 +30,11 @@ typedef struct scene_panel
     proxy proxied;                        ///< all zero where the source itself is drawn
     view_space space;                     ///< the space that is drawn
     size_t point_dim;
-    comb *combs; ///< one for each drawn layer, empty except for curves; null without combs
+    comb *combs;         ///< one for each drawn layer, empty except for curves; null without combs
+    bool polygons;       ///< whether a layer is a ring of a polygon
+    bool given_only;     ///< whether no layer is a result; on a map the given curves stand for results then
+    size_t given_points; ///< of all BAT_CURVE_LAYER_CONTROL
+    map_network network; ///< all zero without polygons
     scene_frame frame;
 } scene_panel;
 
@@ -45,6 +50,9 @@ typedef struct scene
 /// Check and measure all panels. Release the scene with scene_free().
 bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
                       scene *made, bat_error *error);
+/// The same without the networks of maps, enough to know what is shown.
+bat_status scene_measure(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
+                         scene *made, bat_error *error);
 void scene_free(scene *made);
 
 /// The number of panels in a row for `count` panels. Unless the options prescribe it, there are at most five, and each has
@@ -53,6 +61,10 @@ size_t scene_columns(const bat_curve_picture_options *options, size_t count, dou
 
 /// Whether any part of a layer is drawn.
 bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options);
+/// Whether a panel is drawn in the style of maps.
+bool scene_is_map(const scene_panel *panel);
+/// Whether the given points of a panel are drawn: not where a map has many.
+bool scene_points_shown(const scene_panel *panel, const bat_curve_picture_options *options);
 /// The palette index of layer `index` of a panel.
 int scene_colour(const bat_curve_picture_panel *panel, size_t index);
 

@@ -100,6 +100,14 @@ void view_set_globe(draw_view *view, double longitude, double latitude)
     memcpy(view->rotation, rows, sizeof rows);
 }
 
+void view_set_map(draw_view *view, double longitude)
+{
+    double sine = sin(longitude);
+    double cosine = cos(longitude);
+    double rows[3][3] = {{cosine, sine, 0.0}, {-sine, cosine, 0.0}, {0.0, 0.0, 1.0}};
+    memcpy(view->rotation, rows, sizeof rows);
+}
+
 void view_set_solid(draw_view *view)
 {
     const double azimuth = -1.0821;  // -62 degrees: x points to the right, y to the right and backwards
@@ -117,9 +125,18 @@ bool view_project(const draw_view *view, const double *point, double *u, double 
         *v = rotated[1];
         return view->kind != VIEW_GLOBE || rotated[2] >= 0.0;
     }
-    bool map = view->kind == VIEW_MAP;
-    *u = map ? atan2(point[1] + 0.0, point[0]) : point[0];
-    *v = map ? atan2(point[2], hypot(point[0], point[1])) : point[1];
+    if (view->kind == VIEW_MAP || view->kind == VIEW_LOCAL)
+    {
+        double rotated[3];
+        view_rotate(view, point, rotated);
+        if (view->kind == VIEW_LOCAL)
+            view_equal_area(rotated, u, v);
+        else
+            view_equal_earth(atan2(rotated[1] + 0.0, rotated[0]), atan2(rotated[2], hypot(rotated[0], rotated[1])), u, v);
+        return true;
+    }
+    *u = point[0];
+    *v = point[1];
     return true;
 }
 
@@ -157,7 +174,7 @@ void view_trace(const draw_view *view, const double *points, size_t count, bool 
     {
         trace_flat(view, points, count, closed, path);
     }
-    else if (side == VIEW_FRONT && view->kind == VIEW_MAP)
+    else if (side == VIEW_FRONT && (view->kind == VIEW_MAP || view->kind == VIEW_LOCAL))
     {
         view_trace_map(view, points, count, closed, path);
     }

@@ -4,6 +4,8 @@
 #include "batten/curve.h"
 #include "draw/curve/simplify.h"
 
+#include <cairo.h>
+
 /// @file
 /// Projections of spaces to the page in closed form.
 
@@ -25,7 +27,8 @@ typedef enum view_kind
 {
     VIEW_FLAT, ///< VIEW_PLANE and VIEW_SOLID
     VIEW_GLOBE,
-    VIEW_MAP,
+    VIEW_LOCAL, ///< azimuthal equal-area
+    VIEW_MAP,   ///< Equal Earth
     VIEW_POINCARE
 } view_kind;
 
@@ -37,13 +40,14 @@ typedef enum view_side
 } view_side;
 
 /// A view maps a point to coordinates (u, v), to the right and upwards, and these to the page at (origin_x + scale u,
-/// origin_y - scale v). On the globe and the disk u and v are in -1 … 1; on the map they are longitude and latitude.
+/// origin_y - scale v). On the globe and the disk u and v are in -1 … 1; on maps their unit is the radius of the sphere.
 typedef struct draw_view
 {
     view_kind kind;
     view_space space;
     size_t point_dim;
-    double rotation[3][3]; ///< globe and solid: the rows are the directions to the right, upwards and to the eye
+    double rotation[3][3]; ///< globe, local and solid: the rows are the directions to the right, upwards and to the eye;
+                           ///< map: those of (longitude, latitude) (0, 0), (90, 0) degrees and of the pole
     double scale;
     double origin_x, origin_y;
     double tolerance; ///< the allowed error of curved edges on the page
@@ -52,8 +56,10 @@ typedef struct draw_view
 /// The way a space is drawn.
 view_space view_space_of(const bat_space *space);
 
-/// Rotate a globe so that its centre is at `longitude` and `latitude`.
+/// Rotate a globe or a local view so that its centre is at `longitude` and `latitude`.
 void view_set_globe(draw_view *view, double longitude, double latitude);
+/// Rotate a map so that its middle meridian is at `longitude`.
+void view_set_map(draw_view *view, double longitude);
 /// Set the fixed rotation for R^3, seen from above: x to the right, y backwards, z upwards.
 void view_set_solid(draw_view *view);
 
@@ -81,9 +87,18 @@ static inline double view_y(const draw_view *view, double v)
     return view->origin_y - view->scale * v;
 }
 
+/// Lambert's azimuthal equal-area projection of a point with the centre at (0, 0, 1): (u, v) has the length
+/// 2 sin(angle / 2). The antipode of the centre becomes (2, 0).
+void view_equal_area(const double *rotated, double *u, double *v);
+/// The Equal Earth projection; the longitude may be outside of -pi … pi.
+void view_equal_earth(double longitude, double latitude, double *u, double *v);
+/// Half the width and half the height of the Equal Earth projection.
+#define EQUAL_EARTH_HALF_WIDTH 2.7066299836960748
+#define EQUAL_EARTH_HALF_HEIGHT 1.3173627591574134
+
 /// Draw the geodesic polyline through `count` points. On a globe only the given side is drawn, cut at the outline; on a map
-/// it is cut at the antimeridian. VIEW_BACK draws nothing in views without a back. `closed` adds the edge from the last
-/// point to the first.
+/// it is cut at the meridian opposite to the middle one. VIEW_BACK draws nothing in views without a back. `closed` adds the
+/// edge from the last point to the first.
 void view_trace(const draw_view *view, const double *points, size_t count, bool closed, view_side side,
                 path_simplifier *path);
 
@@ -91,9 +106,22 @@ void view_trace(const draw_view *view, const double *points, size_t count, bool 
 /// @{
 void view_trace_globe(const draw_view *view, const double *points, size_t count, bool closed, view_side side,
                       path_simplifier *path);
+/// VIEW_LOCAL and VIEW_MAP.
 void view_trace_map(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path);
 void view_trace_disk(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path);
 /// @}
+
+/// Where the boundary of a region lies.
+typedef struct view_region
+{
+    bool inside;  ///< a part of it may be in the view
+    bool outside; ///< the path leaves the view: the fill needs a clip
+} view_region;
+
+/// Append the region that the closed geodesic polylines of a polygon bound to cairo's path, for an even-odd fill, of a view
+/// of R^2 or the sphere. Each ring encloses the side of smaller area. The path may leave the globe's outline or the map's
+/// frame.
+view_region view_trace_polygon(const draw_view *view, const bat_curve *const *rings, size_t count, cairo_t *cairo);
 
 /// The centre of the globe for checked curves: see bat_curve_picture_view().
 void view_automatic(const bat_curve *const *curves, size_t count, double *longitude, double *latitude);

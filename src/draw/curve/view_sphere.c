@@ -5,7 +5,7 @@
 #include <string.h>
 
 /// @file
-/// Geodesics on the sphere: on a globe as cut ellipses, on an equirectangular map by adaptive bisection.
+/// Geodesics on the sphere: on a globe as cut ellipses, on maps by adaptive bisection.
 
 static const double PI = 3.14159265358979323846;
 
@@ -119,13 +119,44 @@ void view_trace_globe(const draw_view *view, const double *points, size_t count,
     }
 }
 
-/// The path on a map.
+/// The coefficients of Equal Earth: Šavrič, Patterson and Jenny (2019), equation 6.
+#define A1 1.340264
+#define A2 (-0.081106)
+#define A3 0.000893
+#define A4 0.003796
+
+void view_equal_earth(double longitude, double latitude, double *u, double *v)
+{
+    const double root = 0.86602540378443864676; // sqrt(3) / 2
+    double theta = asin(root * sin(latitude));
+    double square = theta * theta;
+    double sixth = square * square * square;
+    *u = longitude * cos(theta) / (root * (A1 + 3.0 * A2 * square + sixth * (7.0 * A3 + 9.0 * A4 * square)));
+    *v = theta * (A1 + A2 * square + sixth * (A3 + A4 * square));
+}
+
+void view_equal_area(const double *rotated, double *u, double *v)
+{
+    double across = rotated[0] * rotated[0] + rotated[1] * rotated[1];
+    if (rotated[2] < 0.0 && across == 0.0)
+    {
+        *u = 2.0;
+        *v = 0.0;
+        return;
+    }
+    // 2 / (1 + z) = 2 (1 - z) / (x^2 + y^2) for points of unit length; the latter is accurate on the far half.
+    double factor = sqrt(rotated[2] < 0.0 ? 2.0 * (1.0 - rotated[2]) / across : 2.0 / (1.0 + rotated[2]));
+    *u = factor * rotated[0];
+    *v = factor * rotated[1];
+}
+
+/// The path in a local view or on a map. Points are rotated.
 typedef struct map_tracer
 {
     const draw_view *view;
     path_simplifier *path;
     double point[3];
-    double longitude, latitude; ///< of `point`
+    double longitude, u, v; ///< of `point`; the longitude for maps only
 } map_tracer;
 
 static double latitude_of(const double *point)
@@ -139,44 +170,69 @@ static double longitude_of(const double *point)
     return atan2(point[1] + 0.0, point[0]);
 }
 
-/// Draw an arc that is straight on the map, cut at the antimeridian.
+/// Project a point; `longitude` receives its longitude for maps.
+static void map_project(const map_tracer *tracer, const double *point, double *longitude, double *u, double *v)
+{
+    if (tracer->view->kind == VIEW_LOCAL)
+    {
+        view_equal_area(point, u, v);
+        return;
+    }
+    *longitude = longitude_of(point);
+    view_equal_earth(*longitude, latitude_of(point), u, v);
+}
+
+/// Draw an arc that is straight in the view, cut at the edge of a map.
 static void map_step(map_tracer *tracer, const double *point)
 {
     const draw_view *view = tracer->view;
     const double *from = tracer->point;
-    double longitude = longitude_of(point);
-    double latitude = latitude_of(point);
-    if ((from[1] < 0.0) != (point[1] < 0.0))
+    if (view->kind == VIEW_MAP && (from[1] < 0.0) != (point[1] < 0.0))
     {
         double share = from[1] / (from[1] - point[1]);
         double x = from[0] + share * (point[0] - from[0]);
         double z = from[2] + share * (point[2] - from[2]);
         if (x < 0.0)
         {
-            double edge = from[1] < 0.0 ? -PI : PI;
-            double y = view_y(view, atan2(z, -x));
-            simplifier_line(tracer->path, view_x(view, edge), y);
-            simplifier_move(tracer->path, view_x(view, -edge), y);
+            double u;
+            double v;
+            view_equal_earth(from[1] < 0.0 ? -PI : PI, atan2(z, -x), &u, &v);
+            simplifier_line(tracer->path, view_x(view, u), view_y(view, v));
+            simplifier_move(tracer->path, view_x(view, -u), view_y(view, v));
         }
     }
-    simplifier_line(tracer->path, view_x(view, longitude), view_y(view, latitude));
+    map_project(tracer, point, &tracer->longitude, &tracer->u, &tracer->v);
+    simplifier_line(tracer->path, view_x(view, tracer->u), view_y(view, tracer->v));
     memcpy(tracer->point, point, sizeof tracer->point);
-    tracer->longitude = longitude;
-    tracer->latitude = latitude;
 }
 
-/// Whether the arc through the midpoint to `target` is straight on the map.
+/// Whether the arc through the midpoint to `target` is straight in the view.
 static bool map_straight(const map_tracer *tracer, const double *middle, const double *target)
 {
-    double whole = remainder(longitude_of(target) - tracer->longitude, 2.0 * PI);
-    double half = remainder(longitude_of(middle) - tracer->longitude, 2.0 * PI);
-    double bend_u = half - 0.5 * whole;
-    double bend_v = latitude_of(middle) - 0.5 * (tracer->latitude + latitude_of(target));
-    return fabs(whole) < 0.5 * PI && hypot(bend_u, bend_v) * tracer->view->scale <= tracer->view->tolerance;
+    double half_u;
+    double half_v;
+    double whole_u;
+    double whole_v;
+    if (tracer->view->kind == VIEW_LOCAL)
+    {
+        view_equal_area(middle, &half_u, &half_v);
+        view_equal_area(target, &whole_u, &whole_v);
+    }
+    else
+    {
+        double whole = remainder(longitude_of(target) - tracer->longitude, 2.0 * PI);
+        double half = remainder(longitude_of(middle) - tracer->longitude, 2.0 * PI);
+        if (fabs(whole) >= 0.5 * PI)
+            return false;
+        view_equal_earth(tracer->longitude + half, latitude_of(middle), &half_u, &half_v);
+        view_equal_earth(tracer->longitude + whole, latitude_of(target), &whole_u, &whole_v);
+    }
+    double bend = hypot(half_u - 0.5 * (tracer->u + whole_u), half_v - 0.5 * (tracer->v + whole_v));
+    return bend * tracer->view->scale <= tracer->view->tolerance;
 }
 
-/// Draw the shortest arc to `target`. It is bisected until its parts are straight on the map or, near a pole, until `depth`
-/// is 0.
+/// Draw the shortest arc to `target`. It is bisected until its parts are straight in the view or, near a pole of the map,
+/// until `depth` is 0.
 static void map_arc(map_tracer *tracer, const double *target, int depth)
 {
     if (depth == 0)
@@ -199,30 +255,54 @@ static void map_arc(map_tracer *tracer, const double *target, int depth)
     map_arc(tracer, target, depth - 1);
 }
 
-/// Whether the next point of a dense curve is too near to be drawn and on the same side of the antimeridian.
-static bool map_skips(const map_tracer *tracer, const double *point)
+/// How a short arc to a point is drawn.
+typedef enum map_pace
 {
-    double skip = 0.1 * tracer->view->tolerance / tracer->view->scale;
-    double across = point[0] * point[0] + point[1] * point[1];
-    return chord_square(tracer->point, point) < skip * skip * across && (tracer->point[1] < 0.0) == (point[1] < 0.0);
+    MAP_SKIP,     ///< not at all unless it is the last
+    MAP_STRAIGHT, ///< by its chord
+    MAP_BEND
+} map_pace;
+
+/// The sagitta of an arc with chord c is below 0.18 c^2 on the nearer half of a local view, and below 0.2 c^2 / a^2 on a map
+/// where a is the distance from the axis. Points are skipped within a tenth of the tolerance.
+static map_pace map_pace_of(const map_tracer *tracer, const double *point)
+{
+    double square = chord_square(tracer->point, point);
+    double unit = tracer->view->tolerance / tracer->view->scale;
+    double across = 1.0;
+    if (tracer->view->kind == VIEW_MAP)
+    {
+        across = point[0] * point[0] + point[1] * point[1];
+        if ((tracer->point[1] < 0.0) != (point[1] < 0.0))
+            return MAP_BEND;
+    }
+    else if (point[2] <= 0.0 || tracer->point[2] <= 0.0)
+    {
+        return MAP_BEND;
+    }
+    bool straight = square < fmin(0.01, 5.0 * unit) * across;
+    return square < 0.01 * unit * unit * across ? MAP_SKIP : straight ? MAP_STRAIGHT : MAP_BEND;
 }
 
 void view_trace_map(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
 {
     const int depth = 18;
     map_tracer tracer = {.view = view, .path = path};
-    memcpy(tracer.point, points, sizeof tracer.point);
-    tracer.longitude = longitude_of(points);
-    tracer.latitude = latitude_of(points);
-    simplifier_move(path, view_x(view, tracer.longitude), view_y(view, tracer.latitude));
+    view_rotate(view, points, tracer.point);
+    map_project(&tracer, tracer.point, &tracer.longitude, &tracer.u, &tracer.v);
+    simplifier_move(path, view_x(view, tracer.u), view_y(view, tracer.v));
     size_t end = count + (closed ? 1 : 0);
     for (size_t i = 1; i < end; i++)
     {
-        const double *target = points + 3 * (i < count ? i : 0);
-        if (i + 1 == end || !map_skips(&tracer, target))
-        {
+        double target[3];
+        view_rotate(view, points + 3 * (i < count ? i : 0), target);
+        map_pace pace = map_pace_of(&tracer, target);
+        if (pace == MAP_SKIP && i + 1 < end)
+            continue;
+        if (pace == MAP_BEND)
             map_arc(&tracer, target, depth);
-        }
+        else
+            map_step(&tracer, target);
     }
 }
 

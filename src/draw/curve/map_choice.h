@@ -1,0 +1,26 @@
+#ifndef DRAW_CURVE_MAP_CHOICE_H
+#define DRAW_CURVE_MAP_CHOICE_H
+
+#include "batten/curve_picture.h"
+
+/// @file
+/// What a picture shows of the sphere.
+
+/// The projection of panels on the sphere and the part of it that is seen.
+typedef struct map_choice
+{
+    bat_curve_projection projection; ///< never BAT_CURVE_PROJECTION_AUTO
+    double longitude, latitude;      ///< globe, local and both: the centre
+    double meridian;                 ///< map and both: the middle
+    double low[2], high[2];          ///< local: the range of u and v
+} map_choice;
+
+/// Choose for checked curves on the sphere. `polygons` says whether any of them is a ring.
+map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygons, const bat_curve_picture_options *options);
+
+/// A cap that contains all curves: nearly the smallest one, if that is less than a hemisphere.
+/// @param centre receives a point of unit length
+/// @param radius receives an angle
+void map_cap(const bat_curve *const *curves, size_t count, double *centre, double *radius);
+
+#endif
