@@ -52,6 +52,7 @@ static const option_spec OPTIONS[] = {
     {"snap-tolerance", 0, "D", "join points of a map nearer than D to each other (metres on the sphere)"},
     {"keep-area", 0, NULL, "keep the areas of rings"},
     {"snap", 0, NULL, "move the points of a linear scheme onto its limit curve"},
+    {"strict", 0, NULL, "refuse repeated points instead of dropping them"},
     {"project", 0, NULL, "move points that are off their space onto it"},
     {"picture", 0, "FILE", "draw to FILE: .svg, .png or .pdf"},
     {"truth", 0, "FILE", "curves to compare with and to draw, as many as given"},
@@ -63,6 +64,7 @@ static const option_spec OPTIONS[] = {
     {"title", 0, "TEXT", "write a title above the picture"},
     {"from", 0, "FORMAT", "csv, geojson, obj or tum; default: by the file's ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
+    {"crs", 0, "NAME", "the coordinate reference system of plane coordinates in GeoJSON, as EPSG:25833"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
     {"threads", 0, "N", "default: all"},
     {"json", 0, NULL, "print the report as one JSON object"},
@@ -148,6 +150,7 @@ static bool check_needs(const arguments *given, const curve_job *job)
         {"title", drawn, "--picture FILE"},
         {"to", written, "-o OUT"},
         {"precision", written, "-o OUT"},
+        {"crs", written, "-o OUT"},
         {"best-tension", job->truth != NULL, "--truth FILE"},
         {"truth", drawn || searched || !job->quiet, "a report (-o FILE without --quiet), --picture or --best-tension"},
     };
@@ -303,6 +306,8 @@ static bool read_job(const arguments *given, curve_job *job)
     else if (argument_flag(given, "no-simple"))
         job->refine.simple = BAT_CURVE_SIMPLE_NEVER;
     job->read.space = argument(given, "space");
+    job->read.strict = argument_flag(given, "strict");
+    job->write.crs = argument(given, "crs");
     job->read.project = argument_flag(given, "project");
     job->draw.comb = argument_flag(given, "comb");
     job->draw.axes = argument_flag(given, "axes");
@@ -317,10 +322,17 @@ static bool read_job(const arguments *given, curve_job *job)
 int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error)
 {
     bat_error whole = *error;
-    if (error->index != BAT_NO_INDEX && failed < set->count && whole.line == 0)
-        whole.line = bat_curve_set_line(set, failed, error->index);
-    if (error->index != BAT_NO_INDEX && set->count > 1)
-        (void)snprintf(whole.text, sizeof whole.text, "curve %zu: %.200s", failed, error->text);
+    char place[160];
+    bool too_few = failed < set->count && strstr(error->text, " points, not ") != NULL;
+    if (error->index != BAT_NO_INDEX || too_few)
+    {
+        if (failed < set->count && whole.line == 0)
+            whole.line = bat_curve_set_line(set, failed, too_few ? 0 : error->index);
+        bat_curve_set_place(set, failed, error->index, place, sizeof place);
+        int length = snprintf(whole.text, sizeof whole.text, "%s%s", place, place[0] != '\0' ? ": " : "");
+        (void)snprintf(whole.text + length, sizeof whole.text - (size_t)length, "%.*s", (int)sizeof whole.text - length - 1,
+                       error->text);
+    }
     if (curve_stops(job) && error->status == BAT_TOO_LARGE && error->index != BAT_NO_INDEX)
     {
         size_t used = strlen(whole.text);
@@ -468,7 +480,7 @@ static int write_curves(const curve_job *job, const bat_curve_set *fine, const c
     bat_error error;
     if (path == NULL || bat_curve_write(path, fine, &job->write, &error) == BAT_OK)
         return EXIT_DONE;
-    return report_failure(job->output, &error);
+    return report_bad_input(job->given, job->output, &error);
 }
 
 /// Everything that can fail, the files included.

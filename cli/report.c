@@ -37,6 +37,9 @@ static const struct
     {BAT_BAD_FILE, "twice", "repair", "drops the face"},
     {BAT_BAD_FILE, "option `triangulate`", "triangulate", "cuts it into triangles"},
     {BAT_BAD_FILE, "unit length", "project", "moves points onto the space"},
+    {BAT_BAD_FILE, "a latitude outside", "space", "plane takes plane coordinates"},
+    {BAT_BAD_FILE, "a longitude outside", "space", "plane takes plane coordinates"},
+    {BAT_UNSUPPORTED, "option `crs`", "crs", "NAME names their system, as in --crs EPSG:25833"},
     {BAT_INVALID_POINT, "repeats", "drop-duplicates", "leaves it out"},
 };
 

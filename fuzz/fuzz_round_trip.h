@@ -4,6 +4,7 @@
 #include "batten/curve_file.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /// Stop at a broken promise, so that the fuzzer keeps the input.
 #define PROMISE(condition)                                                                                                  \
@@ -13,12 +14,12 @@
             abort();                                                                                                        \
     } while (0)
 
-/// Whether curves have the same shape after a file. Where the antimeridian may have cut lines or joined holes to outlines,
-/// only check that there are curves.
-static inline void compare_counts(const bat_curve_set *before, const bat_curve_set *after, bool may_cut)
+/// Whether curves have the same shape after a file. Where degrees are rounded, neighbours can become one point, so that the
+/// counts may change; then only check that there are curves.
+static inline void compare_counts(const bat_curve_set *before, const bat_curve_set *after, bool may_change)
 {
     PROMISE(after->count > 0);
-    if (may_cut)
+    if (may_change)
         return;
     PROMISE(after->count == before->count);
     for (size_t i = 0; i < before->count; i++)
@@ -51,8 +52,13 @@ static inline void round_trip(const uint8_t *data, size_t size, bat_curve_format
     if (status == BAT_OK)
     {
         bat_curve_set back = {0};
-        PROMISE(bat_curve_read_memory(text, text_size, &reading, &back, &error) == BAT_OK);
-        compare_counts(&set, &back, format == BAT_CURVE_FORMAT_GEOJSON && set.space->point_dim == 3);
+        bool rounded = format != BAT_CURVE_FORMAT_OBJ && set.space->point_dim == 3;
+        status = bat_curve_read_memory(text, text_size, &reading, &back, &error);
+        // Curves shorter than the rounding are no lines any more.
+        bool vanished = rounded && status == BAT_BAD_FILE && strstr(error.text, "no lines or polygons") != NULL;
+        PROMISE(status == BAT_OK || vanished);
+        if (status == BAT_OK)
+            compare_counts(&set, &back, rounded);
         free(text);
         bat_curve_set_free(&back);
     }

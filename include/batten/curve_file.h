@@ -27,6 +27,7 @@ typedef struct bat_curve_read_options
     bat_curve_format format;   ///< default BAT_CURVE_FORMAT_AUTO
     const char *space;         ///< a name as in bat_space_by_name(); default null: what the file implies
     int closed;                ///< -1: as the file says (default); 0: every line is open; 1: every line is closed
+    bool strict;               ///< refuse repeated points instead of dropping them; default false
     bool project;              ///< move points that are off their space onto it instead of refusing them; default false
     double translation_weight; ///< of the space "rigid", as in bat_rigid(); 0: as the space has it, 1; default 0
     int threads;               ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
@@ -60,6 +61,8 @@ typedef struct bat_curve_write_options
     int precision;           ///< decimals of longitudes and latitudes in degrees, 0 to 12; default 10. Other numbers are
                              ///< written with as many digits as bring back the same double
     int threads;             ///< 0: as many as OpenMP gives; the bytes do not depend on it; default 0
+    const char *crs; ///< the coordinate reference system of plane coordinates in GeoJSON, such as "EPSG:25833", for the
+                     ///< member "crs"; default null: what the file that was read names
 } bat_curve_write_options;
 
 /// The options' default values.

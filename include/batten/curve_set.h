@@ -62,6 +62,14 @@ BAT_API bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *cu
 /// it is not known.
 BAT_API size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point);
 
+/// Describe the place of a curve in its file, for messages: "feature 6 (id 'ATA'), polygon 7, ring 0, near 179.99281,
+/// 64.97433" for GeoJSON, else "curve 7", or nothing for a set of one curve. Indices count from 0, as in the file.
+///
+/// @param point its coordinates follow "near" (degrees on the sphere), since points of a file can be joined or dropped;
+///              BAT_NO_INDEX for none
+/// @param text  receives at most `size` bytes with a final zero; 160 suffice
+BAT_API void bat_curve_set_place(const bat_curve_set *set, size_t curve, size_t point, char *text, size_t size);
+
 /// What the reader guessed or changed, a short sentence each: the meaning of columns, dropped points, joined polygons.
 /// @param index from 0 on
 /// @return null past the last; the text lives as long as the attributes

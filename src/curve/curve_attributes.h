@@ -25,6 +25,8 @@ typedef struct file_remainder
     void *content;                                     ///< known to its format alone; null for none; owned
     void (*free)(void *content);                       ///< of the content and all that it owns
     size_t (*line)(const void *content, size_t curve); ///< the line that a curve begins on; 0 when unknown
+    /// Write the place of a curve in the file, in a few words.
+    void (*place)(const void *content, size_t curve, char *text, size_t size);
 } file_remainder;
 
 /// What a closed curve bounds.
@@ -42,6 +44,7 @@ struct bat_curve_attributes
     file_remainder remainder;
     curve_ring *rings; ///< one for each curve of the set; null when the file knows no polygons
     size_t ring_count;
+    char *crs;    ///< the coordinate reference system, "EPSG:25833" or a URN; null when the file names none; owned
     char **notes; ///< note_count sentences about the reading; see bat_curve_set_note()
     size_t note_count;
 };

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "curve/curve_attributes.h"
+#include "space/degrees.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -34,6 +35,7 @@ void attributes_release(bat_curve_attributes *attributes)
     for (size_t i = 0; i < attributes->note_count; i++)
         free(attributes->notes[i]);
     free(attributes->notes);
+    free(attributes->crs);
     free(attributes->csv.names);
     free(attributes->csv.places);
     free(attributes->rings);
@@ -162,4 +164,36 @@ bool bat_curve_set_polygon(const bat_curve_set *set, size_t curve, size_t *polyg
     *polygon = ring.polygon;
     *feature = ring.feature;
     return true;
+}
+
+void bat_curve_set_place(const bat_curve_set *set, size_t curve, size_t point, char *text, size_t size)
+{
+    enum
+    {
+        DECIMALS = 6
+    };
+    if (size == 0)
+        return;
+    text[0] = '\0';
+    const file_remainder *remainder = set->attributes != NULL ? &set->attributes->remainder : NULL;
+    if (curve >= set->count || remainder == NULL || remainder->content == NULL)
+    {
+        if (set->count > 1 && curve < set->count)
+            (void)snprintf(text, size, "curve %zu", curve);
+        return;
+    }
+    remainder->place(remainder->content, curve, text, size);
+    size_t used = strlen(text);
+    if (point >= set->curves[curve].count || set->space->point_dim < 2)
+        return;
+    const double *at = set->curves[curve].points + point * set->space->point_dim;
+    if (strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3)
+    {
+        const degree_units shown = degrees_of_point(at, degree_units_per_radian(DECIMALS));
+        double unit = (double)degree_units_per_degree(DECIMALS);
+        (void)snprintf(text + used, size - used, "%s%.9g, %.8g", used > 0 ? ", near " : "near ",
+                       (double)shown.longitude / unit, (double)shown.latitude / unit);
+    }
+    else
+        (void)snprintf(text + used, size - used, "%s%.10g, %.10g", used > 0 ? ", near " : "near ", at[0], at[1]);
 }

@@ -93,7 +93,6 @@ static void a_pole_takes_the_longitude_before_it(void **state)
     (void)state;
     assert_cut(LINE("[[50,80],[7,90],[60,85]]"), LINE("[[50,80],[50,90],[60,85]]"));
     assert_cut(LINE("[[7,-90],[60,-85]]"), LINE("[[60,-90],[60,-85]]"));
-    assert_cut(LINE("[[0,90],[5,90]]"), LINE("[[0,90],[0,90]]"));
 }
 
 static void a_closed_line_around_the_axis_stays_one_piece(void **state)
@@ -116,13 +115,13 @@ static void a_polygon_across_falls_into_parts(void **state)
     double side = atan(tan(10 * PI / 180) / cos(10 * PI / 180)) * 180 / PI;
     assert_cut_at(POLYGON("[[[170,-10],[-170,-10],[-170,10],[170,10],[170,-10]]]"),
                   POLYGONS("[[[[-180,-@],[-170,-10],[-170,10],[-180,@],[-180,-@]]],"
-                           "[[[180,@],[170,10],[170,-10],[180,-@],[180,@]]]]"),
+                           "[[[170,-10],[180,-@],[180,@],[170,10],[170,-10]]]]"),
                   side);
     // Two extensions across the antimeridian at the equator: three parts.
     bat_curve_set set =
         must_read(POLYGON("[[[160,-30],[-170,-20],[170,-10],[170,10],[-170,20],[160,30],[160,-30]]]"), GEOJSON, NULL);
     char *text = must_write(&set, GEOJSON);
-    bat_curve_set parts = must_read(text, GEOJSON, NULL);
+    bat_curve_set parts = must_read(text, GEOJSON, "plane");
     assert_int_equal(parts.count, 3);
     free(text);
     bat_curve_set_free(&set);
@@ -165,20 +164,20 @@ static void a_ring_around_a_pole_is_closed_over_it(void **state)
     (void)state;
     double top = atan(tan(80 * PI / 180) / cos(60 * PI / 180)) * 180 / PI;
     assert_cut_at(POLYGON("[[[0,80],[120,80],[-120,80],[0,80]]]"),
-                  POLYGON("[[[-180,@],[-120,80],[0,80],[120,80],[180,@],[180,90],[-180,90],[-180,@]]]"), top);
+                  POLYGON("[[[0,80],[120,80],[180,@],[180,90],[-180,90],[-180,@],[-120,80],[0,80]]]"), top);
     assert_cut_at(POLYGON("[[[0,80],[-120,80],[120,80],[0,80]]]"),
-                  POLYGON("[[[180,@],[120,80],[0,80],[-120,80],[-180,@],[-180,90],[180,90],[180,@]]]"), top);
+                  POLYGON("[[[0,80],[-120,80],[-180,@],[-180,90],[180,90],[180,@],[120,80],[0,80]]]"), top);
     assert_cut_at(POLYGON("[[[0,-80],[-120,-80],[120,-80],[0,-80]]]"),
-                  POLYGON("[[[180,-@],[120,-80],[0,-80],[-120,-80],[-180,-@],[-180,-90],[180,-90],[180,-@]]]"), top);
+                  POLYGON("[[[0,-80],[-120,-80],[-180,-@],[-180,-90],[180,-90],[180,-@],[120,-80],[0,-80]]]"), top);
     assert_cut(POLYGON("[[[0,0],[120,0],[-120,0],[0,0]]]"),
-               POLYGON("[[[-180,0],[-120,0],[0,0],[120,0],[180,0],[180,90],[-180,90],[-180,0]]]"));
+               POLYGON("[[[0,0],[120,0],[180,0],[180,90],[-180,90],[-180,0],[-120,0],[0,0]]]"));
 }
 
 static void two_rings_around_the_axis_bound_a_belt(void **state)
 {
     (void)state;
     assert_cut(POLYGON("[[[0,0],[90,0],[180,0],[-90,0],[0,0]],[[0,60],[-90,60],[180,60],[90,60],[0,60]]]"),
-               POLYGON("[[[-180,0],[-90,0],[0,0],[90,0],[180,0],[180,60],[90,60],[0,60],[-90,60],[-180,60],[-180,0]]]"));
+               POLYGON("[[[0,0],[90,0],[180,0],[180,60],[90,60],[0,60],[-90,60],[-180,60],[-180,0],[-90,0],[0,0]]]"));
 }
 
 /// A star-shaped region: the points whose distance from a centre is below a radius that depends on the direction.
@@ -345,18 +344,18 @@ static void pieces_keep_the_vertices_and_span_half_a_turn_at_most(void **state)
         bat_curve_set set;
         assert_int_equal(bat_curve_set_single(&curve, &set, NULL), BAT_OK);
         char *text = must_write(&set, GEOJSON);
-        bat_curve_set pieces = must_read(text, GEOJSON, NULL);
+        bat_curve_set pieces = must_read(text, GEOJSON, "plane");
         size_t vertices = 0;
         for (size_t i = 0; i < pieces.count; i++)
         {
             const bat_curve *piece = &pieces.curves[i];
             for (size_t k = 0; k < piece->count; k++)
             {
-                const double *p = piece->points + 3 * k;
-                bool cut = p[1] == 0 && p[0] < 0;
+                const double *p = piece->points + 2 * k;
+                bool cut = fabs(p[0]) == 180;
                 vertices += !cut;
                 assert_true(!cut || k == 0 || k == piece->count - 1);
-                assert_true(k == 0 || cut || p[-2] == 0 || p[1] * p[-2] > 0 || p[-3] * fabs(p[1]) + p[0] * fabs(p[-2]) >= 0);
+                assert_true(k == 0 || fabs(p[0] - p[-2]) <= 180);
             }
         }
         assert_int_equal(vertices, COUNT);

@@ -172,7 +172,7 @@ static void writing_keeps_every_double(void **state)
     size_t size;
     for (int threads = 1; threads <= 2; threads++)
     {
-        bat_curve_write_options options = {CSV, 10, threads};
+        bat_curve_write_options options = {.format = CSV, .precision = 10, .threads = threads};
         assert_int_equal(bat_curve_write_memory(&set, &options, &texts[threads - 1], &size, NULL), BAT_OK);
     }
     assert_string_equal(texts[0], texts[1]);
@@ -295,17 +295,17 @@ static void what_cannot_be_written_is_refused(void **state)
     bat_curve_format formats[] = {CSV, BAT_CURVE_FORMAT_OBJ, BAT_CURVE_FORMAT_GEOJSON};
     for (size_t i = 0; i < 3; i++)
     {
-        bat_curve_write_options options = {formats[i], 10, 0};
+        bat_curve_write_options options = {.format = formats[i], .precision = 10, .crs = "EPSG:25833"};
         assert_int_equal(bat_curve_write_memory(&set, &options, &text, &size, &error), BAT_INVALID_POINT);
     }
-    bat_curve_write_options options = {CSV, 13, 0};
+    bat_curve_write_options options = {.format = CSV, .precision = 13};
     assert_int_equal(bat_curve_write_memory(&set, &options, &text, &size, &error), BAT_INVALID_ARGUMENT);
     bat_curve_set_free(&set);
     assert_int_equal(bat_curve_write_memory(&set, NULL, &text, &size, &error), BAT_INVALID_ARGUMENT);
     set = must_read("1,2,3,4\n1,2,3,5\n", CSV, NULL);
     for (size_t i = 1; i < 3; i++)
     {
-        options = (bat_curve_write_options){formats[i], 10, 0};
+        options = (bat_curve_write_options){.format = formats[i], .precision = 10};
         assert_int_equal(bat_curve_write_memory(&set, &options, &text, &size, &error), BAT_UNSUPPORTED);
     }
     bat_curve_set_free(&set);

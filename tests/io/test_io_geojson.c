@@ -299,7 +299,7 @@ static void results_do_not_depend_on_threads(void **state)
          *early = strstr(strstr(text, "\"id\":2000"), "\"geometry\"");
     *late = 'f';
     early[1] = 'G';
-    assert_bad(text, GEOJSON, NULL, 2002, "feature 2000: the feature has no geometry");
+    assert_bad(text, GEOJSON, NULL, 2002, "feature 2000 (id 2000): the feature has no geometry");
     for (int i = 0; i < 3; i++)
         free(written[i]);
     free(text);
@@ -392,8 +392,8 @@ static void wrong_structure_names_its_place(void **state)
         {COLLECTION(FEATURE("null") ",\n" FEATURE("[]")), 3, "feature 1: the geometry must be an object"},
         {LINE("7"), 0, "no array of coordinates"},
         {LINE("[[0,0]]"), 0, "a line needs at least 2 positions"},
-        {LINE("[[0,0],[1]]"), 0, "position 1: a position must be an array of 2 or 3 numbers"},
-        {LINE("[[0,0],[1,2,3,4]]"), 0, "position 1: a position must be"},
+        {LINE("[[0,0],[1]]"), 0, "position 1: a position must be an array of 2 or more numbers"},
+        {LINE("[[0,0,1],[1,2,3,4]]"), 0, "position 1: the position has 4 numbers, the one before it 3"},
         {LINE("[[0,0],[1,\"2\"]]"), 0, "position 1: a position must be"},
         {LINE("[[0,0],7]"), 0, "position 1: a position must be"},
         {LINE("[[0,0],[1,2,3]]"), 0, "position 1: only some positions of the geometry have an altitude"},

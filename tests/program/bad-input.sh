@@ -82,7 +82,7 @@ curve 'inf\.in\.csv:3: ' inf.in.csv
 curve 'short\.in\.csv:3: ' short.in.csv
 curve 'word\.in\.csv:3: ' word.in.csv
 curve 'overflow\.in\.csv:3: ' overflow.in.csv
-curve 'repeated\.in\.csv:3: point 2 repeats' repeated.in.csv
+refused 1 'repeated\.in\.csv:3: curve 0, point 2: the point repeats' curve repeated.in.csv --strict -o out.csv --picture out.png
 curve 'antipodal\.in\.csv:3: .*antipodal' antipodal.in.csv sphere
 curve 'long\.in\.csv:2: .*unit length' long.in.csv sphere
 curve 'rim\.in\.csv:3: .*disk' rim.in.csv disk
@@ -92,15 +92,15 @@ curve 'tracked\.in\.csv:3: the time 0 does not come after 0' tracked.in.csv
 curve "keythree\.in\.csv:2: a quaternion needs a column 'qz'" keythree.in.csv
 curve "keyflux\.in\.csv:1: a quaternion needs a column 'qw'" keyflux.in.csv
 curve "keyeight\.in\.csv:1: a rotation matrix needs a column 'm33'" keyeight.in.csv
-curve 'one\.in\.csv: ' one.in.csv
+curve 'one\.in\.csv:1: an open curve' one.in.csv
 curve 'empty\.in\.csv: ' empty.in.csv
 curve 'comments\.in\.csv:2: ' comments.in.csv
 curve 'none\.in\.geojson: ' none.in.geojson
 curve 'cut\.in\.geojson:1: ' cut.in.geojson
 curve 'text\.in\.geojson.*position 1' text.in.geojson
-curve 'latitude\.in\.geojson.*position 1' latitude.in.geojson
+curve 'latitude\.in\.geojson.*position 1.*--space plane' latitude.in.geojson
 curve 'antipodal\.in\.geojson.*antipodal' antipodal.in.geojson
-curve 'repeated\.in\.geojson.*repeats' repeated.in.geojson
+refused 1 'repeated\.in\.geojson.*repeats' curve repeated.in.geojson --strict -o out.csv --picture out.png
 curve 'unclosed\.in\.geojson' unclosed.in.geojson
 curve 'index\.in\.obj:3: ' index.in.obj
 curve 'noline\.in\.obj:2: ' noline.in.obj
@@ -169,7 +169,7 @@ refused 1 '^batten: out\.gif: .*must end in [^:]*$' curve good.in.csv --picture 
 refused 1 'linear scheme' curve small.in.csv --space disk --scheme chaikin -o out.csv
 refused 1 'missing' curve good.in.csv --truth missing.in.csv -o out.csv
 refused 1 '2 curves cannot be compared with the 1 ' curve good.in.csv --truth two.in.csv -o out.csv
-refused 1 'two\.in\.csv:5: curve 1: point 1 repeats' curve two.in.csv -o out.csv --picture out.png
+refused 1 'two\.in\.csv:4: curve 1: an open curve needs at least 2 points' curve two.in.csv -o out.csv --picture out.png
 refused 1 'angle-based' curve antipodal.in.csv --truth antipodal.in.csv --best-tension -o out.csv
 refused 2 'one argument too many' curve good.in.csv other -o out.csv
 refused 2 'missing' curve

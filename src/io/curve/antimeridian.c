@@ -42,8 +42,14 @@ void globe_lines_free(globe_lines *lines)
 
 globe_position globe_curve_position(const globe_curve *curve, size_t index)
 {
-    return (globe_position){curve->shown[index],
-                            curve->altitudes != NULL ? curve->altitudes[index * curve->altitude_stride] : 0.0};
+    return (globe_position){.shown = curve->shown[index],
+                            .values = curve->values != NULL ? curve->values + index * curve->value_stride : NULL};
+}
+
+double globe_position_value(const globe_position *position, size_t index)
+{
+    double value = position->values[index];
+    return position->share > 0 ? value + position->share * (position->after[index] - value) : value;
 }
 
 static bool on_pole(const degree_grid *grid, degree_units shown)
@@ -96,6 +102,68 @@ static void assign_longitudes(const degree_grid *grid, const globe_curve *curve)
             assign_longitude(grid, &shown[i - 1], shown[i]);
 }
 
+/// How far a ring goes around the axis, and the integral of sin(latitude) over the longitude, in radians.
+///
+/// Let t_1, t_2 be the tangents of half the latitudes at the ends of an arc, and d its longitude difference. Then the
+/// integral is 2 atan(tan(d / 2) (t_1 + t_2) / (1 + t_1 t_2)).
+static void ring_integral(const degree_grid *grid, const globe_curve *ring, double *turn, double *integral)
+{
+    *turn = *integral = 0.0;
+    for (size_t i = 0; i < ring->count; i++)
+    {
+        const degree_units a = ring->shown[i], b = ring->shown[i + 1 < ring->count ? i + 1 : 0];
+        int64_t step = b.longitude - a.longitude;
+        if (llabs(step) > grid->half_turn)
+            step += step > 0 ? -2 * grid->half_turn : 2 * grid->half_turn;
+        double angle = (double)step / grid->units_per_radian;
+        double t1 = tan(0.5 * (double)a.latitude / grid->units_per_radian);
+        double t2 = tan(0.5 * (double)b.latitude / grid->units_per_radian);
+        *turn += angle;
+        *integral += 2.0 * atan2(tan(0.5 * angle) * (t1 + t2), 1.0 + t1 * t2);
+    }
+}
+
+/// The integral over a ring around the axis is positive when the area north of it is less than 2 pi.
+bool globe_ring_encloses_south(const degree_grid *grid, const globe_curve *ring)
+{
+    if (ring->pole != 0)
+        return ring->pole < 0;
+    double turn, integral;
+    ring_integral(grid, ring, &turn, &integral);
+    double north = turn < 0.0 ? -integral : integral;
+    return north < 0.0 || (north == 0.0 && turn < 0.0);
+}
+
+/// Whether the interior of the polygon is on the left of a ring.
+static bool interior_is_left(const degree_grid *grid, const globe_curve *ring)
+{
+    double turn, integral;
+    ring_integral(grid, ring, &turn, &integral);
+    bool hole = ring->role == GLOBE_HOLE;
+    if (fabs(turn) < 1.0)
+        return (integral < 0.0) != hole;
+    return ((turn > 0.0) != globe_ring_encloses_south(grid, ring)) != hole;
+}
+
+/// Give vertices after edges along the antimeridian the sign of the interior: going north, 180 degrees when it is on the
+/// left.
+static void assign_border_sides(const degree_grid *grid, const globe_curve *ring)
+{
+    bool known = false, left = false;
+    for (size_t i = 0; i < ring->count; i++)
+    {
+        const degree_units before = ring->shown[i > 0 ? i - 1 : ring->count - 1];
+        degree_units *shown = &ring->shown[i];
+        if (on_pole(grid, *shown) || !on_meridian(grid, *shown) || before.latitude == shown->latitude ||
+            !(on_pole(grid, before) || on_meridian(grid, before)))
+            continue;
+        if (!known)
+            left = interior_is_left(grid, ring);
+        known = true;
+        shown->longitude = (shown->latitude > before.latitude) == left ? grid->half_turn : -grid->half_turn;
+    }
+}
+
 static size_t next_vertex(const globe_curve *curve, size_t index)
 {
     return index + 1 < curve->count ? index + 1 : 0;
@@ -125,6 +193,8 @@ bool globe_curve_show(const degree_grid *grid, globe_curve *curve)
     }
     if (special)
         assign_longitudes(grid, curve);
+    if (special && curve->closed && curve->role != GLOBE_LINE)
+        assign_border_sides(grid, curve);
     curve->cut_count = 0;
     for (size_t i = 0; i < edge_count(curve); i++)
         curve->cut_count += crosses(grid, curve, i);
@@ -163,7 +233,9 @@ static globe_position crossing(const degree_grid *grid, const globe_curve *curve
     }
     globe_position cut = {.shown.longitude = before.shown.longitude < 0 ? -grid->half_turn : grid->half_turn,
                           .shown.latitude = llrint(atan2(z, fabs(x)) * grid->units_per_radian),
-                          .altitude = before.altitude + share * (after.altitude - before.altitude)};
+                          .values = before.values,
+                          .after = after.values,
+                          .share = share};
     return cut;
 }
 
@@ -196,7 +268,7 @@ static void cut_open(const degree_grid *grid, const globe_curve *curve, globe_li
 }
 
 /// Cut a closed curve, starting at its first crossing.
-static void cut_closed(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces)
+static void cut_closed(const degree_grid *grid, const globe_curve *curve, size_t start, globe_lines *pieces)
 {
     size_t first = 0;
     while (!crosses(grid, curve, first))
@@ -204,7 +276,9 @@ static void cut_closed(const degree_grid *grid, const globe_curve *curve, globe_
     begin_piece(grid, curve, first, pieces);
     for (size_t step = 1, i = next_vertex(curve, first); step <= curve->count; step++, i = next_vertex(curve, i))
     {
-        globe_lines_add(pieces, globe_curve_position(curve, i));
+        globe_position position = globe_curve_position(curve, i);
+        position.start = i == 0 ? start : 0;
+        globe_lines_add(pieces, position);
         if (!crosses(grid, curve, i))
             continue;
         end_piece(grid, curve, i, pieces);
@@ -213,10 +287,10 @@ static void cut_closed(const degree_grid *grid, const globe_curve *curve, globe_
     }
 }
 
-void globe_curve_cut(const degree_grid *grid, const globe_curve *curve, globe_lines *pieces)
+void globe_curve_cut(const degree_grid *grid, const globe_curve *curve, size_t start, globe_lines *pieces)
 {
     if (curve->closed)
-        cut_closed(grid, curve, pieces);
+        cut_closed(grid, curve, start, pieces);
     else
         cut_open(grid, curve, pieces);
 }

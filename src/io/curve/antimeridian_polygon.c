@@ -32,30 +32,6 @@ static int compare_crossings(const void *a, const void *b)
     return (p->ending > q->ending) - (p->ending < q->ending);
 }
 
-/// Whether the smaller side of a ring around the axis contains the south pole.
-///
-/// Let t_1, t_2 be the tangents of half the latitudes at the ends of an arc, and d its longitude difference. The integral of
-/// sin(latitude) over the longitude is 2 atan(tan(d / 2) (t_1 + t_2) / (1 + t_1 t_2)). Its sum over the ring is positive
-/// when the area north of the ring is less than 2 pi.
-static bool encloses_south(const degree_grid *grid, const globe_curve *ring)
-{
-    double turn = 0.0, integral = 0.0;
-    for (size_t i = 0; i < ring->count; i++)
-    {
-        const degree_units a = ring->shown[i], b = ring->shown[i + 1 < ring->count ? i + 1 : 0];
-        int64_t step = b.longitude - a.longitude;
-        if (llabs(step) > grid->half_turn)
-            step += step > 0 ? -2 * grid->half_turn : 2 * grid->half_turn;
-        double angle = (double)step / grid->units_per_radian;
-        double t1 = tan(0.5 * (double)a.latitude / grid->units_per_radian);
-        double t2 = tan(0.5 * (double)b.latitude / grid->units_per_radian);
-        turn += angle;
-        integral += 2.0 * atan2(tan(0.5 * angle) * (t1 + t2), 1.0 + t1 * t2);
-    }
-    double north = turn < 0.0 ? -integral : integral;
-    return north < 0.0 || (north == 0.0 && turn < 0.0);
-}
-
 static bool border_allocate(border *edge)
 {
     size_t chains = edge->chains.count;
@@ -82,7 +58,7 @@ static bool border_begin(const degree_grid *grid, const globe_curve *rings, size
 {
     for (size_t i = 0; i < ring_count; i++)
         if (rings[i].cut_count > 0)
-            globe_curve_cut(grid, &rings[i], &edge->chains);
+            globe_curve_cut(grid, &rings[i], i + 1, &edge->chains);
     if (!border_allocate(edge))
         return false;
     size_t first = 0;
@@ -98,7 +74,7 @@ static bool border_begin(const degree_grid *grid, const globe_curve *rings, size
         if (chains % 2 == 1)
         {
             edge->odd = !edge->odd;
-            south = south || encloses_south(grid, &rings[i]);
+            south = south || globe_ring_encloses_south(grid, &rings[i]);
         }
         first += chains;
     }
@@ -135,8 +111,11 @@ static bool same_place(globe_position a, globe_position b)
 /// Append a position to the ring that begins at `begin`, unless it equals the last one.
 static void add_to_ring(globe_lines *rings, size_t begin, globe_position position)
 {
-    if (rings->position_count == begin || !same_place(rings->positions[rings->position_count - 1], position))
+    globe_position *last = rings->position_count > begin ? &rings->positions[rings->position_count - 1] : NULL;
+    if (last == NULL || !same_place(*last, position))
         globe_lines_add(rings, position);
+    else if (last->start == 0)
+        last->start = position.start;
 }
 
 static void add_chain(const border *edge, size_t chain, bool backward, size_t begin, globe_lines *rings)
@@ -157,14 +136,40 @@ static void follow_border(const degree_grid *grid, const border *edge, size_t *c
     if (other == crossing)
     {
         int64_t pole = edge->south ? -grid->quarter_turn : grid->quarter_turn;
-        add_to_ring(rings, begin, (globe_position){{side, pole}, exit.altitude});
-        add_to_ring(rings, begin, (globe_position){{-side, pole}, exit.altitude});
-        side = -side;
+        exit.start = 0;
+        exit.shown = (degree_units){side, pole};
+        add_to_ring(rings, begin, exit);
+        exit.shown.longitude = side = -side;
+        add_to_ring(rings, begin, exit);
     }
     const border_crossing *enter = &edge->crossings[other];
     bool at_end = chain_position(edge, enter->ending, true).shown.longitude == side;
     *chain = at_end ? enter->ending : enter->beginning;
     *backward = at_end;
+}
+
+static void reverse(globe_position *positions, size_t count)
+{
+    for (size_t i = 0, j = count; i + 1 < j; i++)
+    {
+        const globe_position other = positions[i];
+        positions[i] = positions[--j];
+        positions[j] = other;
+    }
+}
+
+/// Rotate a ring so that it begins where the first of its given rings begins, if it contains such a vertex.
+static void rotate_to_start(globe_position *positions, size_t count)
+{
+    size_t start = 0;
+    for (size_t i = 0; i < count; i++)
+        if (positions[i].start != 0 && (positions[start].start == 0 || positions[i].start < positions[start].start))
+            start = i;
+    if (start == 0)
+        return;
+    reverse(positions, start);
+    reverse(positions + start, count - start);
+    reverse(positions, count);
 }
 
 /// Trace the boundary of one part of the interior.
@@ -182,7 +187,12 @@ static void trace_ring(const degree_grid *grid, border *edge, size_t chain, glob
         return;
     size_t last = rings->position_count - 1;
     if (last > begin && same_place(rings->positions[begin], rings->positions[last]))
+    {
+        if (rings->positions[begin].start == 0)
+            rings->positions[begin].start = rings->positions[last].start;
         rings->position_count--;
+    }
+    rotate_to_start(rings->positions + begin, rings->position_count - begin);
     // Rings must have three positions, also around a part without area.
     while (!rings->failed && rings->position_count - begin < 3)
         globe_lines_add(rings, rings->positions[begin]);

@@ -110,6 +110,31 @@ void builder_drop_last(curve_builder *builder)
         builder->line_count--;
 }
 
+const char *builder_drop_repeat(curve_builder *builder, bool at_end, bool *dropped)
+{
+    size_t dim = builder->space.point_dim, last = builder->point_count - 1, other = at_end ? 0 : last - 1;
+    *dropped = builder->point_count > 1 && points_equal(builder->points + last * dim, builder->points + other * dim, dim);
+    if (!*dropped)
+        return NULL;
+    if (builder->strict)
+        return at_end ? "the last point of the closed curve repeats the first" : "the point repeats the one before it";
+    if (builder->repeats++ == 0)
+        builder->first_repeat = builder->line_count > 0 ? builder->lines[builder->line_count - 1] : 0;
+    if (builder->corners != NULL && builder->corners[last] != 0)
+        builder->corners[other] = 1;
+    builder->point_count--;
+    if (builder->line_count > 0)
+        builder->line_count--;
+    return NULL;
+}
+
+bool builder_note_repeats(const curve_builder *builder, bat_curve_attributes *attributes)
+{
+    return builder->repeats == 0 ||
+           attributes_note(attributes, "dropped %zu repeated point%s, the first on line %zu", builder->repeats,
+                           builder->repeats == 1 ? "" : "s", builder->first_repeat);
+}
+
 /// Take `count` values out of the builder's array: a copy of a small array, or a large array itself, to avoid a second copy
 /// in memory. Null when out of memory.
 static double *take_doubles(double **values, size_t *capacity, size_t count)

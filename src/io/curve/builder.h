@@ -24,9 +24,22 @@ typedef struct curve_builder
     unsigned char *corners; ///< flags of the current curve; null without them
     size_t corner_capacity;
 
+    bool strict;         ///< repeated points are errors
+    size_t repeats;      ///< repeated points that builder_drop_repeat() dropped
+    size_t first_repeat; ///< the line of the first, or 0
+
     size_t *lines; ///< for all points of all curves; null when no lines are given
     size_t line_count, line_capacity;
 } curve_builder;
+
+/// Whether two points are equal, number by number; 0 equals -0.
+static inline bool points_equal(const double *a, const double *b, size_t dim)
+{
+    size_t same = 0;
+    while (same < dim && a[same] == b[same])
+        same++;
+    return same == dim;
+}
 
 /// Add a point with `channel_count` channels to the current curve; all points of a curve have the same number. The caller
 /// sets the point and `*channels` and then calls builder_admit(). Null when out of memory.
@@ -50,6 +63,13 @@ void builder_continue_signs(curve_builder *builder);
 bool builder_returns(const curve_builder *builder);
 /// Remove the last point. If it was a corner, so is the first, which it repeats.
 void builder_drop_last(curve_builder *builder);
+
+/// Drop the last point if it equals the one before it, or, with `at_end`, the first one of a closed curve; channels do not
+/// count. A dropped corner makes the other point one. Null when nothing is wrong, also after dropping; an error text when
+/// `strict`. Sets whether the point was dropped.
+const char *builder_drop_repeat(curve_builder *builder, bool at_end, bool *dropped);
+/// Tell how many points were dropped. False when out of memory.
+bool builder_note_repeats(const curve_builder *builder, bat_curve_attributes *attributes);
 
 /// Complete the current curve, if it has points. False when out of memory.
 bool builder_end_curve(curve_builder *builder, bool closed);

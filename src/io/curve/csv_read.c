@@ -31,6 +31,7 @@ typedef struct csv_reader
     bool closed;                   ///< from a directive for the current curve
     size_t header_line;            ///< 0 without a header
     size_t time_channel;           ///< BAT_NO_INDEX without times
+    bool motion;                   ///< has times or velocities: repeated points stay
     bool begun;                    ///< a row of numbers was read
     bool unnamed_tum;              ///< a CSV file contains rows of a trajectory without a header
     bool tum;                      ///< the TUM format: blank lines, headers and directives have no meaning
@@ -231,6 +232,8 @@ static void find_times(csv_reader *reader)
     motion_channels channels;
     csv_columns_channels(&reader->attributes->csv, reader->coordinate_count, NULL, &channels);
     reader->time_channel = channels.time;
+    csv_columns_channels(&reader->attributes->csv, reader->coordinate_count, reader->attributes->csv.form, &channels);
+    reader->motion = channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
 }
 
 /// Choose the space from the options, the directives and the columns.
@@ -340,6 +343,11 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     fault = builder_admit(builder);
     if (fault != NULL)
         return error_set(error, BAT_BAD_FILE, index, line->number, "the point is %s", fault);
+    bool dropped;
+    fault = reader->motion ? NULL : builder_drop_repeat(builder, false, &dropped);
+    if (fault != NULL)
+        return error_set(error, BAT_BAD_FILE, index, line->number, "curve %zu, point %zu: %s", builder->curve_count, index,
+                         fault);
     return BAT_OK;
 }
 
@@ -404,6 +412,15 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
     builder_continue_signs(builder);
     while (closed && builder_returns(builder))
         builder_drop_last(builder);
+    bool dropped = closed && !reader->motion;
+    while (dropped)
+    {
+        size_t index = builder->point_count - 1, last_line = builder->lines[builder->line_count - 1];
+        const char *fault = builder_drop_repeat(builder, true, &dropped);
+        if (fault != NULL)
+            return error_set(error, BAT_BAD_FILE, index, last_line, "curve %zu, point %zu: %s", builder->curve_count, index,
+                             fault);
+    }
     reader->closed = false;
     bat_status status = check_times(reader, closed, error);
     if (status != BAT_OK)
@@ -459,12 +476,15 @@ static bat_status read_as(bat_curve_format format, const file_text *text, const 
         return error_memory(error, sizeof *reader);
     reader->options = options;
     reader->builder.project = options->project;
+    reader->builder.strict = options->strict;
     reader->builder.check = true;
     reader->attributes = attributes_new(format);
     reader->tum = format == BAT_CURVE_FORMAT_TUM;
     bool ready = reader->attributes != NULL && (!reader->tum || name_tum_columns(reader));
     bat_status status = ready ? read_text(reader, text, error) : error_memory(error, sizeof *reader);
     const curve_builder *builder = &reader->builder;
+    if (status == BAT_OK && !builder_note_repeats(builder, reader->attributes))
+        status = error_memory(error, sizeof *reader);
     if (status == BAT_OK && reader->unnamed_tum && builder->curve_count == 1 && !builder->curves[0].closed)
         reader->attributes->format = BAT_CURVE_FORMAT_TUM;
     if (status == BAT_OK)

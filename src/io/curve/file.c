@@ -186,6 +186,8 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
     bat_status status = bat_curve_write_options_check(options, error);
     if (status != BAT_OK)
         return status;
+    if (options->crs != NULL && options->crs[0] == '\0')
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "crs must not be empty");
     if (set->count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to write");
     for (size_t i = 0; i < set->count; i++)

@@ -21,18 +21,33 @@ static void describe(char *text, size_t size, const char *what, size_t index)
         (void)snprintf(text + used, size - used, "%s%s %zu", used > 0 ? ", " : "", what, index);
 }
 
+void geojson_describe_place(const geojson_reader *reader, char *text, size_t size)
+{
+    const geojson_place *place = &reader->place;
+    const geojson_document *document = &reader->document;
+    text[0] = '\0';
+    describe(text, size, "feature", place->feature);
+    if (place->feature != NOWHERE && document->feature_count > 0)
+    {
+        char id[80];
+        size_t used = strlen(text);
+        const json_t *tree = document->features[document->feature_count - 1].tree;
+        (void)snprintf(text + used, size - used, "%s", geojson_feature_id(tree, id, sizeof id));
+    }
+    describe(text, size, "geometry", place->geometry);
+    describe(text, size, "polygon", place->polygon);
+    describe(text, size, reader->rings ? "ring" : "line", place->part);
+    describe(text, size, "position", place->position);
+}
+
 bat_status geojson_fault(geojson_reader *reader, const char *format, ...)
 {
-    char where[120] = "", what[160];
+    char where[120], what[160];
     va_list arguments;
     va_start(arguments, format);
     (void)vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
-    describe(where, sizeof where, "feature", reader->place.feature);
-    describe(where, sizeof where, "geometry", reader->place.geometry);
-    describe(where, sizeof where, "polygon", reader->place.polygon);
-    describe(where, sizeof where, reader->rings ? "ring" : "line", reader->place.part);
-    describe(where, sizeof where, "position", reader->place.position);
+    geojson_describe_place(reader, where, sizeof where);
     return error_set(reader->error, BAT_BAD_FILE, reader->place.position, reader->place.line, "%s%s%s", where,
                      where[0] != '\0' ? ": " : "", what);
 }
@@ -44,7 +59,7 @@ bat_status geojson_no_memory(geojson_reader *reader)
 
 static bat_status bad_position(geojson_reader *reader)
 {
-    return geojson_fault(reader, "a position must be an array of 2 or 3 numbers");
+    return geojson_fault(reader, "a position must be an array of 2 or more numbers");
 }
 
 static bool is_of_number(char c)
@@ -64,57 +79,111 @@ static bat_status read_number(geojson_reader *reader, json_scanner *scan, double
     return fault == NULL ? BAT_OK : geojson_fault(reader, "a number %s", fault);
 }
 
-/// Append a position to the current curve.
-static bat_status add_point(geojson_reader *reader, const double *numbers, size_t count)
+static bool keep_degrees(geojson_reader *reader, const double *numbers)
 {
-    double *altitude;
-    double *point = builder_next(&reader->builder, count - 2, &altitude);
-    if (point == NULL)
-        return geojson_no_memory(reader);
+    void *positions = reader->positions;
+    if (!array_grow(&positions, &reader->position_capacity, 2 * reader->position_count + 2, sizeof *reader->positions))
+        return false;
+    reader->positions = positions;
+    memcpy(reader->positions + 2 * reader->position_count++, numbers, 2 * sizeof *numbers);
+    return true;
+}
+
+/// Whether the position at `point` repeats the one before it, number by number. A position with other numbers can be the
+/// same point of the sphere, at a pole or on the antimeridian: such outlines are joined later.
+static bool repeats(geojson_reader *reader, const double *numbers, const double *point)
+{
+    const curve_builder *builder = &reader->builder;
+    size_t dim = builder->space.point_dim;
+    if (builder->point_count == 0 || !points_equal(point, point - dim, dim))
+        return false;
+    if (!reader->degrees)
+        return true;
+    const double *before = reader->positions + 2 * (reader->position_count - 1);
+    bool same = before[0] == numbers[0] && before[1] == numbers[1];
+    reader->aliases = reader->aliases || !same;
+    return same;
+}
+
+static bat_status drop_repeat(geojson_reader *reader)
+{
+    if (reader->strict)
+        return geojson_fault(reader, "the position repeats the one before it");
+    if (reader->findings.repeats++ == 0)
+        geojson_describe_place(reader, reader->findings.first_repeat, sizeof reader->findings.first_repeat);
+    return BAT_OK;
+}
+
+/// Append a position to the current curve.
+static bat_status add_point(geojson_reader *reader, const double *numbers, double *point)
+{
     const char *fault = reader->degrees ? degrees_fault(numbers[0], numbers[1]) : NULL;
     if (fault != NULL)
-        return geojson_fault(reader, "%s", fault);
+        return geojson_fault(reader, "%s; the option `space` can be the plane", fault);
     if (reader->degrees)
         degrees_to_point(numbers[0], numbers[1], point);
     else
         memcpy(point, numbers, 2 * sizeof *point);
-    if (count == 3)
-        *altitude = numbers[2];
+    if (repeats(reader, numbers, point))
+        return drop_repeat(reader);
     fault = builder_admit(&reader->builder);
-    return fault == NULL ? BAT_OK : geojson_fault(reader, "the point is %s", fault);
+    if (fault != NULL)
+        return geojson_fault(reader, "the point is %s", fault);
+    return !reader->degrees || keep_degrees(reader, numbers) ? BAT_OK : geojson_no_memory(reader);
+}
+
+/// Count the numbers of a position, which is valid JSON.
+static size_t count_numbers(json_scanner scan)
+{
+    size_t count = 0;
+    for (; json_scan_element(&scan, count); count++)
+        if (!json_scan_value(&scan))
+            break;
+    return count;
 }
 
 static bat_status read_position(geojson_reader *reader, json_scanner *scan)
 {
-    double numbers[3] = {0};
+    double numbers[2] = {0};
     size_t count = 0;
     if (!json_scan_take(scan, '['))
         return bad_position(reader);
+    if (reader->number_count == 0)
+    {
+        reader->number_count = count_numbers(*scan);
+        if (reader->number_count < 2 || reader->number_count > BAT_SPACE_MAX_DIM)
+            return bad_position(reader);
+    }
+    double *channels = NULL;
+    double *point = builder_next(&reader->builder, reader->number_count - 2, &channels);
+    if (point == NULL)
+        return geojson_no_memory(reader);
     for (; json_scan_element(scan, count); count++)
     {
-        if (count == sizeof numbers / sizeof *numbers)
-            return bad_position(reader);
-        bat_status status = read_number(reader, scan, &numbers[count]);
+        double beyond;
+        double *number = count < 2 ? &numbers[count] : count < reader->number_count ? &channels[count - 2] : &beyond;
+        bat_status status = read_number(reader, scan, number);
         if (status != BAT_OK)
             return status;
     }
     if (count < 2)
         return bad_position(reader);
-    if (reader->number_count == 0)
-        reader->number_count = count;
-    if (count != reader->number_count)
+    if (count != reader->number_count && (count == 2 || reader->number_count == 2))
         return geojson_fault(reader, "only some positions of the geometry have an altitude");
-    return add_point(reader, numbers, count);
+    if (count != reader->number_count)
+        return geojson_fault(reader, "the position has %zu numbers, the one before it %zu", count, reader->number_count);
+    return add_point(reader, numbers, point);
 }
 
-/// Read an array of positions as a curve.
+/// Read an array of positions as a curve. Lines are closed when the geometry is complete.
 static bat_status read_part(geojson_reader *reader, json_scanner *scan)
 {
     enum
     {
         LINE_POSITIONS = 2,
-        RING_POSITIONS = 4 ///< also the fewest of a line that is read as a closed curve
+        RING_POSITIONS = 4
     };
+    geojson_document *document = &reader->document;
     size_t count = 0, fewest = reader->rings ? RING_POSITIONS : LINE_POSITIONS;
     if (!json_scan_take(scan, '['))
         return geojson_fault(reader, "the positions must be an array");
@@ -128,13 +197,23 @@ static bat_status read_part(geojson_reader *reader, json_scanner *scan)
     reader->place.position = NOWHERE;
     if (count < fewest)
         return geojson_fault(reader, "a %s needs at least %zu positions", reader->rings ? "ring" : "line", fewest);
-    bool returns = builder_returns(&reader->builder);
+    // Only repetitions were read when a single point is left.
+    bool returns = builder_returns(&reader->builder) || reader->builder.point_count == 1;
     if (reader->rings && !returns)
         return geojson_fault(reader, "the last position of a ring must repeat the first");
-    bool closed = reader->rings || (reader->closed < 0 ? returns && count >= RING_POSITIONS : reader->closed > 0);
-    if (closed && returns)
+    if (reader->rings && reader->builder.point_count > 1)
+    {
         builder_drop_last(&reader->builder);
-    return builder_end_curve(&reader->builder, closed) ? BAT_OK : geojson_no_memory(reader);
+        reader->position_count -= reader->degrees;
+    }
+    size_t curves = reader->builder.curve_count;
+    if (!geojson_document_reserve(document, document->polygon_count, curves + 1) ||
+        !builder_end_curve(&reader->builder, reader->rings))
+        return geojson_no_memory(reader);
+    size_t part = reader->rings ? reader->place.polygon : reader->place.part, ring = reader->rings ? reader->place.part : 0;
+    document->origins[curves] = (stitch_origin){part != NOWHERE ? part : 0, ring};
+    document->curve_count = curves + 1;
+    return BAT_OK;
 }
 
 static bat_status read_parts(geojson_reader *reader, json_scanner *scan, size_t *count)
@@ -156,13 +235,13 @@ static bat_status read_parts(geojson_reader *reader, json_scanner *scan, size_t 
 static bat_status read_polygon(geojson_reader *reader, json_scanner *scan)
 {
     geojson_document *document = &reader->document;
-    void *counts = document->ring_counts;
-    bool grown =
-        array_grow(&counts, &document->polygon_capacity, document->polygon_count + 1, sizeof *document->ring_counts);
-    document->ring_counts = counts;
-    if (!grown)
+    if (!geojson_document_reserve(document, document->polygon_count + 1, document->curve_count))
         return geojson_no_memory(reader);
-    return read_parts(reader, scan, &document->ring_counts[document->polygon_count++]);
+    size_t count;
+    bat_status status = read_parts(reader, scan, &count);
+    document->ring_counts[document->polygon_count] = count;
+    document->poles[document->polygon_count++] = 0;
+    return status;
 }
 
 static bat_status read_polygons(geojson_reader *reader, json_scanner *scan)
@@ -181,18 +260,26 @@ static bat_status read_polygons(geojson_reader *reader, json_scanner *scan)
 
 bat_status geojson_read_coordinates(geojson_reader *reader, curve_kind kind, json_scanner *scan)
 {
-    size_t unused;
+    size_t unused, first_curve = reader->builder.curve_count, first_polygon = reader->document.polygon_count;
     reader->rings = kind == CURVE_POLYGON || kind == CURVE_POLYGONS;
+    reader->multiple = kind == CURVE_LINES || kind == CURVE_POLYGONS;
     reader->number_count = 0;
+    reader->position_count = 0;
+    reader->aliases = false;
+    bat_status status;
     switch (kind)
     {
     case CURVE_LINE:
-        return read_part(reader, scan);
+        status = read_part(reader, scan);
+        break;
     case CURVE_LINES:
-        return read_parts(reader, scan, &unused);
+        status = read_parts(reader, scan, &unused);
+        break;
     case CURVE_POLYGON:
-        return read_polygon(reader, scan);
+        status = read_polygon(reader, scan);
+        break;
     default:
-        return read_polygons(reader, scan);
+        status = read_polygons(reader, scan);
     }
+    return status == BAT_OK ? geojson_complete_geometry(reader, first_curve, first_polygon) : status;
 }

@@ -1,6 +1,21 @@
 #include "io/curve/geojson_document.h"
 
-#include <stdlib.h>
+#include "base/array_grow.h"
+
+#include <stdio.h>
+#include <string.h>
+
+bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves)
+{
+    void *counts = document->ring_counts, *poles = document->poles, *origins = document->origins;
+    bool grown = array_grow(&counts, &document->polygon_capacity, polygons, sizeof *document->ring_counts) &&
+                 array_grow(&poles, &document->pole_capacity, polygons, sizeof *document->poles) &&
+                 array_grow(&origins, &document->curve_capacity, curves, sizeof *document->origins);
+    document->ring_counts = counts;
+    document->poles = poles;
+    document->origins = origins;
+    return grown;
+}
 
 void geojson_document_free(geojson_document *document)
 {
@@ -10,6 +25,8 @@ void geojson_document_free(geojson_document *document)
     free(document->features);
     free(document->geometries);
     free(document->ring_counts);
+    free(document->poles);
+    free(document->origins);
     *document = (geojson_document){0};
 }
 
@@ -19,17 +36,81 @@ static void free_content(void *content)
     free(content);
 }
 
-/// The line of the feature that a curve belongs to.
+const char *geojson_feature_id(const json_t *tree, char *text, size_t size)
+{
+    const json_t *id = json_object_get(tree, "id");
+    text[0] = '\0';
+    if (json_is_string(id))
+        (void)snprintf(text, size, " (id '%.60s')", json_string_value(id));
+    else if (json_is_integer(id))
+        (void)snprintf(text, size, " (id %lld)", (long long)json_integer_value(id));
+    else if (json_is_real(id))
+        (void)snprintf(text, size, " (id %.15g)", json_real_value(id));
+    return text;
+}
+
+/// The feature that a curve belongs to. Features are in the order of their curves.
+static const geojson_feature *feature_of(const geojson_document *document, size_t curve)
+{
+    size_t low = 0, high = document->feature_count;
+    while (high - low > 1)
+    {
+        size_t middle = low + (high - low) / 2;
+        if (document->features[middle].curve <= curve)
+            low = middle;
+        else
+            high = middle;
+    }
+    // Of features with the same first curve, all but the last have no curves.
+    return low < document->feature_count ? &document->features[low] : NULL;
+}
+
+/// The line where the feature of a curve begins.
 static size_t line_of_feature(const void *content, size_t curve)
 {
+    const geojson_feature *feature = feature_of(content, curve);
+    return feature != NULL ? feature->line : 0;
+}
+
+/// The geometry of a feature that a curve belongs to, as an index.
+static size_t geometry_of(const geojson_document *document, const geojson_feature *feature, size_t curve)
+{
+    size_t index = 0;
+    while (index + 1 < feature->geometry_count &&
+           document->geometries[feature->geometry + index + 1].curve <= curve - feature->curve)
+        index++;
+    return index;
+}
+
+static void append(char *text, size_t size, const char *what, size_t index)
+{
+    size_t used = strlen(text);
+    (void)snprintf(text + used, size - used, "%s%s %zu", used > 0 ? ", " : "", what, index);
+}
+
+/// Write "feature 6 (id 'ATA'), polygon 7, ring 0".
+static void place_of_curve(const void *content, size_t curve, char *text, size_t size)
+{
     const geojson_document *document = content;
-    for (size_t i = 0; i < document->feature_count; i++)
+    const geojson_feature *feature = feature_of(document, curve);
+    text[0] = '\0';
+    if (feature == NULL || feature->geometry_count == 0 || curve >= document->curve_count)
+        return;
+    size_t index = geometry_of(document, feature, curve);
+    const geojson_geometry *geometry = &document->geometries[feature->geometry + index];
+    const stitch_origin *origin = &document->origins[curve];
+    if (document->collection != NULL)
     {
-        const geojson_feature *feature = &document->features[i];
-        if (curve >= feature->curve && curve - feature->curve < feature->curve_count)
-            return feature->line;
+        char id[80];
+        append(text, size, "feature", (size_t)(feature - document->features));
+        size_t used = strlen(text);
+        (void)snprintf(text + used, size - used, "%s", geojson_feature_id(feature->tree, id, sizeof id));
     }
-    return 0;
+    if (feature->geometry_count > 1)
+        append(text, size, "geometry", index);
+    append(text, size, geometry->polygon_count > 0 ? "polygon" : "line", origin->part);
+    if (geometry->polygon_count > 0)
+        append(text, size, "ring", origin->ring);
 }
 
 /// The polygon and the feature of each curve, for bat_curve_set_polygon(). False when out of memory.
@@ -73,6 +154,6 @@ bool geojson_document_keep(geojson_document *document, bat_curve_attributes *att
     }
     *kept = *document;
     *document = (geojson_document){0};
-    attributes->remainder = (file_remainder){kept, free_content, line_of_feature};
+    attributes->remainder = (file_remainder){kept, free_content, line_of_feature, place_of_curve};
     return true;
 }

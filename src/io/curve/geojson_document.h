@@ -2,6 +2,7 @@
 #define IO_CURVE_GEOJSON_DOCUMENT_H
 
 #include "curve/curve_attributes.h"
+#include "io/curve/stitch.h"
 
 #include <jansson.h>
 
@@ -34,8 +35,17 @@ typedef struct geojson_document
     geojson_geometry *geometries;
     size_t geometry_count, geometry_capacity;
     size_t *ring_counts; ///< for each polygon
-    size_t polygon_count, polygon_capacity;
+    signed char *poles;  ///< for each polygon, as in stitch_geometry
+    size_t polygon_count, polygon_capacity, pole_capacity;
+    stitch_origin *origins; ///< for each curve
+    size_t curve_count, curve_capacity;
 } geojson_document;
+
+/// Make room for the polygons and the curves of a document. False when out of memory.
+bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves);
+
+/// Write " (id 'ATA')" or " (id 17)" for a feature with an id, else nothing. Returns `text`.
+const char *geojson_feature_id(const json_t *tree, char *text, size_t size);
 
 void geojson_document_free(geojson_document *document);
 

@@ -171,13 +171,37 @@ static geometry_kind kind_of(const json_t *geometry)
     return KIND_UNKNOWN;
 }
 
+/// The text that coordinates were extracted from; null when they are in the tree.
+static const char *extracted_text(const geojson_reader *reader, const json_t *coordinates)
+{
+    const json_t *number = json_array_get(coordinates, 0);
+    bool extracted = reader->extracted && json_array_size(coordinates) == 1 && json_is_integer(number);
+    return extracted ? reader->extraction.arrays[json_integer_value(number)] : NULL;
+}
+
+/// Put extracted coordinates back into the tree.
+static bat_status restore_coordinates(geojson_reader *reader, json_t *geometry)
+{
+    const char *begin = extracted_text(reader, json_object_get(geometry, "coordinates"));
+    if (begin == NULL)
+        return BAT_OK;
+    json_scanner scan = {begin, reader->text_end};
+    json_t *tree = NULL;
+    if (!json_scan_value(&scan))
+        return geojson_no_memory(reader);
+    bat_status status = json_parse(begin, (size_t)(scan.at - begin), JSON_ALLOW_NUL, 1, &tree, reader->error);
+    if (status == BAT_OK && json_object_set_new(geometry, "coordinates", tree) != 0)
+        status = geojson_no_memory(reader);
+    return status;
+}
+
 /// Read coordinates from the text they were extracted from, or from text that is made of the tree.
 static bat_status read_coordinates(geojson_reader *reader, curve_kind kind, const json_t *coordinates)
 {
-    const json_t *number = json_array_get(coordinates, 0);
-    if (reader->extracted && json_array_size(coordinates) == 1 && json_is_integer(number))
+    const char *begin = extracted_text(reader, coordinates);
+    if (begin != NULL)
     {
-        json_scanner scan = {reader->extraction.arrays[json_integer_value(number)], reader->text_end};
+        json_scanner scan = {begin, reader->text_end};
         return geojson_read_coordinates(reader, kind, &scan);
     }
     text_buffer text = {0};
@@ -205,6 +229,8 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
     if (status != BAT_OK)
         return status;
     taken.curve_count = reader->builder.curve_count - feature->curve - taken.curve;
+    if (taken.curve_count == 0)
+        return restore_coordinates(reader, geometry);
     taken.polygon_count = document->polygon_count - feature->polygon - taken.polygon;
     void *geometries = document->geometries;
     bool grown = array_grow(&geometries, &document->geometry_capacity, document->geometry_count + 1, sizeof taken);
@@ -289,8 +315,9 @@ json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end
 
 geojson_reader geojson_reader_start(const bat_space *space, const bat_curve_read_options *options, bat_error *error)
 {
-    bool sphere = strcmp(space->name, "sphere") == 0;
+    bool sphere = strcmp(space->name, "sphere") == 0 && space->point_dim == 3;
     return (geojson_reader){.closed = options->closed,
+                            .strict = options->strict,
                             .degrees = sphere,
                             .builder = {.space = *space, .project = options->project, .check = !sphere},
                             .place = {BAT_NO_INDEX, BAT_NO_INDEX, BAT_NO_INDEX, BAT_NO_INDEX, BAT_NO_INDEX, 0},
@@ -302,4 +329,8 @@ void geojson_reader_free(geojson_reader *reader)
     builder_free(&reader->builder);
     geojson_document_free(&reader->document);
     geojson_extraction_free(&reader->extraction);
+    free(reader->positions);
+    free(reader->crs);
+    reader->crs = NULL;
+    reader->positions = NULL;
 }

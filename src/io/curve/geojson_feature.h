@@ -26,15 +26,34 @@ typedef struct geojson_extraction
     size_t count, capacity;
 } geojson_extraction;
 
+/// What a reader changed, for notes: counts, and the place of the first.
+typedef struct geojson_findings
+{
+    size_t repeats;    ///< repeated positions that were dropped
+    size_t degenerate; ///< lines and rings with too few different points that were dropped
+    size_t unchanged;  ///< geometries that were not converted
+    stitch_report lines, polygons;
+    char first_repeat[120], first_degenerate[120], first_unchanged[120], first_join[120], first_pole[120];
+} geojson_findings;
+
 /// The state of a reader that converts features to curves. Each thread has its own.
 typedef struct geojson_reader
 {
-    int closed;   ///< as in bat_curve_read_options
-    bool degrees; ///< positions are longitudes and latitudes, else plain coordinates
+    int closed;                               ///< as in bat_curve_read_options
+    bool strict;                              ///< as in bat_curve_read_options
+    bool degrees;                             ///< positions are longitudes and latitudes, else plain coordinates
+    double *positions;                        ///< of the current geometry with degrees: longitude and latitude of each point
+    size_t position_count, position_capacity; ///< the capacity in doubles
+    bool aliases; ///< neighbouring positions of the current geometry with different numbers are one point
+    geojson_findings findings;
+    char *crs;        ///< the short name of the coordinate reference system; null when the file names none
+    bool plane_crs;   ///< the space is the plane because of that system
+    bool unnamed_crs; ///< there is a member "crs" without a name
     curve_builder builder;
     geojson_document document;
     geojson_place place;
     bool rings;          ///< the parts of the current geometry are rings
+    bool multiple;       ///< the current geometry is a MultiLineString or MultiPolygon
     size_t number_count; ///< numbers in each position of the current geometry; 0 before the first
     bool extracted;      ///< coordinates were extracted from the last parsed text
     geojson_extraction extraction;
@@ -70,9 +89,19 @@ typedef enum curve_kind
     CURVE_POLYGONS
 } curve_kind;
 
-/// Read coordinates at the scanner's position, which are valid JSON, into curves.
+/// Read coordinates at the scanner's position, which are valid JSON, into curves, and join what the file cuts at the
+/// antimeridian. A geometry without a line or ring of enough different points, or one that is not an outline on the sphere,
+/// gives no curves.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
 bat_status geojson_read_coordinates(geojson_reader *reader, curve_kind kind, json_scanner *scan);
+
+/// Complete a geometry whose coordinates are the curves and polygons from these on. If none of them can be converted, none
+/// is left.
+/// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
+bat_status geojson_complete_geometry(geojson_reader *reader, size_t first_curve, size_t first_polygon);
+
+/// The current place: "feature 6 (id 'ATA'), polygon 7, ring 0, position 381".
+void geojson_describe_place(const geojson_reader *reader, char *text, size_t size);
 
 /// BAT_BAD_FILE, with a message that begins with the reader's position.
 bat_status geojson_fault(geojson_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -3,10 +3,13 @@
 #include "base/text_buffer.h"
 #include "io/common/file_text.h"
 #include "io/common/json.h"
+#include "io/curve/crs_name.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson_feature.h"
 
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 /// @file
 /// Reader of GeoJSON (RFC 7946). A feature collection is split into the texts of its features, which threads read in
@@ -145,16 +148,43 @@ static void read_batch(feature_batch *batch, const feature_split *split)
 }
 
 /// Reserve memory of a document.
-static bool document_reserve(geojson_document *document, size_t features, size_t geometries, size_t polygons)
+static bool document_reserve(geojson_document *document, size_t features, size_t geometries, size_t polygons, size_t curves)
 {
-    void *feature_array = document->features, *geometry_array = document->geometries, *counts = document->ring_counts;
+    void *feature_array = document->features, *geometry_array = document->geometries;
     bool grown = array_grow(&feature_array, &document->feature_capacity, features, sizeof *document->features) &&
-                 array_grow(&geometry_array, &document->geometry_capacity, geometries, sizeof *document->geometries) &&
-                 array_grow(&counts, &document->polygon_capacity, polygons, sizeof *document->ring_counts);
+                 array_grow(&geometry_array, &document->geometry_capacity, geometries, sizeof *document->geometries);
     document->features = feature_array;
     document->geometries = geometry_array;
-    document->ring_counts = counts;
-    return grown;
+    return grown && geojson_document_reserve(document, polygons, curves);
+}
+
+static void add_stitch_report(stitch_report *sum, const stitch_report *part)
+{
+    sum->joined += part->joined;
+    sum->joins += part->joins;
+    sum->poles += part->poles;
+    sum->removed += part->removed;
+    sum->unrepresented += part->unrepresented;
+}
+
+static void add_count(size_t *count, size_t part, char *first, const char *part_first, size_t size)
+{
+    if (*count == 0 && part > 0)
+        memcpy(first, part_first, size);
+    *count += part;
+}
+
+static void add_findings(geojson_findings *sum, const geojson_findings *part)
+{
+    const size_t size = sizeof sum->first_repeat;
+    size_t joins = sum->lines.joins + sum->polygons.joins, poles = sum->polygons.poles;
+    add_count(&sum->repeats, part->repeats, sum->first_repeat, part->first_repeat, size);
+    add_count(&sum->degenerate, part->degenerate, sum->first_degenerate, part->first_degenerate, size);
+    add_count(&sum->unchanged, part->unchanged, sum->first_unchanged, part->first_unchanged, size);
+    add_count(&joins, part->lines.joins + part->polygons.joins, sum->first_join, part->first_join, size);
+    add_count(&poles, part->polygons.poles, sum->first_pole, part->first_pole, size);
+    add_stitch_report(&sum->lines, &part->lines);
+    add_stitch_report(&sum->polygons, &part->polygons);
 }
 
 /// Append the curves and features of a batch to a reader.
@@ -163,7 +193,8 @@ static bool append_batch(geojson_reader *reader, geojson_reader *batch)
     geojson_document *document = &reader->document;
     geojson_document *part = &batch->document;
     if (!document_reserve(document, document->feature_count + part->feature_count,
-                          document->geometry_count + part->geometry_count, document->polygon_count + part->polygon_count))
+                          document->geometry_count + part->geometry_count, document->polygon_count + part->polygon_count,
+                          document->curve_count + part->curve_count))
         return false;
     for (size_t i = 0; i < part->feature_count; i++)
     {
@@ -177,12 +208,19 @@ static bool append_batch(geojson_reader *reader, geojson_reader *batch)
         memcpy(document->geometries + document->geometry_count, part->geometries,
                part->geometry_count * sizeof *part->geometries);
     if (part->polygon_count > 0)
+    {
         memcpy(document->ring_counts + document->polygon_count, part->ring_counts,
                part->polygon_count * sizeof *part->ring_counts);
+        memcpy(document->poles + document->polygon_count, part->poles, part->polygon_count * sizeof *part->poles);
+    }
+    if (part->curve_count > 0)
+        memcpy(document->origins + document->curve_count, part->origins, part->curve_count * sizeof *part->origins);
+    document->curve_count += part->curve_count;
     document->feature_count += part->feature_count;
     document->geometry_count += part->geometry_count;
     document->polygon_count += part->polygon_count;
     part->feature_count = 0;
+    add_findings(&reader->findings, &batch->findings);
     return builder_append(&reader->builder, &batch->builder);
 }
 
@@ -261,6 +299,47 @@ static bat_status read_whole(geojson_reader *reader, json_t *root)
     return status;
 }
 
+/// The name in a member "crs" of GeoJSON 2008; null when there is none. Sets whether there is a system without a name.
+static const char *crs_name_of(const json_t *root, bool *unnamed)
+{
+    const json_t *crs = json_object_get(root, "crs");
+    const char *type = json_string_value(json_object_get(crs, "type"));
+    const char *name = json_string_value(json_object_get(json_object_get(crs, "properties"), "name"));
+    bool named = type != NULL && strcasecmp(type, "name") == 0 && name != NULL;
+    *unnamed = crs != NULL && !json_is_null(crs) && !named;
+    return named ? name : NULL;
+}
+
+/// Choose the space by the options, else by the coordinate reference system.
+static bat_status choose_space(geojson_reader *reader, const json_t *root, const bat_curve_read_options *options)
+{
+    if (geojson_has_type(root, "Topology"))
+        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "TopoJSON is not read; convert it, as with: ogr2ogr -f GeoJSON OUT.geojson IN.json");
+    const char *crs = crs_name_of(root, &reader->unnamed_crs);
+    if (crs != NULL)
+    {
+        reader->crs = crs_short_name(crs);
+        if (reader->crs == NULL)
+            return error_memory(reader->error, strlen(crs));
+    }
+    reader->plane_crs = options->space == NULL && reader->crs != NULL && !crs_is_geographic(reader->crs);
+    const char *name = options->space != NULL ? options->space : reader->plane_crs ? "plane" : "sphere";
+    if (strcmp(name, "euclidean") == 0)
+        name = "plane";
+    bat_space space;
+    bat_status status = bat_space_by_name(name, 0, &space, reader->error);
+    if (status != BAT_OK)
+        return status;
+    bool sphere = strcmp(name, "sphere") == 0;
+    if (!sphere && space.point_dim != 2)
+        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
+    reader->degrees = sphere;
+    reader->builder.space = space;
+    reader->builder.check = !sphere;
+    return BAT_OK;
+}
+
 /// Read feature by feature if the text can be split, which takes less memory and uses threads; else as one tree.
 static bat_status read_text(geojson_reader *reader, const file_text *text, const bat_curve_read_options *options)
 {
@@ -276,13 +355,17 @@ static bat_status read_text(geojson_reader *reader, const file_text *text, const
     if (apart && root != NULL)
     {
         reader->document.collection = json_incref(root);
-        status = read_split(reader, &split, options);
+        status = choose_space(reader, root, options);
+        if (status == BAT_OK)
+            status = read_split(reader, &split, options);
     }
     if (!apart)
     {
         json_decref(root);
         root = geojson_parse(reader, text->data, text->data + text->size, 1);
         if (root != NULL)
+            status = choose_space(reader, root, options);
+        if (root != NULL && status == BAT_OK)
             status = read_whole(reader, root);
     }
     split_free(&split);
@@ -292,33 +375,66 @@ static bat_status read_text(geojson_reader *reader, const file_text *text, const
     return status;
 }
 
-static bat_status choose_space(const bat_curve_read_options *options, bat_space *space, bat_error *error)
+static const char *plural(size_t count)
 {
-    const char *name = options->space != NULL ? options->space : "sphere";
-    if (strcmp(name, "euclidean") == 0)
-        name = "plane";
-    bat_status status = bat_space_by_name(name, 0, space, error);
-    if (status == BAT_OK && strcmp(name, "sphere") != 0 && space->point_dim != 2)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
-    return status;
+    return count == 1 ? "" : "s";
+}
+
+/// ", the first in feature 6"; nothing in a file of one geometry.
+static const char *first_in(const char *place, char *text, size_t size)
+{
+    (void)snprintf(text, size, "%s%s", place[0] != '\0' ? ", the first in " : "", place);
+    return text;
+}
+
+/// Tell what was guessed and changed. False when out of memory.
+static bool add_notes(const geojson_reader *reader, bat_curve_attributes *attributes)
+{
+    const geojson_findings *found = &reader->findings;
+    const stitch_report *polygons = &found->polygons, *lines = &found->lines;
+    char first[160];
+    bool done = true;
+    if (reader->plane_crs)
+        done = attributes_note(attributes, "plane coordinates in %.80s, which the member crs names", reader->crs);
+    if (done && reader->unnamed_crs && reader->degrees)
+        done = attributes_note(attributes, "the member crs has no name: read as longitude and latitude");
+    (void)first_in(found->first_join, first, sizeof first);
+    if (done && polygons->joins > 0)
+        done = attributes_note(attributes, "joined %zu polygons cut at the antimeridian into %zu%s",
+                               polygons->joined + polygons->joins, polygons->joins, first);
+    if (done && lines->joins > 0)
+        done = attributes_note(attributes, "joined %zu lines cut at the antimeridian into %zu%s",
+                               lines->joined + lines->joins, lines->joins, polygons->joins > 0 ? "" : first);
+    if (done && polygons->poles > 0)
+        done = attributes_note(attributes, "removed the closure of %zu polygon%s over a pole or around the axis%s",
+                               polygons->poles, plural(polygons->poles), first_in(found->first_pole, first, sizeof first));
+    if (done && found->repeats > 0)
+        done = attributes_note(attributes, "dropped %zu repeated point%s%s", found->repeats, plural(found->repeats),
+                               first_in(found->first_repeat, first, sizeof first));
+    if (done && found->degenerate > 0)
+        done = attributes_note(attributes, "dropped %zu line%s or ring%s with too few different points%s", found->degenerate,
+                               plural(found->degenerate), plural(found->degenerate),
+                               first_in(found->first_degenerate, first, sizeof first));
+    if (done && found->unchanged > 0)
+        done = attributes_note(attributes, "left %zu geometr%s without a usable outline unchanged%s", found->unchanged,
+                               found->unchanged == 1 ? "y" : "ies", first_in(found->first_unchanged, first, sizeof first));
+    return done;
 }
 
 bat_status geojson_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
     bat_error unread;
-    bat_space space;
+    const bat_space sphere = bat_sphere(2);
     if (error == NULL)
         error = &unread;
-    bat_status status = choose_space(options, &space, error);
-    if (status != BAT_OK)
-        return status;
-    geojson_reader reader = geojson_reader_start(&space, options, error);
-    status = read_text(&reader, text, options);
+    geojson_reader reader = geojson_reader_start(&sphere, options, error);
+    bat_status status = read_text(&reader, text, options);
     geojson_extraction_free(&reader.extraction);
     if (status == BAT_OK && reader.builder.curve_count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
     bat_curve_attributes *attributes = status == BAT_OK ? attributes_new(BAT_CURVE_FORMAT_GEOJSON) : NULL;
-    if (status == BAT_OK && (attributes == NULL || !geojson_document_keep(&reader.document, attributes)))
+    if (status == BAT_OK &&
+        (attributes == NULL || !add_notes(&reader, attributes) || !geojson_document_keep(&reader.document, attributes)))
         status = error_memory(error, sizeof *attributes + sizeof reader.document);
     if (status != BAT_OK)
     {
@@ -326,5 +442,9 @@ bat_status geojson_read(const file_text *text, const bat_curve_read_options *opt
         geojson_reader_free(&reader);
         return status;
     }
-    return builder_finish(&reader.builder, attributes, set, error);
+    attributes->crs = reader.crs;
+    reader.crs = NULL;
+    status = builder_finish(&reader.builder, attributes, set, error);
+    geojson_reader_free(&reader);
+    return status;
 }

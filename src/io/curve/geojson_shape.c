@@ -22,11 +22,12 @@ static void clear_lines(globe_lines *lines)
     lines->count = 0;
 }
 
-static bool altitudes_finite(const globe_curve *curve)
+static bool values_finite(const globe_curve *curve, size_t value_count)
 {
-    for (size_t i = 0; curve->altitudes != NULL && i < curve->count; i++)
-        if (!isfinite(curve->altitudes[i * curve->altitude_stride]))
-            return false;
+    for (size_t i = 0; curve->values != NULL && i < curve->count; i++)
+        for (size_t k = 0; k < value_count; k++)
+            if (!isfinite(curve->values[i * curve->value_stride + k]))
+                return false;
     return true;
 }
 
@@ -38,9 +39,12 @@ static bool plane_finite(const globe_curve *curve)
     return true;
 }
 
+/// `ring_counts` and `poles` are null for lines.
 static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
-                              size_t count, size_t first, bat_error *error)
+                              size_t count, const size_t *ring_counts, const signed char *poles, size_t first,
+                              bat_error *error)
 {
+    size_t polygon = 0, ring = 0;
     size_t points = 0;
     for (size_t i = 0; i < count; i++)
         points += curves[i].count;
@@ -49,6 +53,9 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
     shape->type = type;
     shape->curve_count = count;
     shape->cut = false;
+    shape->value_count = 0;
+    if (count > 0 && style->altitude < curves[0].channel_count)
+        shape->value_count = style->further ? curves[0].channel_count - style->altitude : 1;
     clear_lines(&shape->pieces);
     clear_lines(&shape->parts.rings);
     shape->parts.count = 0;
@@ -59,15 +66,25 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
         if (curve->count < (curve->closed ? 3 : 2))
             return error_set(error, BAT_UNSUPPORTED, first + i, 0, "GeoJSON cannot hold curve %zu, which has too few points",
                              first + i);
-        bool altitude = style->altitude < curve->channel_count;
+        if (curve->channel_count != curves[0].channel_count)
+            return error_set(error, BAT_UNSUPPORTED, first + i, 0,
+                             "curve %zu has %zu channels, curve %zu of its geometry %zu", first + i, curve->channel_count,
+                             first, curves[0].channel_count);
         shape->curves[i] = (globe_curve){.points = curve->points,
-                                         .altitudes = altitude ? curve->channels + style->altitude : NULL,
-                                         .altitude_stride = curve->channel_count,
+                                         .values = shape->value_count > 0 ? curve->channels + style->altitude : NULL,
+                                         .value_stride = curve->channel_count,
                                          .shown = shown,
                                          .count = curve->count,
                                          .closed = curve->closed};
+        if (ring_counts != NULL)
+        {
+            shape->curves[i].role = ring == 0 ? GLOBE_OUTER : GLOBE_HOLE;
+            shape->curves[i].pole = ring == 0 ? poles[polygon] : 0;
+            ring = ring + 1 < ring_counts[polygon] ? ring + 1 : 0;
+            polygon += ring == 0;
+        }
         bool finite = style->globe ? globe_curve_show(&style->grid, &shape->curves[i]) : plane_finite(&shape->curves[i]);
-        if (!finite || !altitudes_finite(&shape->curves[i]))
+        if (!finite || !values_finite(&shape->curves[i], shape->value_count))
             return error_set(error, BAT_INVALID_POINT, first + i, 0, "a point of curve %zu is not finite", first + i);
         shape->cut = shape->cut || shape->curves[i].cut_count > 0;
         shown = style->globe ? shown + curve->count : shown;
@@ -88,7 +105,7 @@ static void add_uncut(const globe_curve *curve, bool repeat_first, globe_lines *
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error)
 {
-    bat_status status = shape_begin(shape, style, type, curves, count, first, error);
+    bat_status status = shape_begin(shape, style, type, curves, count, NULL, NULL, first, error);
     shape->ring_counts = NULL;
     if (status != BAT_OK || !shape->cut)
         return status;
@@ -96,7 +113,7 @@ bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style,
     {
         const globe_curve *curve = &shape->curves[i];
         if (curve->cut_count > 0)
-            globe_curve_cut(&style->grid, curve, &shape->pieces);
+            globe_curve_cut(&style->grid, curve, 0, &shape->pieces);
         else
             add_uncut(curve, curve->closed, &shape->pieces);
     }
@@ -121,13 +138,13 @@ static bool add_uncut_polygon(const globe_curve *rings, size_t ring_count, globe
 }
 
 bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
-                                  const bat_curve *curves, const size_t *ring_counts, size_t polygon_count, size_t first,
-                                  bat_error *error)
+                                  const bat_curve *curves, const size_t *ring_counts, const signed char *poles,
+                                  size_t polygon_count, size_t first, bat_error *error)
 {
     size_t count = 0;
     for (size_t i = 0; i < polygon_count; i++)
         count += ring_counts[i];
-    bat_status status = shape_begin(shape, style, type, curves, count, first, error);
+    bat_status status = shape_begin(shape, style, type, curves, count, ring_counts, poles, first, error);
     shape->ring_counts = ring_counts;
     shape->polygon_count = polygon_count;
     if (status != BAT_OK || !shape->cut)
@@ -149,60 +166,67 @@ bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *sty
     return BAT_OK;
 }
 
-/// The most characters of a position: brackets, three numbers and commas.
+/// The most characters of a position without its further numbers: brackets, two numbers and a comma.
 enum
 {
-    POSITION_TEXT_SIZE = 3 * (NUMBER_TEXT_SIZE + 1) + 2
+    POSITION_TEXT_SIZE = 2 * (NUMBER_TEXT_SIZE + 1) + 2
 };
 
-static char *write_position(char *out, const geojson_style *style, degree_units shown, const double *altitude)
+/// The most characters of a position.
+static size_t position_size(const geojson_shape *shape)
 {
-    *out++ = '[';
-    out = number_write_fixed(out, shown.longitude, style->decimals);
-    *out++ = ',';
-    out = number_write_fixed(out, shown.latitude, style->decimals);
-    if (altitude != NULL)
+    return POSITION_TEXT_SIZE + shape->value_count * (NUMBER_TEXT_SIZE + 1);
+}
+
+static char *write_values(char *out, const geojson_shape *shape, const globe_position *position)
+{
+    for (size_t k = 0; k < shape->value_count; k++)
     {
         *out++ = ',';
-        out = number_write(out, *altitude);
+        out = number_write(out, globe_position_value(position, k));
     }
     *out++ = ']';
     return out;
 }
 
-static char *write_plane_position(char *out, const double *point, const double *altitude)
+static char *write_position(char *out, const geojson_shape *shape, const geojson_style *style,
+                            const globe_position *position)
 {
+    *out++ = '[';
+    out = number_write_fixed(out, position->shown.longitude, style->decimals);
+    *out++ = ',';
+    out = number_write_fixed(out, position->shown.latitude, style->decimals);
+    return write_values(out, shape, position);
+}
+
+static char *write_curve_position(char *out, const geojson_shape *shape, const geojson_style *style,
+                                  const globe_curve *curve, size_t index)
+{
+    globe_position position = {.values = curve->values != NULL ? curve->values + index * curve->value_stride : NULL};
+    if (style->globe)
+    {
+        position.shown = curve->shown[index];
+        return write_position(out, shape, style, &position);
+    }
+    const double *point = curve->points + 2 * index;
     *out++ = '[';
     out = number_write(out, point[0]);
     *out++ = ',';
     out = number_write(out, point[1]);
-    if (altitude != NULL)
-    {
-        *out++ = ',';
-        out = number_write(out, *altitude);
-    }
-    *out++ = ']';
-    return out;
-}
-
-static char *write_curve_position(char *out, const geojson_style *style, const globe_curve *curve, size_t index)
-{
-    const double *altitude = curve->altitudes != NULL ? curve->altitudes + index * curve->altitude_stride : NULL;
-    return style->globe ? write_position(out, style, curve->shown[index], altitude)
-                        : write_plane_position(out, curve->points + 2 * index, altitude);
+    return write_values(out, shape, &position);
 }
 
 /// Write a curve as an array of positions; a closed one repeats the first.
-static void write_curve(const geojson_style *style, const globe_curve *curve, text_buffer *text)
+static void write_curve(const geojson_shape *shape, const geojson_style *style, const globe_curve *curve, text_buffer *text)
 {
     size_t positions = curve->count + curve->closed;
     for (size_t i = 0; i < positions; i++)
     {
-        char *out = text_reserve(text, POSITION_TEXT_SIZE + 2);
+        char *out = text_reserve(text, position_size(shape) + 2);
         if (out == NULL)
             return;
         *out++ = i == 0 ? '[' : ',';
-        out = write_curve_position(out, style, curve, i < curve->count ? i : 0);
+        out = write_curve_position(out, shape, style, curve, i < curve->count ? i : 0);
         if (i + 1 == positions)
             *out++ = ']';
         text_advance(text, out);
@@ -210,8 +234,8 @@ static void write_curve(const geojson_style *style, const globe_curve *curve, te
 }
 
 /// Write a piece as an array of positions; a ring repeats the first.
-static void write_piece(const geojson_style *style, const globe_lines *lines, size_t line, bool ring, bool altitude,
-                        text_buffer *text)
+static void write_piece(const geojson_shape *shape, const geojson_style *style, const globe_lines *lines, size_t line,
+                        bool ring, text_buffer *text)
 {
     const char *separator = "[";
     size_t begin = globe_line_begin(lines, line), end = lines->ends[line];
@@ -219,10 +243,10 @@ static void write_piece(const geojson_style *style, const globe_lines *lines, si
     {
         const globe_position *position = &lines->positions[i < end ? i : begin];
         text_append_string(text, separator);
-        char *out = text_reserve(text, POSITION_TEXT_SIZE);
+        char *out = text_reserve(text, position_size(shape));
         if (out == NULL)
             return;
-        text_advance(text, write_position(out, style, position->shown, altitude ? &position->altitude : NULL));
+        text_advance(text, write_position(out, shape, style, position));
         separator = ",";
     }
     text_append_string(text, "]");
@@ -231,13 +255,12 @@ static void write_piece(const geojson_style *style, const globe_lines *lines, si
 /// Write line or ring `index` of the curves or of their pieces.
 static void write_part(const geojson_shape *shape, const geojson_style *style, size_t index, text_buffer *text)
 {
-    bool altitude = shape->curves[0].altitudes != NULL;
     if (!shape->cut)
-        write_curve(style, &shape->curves[index], text);
+        write_curve(shape, style, &shape->curves[index], text);
     else if (shape->ring_counts == NULL)
-        write_piece(style, &shape->pieces, index, false, altitude, text);
+        write_piece(shape, style, &shape->pieces, index, false, text);
     else
-        write_piece(style, &shape->parts.rings, index, true, altitude, text);
+        write_piece(shape, style, &shape->parts.rings, index, true, text);
 }
 
 static void write_parts(const geojson_shape *shape, const geojson_style *style, size_t first, size_t count,

@@ -15,6 +15,7 @@ typedef struct geojson_style
     int decimals;     ///< of degrees
     degree_grid grid; ///< of degrees
     size_t altitude;  ///< the channel of the third number, or BAT_NO_INDEX
+    bool further;     ///< the channels after it are further numbers
 } geojson_style;
 
 /// The curves of one geometry, prepared for output. All zero: empty. A shape is reused for many geometries and keeps its
@@ -29,6 +30,7 @@ typedef struct geojson_shape
     size_t shown_capacity;
     const size_t *ring_counts; ///< for each polygon; null for lines
     size_t polygon_count;
+    size_t value_count; ///< the numbers of a position after the first two
 
     bool cut;             ///< write `pieces` or `parts` in place of the curves
     globe_lines pieces;   ///< of lines
@@ -41,10 +43,11 @@ typedef struct geojson_shape
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error);
 
-/// Prepare polygons. `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other.
+/// Prepare polygons. `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other. `poles`
+/// are as in globe_polygon_cut().
 bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
-                                  const bat_curve *curves, const size_t *ring_counts, size_t polygon_count, size_t first,
-                                  bat_error *error);
+                                  const bat_curve *curves, const size_t *ring_counts, const signed char *poles,
+                                  size_t polygon_count, size_t first, bat_error *error);
 
 /// Write the value of "coordinates".
 void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text);

@@ -1,10 +1,12 @@
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "io/common/json.h"
+#include "io/curve/crs_name.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson_document.h"
 #include "io/curve/geojson_shape.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /// @file
@@ -16,6 +18,7 @@ typedef struct geojson_writer
     const bat_curve_set *set;
     const geojson_document *document; ///< null for a set from another format
     geojson_style style;
+    text_buffer crs;  ///< the member "crs" to write in place of the document's, `"crs":{...}`; empty for none
     block_cut blocks; ///< of features or, without a document, of curves
 } geojson_writer;
 
@@ -24,6 +27,7 @@ typedef struct geojson_output
 {
     const geojson_writer *writer;
     const geojson_feature *feature;
+    const json_t *top; ///< the object whose opening brace and member "crs" are written already
     geojson_shape shape;
     text_buffer *text;
     bat_error *error;
@@ -36,6 +40,12 @@ static void write_key(geojson_output *out, const char *separator, const char *ke
     text_append_string(out->text, ":");
 }
 
+/// Whether the top object has a new member "crs" and loses its own.
+static bool replaces_crs(const geojson_writer *writer, const char *key)
+{
+    return writer->crs.size > 0 && strcmp(key, "crs") == 0;
+}
+
 /// Write the members of an object in their order, except for "bbox", which changes with the curves. `write_member` writes
 /// the values that it handles and returns true for them.
 typedef bool member_writer(geojson_output *out, const char *key, json_t *value, bat_status *status);
@@ -43,12 +53,13 @@ typedef bool member_writer(geojson_output *out, const char *key, json_t *value, 
 static bat_status write_members(geojson_output *out, json_t *object, member_writer *write_member)
 {
     bat_status status = BAT_OK;
-    const char *separator = "{";
+    bool begun = out->top == object;
+    const char *separator = begun ? "," : "{";
     for (void *at = json_object_iter(object); at != NULL && status == BAT_OK; at = json_object_iter_next(object, at))
     {
         const char *key = json_object_iter_key(at);
         json_t *value = json_object_iter_value(at);
-        if (strcmp(key, "bbox") == 0)
+        if (strcmp(key, "bbox") == 0 || (begun && replaces_crs(out->writer, key)))
             continue;
         write_key(out, separator, key);
         if (!write_member(out, key, value, &status))
@@ -66,9 +77,9 @@ static bat_status make_shape(geojson_output *out, const char *type, const geojso
     const bat_curve *curves = writer->set->curves + first;
     if (geometry->polygon_count == 0)
         return geojson_shape_lines(&out->shape, &writer->style, type, curves, geometry->curve_count, first, out->error);
-    const size_t *ring_counts = writer->document->ring_counts + out->feature->polygon + geometry->polygon;
-    return geojson_shape_polygons(&out->shape, &writer->style, type, curves, ring_counts, geometry->polygon_count, first,
-                                  out->error);
+    size_t polygon = out->feature->polygon + geometry->polygon;
+    return geojson_shape_polygons(&out->shape, &writer->style, type, curves, writer->document->ring_counts + polygon,
+                                  writer->document->poles + polygon, geometry->polygon_count, first, out->error);
 }
 
 static bool write_shape_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
@@ -126,9 +137,21 @@ static bool write_feature_member(geojson_output *out, const char *key, json_t *v
     return true;
 }
 
+/// Write the tree of a file that is one feature or one geometry, with a member "crs" first.
+static void begin_top(geojson_output *out, json_t *tree)
+{
+    const geojson_writer *writer = out->writer;
+    if (writer->document->collection != NULL || writer->crs.size == 0)
+        return;
+    text_append(out->text, "{", 1);
+    text_append(out->text, writer->crs.data, writer->crs.size);
+    out->top = tree;
+}
+
 static bat_status write_feature(geojson_output *out, const geojson_feature *feature)
 {
     out->feature = feature;
+    begin_top(out, feature->tree);
     if (feature->curve_count == 0)
     {
         json_text(out->text, feature->tree);
@@ -190,14 +213,20 @@ static size_t job_weight(const void *context, size_t job)
 }
 
 /// Write the members of a collection before and after the content of "features".
-static void write_frame(json_t *collection, text_buffer *before, text_buffer *after)
+static void write_frame(const geojson_writer *writer, json_t *collection, text_buffer *before, text_buffer *after)
 {
     text_buffer *text = before;
     const char *separator = "{";
+    if (writer->crs.size > 0)
+    {
+        text_append(text, "{", 1);
+        text_append(text, writer->crs.data, writer->crs.size);
+        separator = ",";
+    }
     for (void *at = json_object_iter(collection); at != NULL; at = json_object_iter_next(collection, at))
     {
         const char *key = json_object_iter_key(at);
-        if (strcmp(key, "bbox") == 0)
+        if (strcmp(key, "bbox") == 0 || replaces_crs(writer, key))
             continue;
         text_append_string(text, separator);
         separator = ",";
@@ -237,11 +266,17 @@ static bat_status write_set(geojson_writer *writer, const bat_curve_write_option
     text_buffer before = {0}, after = {0};
     if (document == NULL)
     {
-        text_append_string(&before, "{\"type\":\"FeatureCollection\",\"features\":[\n");
+        text_append_string(&before, "{\"type\":\"FeatureCollection\",");
+        if (writer->crs.size > 0)
+        {
+            text_append(&before, writer->crs.data, writer->crs.size);
+            text_append_string(&before, ",");
+        }
+        text_append_string(&before, "\"features\":[\n");
         text_append_string(&after, "\n]}\n");
     }
     else if (document->collection != NULL)
-        write_frame(document->collection, &before, &after);
+        write_frame(writer, document->collection, &before, &after);
     else
         text_append_string(&after, "\n");
     bat_status status = sink_write(sink, &before, error);
@@ -260,7 +295,49 @@ static size_t altitude_channel(const bat_curve_set *set)
     const bat_curve_attributes *attributes = set->attributes;
     if (attributes != NULL && attributes->format == BAT_CURVE_FORMAT_CSV)
         return attributes->csv.altitude;
-    return set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
+    bool geojson = attributes != NULL && attributes->format == BAT_CURVE_FORMAT_GEOJSON;
+    return geojson || set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
+}
+
+/// Append the member "crs" of a name.
+static void write_crs(const char *short_name, text_buffer *text)
+{
+    char urn[160];
+    crs_urn(short_name, urn, sizeof urn);
+    text_append_string(text, "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":");
+    json_text_string(text, urn, strlen(urn));
+    text_append_string(text, "}}");
+}
+
+/// Find the member "crs" to write: that of the options; for a set that is not from GeoJSON also that of its file.
+/// Coordinates of the plane need one, as GeoJSON without it is longitude and latitude. A set from GeoJSON may go back as it
+/// came.
+static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_options *options, bat_error *error)
+{
+    const bat_curve_attributes *attributes = writer->set->attributes;
+    bool globe = writer->style.globe;
+    if (options->crs == NULL && writer->document == NULL && attributes != NULL && attributes->crs != NULL &&
+        !(globe && crs_is_default(attributes->crs)))
+        write_crs(attributes->crs, &writer->crs);
+    if (options->crs != NULL)
+    {
+        char *name = crs_short_name(options->crs);
+        if (name == NULL)
+            return error_memory(error, strlen(options->crs));
+        bool fits = !globe || crs_is_geographic(name);
+        if (fits && !(globe && crs_is_default(name)))
+            write_crs(name, &writer->crs);
+        free(name);
+        if (!fits)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                             "the curves have longitudes and latitudes, which are no coordinates in %.80s", options->crs);
+    }
+    if (writer->crs.failed)
+        return error_memory(error, writer->crs.size);
+    if (globe || writer->document != NULL || writer->crs.size > 0)
+        return BAT_OK;
+    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                     "GeoJSON holds plane coordinates only with the name of their system; the option `crs` names it");
 }
 
 bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
@@ -275,6 +352,10 @@ bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options
     geojson_writer writer = {
         .set = set,
         .document = same ? attributes->remainder.content : NULL,
-        .style = {globe, options->precision, degree_grid_of(options->precision), altitude_channel(set)}};
-    return write_set(&writer, options, sink, error);
+        .style = {globe, options->precision, degree_grid_of(options->precision), altitude_channel(set), same}};
+    bat_status status = choose_crs(&writer, options, error);
+    if (status == BAT_OK)
+        status = write_set(&writer, options, sink, error);
+    text_free(&writer.crs);
+    return status;
 }

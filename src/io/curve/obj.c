@@ -202,6 +202,13 @@ static bat_status build_curve(const obj_reader *reader, const obj_element *eleme
         const char *fault = builder_admit(builder);
         if (fault != NULL)
             return error_set(error, BAT_BAD_FILE, place, vertex->line, "the point is %s", fault);
+        bool dropped;
+        fault = builder_drop_repeat(builder, false, &dropped);
+        if (fault == NULL && closed && i + 1 == end)
+            fault = builder_drop_repeat(builder, true, &dropped);
+        if (fault != NULL)
+            return error_set(error, BAT_BAD_FILE, place, element->line, "curve %zu, point %zu: %s", builder->curve_count,
+                             place, fault);
     }
     return builder_end_curve(builder, closed) ? BAT_OK : error_memory(error, (end - element->begin) * sizeof(double));
 }
@@ -211,6 +218,7 @@ static bat_status build_curves(const obj_reader *reader, const bat_curve_read_op
 {
     builder->check = true;
     builder->project = options->project;
+    builder->strict = options->strict;
     bat_status status = choose_space(reader, options, &builder->space, error);
     for (size_t i = 0; i < reader->element_count && status == BAT_OK; i++)
         status = build_curve(reader, &reader->elements[i], options->closed, builder, error);
@@ -228,10 +236,11 @@ bat_status obj_read(const file_text *text, const bat_curve_read_options *options
     free(reader.indices);
     free(reader.elements);
     bat_curve_attributes *attributes = status == BAT_OK ? attributes_new(BAT_CURVE_FORMAT_OBJ) : NULL;
-    if (status == BAT_OK && attributes == NULL)
+    if (status == BAT_OK && (attributes == NULL || !builder_note_repeats(&builder, attributes)))
         status = error_memory(error, sizeof *attributes);
     if (status == BAT_OK)
         return builder_finish(&builder, attributes, set, error);
+    attributes_release(attributes);
     builder_free(&builder);
     return status;
 }
