@@ -63,6 +63,15 @@ static bool cloud_shape_row(size_t index, bat_choice *choice)
     return true;
 }
 
+static bool map_shape_row(size_t index, bat_choice *choice)
+{
+    *choice = (bat_choice){.name = "map",
+                           .settings = "",
+                           .summary = "a map of invented countries with lakes, islands and enclaves, as GeoJSON",
+                           .endings = ""};
+    return index == 0;
+}
+
 static bool result_row(size_t index, bat_choice *choice)
 {
     *choice = (bat_choice){.settings = "", .endings = ""};
@@ -85,7 +94,7 @@ static const struct
     {"formats", {bat_curve_format_list, bat_mesh_format_list, bat_cloud_format_list, bat_surface_format_list}},
     {"models", {bat_curve_model_list}},
     {"parameterizations", {bat_surface_parameters_list}},
-    {"shapes", {mesh_shape_row, cloud_shape_row}},
+    {"shapes", {mesh_shape_row, cloud_shape_row, map_shape_row}},
     {"results", {result_row}},
 };
 

@@ -110,6 +110,7 @@ static const test_case CASES[] = {
     {"surface picture", verb_surface,
      "surface hull.xyz --picture out.png --parameterization uniform --functions 20 --quiet"},
     {"shape", verb_shape, "shape stone -o out.ply --vertices 200"},
+    {"shape map", verb_shape, "shape map -o out.geojson --countries 12 --detail 1"},
     {"shape cloud", verb_shape, "shape scan -o out.xyz --vertices 200"},
     {"analyze", verb_analyze, "analyze four-point --json"},
     {"analyze sweep", verb_analyze, "analyze four-point --sweep w=0.05:0.07 --depth 6"},

@@ -5,6 +5,7 @@
 #include "mesh_makers.h"
 
 #include "batten/batten.h"
+#include "batten/research/map_shapes.h"
 #include "batten/research/surface_shapes.h"
 
 #include <stdio.h>
@@ -500,6 +501,22 @@ static bat_cloud small_cloud(double **parameters)
     return cloud;
 }
 
+static bat_status call_shape_map(const void *options, digest *result, bat_error *error)
+{
+    bat_curve_set set;
+    mark(&set, sizeof set);
+    bat_status status = bat_shape_map(options, &set, error);
+    if (status != BAT_OK)
+    {
+        check_marked(&set, sizeof set);
+        return status;
+    }
+    for (size_t i = 0; i < set.count; i++)
+        *result += digest_of(set.curves[i].points, set.curves[i].count * 3 * sizeof(double));
+    bat_curve_set_free(&set);
+    return BAT_OK;
+}
+
 static bat_status call_cloud_bezier(const void *options, digest *result, bat_error *error)
 {
     bat_random random = bat_random_seed(3);
@@ -702,6 +719,7 @@ FAMILY(mesh_read, bat_mesh_read_defaults)
 FAMILY(mesh_write, bat_mesh_write_defaults)
 FAMILY(mesh_picture, bat_mesh_picture_defaults)
 FAMILY(cloud_bezier, bat_cloud_bezier_defaults)
+FAMILY(shape_map, bat_shape_map_defaults)
 FAMILY(cloud_parameterize, bat_cloud_parameterize_defaults)
 FAMILY(cloud_read, bat_cloud_read_defaults)
 FAMILY(hierarchical, bat_hierarchical_defaults)
@@ -801,6 +819,10 @@ static const option_family FAMILIES[] = {
       BAD(mesh_picture, longitude, BAD_NUMBER, INFINITY), BAD(mesh_picture, latitude, BAD_NUMBER, 2),
       BAD(mesh_picture, value_low, BAD_NUMBER, INFINITY), BAD(mesh_picture, value_high, BAD_NUMBER, INFINITY),
       BAD(mesh_picture, threads, BAD_INT, -1)}},
+    {HEAD(shape_map),
+     {call_shape_map},
+     {BAD(shape_map, countries, BAD_SIZE, 11), BAD(shape_map, countries, BAD_SIZE, 5001),
+      BAD(shape_map, detail, BAD_SIZE, 0), BAD(shape_map, detail, BAD_SIZE, 11)}},
     {HEAD(cloud_bezier),
      {call_cloud_bezier},
      {BAD(cloud_bezier, degree, BAD_INT, 0), BAD(cloud_bezier, degree, BAD_INT, 16), BAD(cloud_bezier, side, BAD_SIZE, 1),

@@ -308,6 +308,10 @@ check "shape draws a picture" sh -c 'head -c 4 cage.png | grep -q PNG'
 check "a cloud is a shape" sh -c "'$batten' shape hull -o hull.xyz --vertices 500 --json | grep -q '\"points\": 500'"
 check "a cloud's file says its boundary" sh -c 'head -n 1 hull.xyz | grep -q "boundary points first"'
 check "a cloud is drawn" sh -c "'$batten' shape scan --vertices 500 --picture scan.png --quiet && head -c 4 scan.png | grep -q PNG"
+"$batten" shape map --countries 12 --detail 1 -o map.geojson --picture map.png --quiet
+check "a map is a shape" sh -c 'grep -c "\"kind\":\"country\"" map.geojson | grep -qx 9 && head -c 4 map.png | grep -q PNG'
+"$batten" shape map --countries 12 --detail 1 -o - > piped.geojson
+check "the same seed gives the same map, to a pipe too" same piped.geojson map.geojson
 "$batten" mesh cage.obj --levels 1 --picture alone.png --quiet
 "$batten" mesh cage.obj --levels 1 --picture beside.png --beside butterfly --quiet
 check "mesh --beside draws one more mesh" sh -c '! cmp -s alone.png beside.png'
@@ -316,7 +320,7 @@ check "mesh --beside draws one more mesh" sh -c '! cmp -s alone.png beside.png'
 "$batten" measure fine.ply cage.obj --json --picture distances.png > drawn.json
 check "measure --picture changes no figure" same plain.json drawn.json
 check "measure draws a picture of distances" sh -c 'head -c 4 distances.png | grep -q PNG'
-for kind in $("$batten" list shapes | cut -d ' ' -f 1); do
+for kind in $("$batten" list shapes | cut -d ' ' -f 1 | grep -vx map); do
     check "shape $kind" "$batten" shape "$kind" --vertices 500 -o shape.ply --quiet
 done
 
