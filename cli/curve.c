@@ -48,7 +48,9 @@ static const option_spec OPTIONS[] = {
     {"ends", 0, "RULE", "how open curves end: reflect (default), extrapolate, free"},
     {"simple", 0, NULL, "keep open curves from crossing themselves too; default: only closed ones (plane, sphere, disk)"},
     {"no-simple", 0, NULL, "let refined curves cross themselves"},
-    {"separate", 0, NULL, "refine every curve by itself: borders that features share may tear"},
+    {"separate", 0, NULL,
+     "refine every curve by itself: borders that features share may tear; GeoJSON sequences of any size then go through "
+     "memory part by part"},
     {"snap-tolerance", 0, "D", "join points of a map nearer than D to each other (metres on the sphere)"},
     {"keep-area", 0, NULL, "keep the areas of rings"},
     {"snap", 0, NULL, "move the points of a linear scheme onto its limit curve"},
@@ -62,7 +64,7 @@ static const option_spec OPTIONS[] = {
     {"comb", 0, NULL, "draw the curvature comb"},
     {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
     {"title", 0, "TEXT", "write a title above the picture"},
-    {"from", 0, "FORMAT", "csv, geojson, obj or tum; default: by the file's ending"},
+    {"from", 0, "FORMAT", "csv, geojson, geojsonl, geojsonseq, obj or tum; default: by the file's ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"crs", 0, "NAME", "the coordinate reference system of plane coordinates in GeoJSON, as EPSG:25833"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
@@ -499,6 +501,77 @@ static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
     return code;
 }
 
+/// Whether the file is a sequence that can go through memory part by part: nothing else needs it as a whole.
+static bool is_streamed(const curve_job *job)
+{
+    bat_curve_format from = job->read.format;
+    if (from == BAT_CURVE_FORMAT_AUTO)
+        from = bat_curve_format_of_path(job->input);
+    return job->map.topology == BAT_CURVE_MAP_SEPARATE && !job->is_motion && job->output != NULL && job->picture == NULL &&
+           job->truth == NULL && (from == BAT_CURVE_FORMAT_GEOJSON_LINES || from == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE);
+}
+
+/// What a streamed job hands to measure_part().
+typedef struct stream_context
+{
+    const curve_job *job;
+    curve_findings *findings;
+    int code;
+} stream_context;
+
+static bool measure_part(void *context, const bat_curve_set *coarse, const bat_curve_set *fine)
+{
+    stream_context *stream = context;
+    stream->code = curve_measure_part(stream->job, coarse, fine, stream->findings);
+    (void)report_progress("refining");
+    return stream->code == EXIT_DONE;
+}
+
+/// Refine a sequence part by part. `fine` receives what the report tells of a set, without the curves.
+static int run_streamed(curve_job *job, bat_space *space, bat_curve_set *fine, curve_findings *findings)
+{
+    bat_error error;
+    *findings = (curve_findings){.curves = 0};
+    if (job->model_file != NULL && !load_model(job))
+        return EXIT_BAD_INPUT;
+    if (bat_space_by_name(job->read.space != NULL ? job->read.space : "sphere", 0, space, &error) != BAT_OK)
+        return report_failure(job->input, &error);
+    convert_lengths(job, space);
+    if (job->scheme == NULL)
+        job->refine.scheme = bat_curve_scheme_for(space, &job->scheme);
+    stream_context stream = {job, findings, EXIT_DONE};
+    bat_curve_refine_file_report report;
+    bat_curve_refine_file_options options = {.read = job->read, .refine = job->refine, .write = job->write};
+    options.refine.progress = report_progress("refining");
+    options.refine.report = &findings->done.curves;
+    options.visit = job->quiet ? NULL : measure_part;
+    options.context = &stream;
+    const char *path = output_path(&job->files, "output");
+    bat_status status = bat_curve_refine_file(job->input, path != NULL ? path : "-", &options, &report, &error);
+    report_progress_end();
+    if (stream.code != EXIT_DONE)
+        return stream.code;
+    if (status == BAT_FILE_ACCESS && strstr(error.text, "write") != NULL)
+        return report_failure(job->output, &error);
+    if (status != BAT_OK)
+        return report_bad_input(job->given, job->input, &error);
+    *fine = (bat_curve_set){.space = space, .count = report.curves};
+    return EXIT_DONE;
+}
+
+/// Run a streamed job, up to its report.
+static int run_parts(const arguments *given, curve_job *job)
+{
+    bat_space space;
+    bat_curve_set fine;
+    curve_findings findings;
+    int code = outputs_close(&job->files, run_streamed(job, &space, &fine, &findings));
+    if (code == EXIT_DONE && !argument_flag(given, "quiet"))
+        code = curve_report(job, &fine, &findings);
+    bat_curve_model_free(job->model);
+    return code;
+}
+
 int curve_run(const arguments *given, curve_job *job)
 {
     curve_sets sets = {.fine = {0}};
@@ -508,6 +581,8 @@ int curve_run(const arguments *given, curve_job *job)
     int code = outputs_open(given, &job->files);
     if (code != EXIT_DONE)
         return code;
+    if (is_streamed(job))
+        return run_parts(given, job);
     code = outputs_close(&job->files, make(job, &sets, &findings));
     if (code == EXIT_DONE && job->hint != NULL && !argument_flag(given, "quiet"))
         (void)fprintf(stderr, "batten: %s %s, see `batten motion --help`\n", job->input, job->hint);

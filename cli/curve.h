@@ -76,6 +76,7 @@ typedef struct curve_totals
 /// What is reported.
 typedef struct curve_findings
 {
+    size_t curves;             ///< so many have been measured, in parts
     bat_curve_map_report done; ///< of curve_refine()
     curve_totals before, after;
     bool compared;
@@ -86,6 +87,9 @@ typedef struct curve_findings
 /// Measure the result, all but findings->done; `truth` may be null, else it has as many curves as `fine`.
 int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
                   curve_findings *findings);
+/// curve_measure() of a part of the curves, after others; `findings` is all zero before the first part.
+int curve_measure_part(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine,
+                       curve_findings *findings);
 /// Print the report.
 int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings);
 

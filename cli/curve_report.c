@@ -71,6 +71,30 @@ int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_c
     return EXIT_DONE;
 }
 
+/// Add the totals of `added` curves to those of `count`.
+static void add_totals(curve_totals *sum, size_t count, const curve_totals *part, size_t added)
+{
+    sum->points += part->points;
+    sum->length += part->length;
+    sum->bending = (sum->bending * (double)count + part->bending * (double)added) / (double)(count + added);
+    sum->g1 = part->g1 > sum->g1 ? part->g1 : sum->g1;
+}
+
+int curve_measure_part(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine,
+                       curve_findings *findings)
+{
+    curve_findings part = {.curves = 0};
+    if (coarse->count == 0)
+        return EXIT_DONE;
+    int code = curve_measure(job, coarse, NULL, fine, &part);
+    if (code != EXIT_DONE)
+        return code;
+    add_totals(&findings->before, findings->curves, &part.before, coarse->count);
+    add_totals(&findings->after, findings->curves, &part.after, coarse->count);
+    findings->curves += coarse->count;
+    return EXIT_DONE;
+}
+
 /// "on the sphere", "in R^3", "in the space rotation".
 static const char *place_of(const bat_space *space, char *text, size_t size)
 {

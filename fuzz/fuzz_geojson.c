@@ -57,6 +57,7 @@ static void compare_spellings(const uint8_t *data, size_t size, const char *spac
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, NULL, false);
+    round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON_LINES, NULL, false);
     round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, "plane", false);
     round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, "sphere", true);
     round_trip(data, size, BAT_CURVE_FORMAT_GEOJSON, "disk", true);

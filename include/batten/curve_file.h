@@ -1,12 +1,13 @@
 #ifndef BATTEN_CURVE_FILE_H
 #define BATTEN_CURVE_FILE_H
 
+#include "batten/curve.h"
 #include "batten/curve_set.h"
 
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of curves: CSV, GeoJSON, OBJ line elements and TUM trajectories. docs/formats.md describes the
+/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements and TUM trajectories. docs/formats.md describes the
 /// formats.
 
 /// A format, or "auto", by name.
@@ -17,7 +18,7 @@ BAT_API const char *bat_curve_format_name(bat_curve_format value);
 /// The table, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_curve_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case: .csv .txt, .geojson .json, .obj, .tum; else
+/// The format that a path's ending stands for, in either case, as bat_curve_format_list() gives them; else
 /// BAT_CURVE_FORMAT_AUTO.
 BAT_API bat_curve_format bat_curve_format_of_path(const char *path);
 
@@ -83,6 +84,48 @@ BAT_API bat_status bat_curve_write(const char *path, const bat_curve_set *set, c
 /// The same to memory: `text` receives `size` bytes and a final zero; release it with free().
 BAT_API bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_write_options *options, char **text,
                                           size_t *size, bat_error *error);
+
+/// Options of bat_curve_refine_file(). Begin with bat_curve_refine_file_defaults().
+typedef struct bat_curve_refine_file_options
+{
+    bat_curve_read_options read;
+    bat_curve_refine_options refine; ///< `progress` and `report` are those of the whole file
+    bat_curve_write_options write;
+    /// Called with each part of the file, in their order, by the calling thread: the given curves and the refined ones.
+    /// False stops the call with BAT_CANCELLED. Default: null.
+    bool (*visit)(void *context, const bat_curve_set *coarse, const bat_curve_set *fine);
+    void *context; ///< handed to `visit`
+} bat_curve_refine_file_options;
+
+/// What bat_curve_refine_file() found.
+typedef struct bat_curve_refine_file_report
+{
+    size_t features; ///< records of a sequence; 0 for other formats
+    size_t curves;
+    size_t coarse_points, fine_points;
+    bool streamed; ///< the file was read part by part
+} bat_curve_refine_file_report;
+
+/// The options' default values.
+BAT_API bat_curve_refine_file_options bat_curve_refine_file_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or as the checks of `read`, `refine` and `write`
+BAT_API bat_status bat_curve_refine_file_options_check(const bat_curve_refine_file_options *options, bat_error *error);
+
+/// Read the curves of a file, refine each by itself, and write them. A sequence of GeoJSON that is written as GeoJSON or as
+/// a sequence is read, refined and written part by part: the memory does not grow with the number of features. A part has
+/// about a million refined points, or a single feature that has more. The result is that of bat_curve_read(),
+/// bat_curves_refine() and bat_curve_write(), byte for byte, and appears whole or not at all; but standard output may
+/// receive records before a failure.
+///
+/// @param input   "-" is standard input, whose format `read` names if it is to be read part by part
+/// @param output  "-" is standard output; it may be the input file
+/// @param options null for the defaults
+/// @param report  receives counts when the call succeeds; may be null
+/// @param error   `line` is the line that the failing feature begins on, and the text names the feature
+/// @return as bat_curve_read(), bat_curves_refine() and bat_curve_write()
+BAT_API bat_status bat_curve_refine_file(const char *input, const char *output, const bat_curve_refine_file_options *options,
+                                         bat_curve_refine_file_report *report, bat_error *error);
 
 BAT_C_END
 

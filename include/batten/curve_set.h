@@ -15,6 +15,8 @@ typedef enum bat_curve_format
                            ///< (writing)
     BAT_CURVE_FORMAT_CSV,
     BAT_CURVE_FORMAT_GEOJSON,
+    BAT_CURVE_FORMAT_GEOJSON_LINES,    ///< a GeoJSON feature or geometry on each line
+    BAT_CURVE_FORMAT_GEOJSON_SEQUENCE, ///< the same after record separators, RFC 8142
     BAT_CURVE_FORMAT_OBJ,
     BAT_CURVE_FORMAT_TUM ///< poses in time, as the TUM benchmark writes them: timestamp tx ty tz qx qy qz qw; the space
                          ///< "rigid"

@@ -49,6 +49,14 @@ struct bat_curve_attributes
     size_t note_count;
 };
 
+/// Whether curves come from GeoJSON or a sequence of it. Null is allowed.
+static inline bool attributes_are_geojson(const bat_curve_attributes *attributes)
+{
+    return attributes != NULL && (attributes->format == BAT_CURVE_FORMAT_GEOJSON ||
+                                  attributes->format == BAT_CURVE_FORMAT_GEOJSON_LINES ||
+                                  attributes->format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE);
+}
+
 /// Attributes with one owner.
 bat_curve_attributes *attributes_new(bat_curve_format format);
 void attributes_share(bat_curve_attributes *attributes);

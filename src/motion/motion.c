@@ -29,8 +29,8 @@ static const point_form *form_of(const bat_curve_set *set)
 static bool is_nameless(const bat_curve_set *set)
 {
     const bat_curve_attributes *attributes = set->attributes;
-    if (attributes != NULL && (attributes->format == BAT_CURVE_FORMAT_GEOJSON || attributes->csv.degrees))
-        return attributes->format == BAT_CURVE_FORMAT_GEOJSON;
+    if (attributes != NULL && (attributes_are_geojson(attributes) || attributes->csv.degrees))
+        return attributes_are_geojson(attributes);
     return form_of(set) == NULL;
 }
 

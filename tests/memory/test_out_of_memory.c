@@ -110,6 +110,7 @@ static const test_case CASES[] = {
     {"surface picture", verb_surface,
      "surface hull.xyz --picture out.png --parameterization uniform --functions 20 --quiet"},
     {"shape", verb_shape, "shape stone -o out.ply --vertices 200"},
+    {"curve sequence", verb_curve, "curve lines.geojsonl -o out.geojsonl --levels 2 --separate --threads 1"},
     {"shape map", verb_shape, "shape map -o out.geojson --countries 12 --detail 1"},
     {"shape cloud", verb_shape, "shape scan -o out.xyz --vertices 200"},
     {"analyze", verb_analyze, "analyze four-point --json"},
@@ -397,6 +398,8 @@ static int make_input(void **state)
                "\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[170,10],[179,20],[-172,15],[-160,30]]}},"
                "{\"type\":\"Feature\",\"properties\":null,\"geometry\":{\"type\":\"Polygon\",\"coordinates\":"
                "[[[0,0],[20,0],[20,20],[0,20],[0,0]]]}}]}");
+    write_file("lines.geojsonl", "{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,1],[2,0]]}\n"
+                                 "{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,1],[2,0],[0,0]]]}\n");
     write_file("path.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 1 1 1\nl 1 2 3 4\n");
     write_file("rotation.csv", "0 0 0 0 0 0 0 1\n1 1 0 0 0.28 0 0 0.96\n2.5 1 1 0 0.6 0 0 0.8\n4 1 1 1 0.48 0.36 0 0.8\n");
     write_file("keys.csv", "time,qw,qx,qy,qz\n0,1,0,0,0\n1,0.96,0.28,0,0\n2,0.8,0.6,0,0\n3,0.8,0.48,0.36,0\n");
@@ -412,9 +415,10 @@ static int make_input(void **state)
     make(verb_surface, "surface fit.xml -o fit.json --quiet");
     if (mkdir("runs", 0700) != 0 || chdir("runs") != 0)
         return -1;
-    static const char *const inputs[] = {"plane.csv", "many.csv", "track.geojson", "path.obj",  "rotation.csv", "keys.csv",
-                                         "sheet.obj", "fins.obj", "cage.ply",      "stone.ply", "hull.xyz",     "scan.xyz",
-                                         "fit.xml",   "fit.json", "hull.uv",       "strait.csv"};
+    static const char *const inputs[] = {"plane.csv",    "many.csv",  "track.geojson", "path.obj", "lines.geojsonl",
+                                         "rotation.csv", "keys.csv",  "sheet.obj",     "fins.obj", "cage.ply",
+                                         "stone.ply",    "hull.xyz",  "scan.xyz",      "fit.xml",  "fit.json",
+                                         "hull.uv",      "strait.csv"};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
     {
         char target[64];

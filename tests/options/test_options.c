@@ -154,6 +154,19 @@ static bat_status call_refined_count(const void *options, digest *result, bat_er
     return status;
 }
 
+static bat_status call_refine_file(const void *options, digest *result, bat_error *error)
+{
+    char input[64];
+    (void)snprintf(input, sizeof input, "%s", output("_in.csv"));
+    FILE *file = fopen(input, "w");
+    assert_non_null(file);
+    assert_true(fputs("x,y\n0,0\n1,0.5\n2,0\n", file) >= 0);
+    assert_int_equal(fclose(file), 0);
+    bat_status status = bat_curve_refine_file(input, output(".csv"), options, NULL, error);
+    assert_int_equal(remove(input), 0);
+    return finish_file(output(".csv"), status, result);
+}
+
 static bat_status call_refine_into(const void *options, digest *result, bat_error *error)
 {
     bat_space space;
@@ -709,6 +722,7 @@ FAMILY(analysis, bat_analysis_defaults)
 FAMILY(mask_sweep, bat_mask_sweep_defaults)
 FAMILY(curve_read, bat_curve_read_defaults)
 FAMILY(curve_write, bat_curve_write_defaults)
+FAMILY(curve_refine_file, bat_curve_refine_file_defaults)
 FAMILY(curve_picture, bat_curve_picture_defaults)
 FAMILY(hermite, bat_hermite_defaults)
 FAMILY(motion, bat_motion_defaults)
@@ -819,6 +833,10 @@ static const option_family FAMILIES[] = {
       BAD(mesh_picture, longitude, BAD_NUMBER, INFINITY), BAD(mesh_picture, latitude, BAD_NUMBER, 2),
       BAD(mesh_picture, value_low, BAD_NUMBER, INFINITY), BAD(mesh_picture, value_high, BAD_NUMBER, INFINITY),
       BAD(mesh_picture, threads, BAD_INT, -1)}},
+    {HEAD(curve_refine_file),
+     {call_refine_file},
+     {BAD(curve_refine_file, read.format, BAD_INT, 99), BAD(curve_refine_file, refine.levels, BAD_SIZE, 61),
+      BAD(curve_refine_file, write.precision, BAD_INT, 13)}},
     {HEAD(shape_map),
      {call_shape_map},
      {BAD(shape_map, countries, BAD_SIZE, 11), BAD(shape_map, countries, BAD_SIZE, 5001),

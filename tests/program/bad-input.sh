@@ -96,6 +96,9 @@ curve 'one\.in\.csv:1: an open curve' one.in.csv
 curve 'empty\.in\.csv: ' empty.in.csv
 curve 'comments\.in\.csv:2: ' comments.in.csv
 curve 'none\.in\.geojson: ' none.in.geojson
+printf '{"type":"LineString","coordinates":[[0,0],[1,1]]}\n\n{"type":"LineString","coord' > cut.in.geojsonl
+curve 'cut\.in\.geojsonl:3: ' cut.in.geojsonl
+refused 1 'cut\.in\.geojsonl:3: ' curve cut.in.geojsonl --separate -o out.geojsonl
 curve 'cut\.in\.geojson:1: ' cut.in.geojson
 curve 'text\.in\.geojson.*position 1' text.in.geojson
 curve 'latitude\.in\.geojson.*position 1.*--space plane' latitude.in.geojson

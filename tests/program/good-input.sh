@@ -48,6 +48,17 @@ check "stops are metres on the sphere" grep -q 'levels, pieces up to 200000 m, w
 "$batten" curve "$examples/outline.csv" --tolerance 0.01 --threads 4 -o four.csv --quiet
 check "a tolerance gives the same bytes for any number of threads" same one.csv four.csv
 
+for i in 1 2 3 4 5; do
+    tr -d '\n' < "$examples/coast.geojson" | sed 's/^.*"features": *\[//; s/\] *} *$//'
+    echo
+done > coasts.geojsonl
+"$batten" curve - --levels 2 --separate -o whole.geojsonl < coasts.geojsonl > whole.txt
+"$batten" curve coasts.geojsonl --levels 2 -o parts.geojsonl --separate > parts.txt
+check "a sequence goes through memory part by part with the same result" same parts.geojsonl whole.geojsonl
+check "and with the same report" same parts.txt whole.txt
+"$batten" curve - --from geojsonl --levels 2 --separate < coasts.geojsonl > parts.geojsonl
+check "a sequence is piped" same parts.geojsonl whole.geojsonl
+check "a sequence has a feature a line" test "$(wc -l < whole.geojsonl)" -eq 5
 "$batten" curve "$examples/iss-track.geojson" --levels 3 -o track.geojson --quiet
 check "properties survive" grep -q '"inclination":51.64' track.geojson
 "$batten" curve "$examples/iss-track.geojson" --levels 3 -o track.csv --quiet

@@ -34,8 +34,7 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
                              i, set->curves[i].channel_count, channels);
     const bat_curve_attributes *attributes = set->attributes;
     bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
-    bool degrees =
-        globe && attributes != NULL && (attributes->format == BAT_CURVE_FORMAT_GEOJSON || attributes->csv.degrees);
+    bool degrees = globe && attributes != NULL && (attributes_are_geojson(attributes) || attributes->csv.degrees);
     const point_form *form = attributes != NULL ? attributes->csv.form : NULL;
     size_t coordinates = degrees ? 2 : form != NULL ? form->count : set->space->point_dim;
     *layout = (csv_layout){coordinates + channels, coordinates, NULL, form, degrees, options->precision, BAT_NO_INDEX};

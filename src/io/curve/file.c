@@ -6,6 +6,7 @@
 #include "base/option.h"
 #include "curve/curve_attributes.h"
 #include "io/curve/formats.h"
+#include "io/curve/geojson_sequence.h"
 #include "space/degrees.h"
 
 #include <math.h>
@@ -41,6 +42,22 @@ static const curve_format FORMATS[] = {
       .value = BAT_CURVE_FORMAT_GEOJSON},
      geojson_read,
      geojson_write},
+    {{.name = "geojsonl",
+      .summary = "curves: GeoJSON, a feature on each line",
+      .endings = ".geojsonl .ndjson .jsonl",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_GEOJSON_LINES},
+     geojson_sequence_read,
+     geojson_lines_write},
+    {{.name = "geojsonseq",
+      .summary = "curves: GeoJSON text sequences (RFC 8142), a feature after each record separator",
+      .endings = ".geojsons",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_GEOJSON_SEQUENCE},
+     geojson_sequence_read,
+     geojson_sequence_write},
     {{.name = "obj",
       .summary = "curves: line elements",
       .endings = ".obj",
@@ -83,7 +100,7 @@ static bat_curve_format format_of_text(const file_text *text)
         size_t length = (size_t)(line.end - line.begin);
         if (length == 0 || *line.begin == '#')
             continue;
-        if (*line.begin == '{')
+        if (*line.begin == '{' || *line.begin == RECORD_SEPARATOR)
             return BAT_CURVE_FORMAT_GEOJSON;
         static const char *const statements[] = {"v ", "vn ", "vt ", "l ", "o ", "g ", "s ", "mtllib ", "usemtl "};
         for (size_t i = 0; i < sizeof statements / sizeof *statements; i++)
@@ -133,6 +150,8 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
 {
     if (format == BAT_CURVE_FORMAT_AUTO)
         format = format_of_text(text);
+    if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
+        format = BAT_CURVE_FORMAT_GEOJSON_LINES;
     return row_of(format)->read(text, options, set, error);
 }
 
@@ -197,24 +216,22 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
 }
 
 /// The format for a path. A .txt file has the format of the input, if that was a trajectory.
-static bat_curve_format format_of_output(const char *path, const bat_curve_set *set)
+static bat_curve_format format_of_output(const char *path, const bat_curve_attributes *attributes)
 {
     bat_curve_format format = bat_curve_format_of_path(path);
     const char *dot = strrchr(path, '.');
     bool text = dot != NULL && strcasecmp(dot, ".txt") == 0;
-    return text && set->attributes != NULL && set->attributes->format == BAT_CURVE_FORMAT_TUM ? BAT_CURVE_FORMAT_TUM
-                                                                                              : format;
+    return text && attributes != NULL && attributes->format == BAT_CURVE_FORMAT_TUM ? BAT_CURVE_FORMAT_TUM : format;
 }
 
-/// The format to write: from the options, else from the path, else that of the input.
-static bat_status choose_format(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
-                                bat_curve_format *format, bat_error *error)
+bat_status curve_format_choose(const char *path, const bat_curve_attributes *attributes,
+                               const bat_curve_write_options *options, bat_curve_format *format, bat_error *error)
 {
     *format = options->format;
     if (*format == BAT_CURVE_FORMAT_AUTO && path != NULL)
-        *format = format_of_output(path, set);
-    if (*format == BAT_CURVE_FORMAT_AUTO && set->attributes != NULL)
-        *format = set->attributes->format;
+        *format = format_of_output(path, attributes);
+    if (*format == BAT_CURVE_FORMAT_AUTO && attributes != NULL)
+        *format = attributes->format;
     if (*format == BAT_CURVE_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "cannot tell what format to write");
     return BAT_OK;
@@ -229,7 +246,7 @@ bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat
     bat_curve_format format;
     bat_status status = check_write(set, options, error);
     if (status == BAT_OK)
-        status = choose_format(path, set, options, &format, error);
+        status = curve_format_choose(path, set->attributes, options, &format, error);
     if (status != BAT_OK)
         return status;
     atomic_file file;
@@ -250,7 +267,7 @@ bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_writ
     bat_curve_format format;
     bat_status status = check_write(set, options, error);
     if (status == BAT_OK)
-        status = choose_format(NULL, set, options, &format, error);
+        status = curve_format_choose(NULL, set->attributes, options, &format, error);
     if (status != BAT_OK)
         return status;
     text_buffer buffer = {0};

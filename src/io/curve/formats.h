@@ -8,6 +8,11 @@
 /// @file
 /// Readers and writers of curve formats. Options are complete and valid. Sets have curves, and curves have points.
 
+/// Choose the format to write: that of the options, else that of the path, which may be null, else that of the input, whose
+/// attributes may be null.
+bat_status curve_format_choose(const char *path, const bat_curve_attributes *attributes,
+                               const bat_curve_write_options *options, bat_curve_format *format, bat_error *error);
+
 bat_status csv_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
 
@@ -18,6 +23,14 @@ bat_status tum_write(const bat_curve_set *set, const bat_curve_write_options *op
 bat_status geojson_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
                          bat_error *error);
+
+/// Sequences of GeoJSON texts.
+bat_status geojson_sequence_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set,
+                                 bat_error *error);
+bat_status geojson_lines_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
+                               bat_error *error);
+bat_status geojson_sequence_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
+                                  bat_error *error);
 
 bat_status obj_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status obj_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);

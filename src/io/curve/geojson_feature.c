@@ -245,6 +245,8 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
 static bat_status read_geometry(geojson_reader *reader, json_t *geometry)
 {
     geometry_kind kind = kind_of(geometry);
+    if (geojson_has_type(geometry, "FeatureCollection"))
+        return geojson_fault(reader, "a record of a sequence must be a Feature or a geometry, not a FeatureCollection");
     if (kind == KIND_UNKNOWN)
         return geojson_fault(reader, json_is_object(geometry) ? "the geometry has an unknown type"
                                                               : "the geometry must be an object");

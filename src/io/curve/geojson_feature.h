@@ -78,6 +78,25 @@ bool geojson_has_type(const json_t *object, const char *type);
 
 void geojson_reader_free(geojson_reader *reader);
 
+/// The text of one feature.
+typedef struct feature_text
+{
+    const char *begin, *end;
+    size_t line; ///< the line of its first byte, counted from 1
+} feature_text;
+
+/// Make a reader for the records of a sequence, in the space that the options choose.
+/// @return BAT_OK, or as bat_space_by_name(), or BAT_UNSUPPORTED
+bat_status geojson_records_begin(const bat_curve_read_options *options, geojson_reader *reader, bat_error *error);
+
+/// Read records, each a feature or a geometry, on several threads. `first` is the number of records before these.
+/// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
+bat_status geojson_records_read(geojson_reader *reader, const feature_text *records, size_t count, size_t first,
+                                const bat_curve_read_options *options);
+
+/// Move what was read into a set, which may have no curves. The reader can read further records.
+bat_status geojson_records_end(geojson_reader *reader, bat_curve_format format, bat_curve_set *set);
+
 void geojson_extraction_free(geojson_extraction *extraction);
 
 /// The types of geometries that are curves.

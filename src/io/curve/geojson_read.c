@@ -15,19 +15,14 @@
 /// Reader of GeoJSON (RFC 7946). A feature collection is split into the texts of its features, which threads read in
 /// parallel.
 
-/// The text of one feature.
-typedef struct feature_text
-{
-    const char *begin, *end;
-    size_t line; ///< the line of its first byte, counted from 1
-} feature_text;
-
 /// A feature collection, split into the texts of its features.
 typedef struct feature_split
 {
     feature_text *features;
     size_t count, capacity;
-    char *frame; ///< the text without the content of "features", except for its line breaks
+    size_t before;   ///< the number of features before these, for messages
+    bool geometries; ///< a geometry may stand in place of a feature
+    char *frame;     ///< the text without the content of "features", except for its line breaks
     size_t frame_size;
 } feature_split;
 
@@ -140,10 +135,11 @@ static void read_batch(feature_batch *batch, const feature_split *split)
     for (size_t i = batch->first; i < batch->end && batch->status == BAT_OK; i++)
     {
         const feature_text *feature = &split->features[i];
-        reader->place.feature = i;
+        reader->place.feature = split->before + i;
         reader->place.line = feature->line;
         json_t *tree = geojson_parse(reader, feature->begin, feature->end, feature->line);
-        batch->status = tree != NULL ? geojson_read_feature(reader, tree, false) : batch->error.status;
+        bool bare = split->geometries && !geojson_has_type(tree, "Feature");
+        batch->status = tree != NULL ? geojson_read_feature(reader, tree, bare) : batch->error.status;
     }
 }
 
@@ -279,6 +275,98 @@ static bat_status read_split(geojson_reader *reader, const feature_split *split,
     return status;
 }
 
+static bat_status choose_space(const bat_curve_read_options *options, bat_space *space, bat_error *error)
+{
+    const char *name = options->space != NULL ? options->space : "sphere";
+    if (strcmp(name, "euclidean") == 0)
+        name = "plane";
+    bat_status status = bat_space_by_name(name, 0, space, error);
+    if (status == BAT_OK && strcmp(name, "sphere") != 0 && space->point_dim != 2)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
+    return status;
+}
+
+bat_status geojson_records_begin(const bat_curve_read_options *options, geojson_reader *reader, bat_error *error)
+{
+    bat_space space;
+    bat_status status = choose_space(options, &space, error);
+    if (status == BAT_OK)
+        *reader = geojson_reader_start(&space, options, error);
+    return status;
+}
+
+bat_status geojson_records_read(geojson_reader *reader, const feature_text *records, size_t count, size_t first,
+                                const bat_curve_read_options *options)
+{
+    const feature_split split = {
+        .features = (feature_text *)(uintptr_t)records, .count = count, .before = first, .geometries = true};
+    return count > 0 ? read_split(reader, &split, options) : BAT_OK;
+}
+
+static const char *plural(size_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
+/// ", the first in feature 6"; nothing in a file of one geometry.
+static const char *first_in(const char *place, char *text, size_t size)
+{
+    (void)snprintf(text, size, "%s%s", place[0] != '\0' ? ", the first in " : "", place);
+    return text;
+}
+
+/// Tell what was guessed and changed. False when out of memory.
+static bool add_notes(const geojson_reader *reader, bat_curve_attributes *attributes)
+{
+    const geojson_findings *found = &reader->findings;
+    const stitch_report *polygons = &found->polygons, *lines = &found->lines;
+    char first[160];
+    bool done = true;
+    if (reader->plane_crs)
+        done = attributes_note(attributes, "plane coordinates in %.80s, which the member crs names", reader->crs);
+    if (done && reader->unnamed_crs && reader->degrees)
+        done = attributes_note(attributes, "the member crs has no name: read as longitude and latitude");
+    (void)first_in(found->first_join, first, sizeof first);
+    if (done && polygons->joins > 0)
+        done = attributes_note(attributes, "joined %zu polygons cut at the antimeridian into %zu%s",
+                               polygons->joined + polygons->joins, polygons->joins, first);
+    if (done && lines->joins > 0)
+        done = attributes_note(attributes, "joined %zu lines cut at the antimeridian into %zu%s",
+                               lines->joined + lines->joins, lines->joins, polygons->joins > 0 ? "" : first);
+    if (done && polygons->poles > 0)
+        done = attributes_note(attributes, "removed the closure of %zu polygon%s over a pole or around the axis%s",
+                               polygons->poles, plural(polygons->poles), first_in(found->first_pole, first, sizeof first));
+    if (done && found->repeats > 0)
+        done = attributes_note(attributes, "dropped %zu repeated point%s%s", found->repeats, plural(found->repeats),
+                               first_in(found->first_repeat, first, sizeof first));
+    if (done && found->degenerate > 0)
+        done = attributes_note(attributes, "dropped %zu line%s or ring%s with too few different points%s", found->degenerate,
+                               plural(found->degenerate), plural(found->degenerate),
+                               first_in(found->first_degenerate, first, sizeof first));
+    if (done && found->unchanged > 0)
+        done = attributes_note(attributes, "left %zu geometr%s without a usable outline unchanged%s", found->unchanged,
+                               found->unchanged == 1 ? "y" : "ies", first_in(found->first_unchanged, first, sizeof first));
+    return done;
+}
+
+bat_status geojson_records_end(geojson_reader *reader, bat_curve_format format, bat_curve_set *set)
+{
+    bat_curve_attributes *attributes = attributes_new(format);
+    if (attributes == NULL || !add_notes(reader, attributes) || !geojson_document_keep(&reader->document, attributes))
+    {
+        attributes_release(attributes);
+        return error_memory(reader->error, sizeof *attributes + sizeof reader->document);
+    }
+    attributes->crs = reader->crs;
+    reader->crs = NULL;
+    reader->findings = (geojson_findings){0};
+    const curve_builder empty = {
+        .space = reader->builder.space, .project = reader->builder.project, .check = reader->builder.check};
+    bat_status status = builder_finish(&reader->builder, attributes, set, reader->error);
+    reader->builder = empty;
+    return status;
+}
+
 /// Read the tree of a whole file.
 static bat_status read_whole(geojson_reader *reader, json_t *root)
 {
@@ -375,52 +463,6 @@ static bat_status read_text(geojson_reader *reader, const file_text *text, const
     return status;
 }
 
-static const char *plural(size_t count)
-{
-    return count == 1 ? "" : "s";
-}
-
-/// ", the first in feature 6"; nothing in a file of one geometry.
-static const char *first_in(const char *place, char *text, size_t size)
-{
-    (void)snprintf(text, size, "%s%s", place[0] != '\0' ? ", the first in " : "", place);
-    return text;
-}
-
-/// Tell what was guessed and changed. False when out of memory.
-static bool add_notes(const geojson_reader *reader, bat_curve_attributes *attributes)
-{
-    const geojson_findings *found = &reader->findings;
-    const stitch_report *polygons = &found->polygons, *lines = &found->lines;
-    char first[160];
-    bool done = true;
-    if (reader->plane_crs)
-        done = attributes_note(attributes, "plane coordinates in %.80s, which the member crs names", reader->crs);
-    if (done && reader->unnamed_crs && reader->degrees)
-        done = attributes_note(attributes, "the member crs has no name: read as longitude and latitude");
-    (void)first_in(found->first_join, first, sizeof first);
-    if (done && polygons->joins > 0)
-        done = attributes_note(attributes, "joined %zu polygons cut at the antimeridian into %zu%s",
-                               polygons->joined + polygons->joins, polygons->joins, first);
-    if (done && lines->joins > 0)
-        done = attributes_note(attributes, "joined %zu lines cut at the antimeridian into %zu%s",
-                               lines->joined + lines->joins, lines->joins, polygons->joins > 0 ? "" : first);
-    if (done && polygons->poles > 0)
-        done = attributes_note(attributes, "removed the closure of %zu polygon%s over a pole or around the axis%s",
-                               polygons->poles, plural(polygons->poles), first_in(found->first_pole, first, sizeof first));
-    if (done && found->repeats > 0)
-        done = attributes_note(attributes, "dropped %zu repeated point%s%s", found->repeats, plural(found->repeats),
-                               first_in(found->first_repeat, first, sizeof first));
-    if (done && found->degenerate > 0)
-        done = attributes_note(attributes, "dropped %zu line%s or ring%s with too few different points%s", found->degenerate,
-                               plural(found->degenerate), plural(found->degenerate),
-                               first_in(found->first_degenerate, first, sizeof first));
-    if (done && found->unchanged > 0)
-        done = attributes_note(attributes, "left %zu geometr%s without a usable outline unchanged%s", found->unchanged,
-                               found->unchanged == 1 ? "y" : "ies", first_in(found->first_unchanged, first, sizeof first));
-    return done;
-}
-
 bat_status geojson_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
     bat_error unread;
@@ -432,19 +474,8 @@ bat_status geojson_read(const file_text *text, const bat_curve_read_options *opt
     geojson_extraction_free(&reader.extraction);
     if (status == BAT_OK && reader.builder.curve_count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
-    bat_curve_attributes *attributes = status == BAT_OK ? attributes_new(BAT_CURVE_FORMAT_GEOJSON) : NULL;
-    if (status == BAT_OK &&
-        (attributes == NULL || !add_notes(&reader, attributes) || !geojson_document_keep(&reader.document, attributes)))
-        status = error_memory(error, sizeof *attributes + sizeof reader.document);
-    if (status != BAT_OK)
-    {
-        attributes_release(attributes);
-        geojson_reader_free(&reader);
-        return status;
-    }
-    attributes->crs = reader.crs;
-    reader.crs = NULL;
-    status = builder_finish(&reader.builder, attributes, set, error);
+    if (status == BAT_OK)
+        status = geojson_records_end(&reader, BAT_CURVE_FORMAT_GEOJSON, set);
     geojson_reader_free(&reader);
     return status;
 }

@@ -3,7 +3,7 @@
 #include "io/common/json.h"
 #include "io/curve/crs_name.h"
 #include "io/curve/formats.h"
-#include "io/curve/geojson_document.h"
+#include "io/curve/geojson_sequence.h"
 #include "io/curve/geojson_shape.h"
 
 #include <stdlib.h>
@@ -19,6 +19,9 @@ typedef struct geojson_writer
     const geojson_document *document; ///< null for a set from another format
     geojson_style style;
     text_buffer crs;  ///< the member "crs" to write in place of the document's, `"crs":{...}`; empty for none
+    bat_curve_format format;
+    bool continued;   ///< features of the collection stand before these
+    bool wraps;       ///< the features are in a collection: geometries in place of features become features
     block_cut blocks; ///< of features or, without a document, of curves
 } geojson_writer;
 
@@ -150,7 +153,6 @@ static void begin_top(geojson_output *out, json_t *tree)
 
 static bat_status write_feature(geojson_output *out, const geojson_feature *feature)
 {
-    out->feature = feature;
     begin_top(out, feature->tree);
     if (feature->curve_count == 0)
     {
@@ -161,6 +163,20 @@ static bat_status write_feature(geojson_output *out, const geojson_feature *feat
     if (type != NULL && strcmp(type, "Feature") == 0)
         return write_members(out, feature->tree, write_feature_member);
     return write_geometry(out, feature->tree);
+}
+
+/// Write a feature or, where the features are in a collection, a geometry as one.
+static bat_status write_wrapped(geojson_output *out, const geojson_feature *feature)
+{
+    const char *type = json_string_value(json_object_get(feature->tree, "type"));
+    bool wrap = out->writer->wraps && (type == NULL || strcmp(type, "Feature") != 0);
+    out->feature = feature;
+    if (wrap)
+        text_append_string(out->text, "{\"type\":\"Feature\",\"properties\":null,\"geometry\":");
+    bat_status status = write_feature(out, feature);
+    if (wrap)
+        text_append_string(out->text, "}");
+    return status;
 }
 
 /// Write a feature for a curve that did not come from GeoJSON.
@@ -185,9 +201,14 @@ static bat_status format_block(const void *context, size_t block, text_buffer *t
     bat_status status = BAT_OK;
     for (size_t i = writer->blocks.starts[block]; i < writer->blocks.starts[block + 1] && status == BAT_OK; i++)
     {
-        if (i > 0)
+        bool collection = writer->format == BAT_CURVE_FORMAT_GEOJSON;
+        if (collection && (i > 0 || writer->continued))
             text_append_string(text, ",\n");
-        status = writer->document != NULL ? write_feature(&out, &writer->document->features[i]) : write_new_feature(&out, i);
+        if (writer->format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE)
+            text_append(text, &(const char){RECORD_SEPARATOR}, 1);
+        status = writer->document != NULL ? write_wrapped(&out, &writer->document->features[i]) : write_new_feature(&out, i);
+        if (!collection)
+            text_append_string(text, "\n");
     }
     geojson_shape_free(&out.shape);
     return status;
@@ -259,12 +280,17 @@ static bat_status write_blocks(geojson_writer *writer, size_t job_count, const b
     return status;
 }
 
+const char GEOJSON_COLLECTION_BEGIN[] = "{\"type\":\"FeatureCollection\",\"features\":[\n";
+const char GEOJSON_COLLECTION_END[] = "\n]}\n";
+
 static bat_status write_set(geojson_writer *writer, const bat_curve_write_options *options, text_sink *sink,
                             bat_error *error)
 {
     const geojson_document *document = writer->document;
     text_buffer before = {0}, after = {0};
-    if (document == NULL)
+    if (writer->format != BAT_CURVE_FORMAT_GEOJSON)
+        return write_blocks(writer, document != NULL ? document->feature_count : writer->set->count, options, sink, error);
+    if (document == NULL || writer->wraps)
     {
         text_append_string(&before, "{\"type\":\"FeatureCollection\",");
         if (writer->crs.size > 0)
@@ -295,8 +321,7 @@ static size_t altitude_channel(const bat_curve_set *set)
     const bat_curve_attributes *attributes = set->attributes;
     if (attributes != NULL && attributes->format == BAT_CURVE_FORMAT_CSV)
         return attributes->csv.altitude;
-    bool geojson = attributes != NULL && attributes->format == BAT_CURVE_FORMAT_GEOJSON;
-    return geojson || set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
+    return set->count == 0 || attributes_are_geojson(attributes) || set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
 }
 
 /// Append the member "crs" of a name.
@@ -340,7 +365,9 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
                      "GeoJSON holds plane coordinates only with the name of their system; the option `crs` names it");
 }
 
-bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+/// Make a writer.
+static bat_status writer_start(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
+                               geojson_writer *writer, bat_error *error)
 {
     bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
     if (!globe && set->space->point_dim != 2)
@@ -348,14 +375,53 @@ bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options
                          "GeoJSON cannot hold points of the space %s with %zu numbers", set->space->name,
                          set->space->point_dim);
     const bat_curve_attributes *attributes = set->attributes;
-    bool same = attributes != NULL && attributes->format == BAT_CURVE_FORMAT_GEOJSON;
-    geojson_writer writer = {
+    bool same = attributes_are_geojson(attributes);
+    *writer = (geojson_writer){
         .set = set,
         .document = same ? attributes->remainder.content : NULL,
+        .format = format,
+        .wraps = format == BAT_CURVE_FORMAT_GEOJSON && same && attributes->format != BAT_CURVE_FORMAT_GEOJSON,
         .style = {globe, options->precision, degree_grid_of(options->precision), altitude_channel(set), same}};
-    bat_status status = choose_crs(&writer, options, error);
+    return choose_crs(writer, options, error);
+}
+
+/// Write a set as a collection or as a sequence.
+static bat_status write_as(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
+                           text_sink *sink, bat_error *error)
+{
+    geojson_writer writer;
+    bat_status status = writer_start(format, set, options, &writer, error);
     if (status == BAT_OK)
         status = write_set(&writer, options, sink, error);
     text_free(&writer.crs);
     return status;
+}
+
+bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format, bool first,
+                              const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+{
+    geojson_writer writer;
+    bat_status status = writer_start(format, set, options, &writer, error);
+    writer.continued = !first;
+    if (status == BAT_OK)
+        status = write_blocks(&writer, writer.document->feature_count, options, sink, error);
+    text_free(&writer.crs);
+    return status;
+}
+
+bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+{
+    return write_as(BAT_CURVE_FORMAT_GEOJSON, set, options, sink, error);
+}
+
+bat_status geojson_lines_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
+                               bat_error *error)
+{
+    return write_as(BAT_CURVE_FORMAT_GEOJSON_LINES, set, options, sink, error);
+}
+
+bat_status geojson_sequence_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
+                                  bat_error *error)
+{
+    return write_as(BAT_CURVE_FORMAT_GEOJSON_SEQUENCE, set, options, sink, error);
 }
