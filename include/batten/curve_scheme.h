@@ -49,10 +49,12 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 typedef enum bat_curve_scheme_kind
 {
     BAT_CURVE_SCHEME_AUTO,        ///< none yet: chosen for the space, bat_curve_scheme_for()
-    BAT_CURVE_SCHEME_LINEAR,      ///< a mask applied to coordinates; Euclidean spaces only
+    BAT_CURVE_SCHEME_LINEAR,      ///< a mask applied to coordinates of R^n; elsewhere BAT_CURVE_SCHEME_GEODESIC takes its
+                                  ///< place for the masks that it has
     BAT_CURVE_SCHEME_ANGLE,       ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
     BAT_CURVE_SCHEME_LOG_EXP,     ///< a mask applied in the tangent space of one point; any space
-    BAT_CURVE_SCHEME_GEODESIC,    ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means; any space
+    BAT_CURVE_SCHEME_GEODESIC,    ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means, or corner
+                                  ///< cutting at ratios of geodesics; any space
     BAT_CURVE_SCHEME_FOUR_POINT,  ///< the cubic through four points at bat_curve_parameters, level after level; any space
     BAT_CURVE_SCHEME_CATMULL_ROM, ///< a cubic over each edge, C1; any space; not a subdivision scheme
     BAT_CURVE_SCHEME_CUBIC        ///< a cubic over each edge, C2 in R^n; any space; not a subdivision scheme
@@ -139,7 +141,8 @@ typedef struct bat_curve_scheme
 {
     bat_curve_scheme_kind kind;
     bat_mask mask;  ///< LINEAR: the mask; LOG_EXP: a mask that sums to 1 over its even indices and over its odd ones;
-                    ///< GEODESIC: that of bat_mask_lane_riesenfeld(), whose order it tells
+                    ///< GEODESIC: that of bat_mask_lane_riesenfeld(), whose order it tells, or one whose new points are
+                    ///< convex means of two neighbours, as those of bat_mask_corner_cutting()
     double tension; ///< ANGLE: mu of eq. (9); FOUR_POINT: w, 1/16 for the cubic through the four points
     bat_curve_angle_sign sign; ///< ANGLE
     bool adaptive;             ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
@@ -152,7 +155,10 @@ typedef struct bat_curve_scheme
     bat_curve_parameters parameters; ///< FOUR_POINT, CATMULL_ROM, CUBIC
 } bat_curve_scheme;
 
-/// The linear scheme of a mask, for Euclidean spaces.
+/// The linear scheme of a mask, for Euclidean spaces. In other spaces refinement replaces it by its geodesic analogue, where
+/// there is one: midpoints of geodesics for masks of bat_mask_lane_riesenfeld() (bat_curve_scheme_geodesic()), and points at
+/// the same ratios of geodesics for corner cutting, which is a mask whose new points are convex means of two neighbours.
+/// bat_mask_chaikin() is both. Other masks are BAT_UNSUPPORTED there.
 BAT_API bat_curve_scheme bat_curve_scheme_linear(bat_mask mask);
 /// Angle-based with tension `mu`: BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_TENSION_SIX_POINT or any other; outward sign.
 BAT_API bat_curve_scheme bat_curve_scheme_angle(double mu);

@@ -1,5 +1,6 @@
 #include "curve/kernel.h"
 
+#include <math.h>
 #include <string.h>
 
 enum
@@ -120,7 +121,91 @@ static bat_status average_points(const refine_kernel *kernel, const double *rows
     return BAT_OK;
 }
 
+bool kernel_is_lane_riesenfeld(const bat_mask *mask)
+{
+    bat_mask expected = bat_mask_lane_riesenfeld(mask->count < 3 ? 1 : mask->count - 2);
+    bool same = mask->count == expected.count && mask->first == expected.first;
+    for (size_t k = 0; k < expected.count && same; k++)
+        same = mask->coefficients[k] == expected.coefficients[k];
+    return same;
+}
+
+/// Whether a new point is a convex mean of two neighbours.
+static bool is_cut(const mask_taps *taps)
+{
+    static const double TOLERANCE = 1e-9;
+    double second = taps->count == 2 ? taps->weights[1] : 0;
+    bool convex = taps->count >= 1 && taps->count <= 2 && taps->weights[0] >= 0 && second >= 0;
+    return convex && fabs(taps->weights[0] + second - 1) <= TOLERANCE;
+}
+
+bool kernel_has_geodesic(const bat_mask *mask)
+{
+    if (kernel_is_lane_riesenfeld(mask))
+        return true;
+    bat_mask trimmed = mask_trimmed(mask);
+    mask_taps even = mask_taps_of(&trimmed, 0), odd = mask_taps_of(&trimmed, 1);
+    return is_cut(&even) && is_cut(&odd);
+}
+
+/// A new point at a ratio of the geodesic from old point j + start to the next.
+typedef struct cut
+{
+    double ratio;
+    ptrdiff_t start;
+} cut;
+
+typedef struct cutting_data
+{
+    cut cuts[2]; ///< of new points 2 j and 2 j + 1
+} cutting_data;
+_Static_assert(sizeof(cutting_data) <= KERNEL_DATA, "a kernel has room for its data");
+
+static bat_status cut_edges(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
+                            size_t *fault)
+{
+    (void)scratch;
+    const cutting_data *data = kernel_data_of(kernel);
+    size_t dim = kernel->dim;
+    for (size_t i = 0; i < 2 * pairs; i++)
+    {
+        const cut *wanted = &data->cuts[i & 1];
+        const double *from = points + ((ptrdiff_t)(i / 2) + wanted->start) * (ptrdiff_t)dim;
+        bat_status status = BAT_OK;
+        if (wanted->ratio > 0)
+            status = bat_space_geodesic(kernel->space, from, from + dim, wanted->ratio, fine + i * dim);
+        else
+            memcpy(fine + i * dim, from, dim * sizeof *fine);
+        if (status != BAT_OK)
+        {
+            *fault = i / 2;
+            return status;
+        }
+    }
+    return BAT_OK;
+}
+
+/// Corner cutting: both new points lie on geodesics between neighbours.
+static refine_kernel kernel_cutting(const bat_space *space, const bat_mask *given)
+{
+    bat_mask mask = mask_trimmed(given);
+    refine_kernel kernel = {.space = space,
+                            .dim = space->point_dim,
+                            .first = mask.first,
+                            .last = mask.first + (int)mask.count - 1,
+                            .run = cut_edges};
+    cutting_data *data = kernel_data(&kernel);
+    for (int parity = 0; parity < 2; parity++)
+    {
+        mask_taps taps = mask_taps_of(&mask, parity);
+        data->cuts[parity] = (cut){taps.count == 2 ? taps.weights[1] : 0, taps.start};
+    }
+    return kernel;
+}
+
 refine_kernel kernel_geodesic(const bat_space *space, const bat_curve_scheme *scheme)
 {
+    if (!kernel_is_lane_riesenfeld(&scheme->mask))
+        return kernel_cutting(space, &scheme->mask);
     return kernel_lane_riesenfeld(space, space->point_dim, scheme->mask.count - 2, average_points);
 }

@@ -71,17 +71,14 @@ static bat_status check_mask(const bat_mask *mask, bool affine, bat_error *error
     return BAT_OK;
 }
 
-static bat_status check_lane_riesenfeld(const bat_mask *mask, bat_error *error)
+static bat_status check_geodesic(const bat_mask *mask, bat_error *error)
 {
-    bat_status status = mask_check(mask, error);
+    bat_status status = check_mask(mask, false, error);
     if (status != BAT_OK)
         return status;
-    bat_mask expected = bat_mask_lane_riesenfeld(mask->count < 3 ? 1 : mask->count - 2);
-    bool same = mask->count == expected.count && mask->first == expected.first;
-    for (size_t k = 0; k < expected.count && same; k++)
-        same = mask->coefficients[k] == expected.coefficients[k];
-    return same ? BAT_OK
-                : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a geodesic scheme needs a Lane-Riesenfeld mask");
+    return kernel_has_geodesic(mask) ? BAT_OK
+                                     : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                                                 "a geodesic scheme needs a Lane-Riesenfeld or corner-cutting mask");
 }
 
 static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
@@ -128,7 +125,7 @@ bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *err
         status = OPTIONS_CHECK(scheme, LOG_EXP, error);
         return status == BAT_OK ? check_mask(&scheme->mask, true, error) : status;
     case BAT_CURVE_SCHEME_GEODESIC:
-        return check_lane_riesenfeld(&scheme->mask, error);
+        return check_geodesic(&scheme->mask, error);
     case BAT_CURVE_SCHEME_FOUR_POINT:
         status = OPTIONS_CHECK(scheme, FOUR_POINT, error);
         return status == BAT_OK ? OPTIONS_CHECK(scheme, PARAMETRIC, error) : status;
@@ -184,7 +181,9 @@ static bat_status check_space(const bat_space *space, const bat_curve_refine_opt
                          options->snap ? "be moved to their limit" : "leave the ends free");
     if (scheme->kind == BAT_CURVE_SCHEME_LINEAR && !space_is_euclidean(space))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4", space->name);
+                         "a linear scheme needs a Euclidean space, not the %s; try angle-4 or log-exp-4, or cut corners by "
+                         "chaikin or lane-riesenfeld",
+                         space->name);
     if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
         return BAT_OK;
     if (space->exterior_angle == NULL || space->apex == NULL)
@@ -271,6 +270,9 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_opti
         return status;
     if (plan->options.scheme.kind == BAT_CURVE_SCHEME_AUTO)
         plan->options.scheme = bat_curve_scheme_for(coarse->space, NULL);
+    bat_curve_scheme *scheme = &plan->options.scheme;
+    if (scheme->kind == BAT_CURVE_SCHEME_LINEAR && !space_is_euclidean(coarse->space) && kernel_has_geodesic(&scheme->mask))
+        scheme->kind = BAT_CURVE_SCHEME_GEODESIC;
     status = check_space(coarse->space, &plan->options, error);
     if (status == BAT_OK)
         status = bat_curve_check(coarse, error);

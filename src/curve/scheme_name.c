@@ -118,10 +118,14 @@ static bat_curve_scheme make_learned(const settings *s)
 }
 
 static const entry ENTRIES[] = {
-    {{.name = "chaikin", .settings = "", .summary = "corner cutting at 1/4 and 3/4, the quadratic B-spline; R^n"},
+    {{.name = "chaikin",
+      .settings = "",
+      .summary = "corner cutting at 1/4 and 3/4, the quadratic B-spline; any space, by geodesics"},
      {.w = 0},
      make_chaikin},
-    {{.name = "corner-cutting", .settings = "r=0.25,s=0.75", .summary = "corner cutting at r and s; R^n"},
+    {{.name = "corner-cutting",
+      .settings = "r=0.25,s=0.75",
+      .summary = "corner cutting at r and s; any space, by geodesics"},
      {.r = 0.25, .s = 0.75},
      make_corner_cutting},
     {{.name = "four-point",
@@ -132,7 +136,9 @@ static const entry ENTRIES[] = {
     {{.name = "six-point", .settings = "w=0.01171875", .summary = "interpolates, C2, reproduces quintics; R^n"},
      {.w = BAT_MASK_SIX_POINT_WEIGHT},
      make_six_point},
-    {{.name = "lane-riesenfeld", .settings = "order=3", .summary = "the B-spline of degree `order`; R^n"},
+    {{.name = "lane-riesenfeld",
+      .settings = "order=3",
+      .summary = "the B-spline of degree `order`; any space, by geodesics"},
      {.order = 3},
      make_lane_riesenfeld},
     {{.name = "mask", .settings = "a,b,c,…@first", .summary = "any mask, coefficients as numbers or fractions; R^n"},

@@ -606,7 +606,7 @@ static void bad_input_is_refused(void **state)
     how.snap = false;
     how.scheme.tension = NAN;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
-    how = options("chaikin", 2);
+    how = options("six-point", 2);
     curve.space = &sphere;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_UNSUPPORTED);
     how = options("angle-4", 2);

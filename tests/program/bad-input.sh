@@ -169,7 +169,7 @@ refused 1 'points' curve good.in.csv --levels 44 -o out.csv
 refused 1 '^batten: no/such/out\.csv: cannot write: No such' curve good.in.csv -o no/such/out.csv --picture out.png
 refused 1 '^batten: no/such/out\.png: cannot write: No such' curve good.in.csv --picture no/such/out.png
 refused 1 '^batten: out\.gif: .*must end in [^:]*$' curve good.in.csv --picture out.gif
-refused 1 'linear scheme' curve small.in.csv --space disk --scheme chaikin -o out.csv
+refused 1 'linear scheme' curve small.in.csv --space disk --scheme six-point -o out.csv
 refused 1 'missing' curve good.in.csv --truth missing.in.csv -o out.csv
 refused 1 '2 curves cannot be compared with the 1 ' curve good.in.csv --truth two.in.csv -o out.csv
 refused 1 'two\.in\.csv:4: curve 1: an open curve needs at least 2 points' curve two.in.csv -o out.csv --picture out.png
