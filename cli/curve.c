@@ -132,7 +132,14 @@ static bool read_choices(const arguments *given, curve_job *job)
         return false;
     }
     job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
-    return read_format(given, "from", &job->read.format) && read_format(given, "to", &job->write.format);
+    bat_curve_format format;
+    if (!read_format(given, "from", &job->read.format) || !read_format(given, "to", &job->write.format))
+        return false;
+    if (job->output == NULL || job->write.format != BAT_CURVE_FORMAT_AUTO ||
+        bat_curve_format_of_output(job->output, &format, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
 }
 
 /// Options that would have no effect without another.

@@ -21,6 +21,10 @@ BAT_API bool bat_curve_format_list(size_t index, bat_choice *choice);
 /// The format that a path's ending stands for, in either case, as bat_curve_format_list() gives them; else
 /// BAT_CURVE_FORMAT_AUTO.
 BAT_API bat_curve_format bat_curve_format_of_path(const char *path);
+/// The format in which bat_curve_write() writes a path by its ending; BAT_CURVE_FORMAT_AUTO for a name without one, which
+/// gets the format of the input. An ending is letters and digits, a letter among them, after the last dot of the name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT for an ending that no format has, with a text that lists the known ones
+BAT_API bat_status bat_curve_format_of_output(const char *path, bat_curve_format *format, bat_error *error);
 
 /// Options of reading. Begin with bat_curve_read_defaults().
 typedef struct bat_curve_read_options
@@ -42,7 +46,8 @@ BAT_API bat_status bat_curve_read_options_check(const bat_curve_read_options *op
 
 /// Read the curves of a file.
 ///
-/// @param path    "-" is standard input
+/// @param path    "-" is standard input. An ending that no format has is an error where the options name no format; the
+///                content of a file without an ending tells its format
 /// @param options null for the defaults
 /// @param set     receives the curves, at least one; release it with bat_curve_set_free()
 /// @param error   `line` is the failing line (CSV, OBJ, JSON syntax) and `index` the point's index in its curve; for GeoJSON

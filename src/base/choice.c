@@ -53,6 +53,59 @@ const bat_choice *choice_of_path(const choice_table *table, const char *path)
     return NULL;
 }
 
+/// Whether the program can do with a row what is wanted.
+static bool row_serves(const bat_choice *row, bool writes)
+{
+    return row->endings != NULL && (writes ? row->writes : row->reads);
+}
+
+const char *choice_endings(const choice_table *table, bool writes, char *text, size_t size)
+{
+    const bat_choice *row;
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; (row = choice_at(table, i)) != NULL; i++)
+        for (const char *at = row_serves(row, writes) ? row->endings : ""; *at != '\0' && used < size;)
+        {
+            int length = (int)strcspn(at, " ");
+            used += (size_t)snprintf(text + used, size - used, "%s%.*s", used > 0 ? ", " : "", length, at);
+            at += length + (at[length] == ' ');
+        }
+    return text;
+}
+
+/// The ending of a path from its dot on, or null: a name may have a dot that begins no ending, as "v1.2" has.
+static const char *path_ending(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+    bool letter = false;
+    if (dot == NULL || dot == name)
+        return NULL;
+    for (const char *at = dot + 1; *at != '\0'; at++)
+    {
+        bool here = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z');
+        if (!here && !(*at >= '0' && *at <= '9'))
+            return NULL;
+        letter = letter || here;
+    }
+    return letter ? dot : NULL;
+}
+
+bat_status choice_for_path(const choice_table *table, const char *path, bool writes, const char *option,
+                           const bat_choice **row, bat_error *error)
+{
+    const char *ending = path_ending(path);
+    *row = ending != NULL ? choice_of_path(table, path) : NULL;
+    if (ending == NULL || (*row != NULL && row_serves(*row, writes)))
+        return BAT_OK;
+    char known[2 * BAT_ERROR_TEXT_SIZE / 3];
+    bool packed = has_ending(".gz .bz2 .xz .zst .zip", ending);
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "no %s that can be %s has the ending '%.20s'%s; there are %s, and --%s names a format", table->what,
+                     writes ? "written" : "read", ending, packed ? ", of compressed files" : "",
+                     choice_endings(table, writes, known, sizeof known), option);
+}
+
 bool choice_list(const choice_table *table, size_t index, bat_choice *choice)
 {
     const bat_choice *row = choice_at(table, index);

@@ -28,6 +28,15 @@ const bat_choice *choice_of_value(const choice_table *table, int value);
 /// The row whose endings have that of a path, in either case; null for none.
 const bat_choice *choice_of_path(const choice_table *table, const char *path);
 
+/// The endings of the rows that are read, or of those that are written, as ".csv, .txt, .obj". Returns `text`.
+const char *choice_endings(const choice_table *table, bool writes, char *text, size_t size);
+/// The row for a file that is read or written, by its ending: letters and digits, a letter among them, after the last dot of
+/// the name. Null for a name without an ending.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT for an ending that no such row has, with a text that lists the known ones and
+///         names `option`
+bat_status choice_for_path(const choice_table *table, const char *path, bool writes, const char *option,
+                           const bat_choice **row, bat_error *error);
+
 /// What a public bat_..._list() does.
 /// @return false past the last row
 bool choice_list(const choice_table *table, size_t index, bat_choice *choice);

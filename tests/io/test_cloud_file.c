@@ -90,10 +90,10 @@ static void test_every_format_gives_the_points(void **state)
                  "face 0\nproperty list uchar int vertex_indices\nend_header\n.5 -1 2e3\n1 2 3\n4 5 6.25\n"},
         {".obj", "# remark\no cloud\nv .5 -1 2e3\nvn 0 0 1\nv 1 2 3\nv 4 5 6.25 1\np 1 2 3\n"},
         // Without a known ending, the content determines the format.
-        {".points", ".5 -1 2e3\n1 2 3\n4 5 6.25\n"},
-        {".points", ".5,-1,2e3\n1,2,3\n4,5,6.25\n"},
-        {".points", "v .5 -1 2e3\nv 1 2 3\nv 4 5 6.25\n"},
-        {".points", "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double "
+        {".", ".5 -1 2e3\n1 2 3\n4 5 6.25\n"},
+        {".", ".5,-1,2e3\n1,2,3\n4,5,6.25\n"},
+        {".", "v .5 -1 2e3\nv 1 2 3\nv 4 5 6.25\n"},
+        {".", "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double "
                     "z\nend_header\n.5 -1 2e3\n1 2 3\n4 5 6.25\n"},
     };
     for (size_t i = 0; i < sizeof files / sizeof *files; i++)

@@ -415,6 +415,49 @@ static void a_format_that_nothing_tells_is_asked_for(void **state)
     bat_curve_set_free(&set);
 }
 
+/// Reading and writing of an ending that no format has fails with a text that lists the known ones.
+static void unknown_endings_are_refused(void **state)
+{
+    const struct
+    {
+        const char *name, *words;
+    } cases[] = {{"a.doc", "'.doc'; there are .csv, "}, {"b.CSV.gz", "'.gz', of compressed files"}, {".c.x1", "'.x1'"}};
+    bat_curve_set set = {0};
+    bat_error error;
+    bat_curve_read_options reading = bat_curve_read_defaults();
+    bat_curve_write_options writing = bat_curve_write_defaults();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        const char *path = path_in(*state, cases[i].name);
+        bat_curve_format format = BAT_CURVE_FORMAT_OBJ;
+        assert_int_equal(bat_curve_format_of_output(path, &format, &error), BAT_INVALID_ARGUMENT);
+        assert_int_equal(format, BAT_CURVE_FORMAT_OBJ);
+        assert_int_equal(write_rows(path, &error), BAT_INVALID_ARGUMENT);
+        assert_non_null(strstr(error.text, cases[i].words));
+        assert_non_null(strstr(error.text, ".tum, and --to"));
+        assert_int_equal(access(path, F_OK), -1);
+        assert_int_equal(bat_curve_read(path, NULL, &set, &error), BAT_INVALID_ARGUMENT);
+        assert_non_null(strstr(error.text, cases[i].words));
+        assert_non_null(strstr(error.text, "--from"));
+
+        bat_curve_set rows = {0};
+        assert_int_equal(bat_curve_read_memory(ROWS, strlen(ROWS), NULL, &rows, NULL), BAT_OK);
+        writing.format = reading.format = BAT_CURVE_FORMAT_CSV;
+        assert_int_equal(bat_curve_write(path, &rows, &writing, NULL), BAT_OK);
+        assert_int_equal(bat_curve_read(path, &reading, &set, NULL), BAT_OK);
+        bat_curve_set_free(&rows);
+        bat_curve_set_free(&set);
+        assert_int_equal(unlink(path), 0);
+    }
+    const char *const plain[] = {"noending", "v1.2", "dir.d/name", ".hidden", "name.", "-", "/dev/stdin"};
+    for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
+    {
+        bat_curve_format format = BAT_CURVE_FORMAT_OBJ;
+        assert_int_equal(bat_curve_format_of_output(plain[i], &format, &error), BAT_OK);
+        assert_int_equal(format, BAT_CURVE_FORMAT_AUTO);
+    }
+}
+
 static void options_out_of_range_are_refused(void **state)
 {
     (void)state;
@@ -448,6 +491,7 @@ int main(void)
                                        IN_FOLDER(a_pipe_can_be_read),
                                        IN_FOLDER(input_without_end_is_refused),
                                        IN_FOLDER(a_format_that_nothing_tells_is_asked_for),
+                                       IN_FOLDER(unknown_endings_are_refused),
                                        cmocka_unit_test(the_ending_tells_the_format),
                                        cmocka_unit_test(options_out_of_range_are_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);

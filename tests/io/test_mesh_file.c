@@ -62,7 +62,7 @@ static void test_options_are_checked(void **state)
 static void test_files(void **state)
 {
     (void)state;
-    static const char *const endings[] = {"obj", "PLY", "off", "stl", "mesh"};
+    static const char *const endings[] = {"obj", "PLY", "off", "stl", ""};
     char folder[] = "/tmp/batten-test-XXXXXX", path[64];
     assert_non_null(mkdtemp(folder));
     bat_mesh mesh = must_read(TRIANGLE, BAT_MESH_FORMAT_OBJ), bad = {0};

@@ -28,7 +28,7 @@ static const curve_format FORMATS[] = {
     {.choice = {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO}},
     {{.name = "csv",
       .summary = "curves: a row of numbers for each point, with or without names of columns",
-      .endings = ".csv .txt",
+      .endings = ".csv .tsv .txt",
       .reads = true,
       .writes = true,
       .value = BAT_CURVE_FORMAT_CSV},
@@ -89,6 +89,21 @@ bat_curve_format bat_curve_format_of_path(const char *path)
 {
     const bat_choice *row = choice_of_path(&TABLE, path);
     return row != NULL ? (bat_curve_format)row->value : BAT_CURVE_FORMAT_AUTO;
+}
+
+/// The format of a file's ending; BAT_CURVE_FORMAT_AUTO for a name without one.
+static bat_status format_for_path(const char *path, bool writes, bat_curve_format *format, bat_error *error)
+{
+    const bat_choice *row;
+    bat_status status = choice_for_path(&TABLE, path, writes, writes ? "to" : "from", &row, error);
+    if (status == BAT_OK)
+        *format = row != NULL ? (bat_curve_format)row->value : BAT_CURVE_FORMAT_AUTO;
+    return status;
+}
+
+bat_status bat_curve_format_of_output(const char *path, bat_curve_format *format, bat_error *error)
+{
+    return format_for_path(path, true, format, error);
 }
 
 /// The format of a text: GeoJSON begins with a brace, OBJ with a statement; all others are CSV.
@@ -172,11 +187,14 @@ bat_status bat_curve_read(const char *path, const bat_curve_read_options *option
     bat_status status = bat_curve_read_options_check(options, error);
     if (status != BAT_OK)
         return status;
+    bat_curve_format format = options->format;
+    if (format == BAT_CURVE_FORMAT_AUTO)
+        status = format_for_path(path, false, &format, error);
     file_text text;
-    status = file_text_read(path, &text, error);
+    if (status == BAT_OK)
+        status = file_text_read(path, &text, error);
     if (status != BAT_OK)
         return status;
-    bat_curve_format format = options->format == BAT_CURVE_FORMAT_AUTO ? bat_curve_format_of_path(path) : options->format;
     status = read_text(&text, format, options, set, error);
     file_text_free(&text);
     return status;
@@ -216,12 +234,15 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
 }
 
 /// The format for a path. A .txt file has the format of the input, if that was a trajectory.
-static bat_curve_format format_of_output(const char *path, const bat_curve_attributes *attributes)
+static bat_status format_of_output(const char *path, const bat_curve_attributes *attributes, bat_curve_format *format,
+                                   bat_error *error)
 {
-    bat_curve_format format = bat_curve_format_of_path(path);
+    bat_status status = format_for_path(path, true, format, error);
     const char *dot = strrchr(path, '.');
     bool text = dot != NULL && strcasecmp(dot, ".txt") == 0;
-    return text && attributes != NULL && attributes->format == BAT_CURVE_FORMAT_TUM ? BAT_CURVE_FORMAT_TUM : format;
+    if (status == BAT_OK && text && attributes != NULL && attributes->format == BAT_CURVE_FORMAT_TUM)
+        *format = BAT_CURVE_FORMAT_TUM;
+    return status;
 }
 
 bat_status curve_format_choose(const char *path, const bat_curve_attributes *attributes,
@@ -229,11 +250,20 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
 {
     *format = options->format;
     if (*format == BAT_CURVE_FORMAT_AUTO && path != NULL)
-        *format = format_of_output(path, attributes);
+    {
+        bat_status status = format_of_output(path, attributes, format, error);
+        if (status != BAT_OK)
+            return status;
+    }
     if (*format == BAT_CURVE_FORMAT_AUTO && attributes != NULL)
         *format = attributes->format;
     if (*format == BAT_CURVE_FORMAT_AUTO)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "cannot tell what format to write");
+    {
+        char known[2 * BAT_ERROR_TEXT_SIZE / 3];
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "cannot tell what format to write; the endings are %s, and --to names a format",
+                         choice_endings(&TABLE, true, known, sizeof known));
+    }
     return BAT_OK;
 }
 

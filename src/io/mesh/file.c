@@ -78,6 +78,18 @@ bat_mesh_format bat_mesh_format_of_path(const char *path)
     return row != NULL ? (bat_mesh_format)row->value : BAT_MESH_FORMAT_AUTO;
 }
 
+/// The format of the options, else of a file's ending; BAT_MESH_FORMAT_AUTO for a name without one.
+static bat_status format_for_path(const char *path, bool writes, bat_mesh_format wanted, bat_mesh_format *format,
+                                  bat_error *error)
+{
+    const bat_choice *row = NULL;
+    bat_status status = BAT_OK;
+    if (wanted == BAT_MESH_FORMAT_AUTO)
+        status = choice_for_path(&TABLE, path, writes, writes ? "to" : "from", &row, error);
+    *format = row != NULL ? (bat_mesh_format)row->value : wanted;
+    return status;
+}
+
 size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
 {
     size_t count = 0;
@@ -198,12 +210,14 @@ bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options,
     if (options == NULL)
         options = &defaults;
     file_text text;
+    bat_mesh_format format;
     bat_status status = bat_mesh_read_options_check(options, error);
+    if (status == BAT_OK)
+        status = format_for_path(path, false, options->format, &format, error);
     if (status == BAT_OK)
         status = file_text_read(path, &text, error);
     if (status != BAT_OK)
         return status;
-    bat_mesh_format format = options->format == BAT_MESH_FORMAT_AUTO ? bat_mesh_format_of_path(path) : options->format;
     status = read_text(&text, format, options, mesh, error);
     file_text_free(&text);
     return status;
@@ -232,9 +246,11 @@ static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, cons
     bat_status status = bat_mesh_write_options_check(options, error);
     if (status != BAT_OK)
         return status;
+    char known[2 * BAT_ERROR_TEXT_SIZE / 3];
     if (format == BAT_MESH_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "cannot tell what format to write; the endings are .obj, .ply, .off, .stl");
+                         "cannot tell what format to write; the endings are %s",
+                         choice_endings(&TABLE, true, known, sizeof known));
     if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY supports the big-endian encoding");
     return bat_mesh_check(mesh, error);
@@ -245,9 +261,11 @@ bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh
     bat_mesh_write_options defaults = bat_mesh_write_defaults();
     if (options == NULL)
         options = &defaults;
-    bat_mesh_format format = options->format == BAT_MESH_FORMAT_AUTO ? bat_mesh_format_of_path(path) : options->format;
+    bat_mesh_format format;
     atomic_file file;
-    bat_status status = check_write(mesh, format, options, error);
+    bat_status status = format_for_path(path, true, options->format, &format, error);
+    if (status == BAT_OK)
+        status = check_write(mesh, format, options, error);
     if (status == BAT_OK)
         status = atomic_file_begin(path, &file, error);
     if (status != BAT_OK)

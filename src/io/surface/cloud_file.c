@@ -21,7 +21,7 @@ static const bat_choice FORMATS[] = {
      .value = BAT_CLOUD_FORMAT_XYZ},
     {.name = "csv",
      .summary = "clouds: x, y, z by their names, or the first three columns",
-     .endings = ".csv",
+     .endings = ".csv .tsv",
      .reads = true,
      .writes = true,
      .value = BAT_CLOUD_FORMAT_CSV},
@@ -329,9 +329,14 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
 
 static bat_status read_file(const char *path, bat_cloud_format *format, file_text *text, bat_error *error)
 {
-    bat_status status = file_text_read(path, text, error);
-    if (status == BAT_OK && *format == BAT_CLOUD_FORMAT_AUTO)
-        *format = bat_cloud_format_of_path(path);
+    const bat_choice *row = NULL;
+    bat_status status = BAT_OK;
+    if (*format == BAT_CLOUD_FORMAT_AUTO)
+        status = choice_for_path(&TABLE, path, false, "from", &row, error);
+    if (row != NULL)
+        *format = (bat_cloud_format)row->value;
+    if (status == BAT_OK)
+        status = file_text_read(path, text, error);
     if (status == BAT_OK && *format == BAT_CLOUD_FORMAT_AUTO)
         *format = cloud_format_of_text(text);
     return status;

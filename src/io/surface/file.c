@@ -128,10 +128,16 @@ bat_status bat_surface_write(const char *path, const bat_spline_surface *surface
     const bat_surface_write_options defaults = bat_surface_write_defaults();
     if (options == NULL)
         options = &defaults;
-    bat_surface_format format =
-        options->format == BAT_SURFACE_FORMAT_AUTO ? bat_surface_format_of_path(path) : options->format;
+    bat_surface_format format = options->format;
+    const bat_choice *row = NULL;
     atomic_file file;
-    bat_status status = surface_check(surface, format, options, error);
+    bat_status status = BAT_OK;
+    if (format == BAT_SURFACE_FORMAT_AUTO)
+        status = choice_for_path(&TABLE, path, true, "to", &row, error);
+    if (row != NULL)
+        format = (bat_surface_format)row->value;
+    if (status == BAT_OK)
+        status = surface_check(surface, format, options, error);
     if (status == BAT_OK)
         status = atomic_file_begin(path, &file, error);
     if (status != BAT_OK)
