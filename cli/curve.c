@@ -42,6 +42,9 @@ static const option_spec OPTIONS[] = {
     {"space", 0, "NAME",
      "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: what the file "
      "implies"},
+    {"columns", 0, "LIST",
+     "CSV: the columns of the coordinates, names or numbers from 1, as x,y or lon,lat; default: by names"},
+    {"group", 0, "COLUMN", "CSV: rows with one value in this column make one curve; default: blank lines separate curves"},
     {"translation-weight", 0, "W", "rigid: how many radians a unit of length counts as much as; default 1"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
@@ -317,6 +320,8 @@ static bool read_job(const arguments *given, curve_job *job)
     job->read.space = argument(given, "space");
     job->read.strict = argument_flag(given, "strict");
     job->write.crs = argument(given, "crs");
+    job->read.columns = argument(given, "columns");
+    job->read.group = argument(given, "group");
     job->read.project = argument_flag(given, "project");
     job->draw.comb = argument_flag(given, "comb");
     job->draw.axes = argument_flag(given, "axes");

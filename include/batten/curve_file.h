@@ -7,8 +7,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements and TUM trajectories. docs/formats.md describes the
-/// formats.
+/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements and TUM trajectories. docs/formats.md
+/// describes the formats.
 
 /// A format, or "auto", by name.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
@@ -29,11 +29,17 @@ BAT_API bat_status bat_curve_format_of_output(const char *path, bat_curve_format
 /// Options of reading. Begin with bat_curve_read_defaults().
 typedef struct bat_curve_read_options
 {
-    bat_curve_format format;   ///< default BAT_CURVE_FORMAT_AUTO
-    const char *space;         ///< a name as in bat_space_by_name(); default null: what the file implies
-    int closed;                ///< -1: as the file says (default); 0: every line is open; 1: every line is closed
-    bool strict;               ///< refuse repeated points instead of dropping them; default false
-    bool project;              ///< move points that are off their space onto it instead of refusing them; default false
+    bat_curve_format format; ///< default BAT_CURVE_FORMAT_AUTO
+    const char *space;       ///< a name as in bat_space_by_name(); default null: what the file implies
+    int closed;              ///< -1: as the file says (default); 0: every line is open; 1: every line is closed
+    bool strict;             ///< refuse repeated points instead of dropping them; default false
+    bool project;            ///< move points that are off their space onto it instead of refusing them; default false
+    /// CSV: the columns of the coordinates, names or numbers from 1 with commas between them, as "x,y" or "lon,lat"; default
+    /// null: what names and places tell.
+    const char *columns;
+    /// CSV: the name or number of a column; all rows with one value in it make one curve, in the order of the file, and the
+    /// curves follow each other in the order of their first rows. Default null: blank lines separate curves.
+    const char *group;
     double translation_weight; ///< of the space "rigid", as in bat_rigid(); 0: as the space has it, 1; default 0
     int threads;               ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
 } bat_curve_read_options;

@@ -1,6 +1,7 @@
 #include "curve/csv_columns.h"
 
 #include "base/memory.h"
+#include "curve/csv_names.h"
 #include "curve/point_form.h"
 
 #include <stdlib.h>
@@ -35,42 +36,93 @@ static column_names names_of(const csv_columns *columns)
     return (column_names){columns->names, columns->count};
 }
 
-static bool find_name(const csv_columns *columns, const char *const *wanted, size_t *column)
+static csv_kind kind_of(const csv_columns *columns, size_t column)
 {
-    column_names names = names_of(columns);
-    for (size_t i = 0; wanted[i] != NULL; i++)
-    {
-        *column = column_find(&names, wanted[i]);
-        if (*column != BAT_NO_INDEX)
-            return true;
-    }
-    return false;
+    return columns->kinds != NULL ? (csv_kind)columns->kinds[column] : CSV_NUMBER;
 }
 
-bool csv_columns_geographic(const csv_columns *columns, size_t *longitude, size_t *latitude)
+/// Choose columns of numbers by their places, up to `most`. A column of times is none where two others are left.
+static void choose_places(const csv_columns *columns, size_t most, csv_choice *choice)
 {
-    static const char *const longitudes[] = {"lon", "lng", "long", "longitude", NULL};
-    static const char *const latitudes[] = {"lat", "latitude", NULL};
-    return find_name(columns, longitudes, longitude) && find_name(columns, latitudes, latitude);
+    column_names names = names_of(columns);
+    size_t numbers = 0, time = column_find_time(&names);
+    for (size_t i = 0; i < columns->count; i++)
+        numbers += kind_of(columns, i) == CSV_NUMBER ? 1 : 0;
+    bool timed = time != BAT_NO_INDEX && kind_of(columns, time) == CSV_NUMBER && numbers > 2;
+    choice->times = timed ? time : BAT_NO_INDEX;
+    choice->count = 0;
+    choice->by_place = true;
+    for (size_t i = 0; i < columns->count && choice->count < most; i++)
+        if (kind_of(columns, i) == CSV_NUMBER && !(timed && i == time))
+            choice->columns[choice->count++] = i;
+}
+
+void csv_columns_choose(const csv_columns *columns, const char *space, csv_choice *choice)
+{
+    column_names names = names_of(columns);
+    named_coordinates named = names_find_coordinates(&names);
+    bool two = space != NULL && (strcmp(space, "plane") == 0 || strcmp(space, "disk") == 0);
+    bool sphere = space != NULL && strcmp(space, "sphere") == 0;
+    bool flat = space != NULL && strcmp(space, "euclidean") == 0;
+    *choice = (csv_choice){.space = space, .altitude = BAT_NO_INDEX, .times = BAT_NO_INDEX, .spelled = named.spelled};
+    memcpy(choice->columns, named.columns, sizeof named.columns);
+    choice->count = named.count;
+    if (named.geographic && (space == NULL || sphere))
+    {
+        choice->space = "sphere";
+        choice->altitude = named.altitude;
+        choice->degrees = true;
+        choice->radians = named.radians;
+    }
+    else if (two && named.count >= 2)
+        choice->count = 2;
+    else if (named.geographic || named.count == 0 || (sphere && named.count < 3) || !(space == NULL || sphere || flat))
+        choose_places(columns, two ? 2 : SIZE_MAX, choice);
+    if (choice->space == NULL)
+        choice->space = choice->count == 2 ? "plane" : "euclidean";
+}
+
+bool csv_columns_place(csv_columns *columns, const size_t *chosen, size_t count)
+{
+    size_t *places = memory_array(columns->count, sizeof *places);
+    if (places == NULL)
+        return false;
+    for (size_t i = 0; i < columns->count; i++)
+        places[i] = BAT_NO_INDEX;
+    for (size_t i = 0; i < count; i++)
+        places[chosen[i]] = i;
+    for (size_t i = 0, next = count; i < columns->count; i++)
+        if (places[i] == BAT_NO_INDEX && kind_of(columns, i) == CSV_NUMBER)
+            places[i] = next++;
+    free(columns->places);
+    columns->places = places;
+    return true;
+}
+
+bool csv_columns_fit(const csv_columns *columns, size_t coordinates, size_t channels)
+{
+    size_t hidden = columns->has_places ? CSV_PLACE_CHANNELS : 0;
+    return coordinates + channels == columns->count - columns->other_count + hidden;
+}
+
+void csv_columns_free(csv_columns *columns)
+{
+    free(columns->names);
+    free(columns->places);
+    free(columns->kinds);
+    free(columns->chosen);
+    free(columns->cells.first_rows);
+    free(columns->cells.closed);
+    free(columns->cells.offsets);
+    free(columns->cells.text);
+    *columns = (csv_columns){.altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
 }
 
 bool csv_columns_use_degrees(csv_columns *columns, size_t longitude, size_t latitude)
 {
-    static const char *const altitudes[] = {"alt", "altitude", "ele", "elevation", "height", NULL};
-    size_t *places = memory_array(columns->count, sizeof *places);
-    if (places == NULL)
-        return false;
-    size_t channel = 0, altitude;
-    bool has_altitude = find_name(columns, altitudes, &altitude);
-    for (size_t i = 0; i < columns->count; i++)
-    {
-        if (has_altitude && i == altitude)
-            columns->altitude = channel;
-        places[i] = i == longitude ? 0 : i == latitude ? 1 : 2 + channel++;
-    }
-    columns->places = places;
+    size_t pair[2] = {longitude, latitude};
     columns->degrees = true;
-    return true;
+    return csv_columns_place(columns, pair, 2);
 }
 
 /// Assign the next coordinate to a column, if the column exists and has no meaning yet.
@@ -87,6 +139,7 @@ bool csv_columns_use_form(csv_columns *columns, const point_form *form)
     columns->form = form;
     if (columns->names == NULL)
         return true;
+    free(columns->places);
     columns->places = memory_array(columns->count, sizeof *columns->places);
     if (columns->places == NULL)
         return false;
@@ -98,7 +151,7 @@ bool csv_columns_use_form(csv_columns *columns, const point_form *form)
     if (next < form->count) // no name is in the header: the columns are in the form's order
         next = 0;
     for (size_t i = 0; i < columns->count; i++)
-        if (columns->places[i] == BAT_NO_INDEX)
+        if (columns->places[i] == BAT_NO_INDEX && kind_of(columns, i) == CSV_NUMBER)
             columns->places[i] = next++;
     return true;
 }
@@ -109,7 +162,7 @@ static size_t channel_of(const csv_columns *columns, size_t coordinates, size_t 
     if (column == BAT_NO_INDEX)
         return BAT_NO_INDEX;
     size_t place = columns->places != NULL ? columns->places[column] : column;
-    return place < coordinates ? BAT_NO_INDEX : place - coordinates;
+    return place < coordinates || place == BAT_NO_INDEX ? BAT_NO_INDEX : place - coordinates;
 }
 
 void csv_columns_channels(const csv_columns *columns, size_t coordinates, const point_form *form, motion_channels *channels)

@@ -1,6 +1,7 @@
 #include "batten/curve_set.h"
 
 #include "base/error.h"
+#include "curve/csv_columns.h"
 #include "curve/curve_attributes.h"
 #include "space/degrees.h"
 
@@ -36,8 +37,7 @@ void attributes_release(bat_curve_attributes *attributes)
         free(attributes->notes[i]);
     free(attributes->notes);
     free(attributes->crs);
-    free(attributes->csv.names);
-    free(attributes->csv.places);
+    csv_columns_free(&attributes->csv);
     free(attributes->rings);
     if (attributes->remainder.content != NULL)
         attributes->remainder.free(attributes->remainder.content);

@@ -43,7 +43,7 @@ static motion_channels channels_of(const bat_curve_set *set)
     const csv_columns *columns = &attributes->csv;
     const point_form *form = form_of(set);
     size_t coordinates = columns->degrees ? 2 : columns->form != NULL ? columns->form->count : set->space->point_dim;
-    if (coordinates + set->curves[0].channel_count == columns->count)
+    if (csv_columns_fit(columns, coordinates, set->curves[0].channel_count))
         csv_columns_channels(columns, coordinates, columns->degrees ? NULL : form, &channels);
     return channels;
 }

@@ -206,7 +206,7 @@ static void a_column_of_corners_survives(void **state)
                                  "alt,corner,lon,lat\n5,1,10,20\n6,0,11,21\n",
                                  "# space: rotation\ncorner,qw,qx,qy,qz\n1,1,0,0,0\n0,0,1,0,0\n"};
     const char *const spaces[] = {"plane", "plane", "euclidean", "sphere", "rotation"};
-    const size_t channels[] = {0, 0, 0, 1, 0};
+    const size_t channels[] = {0, 0, 1, 1, 0};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
     {
         bat_curve_set set = must_read(texts[i], BAT_CURVE_FORMAT_CSV, NULL);

@@ -58,6 +58,8 @@ typedef struct test_case
 
 static const test_case CASES[] = {
     {"curve csv", verb_curve, "curve plane.csv -o out.csv --levels 3 --quiet"},
+    {"curve table", verb_curve, "curve table.csv -o out.csv --levels 1 --group track --threads 1"},
+    {"curve columns", verb_curve, "curve table.csv -o out.csv --levels 1 --columns 3,2 --threads 1 --quiet"},
     {"curve two threads", verb_curve, "curve many.csv -o out.csv --levels 2 --threads 2"},
     {"curve kept simple", verb_curve, "curve strait.csv --closed --scheme six-point -o out.csv --levels 3 --threads 1"},
     {"curve geojson", verb_curve, "curve track.geojson -o out.geojson --levels 2 --threads 1"},
@@ -392,6 +394,8 @@ static int make_input(void **state)
     for (size_t i = 0; i < 40; i++)
         (void)snprintf(many + strlen(many), sizeof many - strlen(many), "%zu,0,1\n2,%zu,2\n5,5,3\n\n", i, i + 1);
     write_file("many.csv", many);
+    write_file("table.csv", "track,lon,lat,name,time,v\nb,1,2,p,2024-05-01T12:00:00Z,\na,3,2,q,2024-05-01T12:00:01Z,4\n"
+                            "b,3,4,r,2024-05-01T12:00:02Z,x\na,5,3,s,2024-05-01T12:00:03Z,6\n");
     write_file("strait.csv", "0,0\n8,0\n8,6\n5,6\n5,1\n4.5,1\n4.5,6\n0,6\n");
     write_file("track.geojson",
                "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"name\":\"a\"},"
@@ -415,10 +419,10 @@ static int make_input(void **state)
     make(verb_surface, "surface fit.xml -o fit.json --quiet");
     if (mkdir("runs", 0700) != 0 || chdir("runs") != 0)
         return -1;
-    static const char *const inputs[] = {"plane.csv",    "many.csv",  "track.geojson", "path.obj", "lines.geojsonl",
-                                         "rotation.csv", "keys.csv",  "sheet.obj",     "fins.obj", "cage.ply",
-                                         "stone.ply",    "hull.xyz",  "scan.xyz",      "fit.xml",  "fit.json",
-                                         "hull.uv",      "strait.csv"};
+    static const char *const inputs[] = {"plane.csv",      "many.csv",     "table.csv", "track.geojson", "path.obj",
+                                         "lines.geojsonl", "rotation.csv", "keys.csv",  "sheet.obj",     "fins.obj",
+                                         "cage.ply",       "stone.ply",    "hull.xyz",  "scan.xyz",      "fit.xml",
+                                         "fit.json",       "hull.uv",      "strait.csv"};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
     {
         char target[64];

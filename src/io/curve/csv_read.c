@@ -1,93 +1,22 @@
-#include "base/error.h"
-#include "curve/csv_columns.h"
-#include "io/common/number_text.h"
-#include "io/curve/builder.h"
-#include "io/curve/formats.h"
+#include "io/curve/csv_reader.h"
 #include "space/degrees.h"
 
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
 /// @file
 /// Reader of CSV and of trajectories in the TUM format: rows of numbers, an optional header, and directives in comments.
 
-enum
-{
-    /// timestamp tx ty tz qx qy qz qw
-    TUM_COLUMNS = 8
-};
-
-typedef struct csv_reader
-{
-    const bat_curve_read_options *options;
-    bat_curve_attributes *attributes;
-    curve_builder builder;
-    csv_field fields[BAT_SPACE_MAX_DIM];
-    double numbers[BAT_SPACE_MAX_DIM]; ///< of a row, coordinates first
-    size_t column_count;               ///< 0 before the first row
-    size_t coordinate_count;
-    char separator;                ///< a comma, semicolon or tab, or a blank for runs of blanks
-    char space_name[EXCERPT_SIZE]; ///< from a directive; empty without one
-    bool closed;                   ///< from a directive for the current curve
-    size_t header_line;            ///< 0 without a header
-    size_t time_channel;           ///< BAT_NO_INDEX without times
-    bool motion;                   ///< has times or velocities: repeated points stay
-    bool begun;                    ///< a row of numbers was read
-    bool unnamed_tum;              ///< a CSV file contains rows of a trajectory without a header
-    bool tum;                      ///< the TUM format: blank lines, headers and directives have no meaning
-} csv_reader;
-
 static bat_status bad_row(bat_error *error, const text_line *line, const char *what)
 {
     return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", what);
 }
 
-static csv_field trim(const char *begin, const char *end)
-{
-    while (begin < end && (*begin == ' ' || *begin == '\t'))
-        begin++;
-    while (end > begin && (end[-1] == ' ' || end[-1] == '\t'))
-        end--;
-    return (csv_field){begin, end};
-}
-
-static char find_separator(const text_line *line)
-{
-    size_t length = (size_t)(line->end - line->begin);
-    for (const char *candidate = ",;\t"; *candidate != '\0'; candidate++)
-        if (memchr(line->begin, *candidate, length) != NULL)
-            return *candidate;
-    return ' ';
-}
-
-/// The end of the field that begins at `at`.
-static const char *field_end(const char *at, const char *end, char separator)
-{
-    if (separator != ' ')
-    {
-        const char *found = memchr(at, separator, (size_t)(end - at));
-        return found != NULL ? found : end;
-    }
-    while (at < end && *at != ' ' && *at != '\t')
-        at++;
-    return at;
-}
-
 static bat_status split(csv_reader *reader, const text_line *line, size_t *count, bat_error *error)
 {
-    const char *at = line->begin;
-    for (*count = 0;;)
-    {
-        const char *end = field_end(at, line->end, reader->separator);
-        if (*count == BAT_SPACE_MAX_DIM)
-            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "more than %d columns", BAT_SPACE_MAX_DIM);
-        reader->fields[(*count)++] = trim(at, end);
-        if (end == line->end)
-            return BAT_OK;
-        at = end + 1;
-        while (reader->separator == ' ' && (*at == ' ' || *at == '\t'))
-            at++;
-    }
+    const char *fault = csv_split(reader->text, line, reader->separator, reader->fields, count);
+    return fault == NULL ? BAT_OK : bad_row(error, line, fault);
 }
 
 static bool is_header(const csv_reader *reader, size_t count)
@@ -98,13 +27,20 @@ static bool is_header(const csv_reader *reader, size_t count)
     return true;
 }
 
+/// Whether all fields of a row are empty, as those of a blank row in a spreadsheet.
+static bool is_empty_row(const csv_reader *reader, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (reader->fields[i].begin != reader->fields[i].end)
+            return false;
+    return true;
+}
+
 /// Null for a valid name of a column, else an error text.
 static const char *name_fault(const csv_field *field)
 {
     static const char mark[] = "\xEF\xBB\xBF";
     size_t length = (size_t)(field->end - field->begin);
-    if (length == 0)
-        return "has no name";
     if (memchr(field->begin, '\0', length) != NULL)
         return "has a zero byte";
     if (length >= sizeof mark - 1 && memcmp(field->begin, mark, sizeof mark - 1) == 0)
@@ -149,83 +85,6 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
     return BAT_OK;
 }
 
-/// Name the columns of the TUM format as a CSV header would.
-static bool name_tum_columns(csv_reader *reader)
-{
-    static const char *const names[TUM_COLUMNS] = {"timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
-    csv_field fields[TUM_COLUMNS];
-    for (size_t i = 0; i < TUM_COLUMNS; i++)
-        fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
-    reader->column_count = TUM_COLUMNS;
-    return csv_columns_name(&reader->attributes->csv, fields, TUM_COLUMNS);
-}
-
-/// Whether the names of columns imply a form. Without a named space, names of quaternions and matrices do; those of flat
-/// spaces only matter with times or velocities.
-static bool is_implied(const csv_reader *reader, const point_form *form, bool named)
-{
-    motion_channels channels;
-    if (form->strict)
-        return named || form->rotation == ROTATION_QUATERNION || form->rotation == ROTATION_MATRIX;
-    csv_columns_channels(&reader->attributes->csv, 0, form, &channels);
-    return channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
-}
-
-/// The form of the points in a space, which may be null; null for plain coordinates.
-static const point_form *find_form(const csv_reader *reader, const char *space, const column_names *names)
-{
-    static const char *const unnamed[] = {"rigid", "rotation", "euclidean", "plane"};
-    const char *const *candidates = space != NULL ? &space : unnamed;
-    size_t count = space != NULL ? 1 : names->names != NULL ? sizeof unnamed / sizeof *unnamed : 0;
-    for (size_t i = 0; i < count; i++)
-    {
-        const point_form *form = point_form_find(candidates[i], names);
-        bool by_name = form != NULL && column_find(names, form->names[0]) != BAT_NO_INDEX;
-        if (form != NULL && (space != NULL || by_name) && is_implied(reader, form, space != NULL))
-            return form;
-    }
-    return NULL;
-}
-
-static bat_status use_form(csv_reader *reader, const point_form *form, bat_error *error)
-{
-    if (!csv_columns_use_form(&reader->attributes->csv, form))
-        return error_memory(error, reader->column_count * sizeof(size_t));
-    size_t dim = form->rotation == ROTATION_NONE ? form->count : form->rotation_at + 4;
-    reader->coordinate_count = form->count;
-    return bat_space_by_name(form->space, dim, &reader->builder.space, error);
-}
-
-static bat_status use_degrees(csv_reader *reader, size_t longitude, size_t latitude, bat_error *error)
-{
-    if (!csv_columns_use_degrees(&reader->attributes->csv, longitude, latitude))
-        return error_memory(error, reader->column_count * sizeof(size_t));
-    reader->coordinate_count = 2;
-    reader->builder.check = false;
-    reader->builder.space = bat_sphere(2);
-    return BAT_OK;
-}
-
-/// Use the first two columns or all columns as coordinates.
-static bat_status use_coordinates(csv_reader *reader, const text_line *line, const char *name, bat_error *error)
-{
-    size_t count = reader->column_count;
-    if (strcmp(name, "sphere") == 0 && count < 3)
-        return bad_row(error, line, "a point of the sphere needs 3 or more columns, or a header with lon and lat");
-    bool two = strcmp(name, "plane") == 0 || strcmp(name, "disk") == 0;
-    if (two && count < 2)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "a point of the %s needs 2 columns", name);
-    bat_space any;
-    reader->coordinate_count = two ? 2 : count;
-    bat_status status = bat_space_by_name(name, 0, &any, error);
-    if (status != BAT_OK)
-        return status;
-    status = bat_space_by_name(name, reader->coordinate_count, &reader->builder.space, error);
-    return status == BAT_OK ? status
-                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
-                                        "%zu columns are not a point of the space %s", count, name);
-}
-
 /// Find the times among the channels.
 static void find_times(csv_reader *reader)
 {
@@ -234,37 +93,6 @@ static void find_times(csv_reader *reader)
     reader->time_channel = channels.time;
     csv_columns_channels(&reader->attributes->csv, reader->coordinate_count, reader->attributes->csv.form, &channels);
     reader->motion = channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
-}
-
-/// Choose the space from the options, the directives and the columns.
-static bat_status choose_space(csv_reader *reader, const text_line *line, bat_error *error)
-{
-    const csv_columns *columns = &reader->attributes->csv;
-    const char *name = reader->options->space;
-    if (name == NULL && reader->space_name[0] != '\0')
-        name = reader->space_name;
-    size_t longitude, latitude;
-    if ((name == NULL || strcmp(name, "sphere") == 0) && csv_columns_geographic(columns, &longitude, &latitude))
-        return use_degrees(reader, longitude, latitude, error);
-    bool trajectory = name != NULL && strcmp(name, "rigid") == 0 && reader->column_count == TUM_COLUMNS;
-    if (trajectory && columns->names == NULL)
-    {
-        reader->unnamed_tum = true;
-        if (!name_tum_columns(reader))
-            return error_memory(error, TUM_COLUMNS * sizeof(char *));
-    }
-    column_names names = {columns->names, reader->column_count};
-    const point_form *form = find_form(reader, name, &names);
-    char fault[BAT_ERROR_TEXT_SIZE];
-    if (name == NULL && point_form_incomplete(form, &names, fault, sizeof fault))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
-    if (name == NULL && form != NULL)
-        name = form->space;
-    if (name != NULL && point_form_fault(name, form, &names, fault, sizeof fault))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
-    if (form != NULL)
-        return use_form(reader, form, error);
-    return use_coordinates(reader, line, name != NULL ? name : names.count == 2 ? "plane" : "euclidean", error);
 }
 
 /// Whether a row is of a corner: 0 or 1 in the column of the corners, which is taken out of the fields.
@@ -286,65 +114,114 @@ static bat_status read_corner(csv_reader *reader, const text_line *line, bool *c
 
 static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_error *error)
 {
-    const size_t *places = reader->attributes->csv.places;
-    size_t corner = reader->attributes->csv.corner;
+    const csv_columns *columns = &reader->attributes->csv;
     for (size_t i = 0; i < reader->column_count; i++)
     {
         const csv_field *field = &reader->fields[i];
-        char excerpt[EXCERPT_SIZE];
-        const char *fault = field->begin == field->end
-                                ? "is empty"
-                                : number_read(field->begin, field->end, &reader->numbers[places != NULL ? places[i] : i]);
+        column_state *state = &reader->columns[i];
+        size_t place = columns->places != NULL ? columns->places[i] : i;
+        if (place == BAT_NO_INDEX)
+            continue;
+        const char *fault =
+            field->begin == field->end ? "is empty" : number_read(field->begin, field->end, &reader->numbers[place]);
         if (fault != NULL)
-            return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s",
-                             i + 1 + (i >= corner), text_excerpt(excerpt, field->begin, field->end), fault);
+            fault = csv_read_number(*field, reader->separator, &reader->numbers[place], &reader->comma);
+        if (fault != NULL && !csv_change_kind(reader, i))
+        {
+            char excerpt[EXCERPT_SIZE];
+            bool others = reader->attributes->csv.names != NULL && !reader->strict && !reader->tum;
+            return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s%s",
+                             csv_column_number(reader, i), text_excerpt(excerpt, field->begin, field->end), fault,
+                             others ? "; --columns chooses the columns of the coordinates" : "");
+        }
+        state->has_number = state->has_number || fault == NULL;
+        if (state->is_watched && fault == NULL)
+        {
+            csv_watch_cell(reader, line, i);
+            state->not_whole = state->not_whole || reader->numbers[place] != floor(reader->numbers[place]);
+        }
     }
     return BAT_OK;
+}
+
+/// Check the number of fields in a row. Empty fields at its end do not count.
+static bat_status check_width(const csv_reader *reader, const text_line *line, size_t count, bat_error *error)
+{
+    size_t wanted = reader->column_count + (reader->attributes->csv.corner != BAT_NO_INDEX ? 1 : 0);
+    while (count > wanted && reader->fields[count - 1].begin == reader->fields[count - 1].end)
+        count--;
+    if (count == wanted)
+        return BAT_OK;
+    if (reader->tum)
+        return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number,
+                         "%zu columns where a trajectory has %d", count, TUM_COLUMNS);
+    return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number,
+                     "%zu columns where the first row has %zu", count, wanted);
+}
+
+/// Set the point of a row. Returns null or an error text.
+static const char *make_point(csv_reader *reader, double *point)
+{
+    static const double DEGREES = 57.295779513082320876798154814105;
+    const csv_columns *columns = &reader->attributes->csv;
+    double *numbers = reader->numbers;
+    if (!columns->degrees)
+    {
+        if (columns->form != NULL)
+            return point_form_read(columns->form, numbers, reader->builder.project, point);
+        memcpy(point, numbers, reader->coordinate_count * sizeof *point);
+        return NULL;
+    }
+    for (size_t i = 0; i < 2 && columns->radians; i++)
+        numbers[i] *= DEGREES;
+    const char *fault = degrees_fault(numbers[0], numbers[1]);
+    if (fault == NULL)
+        degrees_to_point(numbers[0], numbers[1], point);
+    return fault;
 }
 
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
     bool has_corner = reader->attributes->csv.corner != BAT_NO_INDEX, corner = false;
-    size_t column_count = reader->column_count + has_corner;
-    if (count != column_count && reader->tum)
-        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%zu columns where a trajectory has %d",
-                         count, TUM_COLUMNS);
-    if (count != column_count)
-        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%zu columns where the first row has %zu",
-                         count, column_count);
-    count = reader->column_count;
-    bat_status status = has_corner ? read_corner(reader, line, &corner, error) : BAT_OK;
+    bat_status status = check_width(reader, line, count, error);
+    if (status == BAT_OK && has_corner)
+        status = read_corner(reader, line, &corner, error);
+    if (status == BAT_OK && !reader->begun)
+    {
+        reader->begun = true;
+        status = csv_choose(reader, line, error);
+        find_times(reader);
+    }
     if (status == BAT_OK)
         status = read_numbers(reader, line, error);
-    if (status != BAT_OK)
+    if (status == BAT_OK)
+        status = csv_take_cells(reader, line, error);
+    if (status != BAT_OK || reader->again)
         return status;
-    size_t coordinates = reader->coordinate_count;
+    bool has_places = reader->attributes->csv.has_places;
+    size_t coordinates = reader->coordinate_count, channel_count = reader->number_count - coordinates;
     double *channels;
-    double *point = builder_next(builder, count - coordinates, &channels);
+    double *point = builder_next(builder, channel_count + (has_places ? CSV_PLACE_CHANNELS : 0), &channels);
     if (point == NULL || !builder_line(builder, line->number) || (has_corner && !builder_corner(builder, corner)))
         return error_memory(error, builder->point_capacity * sizeof(double));
-    bool degrees = reader->attributes->csv.degrees;
-    const point_form *form = reader->attributes->csv.form;
-    const char *fault = degrees ? degrees_fault(reader->numbers[0], reader->numbers[1]) : NULL;
+    const char *fault = make_point(reader, point);
     if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s", fault);
-    if (degrees)
-        degrees_to_point(reader->numbers[0], reader->numbers[1], point);
-    else if (form != NULL)
-        fault = point_form_read(form, reader->numbers, builder->project, point);
-    else
-        memcpy(point, reader->numbers, coordinates * sizeof *point);
-    if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s", fault);
-    if (count > coordinates)
-        memcpy(channels, reader->numbers + coordinates, (count - coordinates) * sizeof *channels);
+        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s%s", fault,
+                         reader->attributes->csv.degrees ? "; --space plane takes other units" : "");
+    if (channel_count > 0)
+        memcpy(channels, reader->numbers + coordinates, channel_count * sizeof *channels);
+    for (size_t i = 0; i < CSV_PLACE_CHANNELS && has_places; i++)
+        channels[channel_count + i] = 0; // until the curve's length is known
     size_t index = builder->point_count;
+    reader->row_count++;
     fault = builder_admit(builder);
     if (fault != NULL)
         return error_set(error, BAT_BAD_FILE, index, line->number, "the point is %s", fault);
-    bool dropped;
+    bool dropped = false;
     fault = reader->motion ? NULL : builder_drop_repeat(builder, false, &dropped);
+    if (dropped && reader->cells.columns > 0)
+        cells_drop_row(&reader->cells);
     if (fault != NULL)
         return error_set(error, BAT_BAD_FILE, index, line->number, "curve %zu, point %zu: %s", builder->curve_count, index,
                          fault);
@@ -357,7 +234,7 @@ static bat_status read_space(csv_reader *reader, const text_line *line, const ch
     char name[EXCERPT_SIZE];
     bat_space unused;
     bool colon = *rest == ':';
-    csv_field words = trim(rest + colon, end);
+    csv_field words = csv_trimmed(rest + colon, end);
     (void)text_excerpt(name, words.begin, words.end);
     if (bat_space_by_name(name, 0, &unused, NULL) != BAT_OK)
         return colon ? error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "there is no space '%s'", name) : BAT_OK;
@@ -367,12 +244,29 @@ static bat_status read_space(csv_reader *reader, const text_line *line, const ch
     return BAT_OK;
 }
 
-/// Apply a comment "closed", "open" or "space: NAME", in upper or lower case.
+/// Apply the comment "columns: LIST" for a list of numbers. Other programs' comments have names there.
+static bat_status read_column_list(csv_reader *reader, const text_line *line, csv_field list, bat_error *error)
+{
+    size_t length = (size_t)(list.end - list.begin);
+    for (const char *at = list.begin; at < list.end; at++)
+        if (strchr("0123456789, ", *at) == NULL)
+            return BAT_OK;
+    if (length == 0 || length >= sizeof reader->column_list)
+        return BAT_OK;
+    if (reader->begun)
+        return bad_row(error, line, "the columns must be named before the first row");
+    memcpy(reader->column_list, list.begin, length);
+    reader->column_list[length] = '\0';
+    return BAT_OK;
+}
+
+/// Apply a comment "closed", "open", "space: NAME" or "columns: LIST", in upper or lower case.
 static bat_status read_comment(csv_reader *reader, const text_line *line, bat_error *error)
 {
     static const char space[] = "space";
-    const size_t space_length = sizeof space - 1;
-    csv_field words = trim(line->begin + 1, line->end);
+    static const char columns[] = "columns:";
+    const size_t space_length = sizeof space - 1, columns_length = sizeof columns - 1;
+    csv_field words = csv_trimmed(line->begin + 1, line->end);
     size_t length = (size_t)(words.end - words.begin);
     if (length == 6 && strncasecmp(words.begin, "closed", length) == 0)
         reader->closed = true;
@@ -381,6 +275,8 @@ static bat_status read_comment(csv_reader *reader, const text_line *line, bat_er
     else if (length > space_length && strncasecmp(words.begin, space, space_length) == 0 &&
              strchr(": \t", words.begin[space_length]) != NULL)
         return read_space(reader, line, words.begin + space_length, words.end, error);
+    else if (length > columns_length && strncasecmp(words.begin, columns, columns_length) == 0)
+        return read_column_list(reader, line, csv_trimmed(words.begin + columns_length, words.end), error);
     return BAT_OK;
 }
 
@@ -402,6 +298,33 @@ static bat_status check_times(const csv_reader *reader, bool closed, bat_error *
     return BAT_OK;
 }
 
+/// Set the places of the current curve's points between the rows of the file.
+static void set_places(csv_reader *reader, bool closed)
+{
+    const curve_builder *builder = &reader->builder;
+    for (size_t i = 0; i < builder->point_count && reader->attributes->csv.has_places; i++)
+        cells_place(i, builder->point_count, closed,
+                    builder->channels + (i + 1) * builder->channel_count - CSV_PLACE_CHANNELS);
+}
+
+/// Whether the cells of the last row are those of the current curve's first row. Times need not be.
+static bool cells_return(const csv_reader *reader)
+{
+    const cell_builder *cells = &reader->cells;
+    size_t begin = (cells->row_count - reader->builder.point_count) * cells->columns;
+    for (size_t i = 0, cell = 0; i < reader->column_count && cells->columns > 0; i++)
+    {
+        csv_kind kind = (csv_kind)reader->attributes->csv.kinds[i];
+        if (kind == CSV_NUMBER || kind == CSV_ID)
+            continue;
+        size_t first = cells->offsets[begin + cell], last = cells->offsets[cells->offset_count - cells->columns + cell];
+        if (kind != CSV_TIME && strcmp(cells->text.data + first, cells->text.data + last) != 0)
+            return false;
+        cell++;
+    }
+    return true;
+}
+
 static bat_status end_curve(csv_reader *reader, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
@@ -410,8 +333,12 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
     int wanted = reader->options->closed;
     bool closed = wanted < 0 ? reader->closed : wanted > 0;
     builder_continue_signs(builder);
-    while (closed && builder_returns(builder))
+    while (closed && builder_returns(builder) && cells_return(reader))
+    {
         builder_drop_last(builder);
+        if (reader->cells.columns > 0)
+            cells_drop_row(&reader->cells);
+    }
     bool dropped = closed && !reader->motion;
     while (dropped)
     {
@@ -420,51 +347,281 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
         if (fault != NULL)
             return error_set(error, BAT_BAD_FILE, index, last_line, "curve %zu, point %zu: %s", builder->curve_count, index,
                              fault);
+        if (dropped && reader->cells.columns > 0)
+            cells_drop_row(&reader->cells);
     }
     reader->closed = false;
     bat_status status = check_times(reader, closed, error);
     if (status != BAT_OK)
         return status;
+    set_places(reader, closed);
+    if (reader->cells.columns > 0 && !cells_end_curve(&reader->cells, closed))
+        return error_memory(error, builder->point_count);
     return builder_end_curve(builder, closed) ? BAT_OK : error_memory(error, builder->point_count * sizeof(double));
+}
+
+/// Take the number of columns from the first row of a file without a header. Empty fields at its end do not count.
+static void count_columns(csv_reader *reader, size_t count)
+{
+    while (count > 1 && reader->fields[count - 1].begin == reader->fields[count - 1].end)
+        count--;
+    reader->column_count = count;
+}
+
+/// A comment, or a header whose first column is called '#'.
+static bool is_comment(const csv_reader *reader, const text_line *line)
+{
+    bool first = reader->column_count == 0 && line->end - line->begin > 1 && strchr(",;\t", line->begin[1]) != NULL;
+    return *line->begin == '#' && (reader->tum || !first);
+}
+
+/// Read a line that is neither blank nor a comment up to its fields. `*count` is 0 for a header and for an empty row.
+static bat_status read_fields(csv_reader *reader, const text_line *line, size_t *count, bat_error *error)
+{
+    if (reader->separator == '\0')
+        reader->separator = csv_find_separator(line);
+    bat_status status = split(reader, line, count, error);
+    if (status != BAT_OK)
+        return status;
+    if (is_empty_row(reader, *count))
+        *count = 0;
+    else if (reader->column_count == 0 && is_header(reader, *count))
+    {
+        status = read_header(reader, line, *count, error);
+        *count = 0;
+    }
+    else if (reader->column_count == 0)
+        count_columns(reader, *count);
+    return status;
 }
 
 static bat_status read_line(csv_reader *reader, const text_line *line, bat_error *error)
 {
     if (line->begin == line->end)
         return reader->tum ? BAT_OK : end_curve(reader, error);
-    if (*line->begin == '#')
+    if (is_comment(reader, line))
         return reader->tum ? BAT_OK : read_comment(reader, line, error);
-    if (reader->separator == '\0')
-        reader->separator = find_separator(line);
-    size_t count;
-    bat_status status = split(reader, line, &count, error);
+    size_t count, header = reader->header_line;
+    bat_status status = read_fields(reader, line, &count, error);
     if (status != BAT_OK)
         return status;
-    if (reader->column_count == 0 && is_header(reader, count))
-        return read_header(reader, line, count, error);
-    if (!reader->begun)
-    {
-        reader->begun = true;
-        if (reader->column_count == 0)
-            reader->column_count = count;
-        status = choose_space(reader, line, error);
-        find_times(reader);
-    }
-    return status == BAT_OK ? read_row(reader, line, count, error) : status;
+    if (count == 0)
+        return reader->header_line != header ? BAT_OK : end_curve(reader, error);
+    return read_row(reader, line, count, error);
 }
 
-static bat_status read_text(csv_reader *reader, const file_text *text, bat_error *error)
+static bat_status read_lines(csv_reader *reader, bat_error *error)
 {
-    text_line line = text_line_start(text);
-    while (text_line_next(text, &line))
+    text_line line = text_line_start(reader->text);
+    while (text_line_next(reader->text, &line) && !reader->again)
     {
         bat_status status = read_line(reader, &line, error);
         if (status != BAT_OK)
             return status;
     }
-    bat_status status = end_curve(reader, error);
-    if (status == BAT_OK && reader->builder.curve_count == 0)
+    bat_status status = reader->again ? BAT_OK : end_curve(reader, error);
+    if (status == BAT_OK && !reader->again && reader->builder.curve_count == 0)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are no points");
+    return status;
+}
+
+/// The rows of a file in the order of their groups.
+typedef struct grouped_row
+{
+    text_line line;
+    size_t group, next; ///< the next row of the group, or BAT_NO_INDEX
+} grouped_row;
+
+/// The value of a group, and its rows.
+typedef struct row_group
+{
+    csv_field value;
+    uint64_t hash;
+    size_t first, last;
+    bool closed;
+} row_group;
+
+typedef struct row_groups
+{
+    grouped_row *rows;
+    row_group *groups;
+    size_t *slots; ///< the groups by their hash, or BAT_NO_INDEX; slot_count is a power of two
+    size_t row_count, row_capacity, group_count, group_capacity, slot_count;
+} row_groups;
+
+static void groups_free(row_groups *all)
+{
+    free(all->rows);
+    free(all->groups);
+    free(all->slots);
+}
+
+/// FNV-1a.
+static uint64_t hash_of(csv_field value)
+{
+    uint64_t hash = 14695981039346656037U;
+    for (const char *at = value.begin; at < value.end; at++)
+        hash = (hash ^ (unsigned char)*at) * 1099511628211U;
+    return hash;
+}
+
+/// The slot of a value, or the empty one where it belongs.
+static size_t slot_of(const row_groups *all, csv_field value, uint64_t hash)
+{
+    size_t slot = (size_t)hash & (all->slot_count - 1), size = (size_t)(value.end - value.begin);
+    while (all->slots[slot] != BAT_NO_INDEX)
+    {
+        const row_group *group = &all->groups[all->slots[slot]];
+        if (group->hash == hash && (size_t)(group->value.end - group->value.begin) == size &&
+            memcmp(group->value.begin, value.begin, size) == 0)
+            break;
+        slot = (slot + 1) & (all->slot_count - 1);
+    }
+    return slot;
+}
+
+/// Keep at least half of the slots empty.
+static bool slots_grow(row_groups *all)
+{
+    if (2 * all->group_count < all->slot_count)
+        return true;
+    size_t count = all->slot_count == 0 ? 64 : 2 * all->slot_count;
+    size_t *slots = memory_array(count, sizeof *slots);
+    if (slots == NULL)
+        return false;
+    for (size_t i = 0; i < count; i++)
+        slots[i] = BAT_NO_INDEX;
+    free(all->slots);
+    all->slots = slots;
+    all->slot_count = count;
+    for (size_t i = 0; i < all->group_count; i++)
+        slots[slot_of(all, all->groups[i].value, all->groups[i].hash)] = i;
+    return true;
+}
+
+/// Add a row to the group of a value.
+static bool groups_add(row_groups *all, csv_field value, const text_line *line, bool closed)
+{
+    void *rows = all->rows, *groups = all->groups;
+    bool grown = array_grow(&rows, &all->row_capacity, all->row_count + 1, sizeof *all->rows);
+    all->rows = rows;
+    grown = array_grow(&groups, &all->group_capacity, all->group_count + 1, sizeof *all->groups) && grown;
+    all->groups = groups;
+    if (!grown || !slots_grow(all))
+        return false;
+    uint64_t hash = hash_of(value);
+    size_t slot = slot_of(all, value, hash), row = all->row_count++;
+    bool is_new = all->slots[slot] == BAT_NO_INDEX;
+    if (is_new)
+    {
+        all->slots[slot] = all->group_count;
+        all->groups[all->group_count++] = (row_group){value, hash, row, row, false};
+    }
+    row_group *group = &all->groups[all->slots[slot]];
+    if (!is_new)
+        all->rows[group->last].next = row;
+    group->last = row;
+    group->closed = group->closed || closed;
+    all->rows[row] = (grouped_row){*line, all->slots[slot], BAT_NO_INDEX};
+    return true;
+}
+
+/// Collect the rows by the values of a column. Blank lines have no meaning.
+static bat_status collect_groups(csv_reader *reader, row_groups *all, bat_error *error)
+{
+    text_line line = text_line_start(reader->text);
+    bat_status status = BAT_OK;
+    size_t column = BAT_NO_INDEX, count;
+    while (status == BAT_OK && text_line_next(reader->text, &line))
+    {
+        if (line.begin == line.end)
+            continue;
+        if (is_comment(reader, &line))
+        {
+            status = read_comment(reader, &line, error);
+            continue;
+        }
+        status = read_fields(reader, &line, &count, error);
+        if (status != BAT_OK || count == 0)
+            continue;
+        const char *name = reader->options->group;
+        if (column == BAT_NO_INDEX)
+            status = csv_find_column(reader, "group", name, strlen(name), &column, error);
+        if (status == BAT_OK)
+            status = check_width(reader, &line, count, error);
+        if (status != BAT_OK)
+            break;
+        csv_field value = csv_unquoted(reader->fields[csv_column_number(reader, column) - 1]);
+        if (!groups_add(all, value, &line, reader->closed))
+            status = error_memory(error, all->row_count * sizeof *all->rows);
+        reader->closed = false;
+    }
+    if (status == BAT_OK && all->row_count == 0)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are no points");
+    return status;
+}
+
+/// A curve for each value of a column, in the order of their first rows.
+static bat_status read_groups(csv_reader *reader, bat_error *error)
+{
+    row_groups all = {.rows = NULL};
+    bat_status status = collect_groups(reader, &all, error);
+    for (size_t i = 0; i < all.group_count && status == BAT_OK && !reader->again; i++)
+    {
+        reader->closed = all.groups[i].closed;
+        for (size_t row = all.groups[i].first; row != BAT_NO_INDEX && status == BAT_OK && !reader->again;
+             row = all.rows[row].next)
+        {
+            size_t count;
+            status = split(reader, &all.rows[row].line, &count, error);
+            if (status == BAT_OK)
+                status = read_row(reader, &all.rows[row].line, count, error);
+        }
+        if (status == BAT_OK && !reader->again)
+            status = end_curve(reader, error);
+    }
+    groups_free(&all);
+    return status;
+}
+
+static void reader_release(csv_reader *reader)
+{
+    builder_free(&reader->builder);
+    cells_free(&reader->cells);
+    attributes_release(reader->attributes);
+    reader->attributes = NULL;
+}
+
+/// Begin at the start of the file, with the kinds of columns that are known.
+static bool reader_begin(csv_reader *reader, bat_curve_format format)
+{
+    csv_reader before = *reader;
+    *reader = (csv_reader){.text = before.text,
+                           .options = before.options,
+                           .builder = {.project = before.options->project, .strict = before.options->strict, .check = true},
+                           .attributes = attributes_new(format),
+                           .group = BAT_NO_INDEX,
+                           .kinds_known = before.kinds_known,
+                           .tum = format == BAT_CURVE_FORMAT_TUM};
+    for (size_t i = 0; i < BAT_SPACE_MAX_DIM && before.kinds_known; i++)
+        reader->columns[i] = (column_state){.kind = before.columns[i].kind, .has_number = before.columns[i].has_number};
+    return reader->attributes != NULL && (!reader->tum || csv_name_tum_columns(reader));
+}
+
+/// Read the file, and again where a column turns out to hold other things than it began with. Kinds change in one direction
+/// only, so that this ends.
+static bat_status read_text(csv_reader *reader, bat_curve_format format, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    do
+    {
+        reader_release(reader);
+        if (!reader_begin(reader, format))
+            return error_memory(error, sizeof *reader);
+        status = reader->options->group != NULL && !reader->tum ? read_groups(reader, error) : read_lines(reader, error);
+    } while (status == BAT_OK && reader->again);
+    if (status == BAT_OK && !reader->tum && !csv_note_columns(reader))
+        status = error_memory(error, BAT_ERROR_TEXT_SIZE);
     return status;
 }
 
@@ -475,25 +632,21 @@ static bat_status read_as(bat_curve_format format, const file_text *text, const 
     if (reader == NULL)
         return error_memory(error, sizeof *reader);
     reader->options = options;
-    reader->builder.project = options->project;
-    reader->builder.strict = options->strict;
-    reader->builder.check = true;
-    reader->attributes = attributes_new(format);
-    reader->tum = format == BAT_CURVE_FORMAT_TUM;
-    bool ready = reader->attributes != NULL && (!reader->tum || name_tum_columns(reader));
-    bat_status status = ready ? read_text(reader, text, error) : error_memory(error, sizeof *reader);
+    reader->text = text;
+    bat_status status = read_text(reader, format, error);
     const curve_builder *builder = &reader->builder;
     if (status == BAT_OK && !builder_note_repeats(builder, reader->attributes))
         status = error_memory(error, sizeof *reader);
     if (status == BAT_OK && reader->unnamed_tum && builder->curve_count == 1 && !builder->curves[0].closed)
         reader->attributes->format = BAT_CURVE_FORMAT_TUM;
     if (status == BAT_OK)
-        status = builder_finish(&reader->builder, reader->attributes, set, error);
-    else
     {
-        builder_free(&reader->builder);
-        attributes_release(reader->attributes);
+        if (reader->cells.columns > 0)
+            cells_finish(&reader->cells, &reader->attributes->csv.cells);
+        status = builder_finish(&reader->builder, reader->attributes, set, error);
     }
+    else
+        reader_release(reader);
     free(reader);
     return status;
 }
@@ -510,5 +663,6 @@ bat_status tum_read(const file_text *text, const bat_curve_read_options *options
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a TUM trajectory is in the space rigid, not %.60s",
                          options->space);
     rigid.space = "rigid";
+    rigid.columns = rigid.group = NULL;
     return read_as(BAT_CURVE_FORMAT_TUM, text, &rigid, set, error);
 }

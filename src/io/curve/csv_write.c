@@ -1,10 +1,14 @@
 #include "base/error.h"
 #include "curve/csv_columns.h"
+#include "curve/csv_names.h"
 #include "io/common/number_text.h"
+#include "io/curve/csv_cells.h"
+#include "io/curve/csv_split.h"
 #include "io/curve/formats.h"
 #include "io/curve/rows.h"
 #include "space/degrees.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,16 +16,25 @@
 /// @file
 /// Writer of CSV and of trajectories in the TUM format.
 
+enum
+{
+    /// More decimals of radians than of degrees.
+    RADIAN_DECIMALS = 2
+};
+
 /// The columns of the rows.
 typedef struct csv_layout
 {
     size_t column_count;
     size_t coordinate_count;
+    size_t channel_count;       ///< that are written
     const csv_columns *columns; ///< names and order of the columns in the input file; or null
     const point_form *form;     ///< the form of the points; null for plain coordinates
     bool degrees;
-    int decimals;  ///< of degrees
-    size_t corner; ///< the column before which that of the corners stands, or BAT_NO_INDEX
+    int decimals;             ///< of degrees
+    size_t corner;            ///< the column before which that of the corners stands, or BAT_NO_INDEX
+    double *places;           ///< of all points between the rows of the input file; null where they are not needed
+    const size_t *first_rows; ///< of each curve
 } csv_layout;
 
 static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_options *options, csv_layout *layout,
@@ -37,12 +50,21 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
     bool degrees = globe && attributes != NULL && (attributes_are_geojson(attributes) || attributes->csv.degrees);
     const point_form *form = attributes != NULL ? attributes->csv.form : NULL;
     size_t coordinates = degrees ? 2 : form != NULL ? form->count : set->space->point_dim;
-    *layout = (csv_layout){coordinates + channels, coordinates, NULL, form, degrees, options->precision, BAT_NO_INDEX};
-    if (attributes != NULL && attributes->csv.names != NULL && attributes->csv.count == layout->column_count &&
-        attributes->csv.degrees == degrees)
+    *layout = (csv_layout){.column_count = coordinates + channels,
+                           .coordinate_count = coordinates,
+                           .channel_count = channels,
+                           .form = form,
+                           .degrees = degrees,
+                           .decimals = options->precision,
+                           .corner = BAT_NO_INDEX};
+    const csv_columns *columns = attributes != NULL ? &attributes->csv : NULL;
+    if (columns != NULL && (columns->names != NULL || columns->places != NULL) && columns->degrees == degrees &&
+        csv_columns_fit(columns, coordinates, channels))
     {
-        layout->columns = &attributes->csv;
-        layout->corner = attributes->csv.corner;
+        layout->columns = columns;
+        layout->column_count = columns->count;
+        layout->channel_count = channels - (columns->has_places ? CSV_PLACE_CHANNELS : 0);
+        layout->corner = columns->corner;
     }
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].corners == NULL)
@@ -50,27 +72,107 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
     return BAT_OK;
 }
 
+/// The places of all points.
+static bat_status find_places(const bat_curve_set *set, const row_blocks *blocks, csv_layout *layout, bat_error *error)
+{
+    layout->first_rows = blocks->first_rows;
+    if (layout->columns == NULL || !layout->columns->has_places)
+        return BAT_OK;
+    layout->places = memory_array(blocks->first_rows[set->count], sizeof *layout->places);
+    if (layout->places == NULL)
+        return error_memory(error, blocks->first_rows[set->count] * sizeof *layout->places);
+    for (size_t i = 0; i < set->count; i++)
+        cells_places(&layout->columns->cells, &set->curves[i], i, layout->places + blocks->first_rows[i]);
+    return BAT_OK;
+}
+
+/// Whether other first rows could make a column one of numbers or none: its name or its first cell leaves that open.
+static bool is_open(const csv_columns *columns)
+{
+    size_t cell = 0;
+    for (size_t i = 0; i < columns->count && columns->names != NULL; i++)
+        if (columns->places[i] != BAT_NO_INDEX && name_is_code(columns->names[i]))
+            return true;
+    for (size_t i = 0; i < columns->count && columns->kinds != NULL; i++)
+    {
+        csv_kind kind = (csv_kind)columns->kinds[i];
+        if (kind == CSV_NUMBER || kind == CSV_ID)
+            continue;
+        const char *text = columns->cells.text + columns->cells.offsets[cell++];
+        csv_field field = {text, text + strlen(text)};
+        double value;
+        bool comma;
+        if ((kind == CSV_TEXT || kind == CSV_GAPS) &&
+            (csv_is_missing(field) || csv_read_number(field, ',', &value, &comma) == NULL))
+            return true;
+    }
+    return false;
+}
+
+/// Whether a reader would take the same columns for coordinates in this space.
+static bool is_implied(const csv_columns *columns, const char *space, size_t coordinates)
+{
+    csv_choice choice;
+    csv_columns_choose(columns, space, &choice);
+    bool same = choice.count == coordinates && choice.degrees == columns->degrees && choice.radians == columns->radians;
+    for (size_t i = 0; same && i < coordinates; i++)
+        same = columns->places[choice.columns[i]] == i;
+    return same && !(choice.by_place && is_open(columns));
+}
+
+/// Write the numbers of the columns of coordinates, from 1.
+static void write_column_list(const csv_layout *layout, text_buffer *text)
+{
+    const csv_columns *columns = layout->columns;
+    for (size_t i = 0; i < layout->coordinate_count && columns->chosen == NULL; i++)
+        for (size_t j = 0; j < columns->count; j++)
+        {
+            char number[32];
+            (void)snprintf(number, sizeof number, "%s%zu", i > 0 ? "," : "", j + 1 + (j >= columns->corner ? 1 : 0));
+            if (columns->places[j] == i)
+                text_append_string(text, number);
+        }
+    if (columns->chosen != NULL)
+        text_append_string(text, columns->chosen);
+}
+
 /// The space that a reader would choose from the columns.
 static const char *implied_space(const csv_layout *layout)
 {
-    size_t longitude, latitude;
-    if (layout->degrees || (layout->columns != NULL && csv_columns_geographic(layout->columns, &longitude, &latitude)))
+    csv_choice choice;
+    if (layout->degrees && layout->columns == NULL)
         return "sphere";
     if (layout->form != NULL)
         return ""; // the meaning of the names depends on the space
-    return layout->column_count == 2 ? "plane" : "euclidean";
+    if (layout->columns == NULL)
+        return layout->column_count == 2 ? "plane" : "euclidean";
+    csv_columns_choose(layout->columns, NULL, &choice);
+    return choice.space;
+}
+
+static void write_directives(const csv_layout *layout, const bat_curve_set *set, text_buffer *text)
+{
+    const char *space = set->space->name;
+    bool named = strcmp(space, implied_space(layout)) != 0;
+    if (named)
+    {
+        text_append_string(text, "# space: ");
+        text_append_string(text, space);
+        text_append_string(text, "\n");
+    }
+    if (layout->columns == NULL || layout->form != NULL || layout->columns->places == NULL ||
+        is_implied(layout->columns, named ? space : NULL, layout->coordinate_count))
+        return;
+    text_append_string(text, "# columns: ");
+    write_column_list(layout, text);
+    text_append_string(text, "\n");
 }
 
 static void write_header(const csv_layout *layout, const bat_curve_set *set, text_buffer *text)
 {
     char separator = ',';
-    if (strcmp(set->space->name, implied_space(layout)) != 0)
-    {
-        text_append_string(text, "# space: ");
-        text_append_string(text, set->space->name);
-        text_append_string(text, "\n");
-    }
-    if (layout->columns == NULL && !layout->degrees)
+    write_directives(layout, set, text);
+    if (layout->columns != NULL ? layout->columns->names == NULL : !layout->degrees)
         return;
     for (size_t i = 0; i < layout->column_count; i++)
     {
@@ -81,19 +183,56 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
             text_append(text, &separator, 1);
         if (i == layout->corner)
             text_append_string(text, "corner,");
-        text_append_string(text, layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other);
+        cells_write_text(layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other, text);
     }
     text_append_string(text, layout->corner == layout->column_count ? ",corner\n" : "\n");
 }
 
-static char *write_number(char *out, const csv_layout *layout, const double *numbers, const double *channels,
-                          degree_units units, size_t place)
+/// Write the longitude or latitude of a point.
+static char *write_angle(char *out, const csv_layout *layout, const double *point, degree_units units, size_t place)
 {
-    if (channels != NULL && place >= layout->coordinate_count)
-        return number_write(out, channels[place - layout->coordinate_count]);
-    if (layout->degrees)
+    if (layout->columns == NULL || !layout->columns->radians)
         return number_write_fixed(out, place == 0 ? units.longitude : units.latitude, layout->decimals);
-    return number_write(out, numbers[place]);
+    double angle = place == 0 ? atan2(point[1], point[0]) : atan2(point[2], hypot(point[0], point[1]));
+    int decimals = layout->decimals + RADIAN_DECIMALS;
+    return number_write_fixed(out, llrint(angle * (double)number_power_of_ten(decimals)), decimals);
+}
+
+/// A row that is written.
+typedef struct csv_row
+{
+    const csv_layout *layout;
+    const double *point, *numbers, *channels;
+    degree_units units;
+    size_t curve, index; ///< of the point
+} csv_row;
+
+static char *write_number(char *out, const csv_row *row, size_t place)
+{
+    const csv_layout *layout = row->layout;
+    if (place >= layout->coordinate_count)
+        return number_write(out, row->channels[place - layout->coordinate_count]);
+    if (layout->degrees)
+        return write_angle(out, layout, row->point, row->units, place);
+    return number_write(out, row->numbers[place]);
+}
+
+/// Write a field of a column, and reserve room for a number after it. Null when out of memory.
+static char *write_field(char *out, const csv_row *row, size_t column, size_t cell, text_buffer *text)
+{
+    const csv_layout *layout = row->layout;
+    const csv_columns *columns = layout->columns;
+    csv_kind kind = columns != NULL && columns->kinds != NULL ? (csv_kind)columns->kinds[column] : CSV_NUMBER;
+    if (kind == CSV_NUMBER)
+        return write_number(out, row, columns != NULL && columns->places != NULL ? columns->places[column] : column);
+    size_t first = layout->first_rows[row->curve];
+    if (kind == CSV_ID)
+        return out + snprintf(out, NUMBER_TEXT_SIZE, "%" PRId64,
+                              columns->first_id + (int64_t)(row->index + (columns->ids_begin_anew ? 0 : first)));
+    text_advance(text, out);
+    cells_write(&columns->cells, kind, cell, row->curve, layout->places != NULL ? layout->places[first + row->index] : 0,
+                text);
+    return text_reserve(text, (layout->column_count + 1) * (NUMBER_TEXT_SIZE + 1));
 }
 
 static bool all_finite(const double *values, size_t count)
@@ -102,6 +241,34 @@ static bool all_finite(const double *values, size_t count)
         if (!isfinite(values[i]))
             return false;
     return true;
+}
+
+static void format_row(const csv_row *row, char flag, text_buffer *text)
+{
+    const csv_layout *layout = row->layout;
+    size_t count = layout->column_count, cell = 0;
+    char *out = text_reserve(text, (count + 1) * (NUMBER_TEXT_SIZE + 1));
+    for (size_t j = 0; j < count && out != NULL; j++)
+    {
+        if (j == layout->corner)
+        {
+            *out++ = flag;
+            *out++ = ',';
+        }
+        out = write_field(out, row, j, cell, text);
+        bool is_cell = layout->columns != NULL && layout->columns->kinds != NULL &&
+                       layout->columns->kinds[j] != CSV_NUMBER && layout->columns->kinds[j] != CSV_ID;
+        cell += is_cell ? 1 : 0;
+        if (out != NULL)
+            *out++ = j + 1 < count || layout->corner == count ? ',' : '\n';
+    }
+    if (out != NULL && layout->corner == count)
+    {
+        *out++ = flag;
+        *out++ = '\n';
+    }
+    if (out != NULL)
+        text_advance(text, out); // else the sink reports the lack of memory
 }
 
 static bat_status format_rows(const void *context, const row_span *span, text_buffer *text, bat_error *error)
@@ -123,29 +290,15 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
         double written[MAX_FORM_COLUMNS];
         if (layout->form != NULL)
             point_form_write(layout->form, point, written);
-        const double *numbers = layout->form != NULL ? written : point;
-        degree_units units = layout->degrees ? degrees_of_point(point, units_per_radian) : (degree_units){0};
-        char *out = text_reserve(text, (layout->column_count + 1) * (NUMBER_TEXT_SIZE + 1));
-        if (out == NULL)
-            return BAT_OK; // the sink reports a lack of memory
-        char flag = layout->corner != BAT_NO_INDEX && curve->corners[i] != 0 ? '1' : '0';
-        for (size_t j = 0; j < layout->column_count; j++)
-        {
-            if (j == layout->corner)
-            {
-                *out++ = flag;
-                *out++ = ',';
-            }
-            size_t place = layout->columns != NULL && layout->columns->places != NULL ? layout->columns->places[j] : j;
-            out = write_number(out, layout, numbers, channels, units, place);
-            *out++ = j + 1 < layout->column_count || layout->corner == layout->column_count ? ',' : '\n';
-        }
-        if (layout->corner == layout->column_count)
-        {
-            *out++ = flag;
-            *out++ = '\n';
-        }
-        text_advance(text, out);
+        csv_row row = {.layout = layout,
+                       .point = point,
+                       .numbers = layout->form != NULL ? written : point,
+                       .channels = channels,
+                       .curve = span->curve_index,
+                       .index = i};
+        if (layout->degrees)
+            row.units = degrees_of_point(point, units_per_radian);
+        format_row(&row, layout->corner != BAT_NO_INDEX && curve->corners[i] != 0 ? '1' : '0', text);
     }
     return BAT_OK;
 }
@@ -161,9 +314,12 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
         return status;
     text_buffer header = {0};
     write_header(&layout, set, &header);
-    status = sink_write(sink, &header, error);
+    status = find_places(set, &blocks, &layout, error);
+    if (status == BAT_OK)
+        status = sink_write(sink, &header, error);
     if (status == BAT_OK)
         status = row_blocks_write(&blocks, sink, options->threads, format_rows, &layout, error);
+    free(layout.places);
     text_free(&header);
     row_blocks_end(&blocks);
     return status;

@@ -167,6 +167,9 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
         format = format_of_text(text);
     if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
         format = BAT_CURVE_FORMAT_GEOJSON_LINES;
+    if (format != BAT_CURVE_FORMAT_CSV && (options->columns != NULL || options->group != NULL))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only CSV has %s, not the format %s",
+                         options->columns != NULL ? "columns" : "a column to group by", bat_curve_format_name(format));
     return row_of(format)->read(text, options, set, error);
 }
 

@@ -1,0 +1,169 @@
+#include "io/common/iso_time.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/// @file
+/// ISO 8601 times in the proleptic Gregorian calendar.
+
+enum
+{
+    NANO_DECIMALS = 9,
+    /// Decimals of interpolated times.
+    NEW_DECIMALS = 6,
+    FIRST_YEAR = 1678, ///< 64 bits of nanoseconds reach from 1677 to 2262
+    LAST_YEAR = 2261
+};
+
+static const int64_t SECOND = 1000000000, MINUTE = 60000000000, DAY = 86400000000000;
+
+/// Read `count` digits.
+static bool read_digits(const char **at, const char *end, int count, int *value)
+{
+    *value = 0;
+    for (int i = 0; i < count; i++, ++*at)
+    {
+        if (*at == end || **at < '0' || **at > '9')
+            return false;
+        *value = 10 * *value + (**at - '0');
+    }
+    return true;
+}
+
+static bool read_mark(const char **at, const char *end, char mark)
+{
+    if (*at == end || **at != mark)
+        return false;
+    ++*at;
+    return true;
+}
+
+/// Days since 1970-01-01 (Richards 2013, "Calendars", in the Explanatory Supplement to the Astronomical Almanac: years begin
+/// in March).
+static int64_t days_of_date(int year, int month, int day)
+{
+    int64_t shifted = month <= 2 ? year - 1 : year, era = shifted / 400, of_era = shifted % 400;
+    int64_t of_year = (153 * (month + (month > 2 ? -3 : 9)) + 2) / 5 + day - 1;
+    return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
+}
+
+static void date_of_days(int64_t days, int *year, int *month, int *day)
+{
+    int64_t shifted = days + 719468, era = shifted / 146097, rest = shifted % 146097;
+    int64_t of_era = (rest - rest / 1460 + rest / 36524 - rest / 146096) / 365;
+    int64_t of_year = rest - (365 * of_era + of_era / 4 - of_era / 100), part = (5 * of_year + 2) / 153;
+    *day = (int)(of_year - (153 * part + 2) / 5 + 1);
+    *month = (int)(part < 10 ? part + 3 : part - 9);
+    *year = (int)(400 * era + of_era + (*month <= 2 ? 1 : 0));
+}
+
+static int month_length(int year, int month)
+{
+    static const int lengths[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+    return lengths[month - 1] + (month == 2 && leap ? 1 : 0);
+}
+
+static bool read_date(const char **at, const char *end, int64_t *days)
+{
+    int year, month, day;
+    if (!read_digits(at, end, 4, &year) || !read_mark(at, end, '-') || !read_digits(at, end, 2, &month) ||
+        !read_mark(at, end, '-') || !read_digits(at, end, 2, &day))
+        return false;
+    if (year < FIRST_YEAR || year > LAST_YEAR || month < 1 || month > 12 || day < 1 || day > month_length(year, month))
+        return false;
+    *days = days_of_date(year, month, day);
+    return true;
+}
+
+/// The seconds with their decimals, in nanoseconds.
+static bool read_seconds(const char **at, const char *end, iso_time *time, int64_t *nanoseconds)
+{
+    int seconds;
+    if (!read_digits(at, end, 2, &seconds) || seconds > 59)
+        return false;
+    *nanoseconds = seconds * SECOND;
+    time->has_seconds = true;
+    if (*at == end || (**at != '.' && **at != ','))
+        return true;
+    int64_t unit = SECOND;
+    for (++*at; *at < end && **at >= '0' && **at <= '9' && time->decimals < NANO_DECIMALS; ++*at, time->decimals++)
+    {
+        unit /= 10;
+        *nanoseconds += (**at - '0') * unit;
+    }
+    return time->decimals > 0;
+}
+
+static bool read_zone(const char *at, const char *end, iso_time *time)
+{
+    size_t length = (size_t)(end - at);
+    if (length >= sizeof time->zone)
+        return false;
+    memcpy(time->zone, at, length);
+    time->zone[length] = '\0';
+    if (length == 0 || (length == 1 && (*at == 'Z' || *at == 'z')))
+        return true;
+    int hours, minutes = 0;
+    bool west = *at == '-';
+    if ((!west && *at != '+') || (++at, !read_digits(&at, end, 2, &hours)))
+        return false;
+    if (at < end && ((*at == ':' && ++at == end) || !read_digits(&at, end, 2, &minutes)))
+        return false;
+    time->zone_minutes = (west ? -1 : 1) * (60 * hours + minutes);
+    return at == end && hours <= 23 && minutes <= 59;
+}
+
+bool iso_time_read(const char *begin, const char *end, iso_time *time)
+{
+    int64_t days, seconds = 0;
+    int hours, minutes;
+    const char *at = begin;
+    *time = (iso_time){.between = 'T'};
+    if (!read_date(&at, end, &days) || at == end || (*at != 'T' && *at != 't' && *at != ' '))
+        return false;
+    time->between = *at++;
+    if (!read_digits(&at, end, 2, &hours) || !read_mark(&at, end, ':') || !read_digits(&at, end, 2, &minutes) ||
+        hours > 23 || minutes > 59)
+        return false;
+    if (read_mark(&at, end, ':') && !read_seconds(&at, end, time, &seconds))
+        return false;
+    if (!read_zone(at, end, time))
+        return false;
+    time->nanoseconds = days * DAY + (60 * hours + minutes - time->zone_minutes) * MINUTE + seconds;
+    return true;
+}
+
+/// a / b rounded down, and the rest.
+static int64_t divide_down(int64_t a, int64_t b, int64_t *rest)
+{
+    int64_t quotient = a / b - (a % b < 0 ? 1 : 0);
+    *rest = a - quotient * b;
+    return quotient;
+}
+
+char *iso_time_write(char *out, const iso_time *form, int64_t nanoseconds)
+{
+    int decimals = form->decimals > NEW_DECIMALS ? form->decimals : NEW_DECIMALS, year, month, day;
+    int64_t unit = SECOND, rest;
+    for (int i = 0; i < decimals; i++)
+        unit /= 10;
+    int64_t units = divide_down(nanoseconds + unit / 2, unit, &rest);
+    int64_t in_day, days = divide_down(units * unit + form->zone_minutes * MINUTE, DAY, &in_day);
+    date_of_days(days, &year, &month, &day);
+    char *end = out + ISO_TIME_SIZE;
+    out += snprintf(out, ISO_TIME_SIZE, "%04d-%02d-%02d%c%02d:%02d", year, month, day, form->between,
+                    (int)(in_day / (60 * MINUTE)), (int)(in_day / MINUTE % 60));
+    int64_t seconds = in_day % MINUTE;
+    if (form->has_seconds || seconds != 0)
+        out += snprintf(out, (size_t)(end - out), ":%02d", (int)(seconds / SECOND));
+    int64_t fraction = seconds % SECOND / unit;
+    while (decimals > form->decimals && fraction % 10 == 0)
+    {
+        fraction /= 10;
+        decimals--;
+    }
+    if (decimals > 0)
+        out += snprintf(out, (size_t)(end - out), ".%0*d", decimals, (int)fraction);
+    return out + snprintf(out, (size_t)(end - out), "%s", form->zone);
+}

@@ -1,0 +1,241 @@
+#include "io/curve/csv_cells.h"
+
+#include "io/common/iso_time.h"
+#include "io/common/number_text.h"
+#include "io/curve/csv_split.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double TURN = 6.283185307179586476925286766559;
+/// A place this near to a row is the row.
+static const double ROUNDING = 1e-9;
+
+bool cells_add(cell_builder *cells, csv_field cell)
+{
+    void *offsets = cells->offsets;
+    bool grown = array_grow(&offsets, &cells->offset_capacity, cells->offset_count + 1, sizeof *cells->offsets);
+    cells->offsets = offsets;
+    if (!grown)
+        return false;
+    size_t size = (size_t)(cell.end - cell.begin);
+    if (cells->row_count > 0)
+    {
+        size_t above = cells->offsets[cells->offset_count - cells->columns];
+        const char *text = cells->text.data + above;
+        if (strncmp(text, cell.begin, size) == 0 && text[size] == '\0')
+        {
+            cells->offsets[cells->offset_count++] = above;
+            return true;
+        }
+    }
+    cells->offsets[cells->offset_count++] = cells->text.size;
+    text_append(&cells->text, cell.begin, size);
+    text_append(&cells->text, "", 1);
+    return !cells->text.failed;
+}
+
+void cells_end_row(cell_builder *cells)
+{
+    cells->row_count++;
+}
+
+void cells_drop_row(cell_builder *cells)
+{
+    cells->row_count--;
+    cells->offset_count -= cells->columns;
+}
+
+bool cells_end_curve(cell_builder *cells, bool closed)
+{
+    void *rows = cells->first_rows, *flags = cells->closed;
+    bool grown = array_grow(&rows, &cells->first_capacity, cells->curve_count + 2, sizeof *cells->first_rows);
+    cells->first_rows = rows;
+    grown = array_grow(&flags, &cells->closed_capacity, cells->curve_count + 1, 1) && grown;
+    cells->closed = flags;
+    if (!grown)
+        return false;
+    if (cells->curve_count == 0)
+        cells->first_rows[0] = 0;
+    cells->closed[cells->curve_count] = closed;
+    cells->first_rows[++cells->curve_count] = cells->row_count;
+    return true;
+}
+
+void cells_finish(cell_builder *cells, csv_cells *result)
+{
+    *result =
+        (csv_cells){cells->columns, cells->curve_count, cells->first_rows, cells->closed, cells->offsets, cells->text.data};
+    *cells = (cell_builder){0};
+}
+
+void cells_free(cell_builder *cells)
+{
+    text_free(&cells->text);
+    free(cells->offsets);
+    free(cells->first_rows);
+    free(cells->closed);
+    *cells = (cell_builder){0};
+}
+
+void cells_place(size_t k, size_t n, bool closed, double place[CSV_PLACE_CHANNELS])
+{
+    double angle = TURN * (double)k / (double)n;
+    place[0] = closed ? cos(angle) : (double)k;
+    place[1] = closed ? sin(angle) : 0;
+}
+
+/// The place that the channels of a point alone tell, without regard to its neighbours.
+static double raw_place(const double *channels, size_t n, bool closed)
+{
+    double place = channels[0];
+    if (closed)
+    {
+        place = atan2(channels[1], channels[0]) / TURN * (double)n;
+        place += place < 0 ? (double)n : 0;
+        // From the angle to the share of the edge, a chord of the circle.
+        double row = floor(place), share = place - row, edge = TURN / (double)n;
+        if (share > 0)
+            place = row + sin(share * edge) / (sin(share * edge) + sin((1 - share) * edge));
+    }
+    if (fabs(place - nearbyint(place)) <= ROUNDING)
+        place = closed && nearbyint(place) == (double)n ? 0 : nearbyint(place);
+    double last = closed ? nextafter((double)n, 0) : (double)(n - 1);
+    return place > 0 ? fmin(place, last) : 0;
+}
+
+/// The row whose place is exactly that of a point, or BAT_NO_INDEX.
+static size_t row_of(const double *channels, size_t n, bool closed, double place)
+{
+    double expected[CSV_PLACE_CHANNELS];
+    size_t row = (size_t)(place + 0.5);
+    if (row == n)
+        row = 0;
+    cells_place(row, n, closed, expected);
+    return memcmp(expected, channels, sizeof expected) == 0 ? row : BAT_NO_INDEX;
+}
+
+/// Whether an edge has as many pieces as halving it again and again gives.
+static bool is_power_of_two(size_t pieces)
+{
+    return (pieces & (pieces - 1)) == 0;
+}
+
+void cells_places(const csv_cells *cells, const bat_curve *curve, size_t curve_index, double *places)
+{
+    size_t rows = curve_index < cells->curves ? cells->first_rows[curve_index + 1] - cells->first_rows[curve_index] : 0;
+    size_t before = BAT_NO_INDEX, row_before = BAT_NO_INDEX, first = BAT_NO_INDEX, first_row = 0;
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        if (rows == 0)
+        {
+            places[i] = NAN;
+            continue;
+        }
+        bool closed = cells->closed[curve_index];
+        const double *channels = curve->channels + (i + 1) * curve->channel_count - CSV_PLACE_CHANNELS;
+        places[i] = raw_place(channels, rows, closed);
+        size_t row = row_of(channels, rows, closed, places[i]);
+        if (row == BAT_NO_INDEX)
+            continue;
+        places[i] = (double)row;
+        size_t next = row_before + 1 == rows && closed ? 0 : row_before + 1;
+        bool halved = before != BAT_NO_INDEX && row == next && is_power_of_two(i - before);
+        for (size_t j = before; halved && j < i; j++)
+            places[j] = (double)row_before + (double)(j - before) / (double)(i - before);
+        before = i;
+        row_before = row;
+        if (first == BAT_NO_INDEX)
+        {
+            first = i;
+            first_row = row;
+        }
+    }
+    // The last edge of a closed curve.
+    bool around = rows > 0 && first == 0 && curve->closed && cells->closed[curve_index] &&
+                  row_before + 1 == (first_row == 0 ? rows : first_row) && is_power_of_two(curve->count - before);
+    for (size_t j = before; around && j < curve->count; j++)
+        places[j] = (double)row_before + (double)(j - before) / (double)(curve->count - before);
+}
+
+/// Whether a text is one quoted field.
+static bool is_quoted(const char *cell)
+{
+    size_t last = strlen(cell);
+    if (last < 2 || *cell != '"' || cell[--last] != '"')
+        return false;
+    for (size_t i = 1; i < last; i++)
+        if (cell[i] == '"' && (cell[++i] != '"' || i == last))
+            return false;
+    return true;
+}
+
+void cells_write_text(const char *cell, text_buffer *text)
+{
+    if (is_quoted(cell) || strpbrk(cell, ",;\t\"") == NULL)
+    {
+        text_append_string(text, cell);
+        return;
+    }
+    text_append(text, "\"", 1);
+    for (; *cell != '\0'; cell++)
+        text_append(text, *cell == '"' ? "\"\"" : cell, *cell == '"' ? 2 : 1);
+    text_append(text, "\"", 1);
+}
+
+static csv_field field_of(const char *cell)
+{
+    return csv_unquoted((csv_field){cell, cell + strlen(cell)});
+}
+
+static void write_time(const char *from, const char *to, double share, text_buffer *text)
+{
+    iso_time a, b;
+    csv_field first = field_of(from), second = field_of(to);
+    if (!iso_time_read(first.begin, first.end, &a) || !iso_time_read(second.begin, second.end, &b))
+        return;
+    bool quoted = *from == '"';
+    char *out = text_reserve(text, ISO_TIME_SIZE + 2);
+    if (out == NULL)
+        return;
+    double step = (double)(b.nanoseconds - a.nanoseconds);
+    if (quoted)
+        *out++ = '"';
+    out = iso_time_write(out, &a, a.nanoseconds + (int64_t)llrint(share * step));
+    if (quoted)
+        *out++ = '"';
+    text_advance(text, out);
+}
+
+static void write_between(const char *from, const char *to, double share, text_buffer *text)
+{
+    double a, b;
+    bool comma;
+    if (csv_read_number(field_of(from), ',', &a, &comma) != NULL || csv_read_number(field_of(to), ',', &b, &comma) != NULL)
+        return;
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+    double value = (1 - share) * a + share * b;
+    if (out != NULL)
+        text_advance(text, number_write(out, value));
+}
+
+static const char *cell_at(const csv_cells *cells, size_t row, size_t column)
+{
+    return cells->text + cells->offsets[row * cells->columns + column];
+}
+
+void cells_write(const csv_cells *cells, csv_kind kind, size_t column, size_t curve_index, double place, text_buffer *text)
+{
+    if (curve_index >= cells->curves || kind == CSV_EMPTY)
+        return;
+    size_t first = cells->first_rows[curve_index], rows = cells->first_rows[curve_index + 1] - first;
+    size_t row = kind == CSV_GROUP || !(place >= 0) ? 0 : (size_t)place;
+    double share = kind == CSV_GROUP || !(place >= 0) ? 0 : place - (double)row;
+    const char *cell = cell_at(cells, first + row, column), *next = cell_at(cells, first + (row + 1) % rows, column);
+    if (kind == CSV_TIME && share > 0)
+        write_time(cell, next, share, text);
+    else if (kind == CSV_GAPS && share > 0)
+        write_between(cell, next, share, text);
+    else
+        cells_write_text(cell, text);
+}

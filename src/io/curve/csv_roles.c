@@ -1,0 +1,655 @@
+#include "curve/csv_names.h"
+#include "io/common/iso_time.h"
+#include "io/curve/csv_reader.h"
+
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+/// @file
+/// The meaning of CSV columns: what they hold, which ones are coordinates, and what is told about that.
+
+size_t csv_column_number(const csv_reader *reader, size_t column)
+{
+    return column + 1 + (column >= reader->attributes->csv.corner ? 1 : 0);
+}
+
+const char *csv_column_label(const csv_reader *reader, size_t column, char label[EXCERPT_SIZE + 16])
+{
+    const csv_columns *columns = &reader->attributes->csv;
+    const char *name = columns->names != NULL ? columns->names[column] : "";
+    csv_field inner = csv_unquoted((csv_field){name, name + strlen(name)});
+    if (inner.begin == inner.end)
+        (void)snprintf(label, EXCERPT_SIZE + 16, "%zu", csv_column_number(reader, column));
+    else
+        (void)snprintf(label, EXCERPT_SIZE + 16, "'%.*s'",
+                       (int)(inner.end - inner.begin > EXCERPT_SIZE ? EXCERPT_SIZE : inner.end - inner.begin), inner.begin);
+    return label;
+}
+
+static bool is_iso_time(csv_field field)
+{
+    iso_time time;
+    field = csv_unquoted(field);
+    return iso_time_read(field.begin, field.end, &time);
+}
+
+static bool reads_as_number(const csv_reader *reader, csv_field field)
+{
+    double value;
+    bool comma;
+    return csv_read_number(field, reader->separator, &value, &comma) == NULL;
+}
+
+/// The column whose name, or whose name without its unit, is a text; or BAT_NO_INDEX.
+static size_t find_by_name(const csv_reader *reader, const char *name, size_t length)
+{
+    const csv_columns *columns = &reader->attributes->csv;
+    char wanted[EXCERPT_SIZE * 4];
+    if (columns->names == NULL || length >= sizeof wanted)
+        return BAT_NO_INDEX;
+    memcpy(wanted, name, length);
+    wanted[length] = '\0';
+    for (size_t i = 0; i < columns->count; i++)
+    {
+        const char *text = columns->names[i];
+        csv_field inner = csv_unquoted((csv_field){text, text + strlen(text)});
+        if ((size_t)(inner.end - inner.begin) == length && strncasecmp(inner.begin, name, length) == 0)
+            return i;
+    }
+    name_parts parts = name_parse(wanted);
+    for (size_t i = 0; i < columns->count && parts.base[0] != '\0'; i++)
+        if (strcmp(name_parse(columns->names[i]).base, parts.base) == 0)
+            return i;
+    return BAT_NO_INDEX;
+}
+
+bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, size_t *column,
+                           bat_error *error)
+{
+    size_t corner = reader->attributes->csv.corner;
+    *column = find_by_name(reader, name, length);
+    int64_t number;
+    if (*column == BAT_NO_INDEX && csv_read_whole((csv_field){name, name + length}, &number) && number >= 1 &&
+        (uint64_t)number <= reader->column_count + (corner != BAT_NO_INDEX ? 1 : 0) && (size_t)number - 1 != corner)
+        *column = (size_t)number - 1 - ((size_t)number > corner ? 1 : 0);
+    if (*column != BAT_NO_INDEX)
+        return BAT_OK;
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s: there is no column '%.*s' among %zu",
+                     option, (int)(length > 60 ? 60 : length), name, reader->column_count);
+}
+
+/// The columns that the caller or a directive names for the coordinates, separated by commas.
+static bat_status find_chosen(csv_reader *reader, const char *list, size_t *chosen, size_t *count, bat_error *error)
+{
+    *count = 0;
+    for (const char *at = list; at != NULL;)
+    {
+        const char *comma = strchr(at, ',');
+        size_t length = comma != NULL ? (size_t)(comma - at) : strlen(at);
+        while (length > 0 && *at == ' ')
+        {
+            at++;
+            length--;
+        }
+        while (length > 0 && at[length - 1] == ' ')
+            length--;
+        if (*count == BAT_SPACE_MAX_DIM)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "columns: more than %d columns",
+                             BAT_SPACE_MAX_DIM);
+        bat_status status = csv_find_column(reader, "columns", at, length, &chosen[*count], error);
+        if (status != BAT_OK)
+            return status;
+        for (size_t i = 0; i < *count; i++)
+            if (chosen[i] == chosen[*count])
+                return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "columns: '%.*s' is there twice", (int)length,
+                                 at);
+        ++*count;
+        at = comma != NULL ? comma + 1 : NULL;
+    }
+    return BAT_OK;
+}
+
+static bool is_nameless(const csv_reader *reader, size_t column)
+{
+    const char *name = reader->attributes->csv.names[column];
+    csv_field inner = csv_unquoted((csv_field){name, name + strlen(name)});
+    return inner.begin == inner.end;
+}
+
+/// Whether a cell can stand in a text file that is written again: it has no zero byte and no byte order mark at its start.
+static bool is_storable(csv_field field)
+{
+    static const char mark[] = "\xEF\xBB\xBF";
+    size_t size = (size_t)(field.end - field.begin);
+    bool marked = size >= sizeof mark - 1 && memcmp(field.begin, mark, sizeof mark - 1) == 0;
+    return !marked && (size == 0 || memchr(field.begin, '\0', size) == NULL);
+}
+
+/// The kind of a column by its first cell. A file without a header may have texts and times, but no misspelled numbers.
+static csv_kind first_kind(const csv_reader *reader, size_t column)
+{
+    csv_field field = reader->fields[column];
+    bool named = reader->attributes->csv.names != NULL;
+    if (named && column > 0 && is_nameless(reader, column))
+        return CSV_EMPTY;
+    if (reads_as_number(reader, field))
+    {
+        double value = 0.5;
+        bool comma;
+        (void)csv_read_number(field, reader->separator, &value, &comma);
+        bool code = named && name_is_code(reader->attributes->csv.names[column]) && value == floor(value);
+        return code ? CSV_TEXT : CSV_NUMBER;
+    }
+    if (is_iso_time(field))
+        return CSV_TIME;
+    if (!named)
+        return number_resembles(field.begin, field.end) || field.begin == field.end || !is_storable(field) ? CSV_NUMBER
+                                                                                                           : CSV_TEXT;
+    return csv_is_missing(field) ? CSV_GAPS : CSV_TEXT;
+}
+
+/// Whether the first column numbers the rows, as far as the first row tells.
+static bool begins_as_index(const csv_reader *reader)
+{
+    const csv_columns *columns = &reader->attributes->csv;
+    int64_t value;
+    size_t numbers = 0;
+    for (size_t i = 1; i < reader->column_count; i++)
+        numbers += reader->columns[i].kind == CSV_NUMBER ? 1 : 0;
+    return columns->names != NULL && name_is_index(columns->names[0]) && numbers >= 2 &&
+           csv_read_whole(reader->fields[0], &value);
+}
+
+static void choose_first_kinds(csv_reader *reader)
+{
+    for (size_t i = 0; i < reader->column_count; i++)
+        reader->columns[i].kind = i == reader->group ? CSV_GROUP : first_kind(reader, i);
+    if (reader->group != 0 && begins_as_index(reader))
+        reader->columns[0].kind = CSV_ID;
+}
+
+bool csv_change_kind(csv_reader *reader, size_t column)
+{
+    column_state *state = &reader->columns[column];
+    csv_field field = reader->fields[column];
+    csv_kind kind = state->kind;
+    if (reader->strict || state->is_coordinate || kind == CSV_EMPTY || !is_storable(field))
+        return false;
+    bool time = is_iso_time(field) && !state->has_number;
+    if (csv_is_missing(field))
+        kind = kind == CSV_NUMBER ? CSV_GAPS : kind == CSV_ID ? CSV_TEXT : kind;
+    else if (kind == CSV_GAPS && time)
+        kind = CSV_TIME;
+    else
+        kind = CSV_TEXT;
+    reader->again = reader->again || kind != state->kind;
+    state->kind = kind;
+    return true;
+}
+
+/// Whether a running number is the next one. Numbers may begin anew with each curve.
+static bool is_next_id(csv_reader *reader, csv_field field)
+{
+    csv_columns *columns = &reader->attributes->csv;
+    int64_t value;
+    if (!csv_read_whole(field, &value))
+        return false;
+    if (reader->row_count == 0)
+        columns->first_id = reader->next_id = value;
+    bool begins = reader->builder.point_count == 0 && reader->row_count > 0 && value == columns->first_id;
+    columns->ids_begin_anew = columns->ids_begin_anew || (begins && value != reader->next_id);
+    bool next = columns->ids_begin_anew && reader->builder.point_count == 0 ? begins : value == reader->next_id;
+    reader->next_id = value + 1;
+    return next;
+}
+
+/// Whether a cell fits its column, which is none of numbers.
+static bool cell_fits(csv_reader *reader, size_t column)
+{
+    column_state *state = &reader->columns[column];
+    csv_field field = reader->fields[column];
+    switch (state->kind)
+    {
+    case CSV_ID:
+        return is_next_id(reader, field);
+    case CSV_TIME:
+        return csv_is_missing(field) || is_iso_time(field);
+    case CSV_GAPS:
+        return csv_is_missing(field) || reads_as_number(reader, field);
+    case CSV_EMPTY:
+        return csv_is_missing(field);
+    default:
+        return is_storable(field);
+    }
+}
+
+void csv_watch_cell(csv_reader *reader, const text_line *line, size_t column)
+{
+    column_state *state = &reader->columns[column];
+    csv_field field = reader->fields[column];
+    double value;
+    if (csv_is_missing(field))
+    {
+        if (state->gaps++ == 0)
+            state->first_gap = line->number;
+    }
+    else if (state->kind == CSV_GAPS)
+    {
+        state->has_number = true;
+        (void)csv_read_number(field, reader->separator, &value, &reader->comma);
+    }
+    size_t size = (size_t)(field.end - field.begin);
+    if (state->begin != NULL &&
+        ((size_t)(state->end - state->begin) != size || memcmp(state->begin, field.begin, size) != 0))
+        state->changes++;
+    state->begin = field.begin;
+    state->end = field.end;
+}
+
+/// Store a cell. Numbers get a decimal point.
+static bool store_cell(csv_reader *reader, size_t column)
+{
+    enum
+    {
+        LONGEST = 64
+    };
+    csv_field field = reader->fields[column];
+    char text[LONGEST];
+    size_t size = (size_t)(field.end - field.begin);
+    char *comma = NULL;
+    if (reader->columns[column].kind == CSV_GAPS && reader->separator != ',' && size < LONGEST)
+    {
+        memcpy(text, field.begin, size);
+        comma = memchr(text, ',', size);
+    }
+    if (comma == NULL)
+        return cells_add(&reader->cells, field);
+    *comma = '.';
+    return cells_add(&reader->cells, (csv_field){text, text + size});
+}
+
+bat_status csv_take_cells(csv_reader *reader, const text_line *line, bat_error *error)
+{
+    if (reader->attributes->csv.kinds == NULL)
+        return BAT_OK;
+    for (size_t i = 0; i < reader->column_count; i++)
+    {
+        csv_kind kind = reader->columns[i].kind;
+        if (kind == CSV_NUMBER)
+            continue;
+        char excerpt[EXCERPT_SIZE];
+        csv_field field = reader->fields[i];
+        if (kind == CSV_EMPTY && !cell_fits(reader, i))
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "column %zu of the header has no name",
+                             csv_column_number(reader, i));
+        if (!cell_fits(reader, i) && !csv_change_kind(reader, i))
+            return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number,
+                             "column %zu: '%s' has no meaning", csv_column_number(reader, i),
+                             text_excerpt(excerpt, field.begin, field.end));
+        if (reader->again)
+            continue; // the other columns' kinds may change with this row, too
+        csv_watch_cell(reader, line, i);
+        if (kind != CSV_ID && !store_cell(reader, i))
+            return error_memory(error, reader->cells.text.size);
+    }
+    cells_end_row(&reader->cells);
+    return BAT_OK;
+}
+
+bool csv_name_tum_columns(csv_reader *reader)
+{
+    static const char *const names[TUM_COLUMNS] = {"timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
+    csv_field fields[TUM_COLUMNS];
+    for (size_t i = 0; i < TUM_COLUMNS; i++)
+        fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
+    reader->column_count = TUM_COLUMNS;
+    return csv_columns_name(&reader->attributes->csv, fields, TUM_COLUMNS);
+}
+
+/// The form of a rotation, pose or tensor, in a space that may be null; null for plain coordinates. Without a named space,
+/// names of quaternions and matrices imply a form.
+static const point_form *find_form(const char *space, const column_names *names)
+{
+    static const char *const unnamed[] = {"rigid", "rotation"};
+    const char *const *candidates = space != NULL ? &space : unnamed;
+    size_t count = space != NULL ? 1 : names->names != NULL ? sizeof unnamed / sizeof *unnamed : 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        const point_form *form = point_form_find(candidates[i], names);
+        if (form == NULL || !form->strict)
+            continue;
+        if (space != NULL || (column_find(names, form->names[0]) != BAT_NO_INDEX &&
+                              (form->rotation == ROTATION_QUATERNION || form->rotation == ROTATION_MATRIX)))
+            return form;
+    }
+    return NULL;
+}
+
+static bat_status use_form(csv_reader *reader, const point_form *form, bat_error *error)
+{
+    csv_columns *columns = &reader->attributes->csv;
+    free(columns->kinds);
+    columns->kinds = NULL;
+    reader->strict = true;
+    if (!csv_columns_use_form(columns, form))
+        return error_memory(error, reader->column_count * sizeof(size_t));
+    size_t dim = form->rotation == ROTATION_NONE ? form->count : form->rotation_at + 4;
+    reader->coordinate_count = form->count;
+    return bat_space_by_name(form->space, dim, &reader->builder.space, error);
+}
+
+/// The coordinates that the caller or a directive chooses.
+static bat_status use_chosen(csv_reader *reader, const char *list, const char *space, bat_error *error)
+{
+    csv_choice *choice = &reader->choice;
+    char *names[BAT_SPACE_MAX_DIM];
+    size_t chosen[BAT_SPACE_MAX_DIM], count;
+    bat_status status = find_chosen(reader, list, chosen, &count, error);
+    if (status != BAT_OK)
+        return status;
+    column_names sub = {reader->attributes->csv.names != NULL ? names : NULL, count};
+    for (size_t i = 0; i < count && sub.names != NULL; i++)
+        names[i] = reader->attributes->csv.names[chosen[i]];
+    named_coordinates named = names_find_coordinates(&sub);
+    bool sphere = space != NULL && strcmp(space, "sphere") == 0;
+    *choice = (csv_choice){.space = space, .count = count, .altitude = BAT_NO_INDEX, .times = BAT_NO_INDEX};
+    memcpy(choice->columns, chosen, count * sizeof *chosen);
+    reader->chosen = true;
+    if ((named.geographic && (space == NULL || sphere)) || (sphere && count == 2))
+    {
+        choice->degrees = true;
+        choice->radians = named.geographic && named.radians;
+        choice->space = "sphere";
+        choice->count = 2;
+        for (size_t i = 0; i < 2 && named.geographic; i++)
+            choice->columns[i] = chosen[named.columns[i]];
+        for (size_t i = 0; i < count && count > 2; i++)
+            if (chosen[i] != choice->columns[0] && chosen[i] != choice->columns[1])
+                choice->altitude = chosen[i];
+    }
+    if (choice->space == NULL)
+        choice->space = count == 2 ? "plane" : "euclidean";
+    return BAT_OK;
+}
+
+/// The list of the chosen columns by their numbers, for a directive in what is written.
+static bool keep_choice(csv_reader *reader)
+{
+    csv_columns *columns = &reader->attributes->csv;
+    text_buffer text = {0};
+    size_t altitude = reader->choice.altitude;
+    for (size_t i = 0; i < reader->choice.count + (altitude != BAT_NO_INDEX ? 1 : 0); i++)
+    {
+        char number[32];
+        size_t column = i < reader->choice.count ? reader->choice.columns[i] : altitude;
+        (void)snprintf(number, sizeof number, "%s%zu", i > 0 ? "," : "", csv_column_number(reader, column));
+        text_append_string(&text, number);
+    }
+    text_append(&text, "", 1);
+    if (!text.failed)
+        columns->chosen = text.data;
+    else
+        text_free(&text);
+    return columns->chosen != NULL;
+}
+
+/// Refuse to guess coordinates by their places where that would be a game of chance.
+static bat_status check_guess(const csv_reader *reader, const text_line *line, bool named_space, bat_error *error)
+{
+    enum
+    {
+        MOST_GUESSED = 3
+    };
+    const csv_columns *columns = &reader->attributes->csv;
+    const csv_choice *choice = &reader->choice;
+    bool others = choice->times != BAT_NO_INDEX;
+    for (size_t i = 0; i < reader->column_count && columns->kinds != NULL; i++)
+        others = others || (columns->kinds[i] != CSV_NUMBER && columns->kinds[i] != CSV_EMPTY);
+    if (!choice->by_place || !others || (choice->count >= 2 && (choice->count <= MOST_GUESSED || named_space)))
+        return BAT_OK;
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line > 0 ? reader->header_line : line->number,
+                     "cannot tell which of %zu columns hold the coordinates; --columns names them", reader->column_count);
+}
+
+static bat_status check_counts(const csv_reader *reader, const text_line *line, bat_error *error)
+{
+    const csv_choice *choice = &reader->choice;
+    const char *name = choice->space;
+    bool two = strcmp(name, "plane") == 0 || strcmp(name, "disk") == 0;
+    if (strcmp(name, "sphere") == 0 && !choice->degrees && choice->count < 3)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
+                         "a point of the sphere needs 3 or more columns, or a header with lon and lat; --columns names "
+                         "columns of longitude and latitude");
+    if (two && choice->count != 2)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "a point of the %s needs 2 columns", name);
+    return BAT_OK;
+}
+
+/// Use the chosen columns as coordinates.
+static bat_status use_choice(csv_reader *reader, const text_line *line, bool named_space, bat_error *error)
+{
+    csv_columns *columns = &reader->attributes->csv;
+    const csv_choice *choice = &reader->choice;
+    bat_space any;
+    bat_status status = check_guess(reader, line, named_space, error);
+    if (status == BAT_OK)
+        status = check_counts(reader, line, error);
+    if (status == BAT_OK)
+        status = bat_space_by_name(choice->space, 0, &any, error);
+    if (status != BAT_OK)
+        return status;
+    reader->coordinate_count = choice->count;
+    for (size_t i = 0; i < choice->count; i++)
+    {
+        if (choice->columns[i] == reader->group)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "group: the column '%.60s' holds a coordinate",
+                             reader->options->group);
+        column_state *state = &reader->columns[choice->columns[i]];
+        state->is_coordinate = true;
+        state->kind = CSV_NUMBER;
+        if (columns->kinds != NULL)
+            columns->kinds[choice->columns[i]] = CSV_NUMBER;
+    }
+    if ((columns->names != NULL || columns->kinds != NULL || reader->chosen) &&
+        !csv_columns_place(columns, choice->columns, choice->count))
+        return error_memory(error, reader->column_count * sizeof(size_t));
+    columns->degrees = choice->degrees;
+    columns->radians = choice->radians;
+    if (choice->degrees)
+    {
+        if (choice->altitude != BAT_NO_INDEX && reader->columns[choice->altitude].kind == CSV_NUMBER)
+            columns->altitude = columns->places[choice->altitude] - choice->count;
+        reader->builder.check = false;
+        reader->builder.space = bat_sphere(2);
+        return reader->chosen && !keep_choice(reader) ? error_memory(error, BAT_SPACE_MAX_DIM) : BAT_OK;
+    }
+    if (reader->chosen && !keep_choice(reader))
+        return error_memory(error, BAT_SPACE_MAX_DIM);
+    status = bat_space_by_name(choice->space, choice->count, &reader->builder.space, error);
+    return status == BAT_OK ? status
+                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
+                                        "%zu columns are not a point of the space %s", choice->count, choice->space);
+}
+
+/// Set the kinds of the columns, where not all are numbers.
+static bat_status set_kinds(csv_reader *reader, bat_error *error)
+{
+    csv_columns *columns = &reader->attributes->csv;
+    columns->count = reader->column_count;
+    columns->other_count = 0;
+    for (size_t i = 0; i < reader->column_count; i++)
+        columns->other_count += reader->columns[i].kind != CSV_NUMBER ? 1 : 0;
+    if (columns->other_count == 0)
+        return BAT_OK;
+    columns->kinds = memory_array(reader->column_count, 1);
+    if (columns->kinds == NULL)
+        return error_memory(error, reader->column_count);
+    for (size_t i = 0; i < reader->column_count; i++)
+        columns->kinds[i] = (unsigned char)reader->columns[i].kind;
+    return BAT_OK;
+}
+
+/// Count the columns that are left after the choice, and those that have cells.
+static void count_columns(csv_reader *reader)
+{
+    csv_columns *columns = &reader->attributes->csv;
+    columns->other_count = 0;
+    reader->cells.columns = 0;
+    for (size_t i = 0; i < reader->column_count && columns->kinds != NULL; i++)
+    {
+        csv_kind kind = (csv_kind)columns->kinds[i];
+        columns->other_count += kind != CSV_NUMBER ? 1 : 0;
+        reader->cells.columns += kind != CSV_NUMBER && kind != CSV_ID ? 1 : 0;
+        columns->has_places = columns->has_places || kind == CSV_TEXT || kind == CSV_TIME || kind == CSV_GAPS;
+    }
+    for (size_t i = 0; i < reader->column_count && !reader->strict; i++)
+        reader->columns[i].is_watched = columns->names != NULL && !reader->columns[i].is_coordinate &&
+                                        reader->columns[i].kind == CSV_NUMBER && name_is_group(columns->names[i]);
+    reader->number_count = reader->column_count - columns->other_count;
+}
+
+bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *error)
+{
+    csv_columns *columns = &reader->attributes->csv;
+    const char *space = reader->options->space;
+    if (space == NULL && reader->space_name[0] != '\0')
+        space = reader->space_name;
+    const char *list = reader->options->columns;
+    if (list == NULL && reader->column_list[0] != '\0')
+        list = reader->column_list;
+    reader->group = BAT_NO_INDEX;
+    bat_status status = BAT_OK;
+    for (size_t i = 1; i < reader->column_count && columns->names != NULL && !reader->tum; i++)
+        if (is_nameless(reader, i) && !csv_is_missing(reader->fields[i]))
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "column %zu of the header has no name",
+                             csv_column_number(reader, i));
+    if (reader->options->group != NULL)
+        status =
+            csv_find_column(reader, "group", reader->options->group, strlen(reader->options->group), &reader->group, error);
+    bool trajectory = space != NULL && strcmp(space, "rigid") == 0 && reader->column_count == TUM_COLUMNS;
+    if (status == BAT_OK && trajectory && columns->names == NULL)
+    {
+        reader->unnamed_tum = true;
+        if (!csv_name_tum_columns(reader))
+            return error_memory(error, TUM_COLUMNS * sizeof(char *));
+    }
+    column_names names = {columns->names, reader->column_count};
+    const point_form *form = list == NULL ? find_form(space, &names) : NULL;
+    char fault[BAT_ERROR_TEXT_SIZE];
+    if (status == BAT_OK && space == NULL && list == NULL && point_form_incomplete(form, &names, fault, sizeof fault))
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
+    const char *implied = space == NULL && form != NULL ? form->space : space;
+    if (status == BAT_OK && implied != NULL && list == NULL && point_form_fault(implied, form, &names, fault, sizeof fault))
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
+    if (status != BAT_OK)
+        return status;
+    if (form == NULL && !reader->kinds_known)
+        choose_first_kinds(reader);
+    reader->kinds_known = true;
+    if (form == NULL)
+        status = set_kinds(reader, error);
+    if (status == BAT_OK && form != NULL)
+        status = use_form(reader, form, error);
+    else if (status == BAT_OK)
+    {
+        if (list != NULL)
+            status = use_chosen(reader, list, space, error);
+        else
+            csv_columns_choose(columns, space, &reader->choice);
+        if (status == BAT_OK)
+            status = use_choice(reader, line, space != NULL, error);
+    }
+    count_columns(reader);
+    return status;
+}
+
+/// Append the labels of the columns of a kind. False when there is none.
+static bool list_columns(const csv_reader *reader, csv_kind kind, char *text, size_t size)
+{
+    size_t used = 0, more = 0;
+    for (size_t i = 0; i < reader->column_count; i++)
+    {
+        char label[EXCERPT_SIZE + 16];
+        if (reader->columns[i].kind != kind || reader->strict)
+            continue;
+        if (used > size / 2)
+            more++;
+        else
+            used +=
+                (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", csv_column_label(reader, i, label));
+    }
+    if (more > 0)
+        (void)snprintf(text + used, size - used, " and %zu more", more);
+    return used > 0;
+}
+
+/// Name the columns of coordinates where that was a guess.
+static bool note_coordinates(csv_reader *reader)
+{
+    const csv_columns *columns = &reader->attributes->csv;
+    const csv_choice *choice = &reader->choice;
+    motion_channels known;
+    csv_columns_channels(columns, reader->coordinate_count,
+                         point_form_first(reader->builder.space.name, reader->builder.space.point_dim), &known);
+    size_t channels = reader->number_count - reader->coordinate_count - known.velocity_count - (known.time != BAT_NO_INDEX);
+    bool named = columns->names != NULL && !choice->by_place;
+    bool guessed =
+        named ? choice->spelled || (channels > 0 && !choice->degrees) : columns->names != NULL || columns->other_count > 0;
+    if (reader->strict || reader->chosen || reader->tum || !guessed)
+        return true;
+    static const char *const flat[] = {"x", "y", "z", "w"}, *const globe[] = {"longitude", "latitude"};
+    char text[200], label[EXCERPT_SIZE + 16];
+    size_t used = 0;
+    for (size_t i = 0; i < choice->count && i < MAX_NAMED_COORDINATES && used < sizeof text; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s = %s", used > 0 ? ", " : "",
+                                 choice->degrees ? globe[i] : flat[i], csv_column_label(reader, choice->columns[i], label));
+    if (choice->count > MAX_NAMED_COORDINATES && used < sizeof text)
+        (void)snprintf(text + used, sizeof text - used, " and %zu more", choice->count - MAX_NAMED_COORDINATES);
+    return attributes_note(reader->attributes, "columns: %s%s", text, choice->radians ? ", in radians" : "");
+}
+
+/// Name a column that may tell curves apart.
+static bool note_group(csv_reader *reader)
+{
+    const csv_columns *columns = &reader->attributes->csv;
+    if (reader->group != BAT_NO_INDEX || columns->names == NULL || reader->strict || reader->builder.curve_count != 1)
+        return true;
+    for (size_t i = 0; i < reader->column_count; i++)
+    {
+        const column_state *state = &reader->columns[i];
+        char label[EXCERPT_SIZE + 16];
+        bool kind = state->kind == CSV_TEXT || (state->kind == CSV_NUMBER && !state->is_coordinate && !state->not_whole);
+        if (!kind || !name_is_group(columns->names[i]) || state->changes == 0 ||
+            2 * (state->changes + 1) > reader->row_count)
+            continue;
+        csv_field name = csv_unquoted((csv_field){columns->names[i], columns->names[i] + strlen(columns->names[i])});
+        return attributes_note(reader->attributes, "column %s could group the rows into curves: --group %.*s",
+                               csv_column_label(reader, i, label), (int)(name.end - name.begin), name.begin);
+    }
+    return true;
+}
+
+bool csv_note_columns(csv_reader *reader)
+{
+    char text[160];
+    bool good = note_coordinates(reader);
+    if (good && list_columns(reader, CSV_ID, text, sizeof text))
+        good = attributes_note(reader->attributes,
+                               "column %s holds running numbers and is no coordinate; it is numbered anew", text);
+    if (good && list_columns(reader, CSV_TEXT, text, sizeof text))
+        good = attributes_note(reader->attributes, "text in column %s: new points take that of the point before", text);
+    if (good && list_columns(reader, CSV_TIME, text, sizeof text))
+        good = attributes_note(reader->attributes, "times in column %s: new points get times between", text);
+    for (size_t i = 0; good && i < reader->column_count && !reader->strict; i++)
+    {
+        const column_state *state = &reader->columns[i];
+        char label[EXCERPT_SIZE + 16];
+        if (state->kind == CSV_GAPS)
+            good = attributes_note(reader->attributes, "column %s has %zu empty cells, the first on line %zu",
+                                   csv_column_label(reader, i, label), state->gaps, state->first_gap);
+    }
+    if (good && reader->comma)
+        good = attributes_note(reader->attributes, "decimal commas were read as points");
+    return good && note_group(reader);
+}
