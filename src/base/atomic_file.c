@@ -43,20 +43,24 @@ static char *folder_of(const char *path)
 
 char *atomic_hidden_name(const char *target, unsigned attempt)
 {
-    const char *base = base_name(target), *ending = strrchr(base, '.');
-    if (ending == NULL || ending == base)
-        ending = "";
+    enum
+    {
+        LONGEST = 160 ///< of the part of the target's name that is kept, since file systems bound the length
+    };
+    const char *base = base_name(target);
+    size_t length = strlen(base);
+    const char *kept = length > LONGEST ? base + length - LONGEST : base;
     struct timespec now = {0};
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
     size_t size = strlen(target) + sizeof HIDDEN + 64;
     char *name = malloc(size);
     if (name != NULL)
-        (void)snprintf(name, size, "%.*s%s%ld-%lx-%x%s", (int)(base - target), target, HIDDEN, (long)getpid(),
-                       (unsigned long)now.tv_nsec, attempt, ending);
+        (void)snprintf(name, size, "%.*s%s%ld-%lx-%x.%s", (int)(base - target), target, HIDDEN, (long)getpid(),
+                       (unsigned long)now.tv_nsec, attempt, kept);
     return name;
 }
 
-static bool is_hidden(const char *path)
+bool atomic_is_hidden(const char *path)
 {
     return strncmp(base_name(path), HIDDEN, sizeof HIDDEN - 1) == 0;
 }
@@ -117,7 +121,7 @@ static int take_name(atomic_file *file, int descriptor, mode_t mode)
     for (unsigned attempt = 0; attempt < ATTEMPTS; attempt++)
     {
         // A file that already goes to a hidden name needs no other.
-        bool final = is_hidden(file->target);
+        bool final = atomic_is_hidden(file->target);
         char *name = final ? strdup(file->target) : atomic_hidden_name(file->target, attempt);
         if (name == NULL)
             return -1;
@@ -142,7 +146,7 @@ static int take_name(atomic_file *file, int descriptor, mode_t mode)
 static bat_status open_temporary(atomic_file *file, const struct stat *existing, bat_error *error)
 {
     // Nobody else reads what replaces a file before it has that file's rights.
-    mode_t mode = existing != NULL || is_hidden(file->target) ? S_IRUSR | S_IWUSR : 0666;
+    mode_t mode = existing != NULL || atomic_is_hidden(file->target) ? S_IRUSR | S_IWUSR : 0666;
     int descriptor = open_nameless(file->target, mode);
     if (descriptor < 0)
         descriptor = take_name(file, -1, mode);
@@ -250,7 +254,7 @@ bat_status atomic_file_commit(atomic_file *file, bat_error *error)
 {
     int reason = flush(file->stream);
     // Files with hidden names are forced to the disk when they leave them.
-    bool replaces = file->target != NULL && !is_hidden(file->target);
+    bool replaces = file->target != NULL && !atomic_is_hidden(file->target);
     bool nameless = file->target != NULL && file->temporary == NULL;
     if (reason == 0 && replaces)
         reason = atomic_sync(fileno(file->stream));
@@ -284,4 +288,11 @@ bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *erro
         return atomic_file_commit(file, error);
     atomic_file_abandon(file);
     return status;
+}
+
+const char *atomic_name_shown(const char *path)
+{
+    const char *base = base_name(path);
+    const char *dot = atomic_is_hidden(path) ? strchr(base + sizeof HIDDEN - 1, '.') : NULL;
+    return dot != NULL ? dot + 1 : base;
 }

@@ -53,9 +53,13 @@ typedef struct atomic_target
 /// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY
 bat_status atomic_target_find(const char *path, atomic_target *target, bat_error *error);
 
-/// A hidden name in the target's folder, with the target's ending. A file of such a name is written with no second
+/// A hidden name in the target's folder that ends with the target's name. A file of such a name is written with no second
 /// temporary file, and only its owner can read it. Null when out of memory.
 char *atomic_hidden_name(const char *target, unsigned attempt);
+/// Whether a path has such a name.
+bool atomic_is_hidden(const char *path);
+/// The name of the file, without its folder, that a path or a hidden name stands for.
+const char *atomic_name_shown(const char *path);
 
 /// Force a folder's names to the disk: of the folder that holds `path`.
 void atomic_sync_folder(const char *path);

@@ -8,6 +8,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 /// One file.
@@ -22,6 +23,7 @@ typedef struct output
     struct stat about; ///< of the file that is replaced; of a new one, its rights
     struct stat folder;
     bool exists;
+    bool companion; ///< belongs to the file before: it may stay unwritten, and then an old one is removed
 } output;
 
 /// A list that only grows, so that a signal handler can walk it at any time.
@@ -118,6 +120,84 @@ static void output_free(output *file)
     free(file);
 }
 
+static void append(bat_outputs *outputs, output *file)
+{
+    if (outputs->last != NULL)
+        outputs->last->next = file;
+    else
+        outputs->first = file;
+    outputs->last = file;
+}
+
+/// The path with another ending of three letters; null when out of memory.
+static char *with_ending(const char *path, const char *ending)
+{
+    char *changed = strdup(path);
+    if (changed != NULL)
+        memcpy(changed + strlen(changed) - strlen(ending), ending, strlen(ending));
+    return changed;
+}
+
+/// The endings of the files that make up a Shapefile with the one that ends in .shp, and of the indices that GDAL and others
+/// may have added to an old one.
+static const char *const COMPANIONS[] = {".shx", ".dbf", ".prj", ".cpg", ".qix", ".sbn", ".sbx", ".qpj"};
+enum
+{
+    COMPANION_COUNT = sizeof COMPANIONS / sizeof *COMPANIONS
+};
+
+static bool has_companions(const output *file)
+{
+    const char *ending = file->target != NULL ? strrchr(file->target, '.') : NULL;
+    return ending != NULL && strcasecmp(ending, ".shp") == 0;
+}
+
+/// Make one of them; null when out of memory.
+static output *new_companion(const output *file, const char *ending)
+{
+    output *companion = calloc(1, sizeof *companion);
+    if (companion == NULL)
+        return NULL;
+    *companion = (output){.index = file->index,
+                          .about = file->about,
+                          .folder = file->folder,
+                          .companion = true,
+                          .target = with_ending(file->target, ending),
+                          .temporary = with_ending(file->temporary, ending)};
+    if (companion->target == NULL || companion->temporary == NULL)
+    {
+        output_free(companion);
+        return NULL;
+    }
+    struct stat existing;
+    companion->exists = stat(companion->target, &existing) == 0;
+    if (companion->exists)
+        companion->about = existing;
+    return companion;
+}
+
+/// Append a file, and its companions.
+static bool append_all(bat_outputs *outputs, output *file)
+{
+    output *companions[COMPANION_COUNT];
+    size_t count = 0;
+    while (has_companions(file) && count < COMPANION_COUNT)
+    {
+        companions[count] = new_companion(file, COMPANIONS[count]);
+        if (companions[count] == NULL)
+        {
+            while (count > 0)
+                output_free(companions[--count]);
+            return false;
+        }
+        count++;
+    }
+    append(outputs, file);
+    for (size_t i = 0; i < count; i++)
+        append(outputs, companions[i]);
+    return true;
+}
+
 bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **write_to, bat_error *error)
 {
     if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0)
@@ -126,6 +206,8 @@ bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **
     if (file == NULL)
         return error_memory(error, sizeof *file);
     bat_status status = prepare(outputs, path, file, error);
+    if (status == BAT_OK && !append_all(outputs, file))
+        status = error_memory(error, sizeof *file);
     if (status != BAT_OK)
     {
         output_free(file);
@@ -133,11 +215,6 @@ bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **
             error->index = outputs->count;
         return status;
     }
-    if (outputs->last != NULL)
-        outputs->last->next = file;
-    else
-        outputs->first = file;
-    outputs->last = file;
     outputs->count++;
     *write_to = file->target != NULL ? file->temporary : file->path;
     return BAT_OK;
@@ -153,7 +230,7 @@ static int finish(const output *file)
     };
     int descriptor = open(file->temporary, O_RDWR | O_CLOEXEC);
     if (descriptor < 0)
-        return errno;
+        return file->companion && errno == ENOENT ? 0 : errno;
     bool owned = file->exists && fchown(descriptor, file->about.st_uid, file->about.st_gid) == 0;
     (void)fchmod(descriptor, file->about.st_mode & (owned ? ALL_MODES : RIGHTS));
     int reason = atomic_sync(descriptor);
@@ -201,9 +278,11 @@ static output *place_all(bat_outputs *outputs)
     {
         if (file->target == NULL)
             continue;
-        if (outputs->count > 1)
+        if (outputs->first != outputs->last)
             keep_old(file);
         if (rename(file->temporary, file->target) == 0)
+            continue;
+        if (file->companion && errno == ENOENT && (unlink(file->target) == 0 || errno == ENOENT))
             continue;
         int reason = errno;
         if (file->backup != NULL)

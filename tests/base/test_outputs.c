@@ -134,6 +134,39 @@ static void without_a_commit_nothing_changes(void **state)
     assert_int_equal(count_files(false), 1);
 }
 
+static void a_shapefile_brings_its_companions(void **state)
+{
+    (void)state;
+    put("a.shp", "old");
+    put("a.dbf", "old");
+    put("a.qix", "old");
+    bat_outputs *outputs = new_outputs();
+    char companion[256];
+    const char *shapes = must_add(outputs, "a.shp");
+    (void)snprintf(companion, sizeof companion, "%s", shapes);
+    put(shapes, "new");
+    for (size_t i = 0; i < 2; i++)
+    {
+        memcpy(companion + strlen(companion) - 4, i == 0 ? ".shx" : ".dbf", 4);
+        put(companion, "new");
+    }
+    assert_content("a.dbf", "old");
+    assert_int_equal(bat_outputs_commit(outputs, NULL), BAT_OK);
+    bat_outputs_free(outputs);
+    assert_content("a.shp", "new");
+    assert_content("a.shx", "new");
+    assert_content("a.dbf", "new");
+    assert_int_equal(access("a.qix", F_OK), -1); // it described the old shapes
+    assert_int_equal(count_files(false), 3);
+    outputs = new_outputs();
+    shapes = must_add(outputs, "a.shp");
+    put(shapes, "newer");
+    assert_int_equal(bat_outputs_add(outputs, "a.dbf", &shapes, NULL), BAT_INVALID_ARGUMENT);
+    bat_outputs_free(outputs);
+    assert_content("a.shp", "new");
+    assert_int_equal(count_files(false), 3);
+}
+
 static void a_failed_rename_takes_the_others_back(void **state)
 {
     (void)state;
@@ -237,6 +270,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_FOLDER(files_appear_at_the_commit),
         IN_FOLDER(without_a_commit_nothing_changes),
+        IN_FOLDER(a_shapefile_brings_its_companions),
         IN_FOLDER(a_failed_rename_takes_the_others_back),
         IN_FOLDER(a_file_that_was_not_written_is_a_failure),
         IN_FOLDER(one_file_is_taken_once),
