@@ -275,23 +275,55 @@ static bat_status read_split(geojson_reader *reader, const feature_split *split,
     return status;
 }
 
-static bat_status choose_space(const bat_curve_read_options *options, bat_space *space, bat_error *error)
+/// The name in a member "crs" of GeoJSON 2008; null when there is none. Sets whether there is a system without a name.
+static const char *crs_name_of(const json_t *root, bool *unnamed)
 {
-    const char *name = options->space != NULL ? options->space : "sphere";
+    const json_t *crs = json_object_get(root, "crs");
+    const char *type = json_string_value(json_object_get(crs, "type"));
+    const char *name = json_string_value(json_object_get(json_object_get(crs, "properties"), "name"));
+    bool named = type != NULL && strcasecmp(type, "name") == 0 && name != NULL;
+    *unnamed = crs != NULL && !json_is_null(crs) && !named;
+    return named ? name : NULL;
+}
+
+/// Choose the space by the options, else by the coordinate reference system of the root; null for a sequence, which has
+/// none.
+static bat_status choose_space(geojson_reader *reader, const json_t *root, const bat_curve_read_options *options)
+{
+    if (geojson_has_type(root, "Topology"))
+        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "TopoJSON is not read; convert it, as with: ogr2ogr -f GeoJSON OUT.geojson IN.json");
+    const char *crs = crs_name_of(root, &reader->unnamed_crs);
+    if (crs != NULL)
+    {
+        reader->crs = crs_short_name(crs);
+        if (reader->crs == NULL)
+            return error_memory(reader->error, strlen(crs));
+    }
+    reader->plane_crs = options->space == NULL && reader->crs != NULL && !crs_is_geographic(reader->crs);
+    const char *name = options->space != NULL ? options->space : reader->plane_crs ? "plane" : "sphere";
     if (strcmp(name, "euclidean") == 0)
         name = "plane";
-    bat_status status = bat_space_by_name(name, 0, space, error);
-    if (status == BAT_OK && strcmp(name, "sphere") != 0 && space->point_dim != 2)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
-    return status;
+    bat_space space;
+    bat_status status = bat_space_by_name(name, 0, &space, reader->error);
+    if (status != BAT_OK)
+        return status;
+    bool sphere = strcmp(name, "sphere") == 0;
+    if (!sphere && space.point_dim != 2)
+        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
+    reader->degrees = sphere;
+    reader->builder.space = space;
+    reader->builder.check = !sphere;
+    return BAT_OK;
 }
 
 bat_status geojson_records_begin(const bat_curve_read_options *options, geojson_reader *reader, bat_error *error)
 {
-    bat_space space;
-    bat_status status = choose_space(options, &space, error);
-    if (status == BAT_OK)
-        *reader = geojson_reader_start(&space, options, error);
+    const bat_space sphere = bat_sphere(2);
+    *reader = geojson_reader_start(&sphere, options, error);
+    bat_status status = choose_space(reader, NULL, options);
+    if (status != BAT_OK)
+        geojson_reader_free(reader);
     return status;
 }
 
@@ -385,47 +417,6 @@ static bat_status read_whole(geojson_reader *reader, json_t *root)
     (void)json_array_clear(features);
     reader->document.collection = json_incref(root);
     return status;
-}
-
-/// The name in a member "crs" of GeoJSON 2008; null when there is none. Sets whether there is a system without a name.
-static const char *crs_name_of(const json_t *root, bool *unnamed)
-{
-    const json_t *crs = json_object_get(root, "crs");
-    const char *type = json_string_value(json_object_get(crs, "type"));
-    const char *name = json_string_value(json_object_get(json_object_get(crs, "properties"), "name"));
-    bool named = type != NULL && strcasecmp(type, "name") == 0 && name != NULL;
-    *unnamed = crs != NULL && !json_is_null(crs) && !named;
-    return named ? name : NULL;
-}
-
-/// Choose the space by the options, else by the coordinate reference system.
-static bat_status choose_space(geojson_reader *reader, const json_t *root, const bat_curve_read_options *options)
-{
-    if (geojson_has_type(root, "Topology"))
-        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "TopoJSON is not read; convert it, as with: ogr2ogr -f GeoJSON OUT.geojson IN.json");
-    const char *crs = crs_name_of(root, &reader->unnamed_crs);
-    if (crs != NULL)
-    {
-        reader->crs = crs_short_name(crs);
-        if (reader->crs == NULL)
-            return error_memory(reader->error, strlen(crs));
-    }
-    reader->plane_crs = options->space == NULL && reader->crs != NULL && !crs_is_geographic(reader->crs);
-    const char *name = options->space != NULL ? options->space : reader->plane_crs ? "plane" : "sphere";
-    if (strcmp(name, "euclidean") == 0)
-        name = "plane";
-    bat_space space;
-    bat_status status = bat_space_by_name(name, 0, &space, reader->error);
-    if (status != BAT_OK)
-        return status;
-    bool sphere = strcmp(name, "sphere") == 0;
-    if (!sphere && space.point_dim != 2)
-        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GeoJSON cannot hold points of the %s", name);
-    reader->degrees = sphere;
-    reader->builder.space = space;
-    reader->builder.check = !sphere;
-    return BAT_OK;
 }
 
 /// Read feature by feature if the text can be split, which takes less memory and uses threads; else as one tree.

@@ -18,7 +18,7 @@ typedef struct geojson_writer
     const bat_curve_set *set;
     const geojson_document *document; ///< null for a set from another format
     geojson_style style;
-    text_buffer crs;  ///< the member "crs" to write in place of the document's, `"crs":{...}`; empty for none
+    text_buffer crs; ///< the member "crs" to write in place of the document's, `"crs":{...}`; empty for none
     bat_curve_format format;
     bool continued;   ///< features of the collection stand before these
     bool wraps;       ///< the features are in a collection: geometries in place of features become features
