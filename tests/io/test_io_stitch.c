@@ -80,6 +80,17 @@ static void only_what_is_covered_twice_is_removed(void **state)
     assert_rewritten(partly, GEOJSON, NULL,
                      POLYGONS("[[[[-180,5],[-170,5],[-170,10],[-180,10],[-180,5]]],"
                               "[[[170,0],[180,0],[180,5],[180,10],[180,20],[170,20],[170,0]]]]") "\n");
+    // A ring that touches the antimeridian from inside, beside its crossing, has two parts on that side.
+    static const char touching[] = POLYGON("[[[170,30],[170,0],[-170,0],[-175,10],[180,15],[-175,20],[-170,30],[170,30]]]");
+    assert_curves(touching, "lon,lat\n# closed\n170,30\n170,0\n-170,0\n-175,10\n180,15\n-175,20\n-170,30\n");
+    bat_curve_set parts = must_read(touching, GEOJSON, NULL);
+    char *cut = must_write(&parts, GEOJSON);
+    bat_curve_set_free(&parts);
+    parts = must_read(cut, GEOJSON, "plane");
+    assert_int_equal(parts.count, 3);
+    bat_curve_set_free(&parts);
+    assert_curves(cut, "lon,lat\n# closed\n170,30\n170,0\n-170,0\n-175,10\n180,15\n-175,20\n-170,30\n");
+    free(cut);
     // Two features are neighbours, not parts.
     bat_curve_set set = must_read(
         COLLECTION(FEATURE("1", "{\"type\":\"Polygon\",\"coordinates\":[[[170,0],[180,0],[180,20],[170,0]]]}") "," FEATURE(

@@ -1,5 +1,7 @@
 #include "io/curve/antimeridian.h"
 
+#include <string.h>
+
 /// @file
 /// Polygons cut at the antimeridian: rings are cut into chains, whose ends are joined along the antimeridian in pairs.
 
@@ -158,13 +160,9 @@ static void reverse(globe_position *positions, size_t count)
     }
 }
 
-/// Rotate a ring so that it begins where the first of its given rings begins, if it contains such a vertex.
-static void rotate_to_start(globe_position *positions, size_t count)
+/// Rotate a ring so that it begins at its vertex `start`.
+static void rotate(globe_position *positions, size_t count, size_t start)
 {
-    size_t start = 0;
-    for (size_t i = 0; i < count; i++)
-        if (positions[i].start != 0 && (positions[start].start == 0 || positions[i].start < positions[start].start))
-            start = i;
     if (start == 0)
         return;
     reverse(positions, start);
@@ -172,9 +170,92 @@ static void rotate_to_start(globe_position *positions, size_t count)
     reverse(positions, count);
 }
 
+/// Rotate a ring so that it begins where the first of its given rings begins, if it contains such a vertex.
+static void rotate_to_start(globe_position *positions, size_t count)
+{
+    size_t start = 0;
+    for (size_t i = 0; i < count; i++)
+        if (positions[i].start != 0 && (positions[start].start == 0 || positions[i].start < positions[start].start))
+            start = i;
+    rotate(positions, count, start);
+}
+
+static int64_t lesser(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+static bool on_border(const degree_grid *grid, globe_position position)
+{
+    return position.shown.longitude == grid->half_turn || position.shown.longitude == -grid->half_turn;
+}
+
+/// Find an edge along the antimeridian that contains a vertex. Rotates the ring so that it begins at this vertex, and
+/// returns the index of the edge; `count` when there is none.
+static size_t find_touch(const degree_grid *grid, globe_position *positions, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        const globe_position at = positions[i], before = positions[i > 0 ? i - 1 : count - 1];
+        const globe_position after = positions[i + 1 < count ? i + 1 : 0];
+        int64_t side = at.shown.longitude;
+        // A vertex between two edges that leave the antimeridian.
+        if (!on_border(grid, at) || before.shown.longitude == side || after.shown.longitude == side)
+            continue;
+        for (size_t k = 0; k < count; k++)
+        {
+            const degree_units p = positions[k].shown, q = positions[k + 1 < count ? k + 1 : 0].shown;
+            int64_t low = lesser(p.latitude, q.latitude), high = -lesser(-p.latitude, -q.latitude);
+            if (p.longitude != side || q.longitude != side || low >= at.shown.latitude || high <= at.shown.latitude)
+                continue;
+            rotate(positions, count, i);
+            return (k + count - i) % count;
+        }
+    }
+    return count;
+}
+
+/// End a ring. Where it touches the antimeridian inside one of its own edges there, it is two rings.
+static void end_ring(const degree_grid *grid, size_t begin, size_t splits, globe_lines *rings)
+{
+    size_t count = rings->position_count - begin;
+    size_t edge = splits > 0 ? find_touch(grid, rings->positions + begin, count) : count;
+    if (edge < count)
+    {
+        size_t rest = count - edge - 1;
+        globe_position touch = rings->positions[begin], *others = memory_array(rest, sizeof *others);
+        if (others == NULL)
+        {
+            rings->failed = true;
+            return;
+        }
+        memcpy(others, rings->positions + begin + edge + 1, rest * sizeof *others);
+        rings->position_count = begin + edge + 1;
+        end_ring(grid, begin, splits - 1, rings);
+        size_t second = rings->position_count;
+        touch.start = 0;
+        globe_lines_add(rings, touch);
+        for (size_t i = 0; i < rest; i++)
+            globe_lines_add(rings, others[i]);
+        free(others);
+        if (!rings->failed)
+            end_ring(grid, second, splits - 1, rings);
+        return;
+    }
+    rotate_to_start(rings->positions + begin, count);
+    // Rings must have three positions, also around a part without area.
+    while (!rings->failed && rings->position_count - begin < 3)
+        globe_lines_add(rings, rings->positions[begin]);
+    globe_lines_end(rings);
+}
+
 /// Trace the boundary of one part of the interior.
 static void trace_ring(const degree_grid *grid, border *edge, size_t chain, globe_lines *rings)
 {
+    enum
+    {
+        MOST_SPLITS = 1000 ///< a bound for the stack
+    };
     size_t begin = rings->position_count;
     bool backward = false;
     while (!edge->used[chain] && !rings->failed)
@@ -192,11 +273,7 @@ static void trace_ring(const degree_grid *grid, border *edge, size_t chain, glob
             rings->positions[begin].start = rings->positions[last].start;
         rings->position_count--;
     }
-    rotate_to_start(rings->positions + begin, rings->position_count - begin);
-    // Rings must have three positions, also around a part without area.
-    while (!rings->failed && rings->position_count - begin < 3)
-        globe_lines_add(rings, rings->positions[begin]);
-    globe_lines_end(rings);
+    end_ring(grid, begin, MOST_SPLITS, rings);
 }
 
 static void add_whole_ring(const globe_curve *ring, globe_lines *rings)
@@ -227,11 +304,6 @@ typedef struct ring_box
 {
     degree_units low, high;
 } ring_box;
-
-static int64_t lesser(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
 
 static ring_box box_of(const globe_lines *rings, size_t ring)
 {
