@@ -21,6 +21,7 @@
 // Motions
 #include "batten/motion.h"
 #include "batten/motion_hermite.h"
+#include "batten/motion_spline.h"
 
 // Meshes
 #include "batten/mesh.h"

@@ -40,6 +40,34 @@ bool space_is_rotation(const bat_space *space)
     return is_same(space, &ours);
 }
 
+bool space_is_rigid(const bat_space *space)
+{
+    bat_space ours;
+    return space->weight > 0 && bat_rigid(space->weight, &ours, NULL) == BAT_OK && is_same(space, &ours);
+}
+
+bool space_is_product(const bat_space *space)
+{
+    const bat_space line = bat_euclidean(1);
+    const bat_product_factors one = {.spaces = &line, .count = 1};
+    bat_space ours;
+    if (bat_product(&one, &ours, NULL) != BAT_OK)
+        return false;
+    ours.dimension = space->dimension;
+    ours.point_dim = space->point_dim;
+    ours.tangent_dim = space->tangent_dim;
+    ours.parameters = space->parameters;
+    return is_same(space, &ours);
+}
+
+bool space_is_curved(const bat_space *space, double *curvature)
+{
+    bat_space sphere = bat_sphere(space->dimension), hyperbolic = bat_hyperbolic(space->dimension);
+    bool positive = is_same(space, &sphere), negative = is_same(space, &hyperbolic) || space_is_disk(space);
+    *curvature = positive ? 1 : -1;
+    return positive || negative;
+}
+
 bool space_is_surface(const bat_space *space, int *curvature)
 {
     bool disk = space_is_disk(space), sphere = space_is_sphere(space);

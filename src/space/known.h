@@ -10,6 +10,13 @@ bool space_is_plane(const bat_space *space);
 bool space_is_sphere(const bat_space *space); ///< S^2
 bool space_is_disk(const bat_space *space);
 bool space_is_rotation(const bat_space *space);
+bool space_is_rigid(const bat_space *space);
+bool space_is_product(const bat_space *space); ///< its parameters are bat_product_factors
+
+/// Whether a space is one of ours of constant curvature with orthonormal coordinates of tangent vectors: a sphere, the disk
+/// or a hyperbolic space.
+/// @param curvature receives 1 or -1 where it is
+bool space_is_curved(const bat_space *space, double *curvature);
 
 /// Whether a space is one of the three oriented surfaces: plane, S^2 or disk.
 /// @param curvature receives 0, 1 or -1 where it is

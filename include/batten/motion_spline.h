@@ -1,0 +1,119 @@
+#ifndef BATTEN_MOTION_SPLINE_H
+#define BATTEN_MOTION_SPLINE_H
+
+#include "batten/motion_hermite.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Splines in time on manifolds: the motion through keys at their times, with continuous velocity and acceleration, and its
+/// point, velocity and acceleration at any time. `docs/algorithms/motion-splines.md` derives the method.
+///
+/// Conventions are those of the space: quaternions are (w, x, y, z); velocities of bat_rotation() are angular velocities in
+/// the body's frame, in radians a unit of time; those of bat_rigid() are the velocity in the fixed frame and then the
+/// angular velocity in the body's. Rigid motions are the product of R^3 and rotations, not screw motions.
+
+/// What holds at the two ends of an open motion.
+typedef enum bat_motion_ends
+{
+    BAT_MOTION_ENDS_NOT_A_KNOT, ///< the first two intervals share one cubic, and so do the last two
+    BAT_MOTION_ENDS_NATURAL,    ///< the acceleration is 0
+    BAT_MOTION_ENDS_CLAMPED     ///< the velocity is given, or 0
+} bat_motion_ends;
+
+/// How velocities at the keys are chosen where none are given.
+typedef enum bat_motion_shape
+{
+    BAT_MOTION_SHAPE_RESTING, ///< twice continuously differentiable, except where the motion begins or ends to rest: equal
+                              ///< neighbouring keys make a constant motion
+    BAT_MOTION_SHAPE_SMOOTH,  ///< twice continuously differentiable everywhere; overshoots where keys rest
+    BAT_MOTION_SHAPE_LIMITED  ///< velocities limited as Fritsch and Carlson (1980) do: monotone along every geodesic between
+                              ///< neighbours; once continuously differentiable
+} bat_motion_shape;
+
+/// The ends by name: "not-a-knot", "natural", "clamped".
+BAT_API bat_status bat_motion_ends_by_name(const char *name, bat_motion_ends *ends, bat_error *error);
+BAT_API const char *bat_motion_ends_name(bat_motion_ends ends);
+/// The table of ends, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_motion_ends_list(size_t index, bat_choice *choice);
+/// The shapes by name: "resting", "smooth", "limited".
+BAT_API bat_status bat_motion_shape_by_name(const char *name, bat_motion_shape *shape, bat_error *error);
+BAT_API const char *bat_motion_shape_name(bat_motion_shape shape);
+/// The table of shapes, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_motion_shape_list(size_t index, bat_choice *choice);
+
+/// Options of splines. Begin with bat_motion_spline_defaults().
+typedef struct bat_motion_spline_options
+{
+    bat_motion_ends ends;         ///< of open motions; default BAT_MOTION_ENDS_NOT_A_KNOT. Closed motions are periodic
+    bat_motion_shape shape;       ///< default BAT_MOTION_SHAPE_RESTING
+    const double *begin_velocity; ///< clamped: the velocity at the first key; null: 0; default null
+    const double *end_velocity;   ///< clamped: the velocity at the last key; null: 0; default null
+    bool extrapolate; ///< go on outside of the keys' times along the geodesic, with constant velocity; default false
+    int threads; ///< of bat_motion_spline_sample(), 0 to 1024; 0: as many as are worth it; no effect on results; default 0
+} bat_motion_spline_options;
+
+/// The options' default values.
+BAT_API bat_motion_spline_options bat_motion_spline_defaults(void);
+/// Check options; null passes.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
+BAT_API bat_status bat_motion_spline_options_check(const bat_motion_spline_options *options, bat_error *error);
+
+/// A spline prepared for evaluation. It never changes, so that threads may share it.
+typedef struct bat_motion_spline bat_motion_spline;
+
+/// Make the spline through keys at their times. On the interval between two keys it is the exponential, at the middle of
+/// their shortest geodesic, of a cubic polynomial. Without given velocities those at the keys solve a system that makes
+/// (covariant) accelerations continuous; the error against a smooth motion is O(h^4). With given velocities the spline takes
+/// them, and accelerations jump. Reversing time reverses the motion. Factors of a product have splines of their own, so do
+/// translations and rotations of bat_rigid().
+///
+/// For rotations this is the construction of Kang and Park (Cubic spline algorithms for orientation interpolation, 1999) and
+/// of scipy's RotationSpline, moved from the beginning of the interval to its middle. In R^n it is the cubic spline.
+///
+/// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none; without times the keys are
+///                at 0, 1, 2, ...; the space must outlive the spline, the arrays need not
+/// @param options null for the defaults
+/// @param spline  receives the spline; release it with bat_motion_spline_free()
+/// @return BAT_OK; the failures of bat_hermite_check(); BAT_INVALID_POINT with the key near which the space has no
+///         exponential; BAT_NO_CONVERGENCE where keys are too far apart for continuous accelerations; BAT_NO_MEMORY;
+///         `spline` is untouched on failure
+BAT_API bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
+                                         bat_motion_spline **spline, bat_error *error);
+/// Does nothing for null.
+BAT_API void bat_motion_spline_free(bat_motion_spline *spline);
+
+/// The space of the keys.
+BAT_API const bat_space *bat_motion_spline_space(const bat_motion_spline *spline);
+/// The time of the first key, and of the last; of a closed motion the end of its first period.
+BAT_API void bat_motion_spline_range(const bat_motion_spline *spline, double *begin, double *end);
+/// The velocities at the keys, as many as keys were given.
+BAT_API void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities);
+
+/// The motion at a time, in O(log keys). At the time of a key, the key, bit for bit but for the sign of quaternions, which
+/// do not jump along the motion.
+///
+/// @param time         within bat_motion_spline_range(), unless the motion is closed or extrapolates
+/// @param point        receives point_dim numbers
+/// @param velocity     receives tangent_dim numbers; may be null
+/// @param acceleration receives tangent_dim numbers, the covariant derivative of the velocity: for rotations the derivative
+///                     of the angular velocity in the body's frame; may be null. At a key that of the interval after it.
+///                     For tensors and spaces of a user, derivatives are differences, accurate to about 1e-9 of the largest
+/// @return BAT_OK; BAT_INVALID_ARGUMENT with a text that tells the time and the range; BAT_CUT_LOCUS or BAT_INVALID_POINT
+///         where the motion leaves the space
+BAT_API bat_status bat_motion_spline_at(const bat_motion_spline *spline, double time, double *point, double *velocity,
+                                        double *acceleration, bat_error *error);
+
+/// The motion at many times: bat_motion_spline_at() of each, faster, and fastest for increasing times.
+///
+/// @param times         in any order
+/// @param points        receives count x point_dim numbers; velocities and accelerations, count x tangent_dim, may be null
+/// @return as bat_motion_spline_at(), with the index of the first failing time; the results are undefined then
+BAT_API bat_status bat_motion_spline_sample(const bat_motion_spline *spline, const double *times, size_t count,
+                                            double *points, double *velocities, double *accelerations, bat_error *error);
+
+BAT_C_END
+
+#endif

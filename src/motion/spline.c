@@ -1,0 +1,546 @@
+#include "batten/motion_spline.h"
+
+#include "base/choice.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/option.h"
+#include "base/shared_work.h"
+#include "base/threads.h"
+#include "curve/point_form.h"
+#include "motion/hermite_check.h"
+#include "motion/spline_factor.h"
+#include "motion/spline_system.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    /// A space has fewer factors than coordinates.
+    MAX_FACTORS = BAT_SPACE_MAX_DIM,
+    /// Times of one interval that are evaluated together.
+    RUN = 64,
+    /// Times that a thread takes at once.
+    BLOCK = 4096,
+    /// Arithmetic operations of a point, roughly.
+    OPERATIONS = 300
+};
+
+struct bat_motion_spline
+{
+    bat_space space;
+    spline_factor *factors;
+    size_t factor_count;
+    size_t count, intervals; ///< of keys and of intervals
+    bool extrapolate;
+    int threads;
+    double *times;      ///< intervals + 1
+    double *points;     ///< count x point_dim; the signs of quaternions do not jump
+    double *velocities; ///< count x tangent_dim
+    double *records;    ///< intervals x record_size
+    size_t record_size;
+};
+
+static const bat_choice ENDS[] = {
+    {.name = "not-a-knot",
+     .summary = "the first two intervals share one cubic, and the last two",
+     .value = BAT_MOTION_ENDS_NOT_A_KNOT},
+    {.name = "natural", .summary = "no acceleration at the ends", .value = BAT_MOTION_ENDS_NATURAL},
+    {.name = "clamped", .summary = "given velocities at the ends, else none", .value = BAT_MOTION_ENDS_CLAMPED},
+};
+static const choice_table ENDS_TABLE = CHOICE_TABLE("kind of ends", ENDS);
+CHOICE_FUNCTIONS(bat_motion_ends, ENDS_TABLE, 0)
+
+static const bat_choice SHAPES[] = {
+    {.name = "resting",
+     .summary = "continuous acceleration, except where the motion begins or ends to rest",
+     .value = BAT_MOTION_SHAPE_RESTING},
+    {.name = "smooth", .summary = "continuous acceleration everywhere", .value = BAT_MOTION_SHAPE_SMOOTH},
+    {.name = "limited", .summary = "monotone between neighbours (Fritsch and Carlson)", .value = BAT_MOTION_SHAPE_LIMITED},
+};
+static const choice_table SHAPE_TABLE = CHOICE_TABLE("shape of motions", SHAPES);
+CHOICE_FUNCTIONS(bat_motion_shape, SHAPE_TABLE, 0)
+
+bat_motion_spline_options bat_motion_spline_defaults(void)
+{
+    return (bat_motion_spline_options){.ends = BAT_MOTION_ENDS_NOT_A_KNOT, .shape = BAT_MOTION_SHAPE_RESTING};
+}
+
+bat_status bat_motion_spline_options_check(const bat_motion_spline_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_motion_spline_options, ends, OPTION_CHOICE, BAT_MOTION_ENDS_NOT_A_KNOT, BAT_MOTION_ENDS_CLAMPED),
+        OPTION_FIELD(bat_motion_spline_options, shape, OPTION_CHOICE, BAT_MOTION_SHAPE_RESTING, BAT_MOTION_SHAPE_LIMITED),
+        OPTION_THREADS(bat_motion_spline_options),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    bool given = options->begin_velocity != NULL || options->end_velocity != NULL;
+    if (status == BAT_OK && given && options->ends != BAT_MOTION_ENDS_CLAMPED)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "begin_velocity and end_velocity go with clamped ends, not %s",
+                         bat_motion_ends_name(options->ends));
+    return status;
+}
+
+void bat_motion_spline_free(bat_motion_spline *spline)
+{
+    if (spline == NULL)
+        return;
+    free(spline->factors);
+    free(spline->times);
+    free(spline->points);
+    free(spline->velocities);
+    free(spline->records);
+    free(spline);
+}
+
+/// The functions that evaluation calls, which a user's space may have left out.
+static bat_status check_space(const bat_space *space, bat_error *error)
+{
+    bool whole = space->fault != NULL && space->distance != NULL && space->log != NULL && space->exp != NULL &&
+                 space->transport != NULL && space->inner != NULL;
+    if (!whole)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the space %s lacks one of the functions fault, distance, log, exp, transport and inner",
+                         space->name != NULL ? space->name : "without a name");
+    return BAT_OK;
+}
+
+/// The checks of Hermite data, with tangents of zero where there are none.
+static bat_status check_keys(const bat_hermite_curve *keys, bat_error *error)
+{
+    bat_hermite_curve checked = *keys;
+    bat_status status = check_space(keys->space, error);
+    if (status != BAT_OK)
+        return status;
+    double *zeros = NULL;
+    if (keys->tangents == NULL)
+    {
+        zeros = calloc(keys->count > 0 ? keys->count : 1, keys->space->tangent_dim * sizeof *zeros);
+        if (zeros == NULL)
+            return error_memory(error, keys->count * keys->space->tangent_dim * sizeof *zeros);
+        checked.tangents = zeros;
+    }
+    status = hermite_check(&checked, (hermite_check_parts){.edges = true}, 1, error);
+    free(zeros);
+    return status;
+}
+
+static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spline, bat_error *error)
+{
+    const bat_space *space = &spline->space;
+    spline->factors = memory_array(MAX_FACTORS, sizeof *spline->factors);
+    if (spline->factors == NULL)
+        return error_memory(error, MAX_FACTORS * sizeof *spline->factors);
+    spline->factor_count = spline_factors(space, spline->factors, MAX_FACTORS);
+    if (spline->factor_count == 0)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the product has more than %d factors", MAX_FACTORS);
+    // Most spaces have one factor or two.
+    spline_factor *fitted = realloc(spline->factors, spline->factor_count * sizeof *fitted);
+    spline->factors = fitted != NULL ? fitted : spline->factors;
+    const spline_factor *last = &spline->factors[spline->factor_count - 1];
+    spline->record_size = last->record_at + spline_factor_record_size(last);
+    spline->times = memory_array(spline->intervals + 1, sizeof(double));
+    spline->points = memory_array(keys->count, space->point_dim * sizeof(double));
+    spline->velocities = memory_array(keys->count, space->tangent_dim * sizeof(double));
+    spline->records = memory_array(spline->intervals, spline->record_size * sizeof(double));
+    if (spline->times == NULL || spline->points == NULL || spline->velocities == NULL || spline->records == NULL)
+        return error_memory(error, spline->intervals * spline->record_size * sizeof(double));
+    return BAT_OK;
+}
+
+/// Columns `at` to `at + size` of rows of `stride` numbers.
+static void gather(const double *rows, size_t count, size_t stride, size_t at, size_t size, double *columns)
+{
+    for (size_t i = 0; i < count; i++)
+        memcpy(columns + i * size, rows + i * stride + at, size * sizeof *columns);
+}
+
+static void scatter(const double *columns, size_t count, size_t stride, size_t at, size_t size, double *rows)
+{
+    for (size_t i = 0; i < count; i++)
+        memcpy(rows + i * stride + at, columns + i * size, size * sizeof *columns);
+}
+
+static void continue_signs(const spline_factor *f, size_t count, double *points)
+{
+    for (size_t i = 1; i < count && f->kind == FACTOR_ROTATION; i++)
+        quaternion_continue(points + 4 * (i - 1), points + 4 * i);
+}
+
+/// Prepare one factor, whose keys are gathered, and fill its part of the records.
+static bat_status prepare_system(spline_system *system, const bat_motion_spline_options *options, bool given,
+                                 bat_motion_spline *spline, bat_error *error)
+{
+    const spline_factor *f = system->factor;
+    const double *begin = options->begin_velocity, *end = options->end_velocity;
+    bat_status status = spline_system_measure(system, error);
+    if (status == BAT_OK && !given)
+        status = spline_system_solve(system, options->ends, options->shape, begin != NULL ? begin + f->tangent_at : NULL,
+                                     end != NULL ? end + f->tangent_at : NULL, error);
+    if (status == BAT_OK)
+        status = spline_system_finish(system, error);
+    for (size_t i = 0; i < system->intervals && status == BAT_OK; i++)
+        spline_system_record(system, i, spline->records + i * spline->record_size + f->record_at);
+    return status;
+}
+
+static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion_spline_options *options, size_t index,
+                                 const double *lengths, bat_motion_spline *spline, bat_error *error)
+{
+    const spline_factor *f = &spline->factors[index];
+    size_t dim = f->space.point_dim, n = f->space.tangent_dim, all = spline->space.point_dim;
+    spline_system system = {.factor = f, .count = spline->count, .intervals = spline->intervals, .lengths = lengths};
+    double *points = memory_array(spline->count, dim * sizeof *points);
+    system.velocities = memory_array(spline->count, n * sizeof *points);
+    system.points = points;
+    bool allocated = spline_system_allocate(&system) && points != NULL && system.velocities != NULL;
+    bat_status status = allocated ? BAT_OK : error_memory(error, spline->count * dim * sizeof *points);
+    if (status == BAT_OK)
+    {
+        gather(keys->points, spline->count, all, f->point_at, dim, points);
+        continue_signs(f, spline->count, points);
+        scatter(points, spline->count, all, f->point_at, dim, spline->points);
+        if (keys->tangents != NULL)
+            gather(keys->tangents, spline->count, spline->space.tangent_dim, f->tangent_at, n, system.velocities);
+        status = prepare_system(&system, options, keys->tangents != NULL, spline, error);
+    }
+    if (status == BAT_OK)
+        scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->velocities);
+    spline_system_free(&system);
+    free(points);
+    free(system.velocities);
+    return status;
+}
+
+/// The times of the keys, and the lengths of intervals.
+static bat_status take_times(const bat_hermite_curve *keys, bat_motion_spline *spline, double *lengths, bat_error *error)
+{
+    for (size_t i = 0; i < keys->count; i++)
+        spline->times[i] = keys->times != NULL ? keys->times[i] : (double)i;
+    if (keys->closed)
+        spline->times[keys->count] = spline->times[keys->count - 1] + (keys->times != NULL ? keys->closing_time : 1);
+    for (size_t i = 0; i < spline->intervals; i++)
+    {
+        lengths[i] = spline->times[i + 1] - spline->times[i];
+        if (!(lengths[i] > 0 && isfinite(lengths[i]) && isfinite(1 / (lengths[i] * lengths[i]))))
+            return error_set(error, BAT_INVALID_ARGUMENT, i + 1, 0, "the time from point %zu to the next, %.17g, is too %s",
+                             i, lengths[i], lengths[i] > 1 ? "long" : "short");
+    }
+    return BAT_OK;
+}
+
+bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
+                                 bat_motion_spline **spline, bat_error *error)
+{
+    bat_motion_spline_options defaults = bat_motion_spline_defaults();
+    bat_status status = bat_motion_spline_options_check(options, error);
+    if (status == BAT_OK)
+        status = check_keys(keys, error);
+    if (status != BAT_OK)
+        return status;
+    options = options != NULL ? options : &defaults;
+    bat_motion_spline *made = calloc(1, sizeof *made);
+    double *lengths = memory_array(keys->count, sizeof *lengths);
+    status = made != NULL && lengths != NULL ? BAT_OK : error_memory(error, keys->count * sizeof *lengths);
+    if (status == BAT_OK)
+    {
+        made->space = *keys->space;
+        made->count = keys->count;
+        made->intervals = keys->closed ? keys->count : keys->count - 1;
+        made->extrapolate = options->extrapolate;
+        made->threads = options->threads;
+        status = allocate(keys, made, error);
+    }
+    if (status == BAT_OK)
+        status = take_times(keys, made, lengths, error);
+    for (size_t i = 0; status == BAT_OK && i < made->factor_count; i++)
+        status = prepare_factor(keys, options, i, lengths, made, error);
+    free(lengths);
+    if (status == BAT_OK)
+        *spline = made;
+    else
+        bat_motion_spline_free(made);
+    return status;
+}
+
+const bat_space *bat_motion_spline_space(const bat_motion_spline *spline)
+{
+    return &spline->space;
+}
+
+void bat_motion_spline_range(const bat_motion_spline *spline, double *begin, double *end)
+{
+    *begin = spline->times[0];
+    *end = spline->times[spline->intervals];
+}
+
+void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities)
+{
+    memcpy(velocities, spline->velocities, spline->count * spline->space.tangent_dim * sizeof *velocities);
+}
+
+// Evaluation
+
+static bool is_closed(const bat_motion_spline *spline)
+{
+    return spline->intervals == spline->count;
+}
+
+/// The interval of a time: the later one at a key, but the last one at the end. `hint` is tried first, and the one after it.
+static size_t find_interval(const bat_motion_spline *spline, double time, size_t hint)
+{
+    const double *times = spline->times;
+    size_t low = 0, high = spline->intervals;
+    if (times[hint] <= time)
+    {
+        if (hint + 1 == high || time < times[hint + 1])
+            return hint;
+        if (hint + 2 == high || time < times[hint + 2])
+            return hint + 1;
+        low = hint + 2;
+    }
+    else
+        high = hint;
+    while (high - low > 1)
+    {
+        size_t middle = low + (high - low) / 2;
+        bool after = times[middle] <= time;
+        low = after ? middle : low;
+        high = after ? high : middle;
+    }
+    return low;
+}
+
+/// Where a time is on the motion.
+typedef struct place
+{
+    size_t interval;
+    double share;
+    double beyond; ///< how long the time is before the first key (negative) or after the last
+} place;
+
+/// @return false when the time is not finite or not on the motion
+static bool find_place(const bat_motion_spline *spline, double time, size_t hint, place *found)
+{
+    double begin = spline->times[0], end = spline->times[spline->intervals];
+    found->beyond = 0;
+    if (!(time >= begin && time <= end))
+    {
+        if (!isfinite(time) || (!is_closed(spline) && !spline->extrapolate))
+            return false;
+        if (is_closed(spline))
+        {
+            double since = fmod(time - begin, end - begin);
+            time = begin + (since < 0 ? since + (end - begin) : since);
+            time = time > end ? begin : time;
+        }
+        else
+        {
+            found->beyond = time < begin ? time - begin : time - end;
+            time = time < begin ? begin : end;
+        }
+    }
+    found->interval = find_interval(spline, time, hint);
+    double from = spline->times[found->interval];
+    found->share = (time - from) / (spline->times[found->interval + 1] - from);
+    return true;
+}
+
+static bat_status no_place(const bat_motion_spline *spline, double time, size_t index, bat_error *error)
+{
+    double begin, end;
+    bat_motion_spline_range(spline, &begin, &end);
+    return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "time %.17g is not within those of the motion, %.17g to %.17g",
+                     time, begin, end);
+}
+
+/// Beyond the keys: the geodesic from the nearest one with its velocity.
+static bat_status extrapolate(const bat_motion_spline *spline, const place *at, double *point, double *velocity,
+                              double *acceleration)
+{
+    const bat_space *space = &spline->space;
+    size_t key = at->beyond < 0 ? 0 : spline->count - 1;
+    const double *p = spline->points + key * space->point_dim, *v = spline->velocities + key * space->tangent_dim;
+    double way[BAT_SPACE_MAX_DIM], back[BAT_SPACE_MAX_DIM];
+    for (size_t c = 0; c < space->tangent_dim; c++)
+        way[c] = at->beyond * v[c];
+    bat_status status = space->exp(space, p, way, point);
+    if (status == BAT_OK && acceleration != NULL)
+        memset(acceleration, 0, space->tangent_dim * sizeof *acceleration);
+    if (status != BAT_OK || velocity == NULL)
+        return status;
+    // Transport from p would take the shortest way; the direction back to p is that of the way.
+    for (size_t i = 0; i < spline->factor_count && status == BAT_OK; i++)
+    {
+        const spline_factor *f = &spline->factors[i];
+        double *rate = velocity + f->tangent_at;
+        if (f->kind == FACTOR_FLAT || f->kind == FACTOR_ROTATION)
+        {
+            memcpy(rate, v + f->tangent_at, f->space.tangent_dim * sizeof *rate);
+            continue;
+        }
+        status = f->space.transport(&f->space, p + f->point_at, point + f->point_at, v + f->tangent_at, back);
+        if (status == BAT_OK)
+            memcpy(rate, back, f->space.tangent_dim * sizeof *rate);
+    }
+    return status;
+}
+
+static void scale_by(double *vector, size_t n, double factor)
+{
+    for (size_t i = 0; i < n; i++)
+        vector[i] *= factor;
+}
+
+/// Keys themselves at their times, bit for bit.
+static void copy_key(const bat_motion_spline *spline, const place *at, double *point, double *velocity)
+{
+    if (at->share != 0 && at->share != 1)
+        return;
+    size_t key = at->interval + (at->share == 1), dim = spline->space.point_dim, n = spline->space.tangent_dim;
+    key = key == spline->count ? 0 : key;
+    memcpy(point, spline->points + key * dim, dim * sizeof *point);
+    if (velocity != NULL)
+        memcpy(velocity, spline->velocities + key * n, n * sizeof *velocity);
+}
+
+static bat_status evaluate(const bat_motion_spline *spline, const place *at, double *point, double *velocity,
+                           double *acceleration)
+{
+    if (at->beyond != 0)
+        return extrapolate(spline, at, point, velocity, acceleration);
+    const double *record = spline->records + at->interval * spline->record_size;
+    double rate = 1 / (spline->times[at->interval + 1] - spline->times[at->interval]);
+    for (size_t i = 0; i < spline->factor_count; i++)
+    {
+        const spline_factor *f = &spline->factors[i];
+        bat_status status = spline_factor_at(f, record + f->record_at, at->share, point + f->point_at,
+                                             velocity != NULL ? velocity + f->tangent_at : NULL,
+                                             acceleration != NULL ? acceleration + f->tangent_at : NULL);
+        if (status != BAT_OK)
+            return status;
+    }
+    if (velocity != NULL)
+        scale_by(velocity, spline->space.tangent_dim, rate);
+    if (acceleration != NULL)
+        scale_by(acceleration, spline->space.tangent_dim, rate * rate);
+    copy_key(spline, at, point, velocity);
+    return BAT_OK;
+}
+
+static bat_status leaves_space(const bat_motion_spline *spline, bat_status status, double time, size_t index,
+                               bat_error *error)
+{
+    return error_set(error, status, index, 0, "the motion leaves the space %s at time %.17g (%s)", spline->space.name, time,
+                     bat_status_name(status));
+}
+
+bat_status bat_motion_spline_at(const bat_motion_spline *spline, double time, double *point, double *velocity,
+                                double *acceleration, bat_error *error)
+{
+    place at;
+    if (!find_place(spline, time, spline->intervals / 2, &at))
+        return no_place(spline, time, BAT_NO_INDEX, error);
+    bat_status status = evaluate(spline, &at, point, velocity, acceleration);
+    return status == BAT_OK ? BAT_OK : leaves_space(spline, status, time, BAT_NO_INDEX, error);
+}
+
+/// Points of one interval at the shares of a run.
+static bat_status evaluate_run(const bat_motion_spline *spline, size_t interval, const double *shares, size_t count,
+                               double *points)
+{
+    size_t dim = spline->space.point_dim;
+    for (size_t i = 0; i < spline->factor_count; i++)
+    {
+        const spline_factor *f = &spline->factors[i];
+        const double *record = spline->records + interval * spline->record_size + f->record_at;
+        if (f->kind == FACTOR_ROTATION)
+        {
+            spline_rotations_at(record, shares, count, points + f->point_at, dim);
+            continue;
+        }
+        for (size_t j = 0; j < count; j++)
+        {
+            bat_status status = spline_factor_at(f, record, shares[j], points + j * dim + f->point_at, NULL, NULL);
+            if (status != BAT_OK)
+                return status;
+        }
+    }
+    for (size_t j = 0; j < count; j++)
+        copy_key(spline, &(place){interval, shares[j], 0}, points + j * dim, NULL);
+    return BAT_OK;
+}
+
+/// Points alone of times from `begin` on, as many as are in one interval. Returns the end, or `begin` where there is no run.
+static size_t run_from(const bat_motion_spline *spline, const double *times, size_t begin, size_t end, size_t *hint,
+                       double *shares)
+{
+    place at;
+    size_t i = begin;
+    for (; i < end && i - begin < RUN; i++)
+    {
+        if (i > begin && !(times[i] >= spline->times[*hint] && times[i] < spline->times[*hint + 1]))
+            break;
+        if (i > begin)
+        {
+            double from = spline->times[*hint];
+            shares[i - begin] = (times[i] - from) / (spline->times[*hint + 1] - from);
+            continue;
+        }
+        if (!find_place(spline, times[i], *hint, &at) || at.beyond != 0)
+            return begin;
+        *hint = at.interval;
+        shares[0] = at.share;
+    }
+    return i;
+}
+
+/// Evaluate times `begin` to `end`.
+static bat_status sample_block(const bat_motion_spline *spline, const double *times, size_t begin, size_t end,
+                               double *points, double *velocities, double *accelerations, bat_error *error)
+{
+    size_t dim = spline->space.point_dim, n = spline->space.tangent_dim, hint = 0, i = begin;
+    bool rates = velocities != NULL || accelerations != NULL;
+    double shares[RUN];
+    while (i < end)
+    {
+        size_t next = rates ? i : run_from(spline, times, i, end, &hint, shares);
+        if (next > i && evaluate_run(spline, hint, shares, next - i, points + i * dim) == BAT_OK)
+        {
+            i = next;
+            continue;
+        }
+        place at;
+        if (!find_place(spline, times[i], hint, &at))
+            return no_place(spline, times[i], i, error);
+        hint = at.interval;
+        bat_status status = evaluate(spline, &at, points + i * dim, velocities != NULL ? velocities + i * n : NULL,
+                                     accelerations != NULL ? accelerations + i * n : NULL);
+        if (status != BAT_OK)
+            return leaves_space(spline, status, times[i], i, error);
+        i++;
+    }
+    return BAT_OK;
+}
+
+bat_status bat_motion_spline_sample(const bat_motion_spline *spline, const double *times, size_t count, double *points,
+                                    double *velocities, double *accelerations, bat_error *error)
+{
+    shared_work work = shared_work_make((count + BLOCK - 1) / BLOCK, (bat_progress){0});
+    int threads = threads_worth(spline->threads, work.total, (double)OPERATIONS * (double)count);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t block = 0; block < work.total; block++)
+    {
+        if (!shared_work_wants(&work, block))
+            continue;
+        bat_error fault;
+        size_t begin = block * BLOCK, end = count - begin < BLOCK ? count : begin + BLOCK;
+        bat_status status = sample_block(spline, times, begin, end, points, velocities, accelerations, &fault);
+        shared_work_finish(&work, block, status, &fault);
+    }
+    return shared_work_end(&work, error);
+}

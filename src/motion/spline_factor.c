@@ -1,0 +1,498 @@
+#include "motion/spline_factor.h"
+
+#include "base/lanes.h"
+#include "space/known.h"
+#include "space/quaternion.h"
+#include "space/rotation.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    DIM = BAT_SPACE_MAX_DIM,
+    /// Terms of the series for arguments up to 1.
+    TERMS = 9,
+    /// Steps of the inverse of a differential by differences in one call.
+    PULL_STEPS = 2
+};
+
+/// The step of differences. Formulas of sixth order have an error of its sixth power over 140 and 560, below 1e-11 of the
+/// derivatives that they leave out, and rounding of 1e-16 over its square.
+static const double STEP = 1.0 / 32;
+/// First and second derivatives at 0 of a function that is 0 there, from its values at -3, -2, -1, 1, 2 and 3 steps.
+static const double PLACES[6] = {-3, -2, -1, 1, 2, 3};
+static const double FIRST[6] = {-1.0 / 60, 3.0 / 20, -3.0 / 4, 3.0 / 4, -3.0 / 20, 1.0 / 60};
+static const double SECOND[6] = {1.0 / 90, -3.0 / 20, 3.0 / 2, 3.0 / 2, -3.0 / 20, 1.0 / 90};
+
+static double dot(size_t n, const double *u, const double *v)
+{
+    double sum = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += u[i] * v[i];
+    return sum;
+}
+
+static void add(size_t n, double factor, const double *vector, double *sum)
+{
+    for (size_t i = 0; i < n; i++)
+        sum[i] += factor * vector[i];
+}
+
+static void cross(const double *u, const double *v, double *w)
+{
+    double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+    w[0] = x;
+    w[1] = y;
+    w[2] = z;
+}
+
+/// The sum over k of factor_k (-x)^k / (2 k + first)!, factor_k being k + 1 where `differentiated`, else 1.
+static inline double series(double x, int first, bool differentiated)
+{
+    double term = 1, sum = 0;
+    for (int k = 2; k <= first; k++)
+        term /= k;
+    for (int k = 0; k < TERMS; k++)
+    {
+        sum += (differentiated ? k + 1 : 1) * term;
+        term *= -x / ((2 * k + first + 1) * (2 * k + first + 2));
+    }
+    return sum;
+}
+
+// Rotations
+
+/// The functions of x = |c|^2 in the right Jacobian of SO(3), I - a [c] + b [c]^2.
+typedef struct turning
+{
+    double a, b;             ///< (1 - cos r) / r^2, (r - sin r) / r^3
+    double a_slope, b_slope; ///< their derivatives by x, times 2
+    double inverse;          ///< the inverse is I + [c] / 2 + inverse [c]^2
+} turning;
+
+static turning turning_of(double x)
+{
+    turning t;
+    double excess; // 2 (a - 1/2) / x
+    if (x < 1)
+    {
+        // Constants of the series, so that the compiler can fold them.
+        t.a = series(x, 2, false);
+        t.b = series(x, 3, false);
+        t.a_slope = -2 * series(x, 4, true);
+        t.b_slope = -2 * series(x, 5, true);
+        excess = -2 * series(x, 4, false);
+    }
+    else
+    {
+        double r = sqrt(x), sine = sin(r), half = sin(0.5 * r), versine = 2 * half * half;
+        t.a = versine / x;
+        t.b = (r - sine) / (x * r);
+        t.a_slope = (r * sine - 2 * versine) / (x * x);
+        t.b_slope = (3 * sine - 2 * r - r * cos(r)) / (x * x * r);
+        excess = (2 * t.a - 1) / x;
+    }
+    t.inverse = (excess + t.b) / (2 * t.a);
+    return t;
+}
+
+static void rotation_push(const double *c, const double *w, double *pushed)
+{
+    turning t = turning_of(dot(3, c, c));
+    double once[3], twice[3];
+    cross(c, w, once);
+    cross(c, once, twice);
+    for (int i = 0; i < 3; i++)
+        pushed[i] = w[i] - t.a * once[i] + t.b * twice[i];
+}
+
+static void rotation_pull(const double *c, const double *v, double *pulled)
+{
+    turning t = turning_of(dot(3, c, c));
+    double once[3], twice[3];
+    cross(c, v, once);
+    cross(c, once, twice);
+    for (int i = 0; i < 3; i++)
+        pulled[i] = v[i] + 0.5 * once[i] + t.inverse * twice[i];
+}
+
+/// Velocity and acceleration: w = c' - a c x c' + b c x (c x c') and its derivative. `velocity` may be null.
+static void rotation_rates(const double *c, const double *first, const double *second, double *velocity,
+                           double *acceleration)
+{
+    turning t = turning_of(dot(3, c, c));
+    double along = dot(3, c, first), once[3], twice[3], other[3], bent[3], other_twice[3];
+    cross(c, first, once);
+    cross(c, once, twice);
+    cross(c, second, other);
+    cross(c, other, other_twice);
+    cross(first, once, bent);
+    for (int i = 0; i < 3; i++)
+    {
+        double value = first[i] - t.a * once[i] + t.b * twice[i];
+        acceleration[i] = second[i] - t.a * other[i] + t.b * (bent[i] + other_twice[i]) +
+                          along * (t.b_slope * twice[i] - t.a_slope * once[i]);
+        if (velocity != NULL)
+            velocity[i] = value;
+    }
+}
+
+// Constant curvature. In a frame that is parallel along the geodesics from m, exp_m(c(s)) has the velocity
+// V = S c' + G <c, c'> c, and the acceleration V' + E (c <c', V> - c' <c, V>).
+
+/// The functions of x = |c|^2: S = sn(r) / r, G = (1 - S) / x, E = (1 - cs(r)) / x, and the derivatives of S and G by x.
+typedef struct bending
+{
+    double s, g, e, s_slope, g_slope;
+} bending;
+
+static bending bending_of(double x, double curvature)
+{
+    bending t;
+    double y = curvature * x;
+    if (x < 1)
+    {
+        t.s = series(y, 1, false);
+        t.g = curvature * series(y, 3, false);
+        t.e = curvature * series(y, 2, false);
+        t.s_slope = -curvature * series(y, 3, true);
+        t.g_slope = -series(y, 5, true);
+    }
+    else
+    {
+        double r = sqrt(x), cosine = curvature > 0 ? cos(r) : cosh(r);
+        t.s = (curvature > 0 ? sin(r) : sinh(r)) / r;
+        t.g = (1 - t.s) / x;
+        t.e = (1 - cosine) / x;
+        t.s_slope = (cosine - t.s) / (2 * x);
+        t.g_slope = -(t.s_slope + t.g) / x;
+    }
+    return t;
+}
+
+static bat_status curved_push(const spline_factor *f, const double *middle, const double *c, const double *q,
+                              const double *w, double *pushed)
+{
+    double turned[DIM];
+    size_t n = f->space.tangent_dim;
+    bending t = bending_of(dot(n, c, c), f->curvature);
+    double along = t.g * dot(n, c, w);
+    for (size_t i = 0; i < n; i++)
+        turned[i] = t.s * w[i] + along * c[i];
+    return f->space.transport(&f->space, middle, q, turned, pushed);
+}
+
+/// The part along c stays; the part across is divided by S.
+static bat_status curved_pull(const spline_factor *f, const double *middle, const double *c, const double *q,
+                              const double *v, double *pulled)
+{
+    double brought[DIM];
+    size_t n = f->space.tangent_dim;
+    bending t = bending_of(dot(n, c, c), f->curvature);
+    bat_status status = f->space.transport(&f->space, q, middle, v, brought);
+    double along = t.g * dot(n, c, brought);
+    for (size_t i = 0; i < n; i++)
+        pulled[i] = (brought[i] - along * c[i]) / t.s;
+    return status;
+}
+
+static bat_status curved_acceleration(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
+                                      double *acceleration)
+{
+    double turned[DIM];
+    size_t n = f->space.tangent_dim;
+    const double *value = c->value, *first = c->first, *second = c->second;
+    bending t = bending_of(dot(n, value, value), f->curvature);
+    double along = dot(n, value, first), squared = dot(n, first, first), x = dot(n, value, value);
+    double growth = squared + dot(n, value, second);
+    double of_value = 2 * t.g_slope * along * along + t.g * growth, of_first = (2 * t.s_slope + t.g) * along;
+    // V = s c' + g along c
+    double first_v = t.s * squared + t.g * along * along, value_v = t.s * along + t.g * along * x;
+    of_value += t.e * first_v;
+    of_first -= t.e * value_v;
+    for (size_t i = 0; i < n; i++)
+        turned[i] = t.s * second[i] + of_value * value[i] + of_first * first[i];
+    return f->space.transport(&f->space, middle, q, turned, acceleration);
+}
+
+// Any space
+
+/// Derivatives at q of exp_m(c(s)): differences of logarithms, which are normal coordinates at q. Either may be null.
+static bat_status any_rates(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
+                            double *velocity, double *acceleration)
+{
+    const bat_space *space = &f->space;
+    size_t n = space->tangent_dim;
+    double near[DIM], moved[DIM], log[DIM];
+    if (velocity != NULL)
+        memset(velocity, 0, n * sizeof *velocity);
+    if (acceleration != NULL)
+        memset(acceleration, 0, n * sizeof *acceleration);
+    for (int k = 0; k < 6; k++)
+    {
+        double s = PLACES[k] * STEP;
+        for (size_t i = 0; i < n; i++)
+            moved[i] = c->value[i] + s * (c->first[i] + s * (c->second[i] / 2 + s * c->third[i] / 6));
+        bat_status status = space->exp(space, middle, moved, near);
+        if (status == BAT_OK)
+            status = space->log(space, q, near, log);
+        if (status != BAT_OK)
+            return status;
+        if (velocity != NULL)
+            add(n, FIRST[k] / STEP, log, velocity);
+        if (acceleration != NULL)
+            add(n, SECOND[k] / (STEP * STEP), log, acceleration);
+    }
+    return BAT_OK;
+}
+
+static bat_status any_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *w,
+                           double *pushed)
+{
+    static const double zeros[DIM];
+    return any_rates(f, middle, &(tangent_jet){c, w, zeros, zeros}, q, pushed, NULL);
+}
+
+/// The differential is parallel transport but for terms of the square of |c|: correct by the transported residual.
+static bat_status any_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *v,
+                           double *pulled)
+{
+    const bat_space *space = &f->space;
+    double residual[DIM], brought[DIM];
+    for (int step = 0; step < PULL_STEPS; step++)
+    {
+        bat_status status = any_push(f, middle, c, q, pulled, residual);
+        for (size_t i = 0; i < space->tangent_dim; i++)
+            residual[i] = v[i] - residual[i];
+        if (status == BAT_OK)
+            status = space->transport(space, q, middle, residual, brought);
+        if (status != BAT_OK)
+            return status;
+        add(space->tangent_dim, 1, brought, pulled);
+    }
+    return BAT_OK;
+}
+
+// All
+
+/// Add the factors of a space to `count` others. Returns their number, or `limit` + 1 when there are more.
+static size_t append(const bat_space *space, size_t point_at, size_t tangent_at, spline_factor *factors, size_t count,
+                     size_t limit)
+{
+    double curvature = 0;
+    if (space_is_product(space))
+    {
+        const bat_product_factors *parts = space->parameters;
+        for (size_t i = 0; i < parts->count && count <= limit; i++)
+        {
+            count = append(&parts->spaces[i], point_at, tangent_at, factors, count, limit);
+            point_at += parts->spaces[i].point_dim;
+            tangent_at += parts->spaces[i].tangent_dim;
+        }
+        return count;
+    }
+    if (space_is_rigid(space))
+    {
+        bat_space translation = bat_euclidean(3), rotation = bat_rotation();
+        count = append(&translation, point_at, tangent_at, factors, count, limit);
+        return count <= limit ? append(&rotation, point_at + 3, tangent_at + 3, factors, count, limit) : count;
+    }
+    if (count == limit)
+        return limit + 1;
+    spline_factor *f = &factors[count];
+    factor_kind kind = space_is_euclidean(space)            ? FACTOR_FLAT
+                       : space_is_rotation(space)           ? FACTOR_ROTATION
+                       : space_is_curved(space, &curvature) ? FACTOR_CURVED
+                                                            : FACTOR_ANY;
+    *f = (spline_factor){kind, *space, curvature, point_at, tangent_at, 0};
+    if (count > 0)
+        f->record_at = f[-1].record_at + spline_factor_record_size(&f[-1]);
+    return count + 1;
+}
+
+size_t spline_factors(const bat_space *space, spline_factor *factors, size_t limit)
+{
+    size_t count = append(space, 0, 0, factors, 0, limit);
+    return count <= limit ? count : 0;
+}
+
+size_t spline_factor_record_size(const spline_factor *f)
+{
+    return (f->kind == FACTOR_FLAT ? 0 : f->space.point_dim) + 4 * f->space.tangent_dim;
+}
+
+bat_status spline_middle(const spline_factor *f, const double *p, const double *q, double *middle, double *log_p,
+                         double *log_q)
+{
+    const bat_space *space = &f->space;
+    size_t n = space->tangent_dim;
+    if (f->kind == FACTOR_FLAT)
+    {
+        for (size_t i = 0; i < n; i++)
+        {
+            middle[i] = p[i];
+            log_p[i] = 0;
+            log_q[i] = q[i] - p[i];
+        }
+        return BAT_OK;
+    }
+    bat_status status = bat_space_geodesic(space, p, q, 0.5, middle);
+    if (status == BAT_OK)
+        status = space->log(space, middle, p, log_p);
+    return status == BAT_OK ? space->log(space, middle, q, log_q) : status;
+}
+
+bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
+                       double *pushed)
+{
+    switch (f->kind)
+    {
+    case FACTOR_FLAT:
+        memcpy(pushed, vector, f->space.tangent_dim * sizeof *pushed);
+        return BAT_OK;
+    case FACTOR_ROTATION:
+        rotation_push(c, vector, pushed);
+        return BAT_OK;
+    case FACTOR_CURVED:
+        return curved_push(f, middle, c, q, vector, pushed);
+    case FACTOR_ANY:
+        break;
+    }
+    return any_push(f, middle, c, q, vector, pushed);
+}
+
+bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
+                       double *pulled)
+{
+    switch (f->kind)
+    {
+    case FACTOR_FLAT:
+        memcpy(pulled, vector, f->space.tangent_dim * sizeof *pulled);
+        return BAT_OK;
+    case FACTOR_ROTATION:
+        rotation_pull(c, vector, pulled);
+        return BAT_OK;
+    case FACTOR_CURVED:
+        return curved_pull(f, middle, c, q, vector, pulled);
+    case FACTOR_ANY:
+        break;
+    }
+    return any_pull(f, middle, c, q, vector, pulled);
+}
+
+bat_status spline_acceleration(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
+                               double *acceleration)
+{
+    switch (f->kind)
+    {
+    case FACTOR_FLAT:
+        memcpy(acceleration, c->second, f->space.tangent_dim * sizeof *acceleration);
+        return BAT_OK;
+    case FACTOR_ROTATION:
+        rotation_rates(c->value, c->first, c->second, NULL, acceleration);
+        return BAT_OK;
+    case FACTOR_CURVED:
+        return curved_acceleration(f, middle, c, q, acceleration);
+    case FACTOR_ANY:
+        break;
+    }
+    return any_rates(f, middle, c, q, NULL, acceleration);
+}
+
+/// The cubic with coefficients c at s, and its derivatives where wanted.
+static void polynomial_at(size_t n, const double *c, double s, double *value, double *first, double *second)
+{
+    const double *c1 = c + n, *c2 = c + 2 * n, *c3 = c + 3 * n;
+    for (size_t i = 0; i < n; i++)
+        value[i] = c[i] + s * (c1[i] + s * (c2[i] + s * c3[i]));
+    for (size_t i = 0; i < n && first != NULL; i++)
+        first[i] = c1[i] + s * (2 * c2[i] + 3 * s * c3[i]);
+    for (size_t i = 0; i < n && second != NULL; i++)
+        second[i] = 2 * c2[i] + 6 * s * c3[i];
+}
+
+static void rotation_at(const double *record, double share, double *point, double *velocity, double *acceleration)
+{
+    const double *coefficients = record + 4;
+    double c[3], first[3], second[3];
+    bool rates = velocity != NULL || acceleration != NULL;
+    polynomial_at(3, coefficients, share, c, rates ? first : NULL, acceleration != NULL ? second : NULL);
+    quaternion_turn(record, c[0], c[1], c[2], point);
+    if (acceleration != NULL)
+        rotation_rates(c, first, second, velocity, acceleration);
+    else if (velocity != NULL)
+        rotation_push(c, first, velocity);
+}
+
+static bat_status curve_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,
+                           double *acceleration)
+{
+    const bat_space *space = &f->space;
+    const double *coefficients = record + space->point_dim;
+    size_t n = space->tangent_dim;
+    double c[DIM], first[DIM], second[DIM], third[DIM];
+    bool rates = velocity != NULL || acceleration != NULL;
+    polynomial_at(n, coefficients, share, c, rates ? first : NULL, rates ? second : NULL);
+    bat_status status = space->exp(space, record, c, point);
+    if (status != BAT_OK || !rates)
+        return status;
+    for (size_t i = 0; i < n; i++)
+        third[i] = 6 * coefficients[3 * n + i];
+    tangent_jet jet = {c, first, second, third};
+    if (f->kind == FACTOR_ANY)
+        return any_rates(f, record, &jet, point, velocity, acceleration);
+    if (velocity != NULL)
+        status = curved_push(f, record, c, point, first, velocity);
+    if (status == BAT_OK && acceleration != NULL)
+        status = curved_acceleration(f, record, &jet, point, acceleration);
+    return status;
+}
+
+bat_status spline_factor_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,
+                            double *acceleration)
+{
+    if (f->kind == FACTOR_FLAT)
+        polynomial_at(f->space.point_dim, record, share, point, velocity, acceleration);
+    else if (f->kind == FACTOR_ROTATION)
+        rotation_at(record, share, point, velocity, acceleration);
+    else
+        return curve_at(f, record, share, point, velocity, acceleration);
+    return BAT_OK;
+}
+
+/// Half angles up to pi; returns the square of the largest.
+LANES_CLONES
+static double turn_by_lanes(const double *record, const double *shares, size_t count, double *quaternions, size_t stride)
+{
+    const double m0 = record[0], m1 = record[1], m2 = record[2], m3 = record[3], *c = record + 4;
+    double largest = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        double s = shares[i];
+        double x = 0.5 * (c[0] + s * (c[3] + s * (c[6] + s * c[9])));
+        double y = 0.5 * (c[1] + s * (c[4] + s * (c[7] + s * c[10])));
+        double z = 0.5 * (c[2] + s * (c[5] + s * (c[8] + s * c[11])));
+        double squared = x * x + y * y + z * z, cosine = lane_cos_root(squared), ratio = lane_sinc_root(squared);
+        double *q = quaternions + i * stride;
+        x *= ratio;
+        y *= ratio;
+        z *= ratio;
+        q[0] = m0 * cosine - m1 * x - m2 * y - m3 * z;
+        q[1] = m0 * x + m1 * cosine + m2 * z - m3 * y;
+        q[2] = m0 * y + m2 * cosine + m3 * x - m1 * z;
+        q[3] = m0 * z + m3 * cosine + m1 * y - m2 * x;
+        largest = squared > largest ? squared : largest;
+    }
+    return largest;
+}
+
+void spline_rotations_at(const double *record, const double *shares, size_t count, double *quaternions, size_t stride)
+{
+    const double squared_pi = 9.8696044010893586188;
+    if (turn_by_lanes(record, shares, count, quaternions, stride) <= squared_pi)
+        return;
+    for (size_t i = 0; i < count; i++)
+        rotation_at(record, shares[i], quaternions + i * stride, NULL, NULL);
+}

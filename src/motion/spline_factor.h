@@ -1,0 +1,64 @@
+#ifndef MOTION_SPLINE_FACTOR_H
+#define MOTION_SPLINE_FACTOR_H
+
+#include "batten/space.h"
+
+/// @file
+/// One interval of a spline in one factor of a space: exp_m(c(s)), with a cubic c in the tangent space at m, the middle of
+/// the shortest geodesic between two keys. Needs the differential of exp_m, its inverse, and the covariant acceleration.
+
+/// How derivatives are computed.
+typedef enum factor_kind
+{
+    FACTOR_FLAT,     ///< R^n: m is the first key, and exp the sum
+    FACTOR_ROTATION, ///< by the right Jacobian of SO(3)
+    FACTOR_CURVED,   ///< constant curvature: by Jacobi fields in closed form
+    FACTOR_ANY       ///< by differences
+} factor_kind;
+
+/// A factor of a space, and where its numbers are.
+typedef struct spline_factor
+{
+    factor_kind kind;
+    bat_space space;
+    double curvature;  ///< FACTOR_CURVED: 1 or -1
+    size_t point_at;   ///< place in a point of the whole space
+    size_t tangent_at; ///< place in a tangent vector of the whole space
+    size_t record_at;  ///< place in an interval's record
+} spline_factor;
+
+/// A curve in a tangent space at one parameter: its value and its first three derivatives.
+typedef struct tangent_jet
+{
+    const double *value, *first, *second, *third;
+} tangent_jet;
+
+/// Divide a space into factors, at most `limit`. Products and rigid motions are divided, others are one factor.
+/// @return the number of factors; 0 when there are more
+size_t spline_factors(const bat_space *space, spline_factor *factors, size_t limit);
+
+/// The numbers of an interval: m, and the coefficients of the powers of s in c. FACTOR_FLAT has no m, but a constant.
+size_t spline_factor_record_size(const spline_factor *f);
+
+/// The middle m of two keys, and their logarithms there.
+bat_status spline_middle(const spline_factor *f, const double *p, const double *q, double *middle, double *log_p,
+                         double *log_q);
+
+/// The differential of exp_m at c, of a vector; `q` is exp_m(c).
+bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
+                       double *pushed);
+/// Its inverse. `pulled` is an approximation first, where derivatives are differences: each call improves it.
+bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
+                       double *pulled);
+/// The covariant acceleration of exp_m(c(s)) at q = exp_m(c).
+bat_status spline_acceleration(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
+                               double *acceleration);
+
+/// Point, velocity and acceleration (null where not wanted) of an interval at `share`, with derivatives by the share.
+bat_status spline_factor_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,
+                            double *acceleration);
+
+/// Points of rotations of one interval at `count` shares, into quaternions `stride` numbers apart.
+void spline_rotations_at(const double *record, const double *shares, size_t count, double *quaternions, size_t stride);
+
+#endif

@@ -1,0 +1,637 @@
+#include "motion/spline_system.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The unknowns are the velocities v_k at the keys. Where the space is flat, accelerations are continuous when
+//   2 v_{k-1} / h_{k-1} + 4 (1 / h_{k-1} + 1 / h_k) v_k + 2 v_{k+1} / h_k = 6 (d_{k-1} / h_{k-1} + d_k / h_k),
+// d being mean velocities between keys. Elsewhere the jump of the acceleration, computed exactly, is the residual, and the
+// flat system, its vectors brought from key to key by parallel transport, corrects the velocities until it vanishes.
+
+enum
+{
+    DIM = BAT_SPACE_MAX_DIM,
+    MAX_STEPS = 200,
+    /// Steps that put the slopes right once the velocities are.
+    FINISH_STEPS = 20
+};
+
+/// Neighbouring keys closer than this share of the longest step are at rest.
+static const double REST = 1e-9;
+/// Corrections below this share of the largest velocity are rounding,
+static const double SETTLED = 2e-15;
+/// and below this one they are errors of differences, or rounding, when they cease to fall.
+static const double ACCURATE = 1e-9;
+
+typedef enum end_row
+{
+    ROW_NOT_A_KNOT,
+    ROW_PARABOLA,
+    ROW_NATURAL
+} end_row;
+
+bool spline_system_allocate(spline_system *system)
+{
+    size_t n = system->factor->space.tangent_dim;
+    system->middles = memory_array(system->intervals, system->factor->space.point_dim * sizeof(double));
+    system->logs = memory_array(system->intervals, 2 * n * sizeof(double));
+    system->slopes = memory_array(system->intervals, 2 * n * sizeof(double));
+    system->accelerations = memory_array(system->intervals, 2 * n * sizeof(double));
+    system->residuals = memory_array(system->count, n * sizeof(double));
+    system->rows = memory_array(system->count, 3 * sizeof(double));
+    system->fixed = calloc(system->count, sizeof *system->fixed);
+    return system->middles != NULL && system->logs != NULL && system->slopes != NULL && system->accelerations != NULL &&
+           system->residuals != NULL && system->rows != NULL && system->fixed != NULL;
+}
+
+void spline_system_free(spline_system *system)
+{
+    free(system->middles);
+    free(system->logs);
+    free(system->slopes);
+    free(system->accelerations);
+    free(system->residuals);
+    free(system->rows);
+    free(system->fixed);
+}
+
+static size_t size_of(const spline_system *system)
+{
+    return system->factor->space.tangent_dim;
+}
+
+static const double *point_of(const spline_system *system, size_t key)
+{
+    return system->points + key * system->factor->space.point_dim;
+}
+
+static const double *middle_of(const spline_system *system, size_t interval)
+{
+    return system->middles + interval * system->factor->space.point_dim;
+}
+
+static size_t key_after(const spline_system *system, size_t interval)
+{
+    return interval + 1 == system->count ? 0 : interval + 1;
+}
+
+/// The vector of one end of an interval: 0 for its beginning, 1 for its end.
+static double *at_end(const spline_system *system, double *vectors, size_t interval, size_t end)
+{
+    return vectors + (2 * interval + end) * size_of(system);
+}
+
+static double *of_key(const spline_system *system, double *vectors, size_t key)
+{
+    return vectors + key * size_of(system);
+}
+
+static double norm_at(const spline_system *system, size_t key, const double *vector)
+{
+    const bat_space *space = &system->factor->space;
+    return sqrt(fmax(space->inner(space, point_of(system, key), vector, vector), 0));
+}
+
+static bat_status transport(const spline_system *system, const double *p, const double *q, const double *vector,
+                            double *transported)
+{
+    const bat_space *space = &system->factor->space;
+    if (system->factor->kind != FACTOR_FLAT)
+        return space->transport(space, p, q, vector, transported);
+    memcpy(transported, vector, size_of(system) * sizeof *vector);
+    return BAT_OK;
+}
+
+static bat_status fail(const spline_system *system, bat_status status, size_t key, bat_error *error)
+{
+    return error_set(error, status, key, 0, "there is no motion in the space %s next to point %zu (%s)",
+                     system->factor->space.name, key, bat_status_name(status));
+}
+
+bat_status spline_system_measure(spline_system *system, bat_error *error)
+{
+    const bat_space *space = &system->factor->space;
+    for (size_t i = 0; i < system->intervals; i++)
+    {
+        double *log_p = at_end(system, system->logs, i, 0), *log_q = at_end(system, system->logs, i, 1);
+        bat_status status = spline_middle(system->factor, point_of(system, i), point_of(system, key_after(system, i)),
+                                          system->middles + i * space->point_dim, log_p, log_q);
+        if (status != BAT_OK)
+            return fail(system, status, i, error);
+        // First slopes: those of the geodesic.
+        for (size_t end = 0; end < 2; end++)
+            for (size_t c = 0; c < size_of(system); c++)
+                at_end(system, system->slopes, i, end)[c] = log_q[c] - log_p[c];
+    }
+    return BAT_OK;
+}
+
+/// Slopes of an interval from the velocities at its ends.
+static bat_status pull_slopes(spline_system *system, size_t i)
+{
+    for (size_t end = 0; end < 2; end++)
+    {
+        size_t key = end == 0 ? i : key_after(system, i);
+        double wanted[DIM];
+        const double *velocity = of_key(system, system->velocities, key);
+        for (size_t c = 0; c < size_of(system); c++)
+            wanted[c] = system->lengths[i] * velocity[c];
+        bat_status status = spline_pull(system->factor, middle_of(system, i), at_end(system, system->logs, i, end),
+                                        point_of(system, key), wanted, at_end(system, system->slopes, i, end));
+        if (status != BAT_OK)
+            return status;
+    }
+    return BAT_OK;
+}
+
+/// The second derivatives of the cubic at both ends, and the third.
+static void bend(const spline_system *system, size_t i, double *second_0, double *second_1, double *third)
+{
+    const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
+    const double *u0 = at_end(system, system->slopes, i, 0), *u1 = at_end(system, system->slopes, i, 1);
+    for (size_t c = 0; c < size_of(system); c++)
+    {
+        double chord = a[c] - b[c];
+        second_0[c] = 6 * chord - 4 * u0[c] - 2 * u1[c];
+        second_1[c] = -6 * chord + 2 * u0[c] + 4 * u1[c];
+        third[c] = 6 * (u0[c] + u1[c] - 2 * chord);
+    }
+}
+
+/// Accelerations at both ends of an interval, by time.
+static bat_status accelerate(spline_system *system, size_t i)
+{
+    double second[2][DIM], third[DIM], scale = 1 / (system->lengths[i] * system->lengths[i]);
+    bend(system, i, second[0], second[1], third);
+    for (size_t end = 0; end < 2; end++)
+    {
+        double *acceleration = at_end(system, system->accelerations, i, end);
+        const double *q = point_of(system, end == 0 ? i : key_after(system, i));
+        tangent_jet jet = {at_end(system, system->logs, i, end), at_end(system, system->slopes, i, end), second[end], third};
+        bat_status status = spline_acceleration(system->factor, middle_of(system, i), &jet, q, acceleration);
+        if (status != BAT_OK)
+            return status;
+        for (size_t c = 0; c < size_of(system); c++)
+            acceleration[c] *= scale;
+    }
+    return BAT_OK;
+}
+
+/// The third derivative of an interval's cubic by time, transported to a key at one of its ends.
+static bat_status jerk_at(const spline_system *system, size_t i, size_t key, double *jerk)
+{
+    double second[2][DIM], third[DIM], h = system->lengths[i];
+    bend(system, i, second[0], second[1], third);
+    for (size_t c = 0; c < size_of(system); c++)
+        third[c] /= h * h * h;
+    return transport(system, middle_of(system, i), point_of(system, key), third, jerk);
+}
+
+static bool is_closed(const spline_system *system)
+{
+    return system->intervals == system->count;
+}
+
+/// The row of an open end that is not fixed. Next to a rest, or among three keys, there is no knot to leave out.
+static end_row row_of_end(const spline_system *system, bat_motion_ends ends, bool first)
+{
+    if (ends == BAT_MOTION_ENDS_NATURAL)
+        return ROW_NATURAL;
+    size_t next = first ? 1 : system->count - 2, last = first ? system->count - 1 : 0;
+    bool alone = system->fixed[next] || system->count < 3 || (system->count == 3 && !system->fixed[last]);
+    return alone ? ROW_PARABOLA : ROW_NOT_A_KNOT;
+}
+
+/// The flat system's rows: {lower, diagonal, upper}. Corners of a closed motion are left out: the corrections fall as well
+/// without them.
+static void fill_rows(spline_system *system, bat_motion_ends ends)
+{
+    const double *h = system->lengths;
+    for (size_t k = 0; k < system->count; k++)
+    {
+        double *row = system->rows + 3 * k;
+        bool first = k == 0, last = k + 1 == system->count, open = !is_closed(system);
+        row[0] = row[1] = row[2] = 0;
+        if (system->fixed[k])
+            row[1] = 1;
+        else if (open && (first || last))
+        {
+            size_t edge = first ? 0 : k - 1, beyond = first ? 1 : k - 2;
+            double near = 1, far = 1;
+            end_row kind = row_of_end(system, ends, first);
+            if (kind == ROW_NATURAL)
+            {
+                near = 4;
+                far = 2;
+            }
+            else if (kind == ROW_NOT_A_KNOT)
+            {
+                near = 1 / h[edge];
+                far = 1 / h[edge] + 1 / h[beyond];
+            }
+            row[1] = near;
+            row[first ? 2 : 0] = far;
+        }
+        else
+        {
+            double before = 1 / h[first ? system->intervals - 1 : k - 1], after = 1 / h[k];
+            row[0] = first ? 0 : 2 * before;
+            row[1] = 4 * (before + after);
+            row[2] = last ? 0 : 2 * after;
+        }
+    }
+}
+
+/// The residual of an end's row. That of not-a-knot is the jump of the jerk at the next key, less that of the acceleration
+/// times 3 / h, so that only two velocities are in it.
+static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool first, double *residual)
+{
+    const double *h = system->lengths;
+    size_t n = size_of(system), key = first ? 0 : system->count - 1, next = first ? 1 : key - 1;
+    size_t edge = first ? 0 : key - 1, beyond = first ? 1 : key - 2;
+    double jerk[DIM], other[DIM], sum[DIM], sign = first ? 1 : -1;
+    end_row kind = row_of_end(system, ends, first);
+    if (kind == ROW_NATURAL)
+    {
+        const double *acceleration = at_end(system, system->accelerations, edge, first ? 0 : 1);
+        for (size_t c = 0; c < n; c++)
+            residual[c] = sign * h[edge] * acceleration[c];
+        return BAT_OK;
+    }
+    if (kind == ROW_PARABOLA)
+    {
+        bat_status status = jerk_at(system, edge, key, jerk);
+        for (size_t c = 0; c < n; c++)
+            residual[c] = -jerk[c] * h[edge] * h[edge] / 6;
+        return status;
+    }
+    bat_status status = jerk_at(system, edge, next, jerk);
+    if (status == BAT_OK)
+        status = jerk_at(system, beyond, next, other);
+    if (status != BAT_OK)
+        return status;
+    const double *inner = at_end(system, system->accelerations, edge, first ? 1 : 0);
+    const double *outer = at_end(system, system->accelerations, beyond, first ? 0 : 1);
+    double scale = 1 / (6 * (1 / h[edge] + 1 / h[beyond]));
+    for (size_t c = 0; c < n; c++)
+        sum[c] = scale * ((other[c] - jerk[c]) + sign * 3 / h[beyond] * (outer[c] - inner[c]));
+    return transport(system, point_of(system, next), point_of(system, key), sum, residual);
+}
+
+static bat_status fill_residuals(spline_system *system, bat_motion_ends ends, size_t *failed)
+{
+    size_t n = size_of(system);
+    for (size_t i = 0; i < system->intervals; i++)
+    {
+        *failed = i;
+        bat_status status = pull_slopes(system, i);
+        if (status == BAT_OK)
+            status = accelerate(system, i);
+        if (status != BAT_OK)
+            return status;
+    }
+    for (size_t k = 0; k < system->count; k++)
+    {
+        double *residual = of_key(system, system->residuals, k);
+        bool end = !is_closed(system) && (k == 0 || k + 1 == system->count);
+        bat_status status = BAT_OK;
+        *failed = k;
+        if (system->fixed[k])
+            memset(residual, 0, n * sizeof *residual);
+        else if (end)
+            status = end_residual(system, ends, k == 0, residual);
+        else
+        {
+            const double *before = at_end(system, system->accelerations, k == 0 ? system->intervals - 1 : k - 1, 1);
+            const double *after = at_end(system, system->accelerations, k, 0);
+            for (size_t c = 0; c < n; c++)
+                residual[c] = after[c] - before[c];
+        }
+        if (status != BAT_OK)
+            return status;
+    }
+    return BAT_OK;
+}
+
+/// Gauss's elimination. Residuals become corrections.
+static bat_status correct(spline_system *system, double *diagonal, size_t *failed)
+{
+    size_t n = size_of(system);
+    double moved[DIM];
+    for (size_t k = 0; k < system->count; k++)
+    {
+        const double *row = system->rows + 3 * k;
+        diagonal[k] = row[1];
+        if (k == 0 || row[0] == 0)
+            continue;
+        double factor = row[0] / diagonal[k - 1];
+        double *residual = of_key(system, system->residuals, k);
+        *failed = k;
+        bat_status status =
+            transport(system, point_of(system, k - 1), point_of(system, k), of_key(system, system->residuals, k - 1), moved);
+        if (status != BAT_OK)
+            return status;
+        diagonal[k] -= factor * row[-1];
+        for (size_t c = 0; c < n; c++)
+            residual[c] -= factor * moved[c];
+    }
+    for (size_t k = system->count; k-- > 0;)
+    {
+        const double *row = system->rows + 3 * k;
+        double *residual = of_key(system, system->residuals, k);
+        if (k + 1 < system->count && row[2] != 0)
+        {
+            *failed = k;
+            bat_status status = transport(system, point_of(system, k + 1), point_of(system, k),
+                                          of_key(system, system->residuals, k + 1), moved);
+            if (status != BAT_OK)
+                return status;
+            for (size_t c = 0; c < n; c++)
+                residual[c] -= row[2] * moved[c];
+        }
+        for (size_t c = 0; c < n; c++)
+            residual[c] /= diagonal[k];
+    }
+    return BAT_OK;
+}
+
+/// Add a share of the corrections. Returns the largest and its key, and the largest velocity.
+static double apply(spline_system *system, double share, size_t *largest_key, double *largest_velocity)
+{
+    double largest = 0;
+    *largest_velocity = 0;
+    *largest_key = 0;
+    for (size_t k = 0; k < system->count; k++)
+    {
+        double *velocity = of_key(system, system->velocities, k);
+        const double *correction = of_key(system, system->residuals, k);
+        double change = norm_at(system, k, correction);
+        if (!isfinite(change))
+            return NAN;
+        if (change > largest)
+        {
+            largest = change;
+            *largest_key = k;
+        }
+        for (size_t c = 0; c < size_of(system); c++)
+            velocity[c] += share * correction[c];
+        *largest_velocity = fmax(*largest_velocity, norm_at(system, k, velocity));
+    }
+    return largest;
+}
+
+static bat_status iterate(spline_system *system, bat_motion_ends ends, double *diagonal, bat_error *error)
+{
+    double before = INFINITY, share = 1;
+    size_t key = 0;
+    for (int step = 0; step < MAX_STEPS; step++)
+    {
+        double speed;
+        bat_status status = fill_residuals(system, ends, &key);
+        if (status == BAT_OK)
+            status = correct(system, diagonal, &key);
+        if (status != BAT_OK)
+            return fail(system, status, key, error);
+        double change = apply(system, share, &key, &speed);
+        if (!isfinite(change))
+            break;
+        if (change <= SETTLED * speed || (change <= ACCURATE * speed && change >= 0.5 * before))
+            return BAT_OK;
+        if (change > before)
+            share = fmax(0.5 * share, 1.0 / 16);
+        before = change;
+    }
+    return error_set(
+        error, BAT_NO_CONVERGENCE, key, 0,
+        "no velocities were found near point %zu with which the acceleration is continuous: points turn too far "
+        "from one to the next; limited tangents do without",
+        key);
+}
+
+/// Mean velocities before and after a key, at the key; zeros where there is no interval.
+static bat_status chords_of(const spline_system *system, size_t key, double *before, double *after, bool *has_before,
+                            bool *has_after)
+{
+    const bat_space *space = &system->factor->space;
+    size_t last = system->intervals - 1;
+    *has_before = key > 0 || is_closed(system);
+    *has_after = key < system->intervals;
+    bat_status status = BAT_OK;
+    if (*has_before)
+    {
+        size_t interval = key > 0 ? key - 1 : last;
+        status = space->log(space, point_of(system, key), point_of(system, interval), before);
+        for (size_t c = 0; c < size_of(system); c++)
+            before[c] /= -system->lengths[interval];
+    }
+    if (status == BAT_OK && *has_after)
+    {
+        status = space->log(space, point_of(system, key), point_of(system, key_after(system, key)), after);
+        for (size_t c = 0; c < size_of(system); c++)
+            after[c] /= system->lengths[key];
+    }
+    return status;
+}
+
+/// Move v to the nearest vector that leads back along none of two directions. Directions of length 0 are none.
+static void into_cone(const bat_space *space, const double *point, const double *a, const double *b, double *v)
+{
+    size_t n = space->tangent_dim;
+    const double *chords[2] = {a, b};
+    double moved[DIM], squared[2], along[2];
+    for (int i = 0; i < 2; i++)
+    {
+        squared[i] = space->inner(space, point, chords[i], chords[i]);
+        along[i] = space->inner(space, point, v, chords[i]);
+    }
+    if (along[0] >= 0 && along[1] >= 0)
+        return;
+    for (int i = 0; i < 2; i++)
+    {
+        if (along[i] >= 0)
+            continue;
+        for (size_t c = 0; c < n; c++)
+            moved[c] = v[c] - along[i] / squared[i] * chords[i][c];
+        if (space->inner(space, point, moved, chords[1 - i]) >= 0)
+        {
+            memcpy(v, moved, n * sizeof *v);
+            return;
+        }
+    }
+    // Orthogonal to both.
+    double mixed = space->inner(space, point, a, b), determinant = squared[0] * squared[1] - mixed * mixed;
+    if (!(determinant > 1e-12 * squared[0] * squared[1]))
+    {
+        int longer = squared[0] >= squared[1] ? 0 : 1;
+        for (size_t c = 0; c < n; c++)
+            v[c] -= along[longer] / squared[longer] * chords[longer][c];
+        return;
+    }
+    double of_a = (along[0] * squared[1] - along[1] * mixed) / determinant;
+    double of_b = (along[1] * squared[0] - along[0] * mixed) / determinant;
+    for (size_t c = 0; c < n; c++)
+        v[c] -= of_a * a[c] + of_b * b[c];
+}
+
+/// How much the velocities at the ends of an interval exceed the circle of radius 3 about 0, in units of the mean speed:
+/// Fritsch and Carlson's condition, by lengths.
+static double excess_of(const spline_system *system, size_t i)
+{
+    double chord[DIM];
+    const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
+    for (size_t c = 0; c < size_of(system); c++)
+        chord[c] = (a[c] - b[c]) / system->lengths[i];
+    const bat_space *space = &system->factor->space;
+    double mean = sqrt(fmax(space->inner(space, middle_of(system, i), chord, chord), 0));
+    double speed = hypot(norm_at(system, i, of_key(system, system->velocities, i)),
+                         norm_at(system, key_after(system, i), of_key(system, system->velocities, key_after(system, i))));
+    return speed <= 3 * mean ? 1 : speed / (3 * mean);
+}
+
+/// The slopes at the keys of parabolas through three keys, where the global system has no solution: limits begin with them.
+static bat_status estimate(spline_system *system, bat_error *error)
+{
+    double before[DIM], after[DIM];
+    for (size_t k = 0; k < system->count; k++)
+    {
+        bool has_before, has_after;
+        bat_status status = chords_of(system, k, before, after, &has_before, &has_after);
+        if (status != BAT_OK)
+            return fail(system, status, k, error);
+        double h = has_before ? system->lengths[k > 0 ? k - 1 : system->intervals - 1] : 1;
+        double share = !has_before ? 1 : !has_after ? 0 : h / (h + system->lengths[k]);
+        double *velocity = of_key(system, system->velocities, k);
+        for (size_t c = 0; c < size_of(system) && !system->fixed[k]; c++)
+            velocity[c] = (has_before ? (1 - share) * before[c] : 0) + (has_after ? share * after[c] : 0);
+    }
+    return BAT_OK;
+}
+
+/// Limit velocities as Fritsch and Carlson do. The factor of a key is the lesser of its intervals', so that reversing time
+/// changes nothing.
+static bat_status limit(spline_system *system, bat_error *error)
+{
+    const bat_space *space = &system->factor->space;
+    double before[DIM], after[DIM];
+    for (size_t k = 0; k < system->count; k++)
+    {
+        bool has_before, has_after;
+        bat_status status = chords_of(system, k, before, after, &has_before, &has_after);
+        if (status != BAT_OK)
+            return fail(system, status, k, error);
+        into_cone(space, point_of(system, k), has_before ? before : after, has_after ? after : before,
+                  of_key(system, system->velocities, k));
+    }
+    double first = 0, last = 0;
+    for (size_t i = 0; i < system->intervals; i++)
+    {
+        last = excess_of(system, i);
+        first = i == 0 ? last : first;
+        system->residuals[i * size_of(system)] = last; // of interval i
+    }
+    for (size_t k = 0; k < system->count; k++)
+    {
+        double *velocity = of_key(system, system->velocities, k);
+        double left = k > 0 ? system->residuals[(k - 1) * size_of(system)] : is_closed(system) ? last : 1;
+        double right = k < system->intervals ? system->residuals[k * size_of(system)] : 1;
+        double excess = fmax(left, right);
+        for (size_t c = 0; c < size_of(system); c++)
+            velocity[c] = isfinite(excess) ? velocity[c] / excess : 0;
+    }
+    return BAT_OK;
+}
+
+/// Keys at both ends of an interval without a way rest.
+static void find_rests(spline_system *system)
+{
+    double longest = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < system->intervals; i++)
+        {
+            const bat_space *space = &system->factor->space;
+            size_t next = key_after(system, i);
+            double way = space->distance(space, point_of(system, i), point_of(system, next));
+            longest = fmax(longest, way);
+            if (pass == 1 && way <= REST * longest)
+                system->fixed[i] = system->fixed[next] = true;
+        }
+}
+
+bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
+                               const double *begin_velocity, const double *end_velocity, bat_error *error)
+{
+    size_t n = size_of(system), last = system->count - 1;
+    memset(system->velocities, 0, system->count * n * sizeof *system->velocities);
+    if (shape != BAT_MOTION_SHAPE_SMOOTH)
+        find_rests(system);
+    if (!is_closed(system) && ends == BAT_MOTION_ENDS_CLAMPED)
+    {
+        system->fixed[0] = system->fixed[last] = true;
+        if (begin_velocity != NULL)
+            memcpy(system->velocities, begin_velocity, n * sizeof *begin_velocity);
+        if (end_velocity != NULL)
+            memcpy(of_key(system, system->velocities, last), end_velocity, n * sizeof *end_velocity);
+    }
+    double *diagonal = memory_array(system->count, sizeof *diagonal);
+    if (diagonal == NULL)
+        return error_memory(error, system->count * sizeof *diagonal);
+    bat_status status = BAT_OK;
+    if (system->count == 2)
+    {
+        // Both ends ask for the same: the geodesic, or a parabola from the end that is fixed.
+        bool both = !system->fixed[0] && !system->fixed[1];
+        for (size_t end = 0; end < 2 && both && status == BAT_OK; end++)
+            status = spline_push(system->factor, middle_of(system, 0), at_end(system, system->logs, 0, end),
+                                 point_of(system, end), at_end(system, system->slopes, 0, end),
+                                 of_key(system, system->velocities, end));
+        for (size_t c = 0; c < 2 * n && both; c++)
+            system->velocities[c] /= system->lengths[0];
+        system->fixed[0] = system->fixed[0] || both;
+        system->fixed[1] = system->fixed[1] || both;
+    }
+    fill_rows(system, ends);
+    if (status == BAT_OK)
+        status = iterate(system, ends, diagonal, error);
+    free(diagonal);
+    if (status == BAT_NO_CONVERGENCE && shape == BAT_MOTION_SHAPE_LIMITED)
+        status = estimate(system, error);
+    return status == BAT_OK && shape == BAT_MOTION_SHAPE_LIMITED ? limit(system, error) : status;
+}
+
+bat_status spline_system_finish(spline_system *system, bat_error *error)
+{
+    int steps = system->factor->kind == FACTOR_ANY ? FINISH_STEPS : 1;
+    for (size_t i = 0; i < system->intervals; i++)
+        for (int step = 0; step < steps; step++)
+        {
+            bat_status status = pull_slopes(system, i);
+            if (status != BAT_OK)
+                return fail(system, status, i, error);
+        }
+    return BAT_OK;
+}
+
+void spline_system_record(const spline_system *system, size_t interval, double *record)
+{
+    size_t n = size_of(system), dim = system->factor->space.point_dim;
+    if (system->factor->kind != FACTOR_FLAT)
+    {
+        memcpy(record, middle_of(system, interval), dim * sizeof *record);
+        record += dim;
+    }
+    const double *b = at_end(system, system->logs, interval, 0), *a = at_end(system, system->logs, interval, 1);
+    const double *u0 = at_end(system, system->slopes, interval, 0), *u1 = at_end(system, system->slopes, interval, 1);
+    const double *constant = system->factor->kind == FACTOR_FLAT ? point_of(system, interval) : b;
+    for (size_t c = 0; c < n; c++)
+    {
+        double chord = a[c] - b[c];
+        record[c] = constant[c];
+        record[n + c] = u0[c];
+        record[2 * n + c] = 3 * chord - 2 * u0[c] - u1[c];
+        record[3 * n + c] = u0[c] + u1[c] - 2 * chord;
+    }
+}

@@ -1,0 +1,674 @@
+// Splines in time: order, continuity, end conditions, rests, limits, symmetries, and the evaluator.
+
+#include "check.h"
+
+#include "batten/motion_spline.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MOST = 160,
+    DIM = 16
+};
+
+static const double TURN = 6.28318530717958647693;
+
+/// A smooth closed curve of period 2 pi.
+typedef struct smooth_curve
+{
+    const bat_space *space;
+    double centre[DIM], axes[3][DIM];
+} smooth_curve;
+
+static smooth_curve curve_in(const bat_space *space)
+{
+    smooth_curve curve = {.space = space};
+    bat_random random = bat_random_seed(3);
+    space->random_point(space, &random, curve.centre);
+    for (int a = 0; a < 3; a++)
+    {
+        double goal[DIM], *axis = curve.axes[a];
+        space->random_point(space, &random, goal);
+        assert_int_equal(space->log(space, curve.centre, goal, axis), BAT_OK);
+        double length = sqrt(space->inner(space, curve.centre, axis, axis));
+        for (size_t c = 0; c < space->tangent_dim; c++)
+            axis[c] /= length;
+    }
+    return curve;
+}
+
+static void curve_at(const smooth_curve *curve, double t, double *point)
+{
+    const bat_space *space = curve->space;
+    double way[DIM] = {0};
+    for (size_t c = 0; c < space->tangent_dim; c++)
+        way[c] = 0.8 * (cos(t) * curve->axes[0][c] + 0.8 * sin(t) * curve->axes[1][c] +
+                        0.3 * sin(2 * t + 0.4) * curve->axes[2][c]);
+    assert_int_equal(space->exp(space, curve->centre, way, point), BAT_OK);
+}
+
+/// Keys with arrays of their own.
+typedef struct keys
+{
+    double points[MOST * DIM], times[MOST];
+    bat_hermite_curve curve;
+} keys;
+
+/// Samples at uneven times, which keep their pattern when their number doubles.
+static void sample_curve(const smooth_curve *curve, size_t intervals, bool closed, keys *made)
+{
+    size_t count = closed ? intervals : intervals + 1;
+    double duration = closed ? TURN : 4;
+    for (size_t i = 0; i < count; i++)
+    {
+        double x = (double)i / (double)intervals;
+        made->times[i] = duration * (x + 0.02 * sin(2 * TURN * x));
+        curve_at(curve, made->times[i], made->points + i * curve->space->point_dim);
+    }
+    made->curve = (bat_hermite_curve){.space = curve->space, .points = made->points, .times = made->times, .count = count};
+    made->curve.closed = closed;
+    made->curve.closing_time = closed ? duration - made->times[count - 1] : 0;
+}
+
+static bat_motion_spline *must_make(const bat_hermite_curve *curve, const bat_motion_spline_options *options)
+{
+    bat_motion_spline *spline = NULL;
+    bat_error error = {.text = ""};
+    bat_status status = bat_motion_spline_new(curve, options, &spline, &error);
+    if (status != BAT_OK)
+        print_message("%s\n", error.text);
+    assert_int_equal(status, BAT_OK);
+    return spline;
+}
+
+static void must_give(const bat_motion_spline *spline, double time, double *point, double *velocity, double *acceleration)
+{
+    assert_int_equal(bat_motion_spline_at(spline, time, point, velocity, acceleration, NULL), BAT_OK);
+}
+
+static double largest_error(const smooth_curve *curve, const bat_motion_spline *spline)
+{
+    double begin, end, largest = 0, made[DIM], true_point[DIM];
+    bat_motion_spline_range(spline, &begin, &end);
+    for (int i = 0; i <= 500; i++)
+    {
+        double t = begin + (end - begin) * i / 500;
+        must_give(spline, t, made, NULL, NULL);
+        curve_at(curve, t, true_point);
+        largest = fmax(largest, curve->space->distance(curve->space, made, true_point));
+    }
+    return largest;
+}
+
+static bat_status slow_log(const bat_space *space, const double *p, const double *q, double *tangent)
+{
+    bat_space sphere = bat_sphere(2);
+    (void)space;
+    return sphere.log(&sphere, p, q, tangent);
+}
+
+/// All kinds of spaces: ours, a product of products, and a user's.
+typedef struct all_spaces
+{
+    bat_space spaces[10], factors[2], nested[2];
+    bat_product_factors outer, inner;
+    size_t count;
+} all_spaces;
+
+static void make_spaces(all_spaces *all)
+{
+    all->nested[0] = bat_sphere(2);
+    all->nested[1] = bat_rotation();
+    all->inner = (bat_product_factors){.spaces = all->nested, .count = 2};
+    all->factors[0] = bat_euclidean(2);
+    assert_int_equal(bat_product(&all->inner, &all->factors[1], NULL), BAT_OK);
+    all->outer = (bat_product_factors){.spaces = all->factors, .count = 2};
+    bat_space *space = all->spaces;
+    *space++ = bat_euclidean(3);
+    *space++ = bat_sphere(2);
+    *space++ = bat_sphere(3);
+    *space++ = bat_rotation();
+    assert_int_equal(bat_rigid(2, space++, NULL), BAT_OK);
+    *space++ = bat_disk();
+    *space++ = bat_hyperbolic(3);
+    *space++ = bat_positive_definite(3);
+    assert_int_equal(bat_product(&all->outer, space++, NULL), BAT_OK);
+    *space = bat_sphere(2);
+    space->name = "user's";
+    space++->log = slow_log;
+    all->count = (size_t)(space - all->spaces);
+}
+
+static void errors_fall_with_the_fourth_power(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+        for (int closed = 0; closed < 2; closed++)
+        {
+            smooth_curve curve = curve_in(&all.spaces[s]);
+            double errors[2];
+            for (int halving = 0; halving < 2; halving++)
+            {
+                sample_curve(&curve, (size_t)64 << halving, closed, &made);
+                bat_motion_spline *spline = must_make(&made.curve, NULL);
+                errors[halving] = largest_error(&curve, spline);
+                bat_motion_spline_free(spline);
+            }
+            double order = log2(errors[0] / errors[1]);
+            if (!(order > 3.85 && order < 4.6))
+                print_message("%s: order %g\n", all.spaces[s].name, order);
+            assert_true(order > 3.85 && order < 4.6);
+            assert_true(errors[1] < 1e-6);
+        }
+}
+
+/// Quotients across keys: velocity by points, acceleration by velocities, and no jump of either.
+static void accelerations_are_continuous(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+        for (int closed = 0; closed < 2; closed++)
+        {
+            const bat_space *space = &all.spaces[s];
+            smooth_curve curve = curve_in(space);
+            const double step = 1e-4, tiny = 1e-9;
+            sample_curve(&curve, 10, closed, &made);
+            bat_motion_spline *spline = must_make(&made.curve, NULL);
+            for (size_t i = 1; i + 1 < made.curve.count; i++)
+            {
+                double t = made.times[i], p[3][DIM], v[3][DIM], a[3][DIM], way[2][DIM], moved[2][DIM];
+                must_give(spline, t, p[1], v[1], a[1]);
+                for (int side = 0; side < 3; side += 2)
+                {
+                    must_give(spline, t + (side - 1) * step, p[side], v[side], NULL);
+                    assert_int_equal(space->log(space, p[1], p[side], way[side / 2]), BAT_OK);
+                    assert_int_equal(space->transport(space, p[side], p[1], v[side], moved[side / 2]), BAT_OK);
+                }
+                for (size_t c = 0; c < space->tangent_dim; c++)
+                {
+                    assert_true(fabs((way[1][c] - way[0][c]) / (2 * step) - v[1][c]) < 1e-6);
+                    assert_true(fabs((moved[1][c] - moved[0][c]) / (2 * step) - a[1][c]) < 3e-3);
+                }
+                must_give(spline, t - tiny, p[0], v[0], a[0]);
+                for (size_t c = 0; c < space->tangent_dim; c++)
+                {
+                    assert_true(fabs(v[0][c] - v[1][c]) < 1e-6);
+                    assert_true(fabs(a[0][c] - a[1][c]) < 1e-6);
+                }
+            }
+            bat_motion_spline_free(spline);
+        }
+}
+
+/// At the end of a period begins the next, twice continuously differentiable too.
+static void closed_motions_are_periodic(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+    {
+        const bat_space *space = &all.spaces[s];
+        smooth_curve curve = curve_in(space);
+        double p[2][DIM], v[2][DIM], a[2][DIM];
+        sample_curve(&curve, 12, true, &made);
+        bat_motion_spline *spline = must_make(&made.curve, NULL);
+        must_give(spline, TURN - 1e-9, p[0], v[0], a[0]);
+        must_give(spline, 0, p[1], v[1], a[1]);
+        for (size_t c = 0; c < space->tangent_dim; c++)
+            assert_true(fabs(v[0][c] - v[1][c]) < 1e-6 && fabs(a[0][c] - a[1][c]) < 1e-6);
+        must_give(spline, 1, p[0], v[0], NULL);
+        must_give(spline, 1 - 3 * TURN, p[1], v[1], NULL);
+        assert_true(space->distance(space, p[0], p[1]) < 1e-13);
+        bat_motion_spline_free(spline);
+    }
+}
+
+static void reversed_keys_make_the_reversed_motion(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made, reversed;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+        for (int shape = 0; shape <= BAT_MOTION_SHAPE_LIMITED; shape++)
+        {
+            const bat_space *space = &all.spaces[s];
+            size_t dim = space->point_dim;
+            smooth_curve curve = curve_in(space);
+            bat_motion_spline_options options = bat_motion_spline_defaults();
+            options.shape = (bat_motion_shape)shape;
+            sample_curve(&curve, 9, false, &made);
+            sample_curve(&curve, 9, false, &reversed);
+            for (size_t i = 0; i < 10; i++)
+            {
+                memcpy(reversed.points + i * dim, made.points + (9 - i) * dim, dim * sizeof(double));
+                reversed.times[i] = -made.times[9 - i];
+            }
+            bat_motion_spline *there = must_make(&made.curve, &options), *back = must_make(&reversed.curve, &options);
+            for (int i = 0; i <= 50; i++)
+            {
+                double p[2][DIM], t = 4 * i / 50.0;
+                must_give(there, t, p[0], NULL, NULL);
+                must_give(back, -t, p[1], NULL, NULL);
+                assert_true(space->distance(space, p[0], p[1]) < 1e-10);
+            }
+            bat_motion_spline_free(there);
+            bat_motion_spline_free(back);
+        }
+}
+
+static void not_a_knot_reproduces_cubics(void **state)
+{
+    (void)state;
+    double times[] = {-1, 0.5, 0.75, 2, 4, 4.5}, points[6], p, v, a;
+    bat_space line = bat_euclidean(1);
+    for (size_t i = 0; i < 6; i++)
+        points[i] = 1 + times[i] * (2 + times[i] * (3 - times[i]));
+    for (size_t count = 4; count <= 6; count++)
+    {
+        bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = count};
+        bat_motion_spline *spline = must_make(&curve, NULL);
+        must_give(spline, 1.3, &p, &v, &a);
+        assert_true(fabs(p - (1 + 1.3 * (2 + 1.3 * (3 - 1.3)))) < 1e-13);
+        assert_true(fabs(v - (2 + 1.3 * (6 - 3.9))) < 1e-13);
+        assert_true(fabs(a - (6 - 6 * 1.3)) < 1e-12);
+        bat_motion_spline_free(spline);
+    }
+}
+
+/// Numbers of scipy.interpolate.CubicSpline([0, 1, 2.5, 3, 5], [0, 2, -1, 0.5, 3]).
+static void the_line_has_the_cubic_spline(void **state)
+{
+    (void)state;
+    double times[] = {0, 1, 2.5, 3, 5}, points[] = {0, 2, -1, 0.5, 3}, p, v;
+    double natural[] = {0.09921875000000013, -3.187946428571429}, clamped[] = {0.3235795454545456, -3.4068181818181813},
+           knot[] = {-0.07656250000000031, -2.84375};
+    const double *expected[] = {knot, natural, clamped};
+    bat_space line = bat_euclidean(1);
+    bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = 5};
+    for (int ends = 0; ends <= BAT_MOTION_ENDS_CLAMPED; ends++)
+    {
+        bat_motion_spline_options options = bat_motion_spline_defaults();
+        options.ends = (bat_motion_ends)ends;
+        bat_motion_spline *spline = must_make(&curve, &options);
+        must_give(spline, 1.75, &p, &v, NULL);
+        assert_true(fabs(p - expected[ends][0]) < 1e-13 && fabs(v - expected[ends][1]) < 1e-13);
+        bat_motion_spline_free(spline);
+    }
+}
+
+/// Rotations about one axis are a line of angles.
+static void rotations_about_an_axis_are_a_line(void **state)
+{
+    (void)state;
+    double times[] = {0, 1, 2.5, 3, 5}, angles[] = {0, 2, -1, 0.5, 3}, points[20];
+    const double axis[] = {2.0 / 3, -1.0 / 3, 2.0 / 3};
+    bat_space line = bat_euclidean(1), rotation = bat_rotation();
+    for (size_t i = 0; i < 5; i++)
+    {
+        const double vector[] = {angles[i] * axis[0], angles[i] * axis[1], angles[i] * axis[2]};
+        assert_int_equal(bat_rotation_from_vector(vector, points + 4 * i, NULL), BAT_OK);
+    }
+    bat_hermite_curve scalar = {.space = &line, .points = angles, .times = times, .count = 5};
+    bat_hermite_curve turning = {.space = &rotation, .points = points, .times = times, .count = 5};
+    for (int shape = 0; shape <= BAT_MOTION_SHAPE_LIMITED; shape++)
+    {
+        bat_motion_spline_options options = bat_motion_spline_defaults();
+        options.shape = (bat_motion_shape)shape;
+        bat_motion_spline *by_angle = must_make(&scalar, &options), *by_rotation = must_make(&turning, &options);
+        for (int i = 0; i <= 40; i++)
+        {
+            double angle, rate, change, p[4], v[3], a[3], expected[4];
+            must_give(by_angle, i / 8.0, &angle, &rate, &change);
+            must_give(by_rotation, i / 8.0, p, v, a);
+            const double vector[] = {angle * axis[0], angle * axis[1], angle * axis[2]};
+            assert_int_equal(bat_rotation_from_vector(vector, expected, NULL), BAT_OK);
+            assert_true(rotation.distance(&rotation, p, expected) < 1e-13);
+            for (int c = 0; c < 3; c++)
+                assert_true(fabs(v[c] - rate * axis[c]) < 1e-12 && fabs(a[c] - change * axis[c]) < 1e-11);
+        }
+        bat_motion_spline_free(by_angle);
+        bat_motion_spline_free(by_rotation);
+    }
+}
+
+static void two_keys_make_a_geodesic_and_three_a_parabola(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+    {
+        const bat_space *space = &all.spaces[s];
+        smooth_curve curve = curve_in(space);
+        double p[DIM], expected[DIM], a[DIM];
+        sample_curve(&curve, 1, false, &made);
+        made.times[1] = 2;
+        curve_at(&curve, 1, made.points + space->point_dim);
+        bat_motion_spline *spline = must_make(&made.curve, NULL);
+        must_give(spline, 0.5, p, NULL, a);
+        assert_int_equal(bat_space_geodesic(space, made.points, made.points + space->point_dim, 0.25, expected), BAT_OK);
+        assert_true(space->distance(space, p, expected) < 1e-10);
+        for (size_t c = 0; c < space->tangent_dim; c++)
+            assert_true(fabs(a[c]) < 1e-8);
+        bat_motion_spline_free(spline);
+    }
+    double times[] = {0, 1, 3}, points[] = {0, 1, 9}, p;
+    bat_space line = bat_euclidean(1);
+    bat_hermite_curve three = {.space = &line, .points = points, .times = times, .count = 3};
+    bat_motion_spline *spline = must_make(&three, NULL);
+    must_give(spline, 2.5, &p, NULL, NULL);
+    assert_true(fabs(p - 6.25) < 1e-13);
+    bat_motion_spline_free(spline);
+}
+
+static void what_rests_stays_at_rest(void **state)
+{
+    (void)state;
+    double points[] = {0, 0, 0, 1, 3, 3, 2, 2}, p, v;
+    bat_space line = bat_euclidean(1);
+    bat_hermite_curve curve = {.space = &line, .points = points, .count = 8};
+    for (int limited = 0; limited < 2; limited++)
+    {
+        bat_motion_spline_options options = bat_motion_spline_defaults();
+        options.shape = limited ? BAT_MOTION_SHAPE_LIMITED : BAT_MOTION_SHAPE_RESTING;
+        bat_motion_spline *spline = must_make(&curve, &options);
+        for (int i = 0; i <= 70; i++)
+        {
+            double t = i / 10.0;
+            must_give(spline, t, &p, &v, NULL);
+            if (t <= 2)
+                assert_true(p == 0 && v == 0);
+            if ((t >= 4 && t <= 5) || t >= 6)
+                assert_true(p == (t < 6 ? 3 : 2) && v == 0);
+            assert_true(p >= 0 && p <= 3);
+        }
+        bat_motion_spline_free(spline);
+    }
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    options.shape = BAT_MOTION_SHAPE_SMOOTH;
+    bat_motion_spline *spline = must_make(&curve, &options);
+    must_give(spline, 1.5, &p, NULL, NULL);
+    assert_true(p < -0.01);
+    bat_motion_spline_free(spline);
+}
+
+static void limited_motions_are_monotone(void **state)
+{
+    (void)state;
+    bat_random random = bat_random_seed(1);
+    bat_space line = bat_euclidean(1);
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    options.shape = BAT_MOTION_SHAPE_LIMITED;
+    for (int trial = 0; trial < 50; trial++)
+    {
+        double times[12], points[12], before, p;
+        for (int i = 0; i < 12; i++)
+        {
+            times[i] = i + 0.8 * bat_random_uniform(&random);
+            points[i] = floor(4 * bat_random_uniform(&random)) + (i % 3 == 0 ? 0 : bat_random_uniform(&random));
+        }
+        bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = 12};
+        bat_motion_spline *spline = must_make(&curve, &options);
+        for (int i = 0; i < 11; i++)
+        {
+            before = points[i];
+            double direction = points[i + 1] >= points[i] ? 1 : -1;
+            for (int j = 1; j <= 30; j++)
+            {
+                must_give(spline, times[i] + (times[i + 1] - times[i]) * j / 30, &p, NULL, NULL);
+                assert_true(direction * (p - before) >= -1e-12);
+                before = p;
+            }
+        }
+        bat_motion_spline_free(spline);
+    }
+}
+
+/// Where nothing has to be limited, the limited motion is the smooth one.
+static void limits_leave_smooth_data_alone(void **state)
+{
+    (void)state;
+    double points[8], p[2];
+    bat_space line = bat_euclidean(1);
+    for (int i = 0; i < 8; i++)
+        points[i] = exp(0.3 * i);
+    bat_hermite_curve curve = {.space = &line, .points = points, .count = 8};
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    options.shape = BAT_MOTION_SHAPE_LIMITED;
+    bat_motion_spline *limited = must_make(&curve, &options), *smooth = must_make(&curve, NULL);
+    for (int i = 0; i <= 70; i++)
+    {
+        must_give(limited, i / 10.0, &p[0], NULL, NULL);
+        must_give(smooth, i / 10.0, &p[1], NULL, NULL);
+        assert_true(p[0] == p[1]);
+    }
+    bat_motion_spline_free(limited);
+    bat_motion_spline_free(smooth);
+}
+
+static void given_velocities_are_kept(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+    {
+        const bat_space *space = &all.spaces[s];
+        smooth_curve curve = curve_in(space);
+        double velocities[MOST * DIM], again[MOST * DIM], p[2][DIM], v[2][DIM];
+        sample_curve(&curve, 10, false, &made);
+        bat_motion_spline *first = must_make(&made.curve, NULL);
+        bat_motion_spline_velocities(first, velocities);
+        made.curve.tangents = velocities;
+        bat_motion_spline *second = must_make(&made.curve, NULL);
+        bat_motion_spline_velocities(second, again);
+        assert_memory_equal(velocities, again, made.curve.count * space->tangent_dim * sizeof(double));
+        for (int i = 0; i <= 20; i++)
+        {
+            must_give(first, i / 5.0, p[0], v[0], NULL);
+            must_give(second, i / 5.0, p[1], v[1], NULL);
+            assert_true(space->distance(space, p[0], p[1]) < 1e-9);
+        }
+        bat_motion_spline_free(first);
+        bat_motion_spline_free(second);
+    }
+}
+
+static void batches_agree_with_single_calls(void **state)
+{
+    (void)state;
+    enum
+    {
+        COUNT = 10000
+    };
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    double *times = malloc(COUNT * sizeof *times);
+    double *made_points[2], *velocities[2], *accelerations[2];
+    for (int i = 0; i < 2; i++)
+    {
+        made_points[i] = malloc((size_t)COUNT * DIM * sizeof(double));
+        velocities[i] = malloc((size_t)COUNT * DIM * sizeof(double));
+        accelerations[i] = malloc((size_t)COUNT * DIM * sizeof(double));
+    }
+    for (size_t s = 0; s < all.count; s++)
+        for (int sorted = 0; sorted < 2; sorted++)
+        {
+            const bat_space *space = &all.spaces[s];
+            smooth_curve curve = curve_in(space);
+            bat_random random = bat_random_seed(9);
+            sample_curve(&curve, 40, false, &made);
+            for (size_t i = 0; i < COUNT; i++)
+                times[i] = sorted ? 4.0 * (double)i / (COUNT - 1) : 4 * bat_random_uniform(&random);
+            size_t count = s == 7 || s == 9 ? 300 : COUNT; // differences are slow
+            size_t points_size = count * space->point_dim * sizeof(double);
+            for (int threads = 1; threads <= 3; threads += 2)
+            {
+                bat_motion_spline_options options = bat_motion_spline_defaults();
+                options.threads = threads;
+                bat_motion_spline *spline = must_make(&made.curve, &options);
+                assert_int_equal(bat_motion_spline_sample(spline, times, count, made_points[threads > 1], NULL, NULL, NULL),
+                                 BAT_OK);
+                for (size_t i = 0; i < count; i += 37)
+                {
+                    double p[DIM];
+                    must_give(spline, times[i], p, NULL, NULL);
+                    assert_true(space->distance(space, p, made_points[0] + i * space->point_dim) < 1e-13);
+                }
+                assert_int_equal(bat_motion_spline_sample(spline, times, count, made_points[threads > 1],
+                                                          velocities[threads > 1], accelerations[threads > 1], NULL),
+                                 BAT_OK);
+                bat_motion_spline_free(spline);
+            }
+            assert_memory_equal(made_points[0], made_points[1], points_size);
+            assert_memory_equal(velocities[0], velocities[1], count * space->tangent_dim * sizeof(double));
+            assert_memory_equal(accelerations[0], accelerations[1], count * space->tangent_dim * sizeof(double));
+        }
+    for (int i = 0; i < 2; i++)
+    {
+        free(made_points[i]);
+        free(velocities[i]);
+        free(accelerations[i]);
+    }
+    free(times);
+}
+
+static void keys_come_back_bit_for_bit(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+    {
+        const bat_space *space = &all.spaces[s];
+        smooth_curve curve = curve_in(space);
+        double p[DIM], all_points[MOST * DIM];
+        sample_curve(&curve, 20, false, &made);
+        bat_motion_spline *spline = must_make(&made.curve, NULL);
+        assert_int_equal(bat_motion_spline_sample(spline, made.times, 21, all_points, NULL, NULL, NULL), BAT_OK);
+        for (size_t i = 0; i < 21; i++)
+        {
+            must_give(spline, made.times[i], p, NULL, NULL);
+            assert_memory_equal(p, all_points + i * space->point_dim, space->point_dim * sizeof(double));
+            assert_true(space->distance(space, p, made.points + i * space->point_dim) < 1e-15);
+        }
+        bat_motion_spline_free(spline);
+    }
+}
+
+static void times_outside_are_refused_or_extrapolated(void **state)
+{
+    (void)state;
+    double points[] = {0, 1, 4, 9, 16}, times[] = {1, 2, 3, 4, 5}, p, v, a, many[3] = {2, 1, 5.5}, made[3];
+    bat_space line = bat_euclidean(1);
+    bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = 5};
+    bat_motion_spline *spline = must_make(&curve, NULL);
+    bat_error error;
+    assert_int_equal(bat_motion_spline_at(spline, 5.5, &p, NULL, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "time 5.5 is not within"));
+    assert_int_equal(bat_motion_spline_at(spline, NAN, &p, NULL, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_motion_spline_sample(spline, many, 3, made, NULL, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(error.index, 2);
+    bat_motion_spline_free(spline);
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    options.extrapolate = true;
+    spline = must_make(&curve, &options);
+    must_give(spline, 5.5, &p, &v, &a);
+    assert_true(fabs(p - 20) < 1e-12 && fabs(v - 8) < 1e-12 && a == 0);
+    must_give(spline, 0, &p, &v, &a);
+    assert_true(fabs(p) < 1e-12 && fabs(v) < 1e-12);
+    bat_motion_spline_free(spline);
+}
+
+static void clamped_ends_take_velocities(void **state)
+{
+    (void)state;
+    all_spaces all;
+    static keys made;
+    make_spaces(&all);
+    for (size_t s = 0; s < all.count; s++)
+    {
+        const bat_space *space = &all.spaces[s];
+        smooth_curve curve = curve_in(space);
+        bat_motion_spline_options options = bat_motion_spline_defaults();
+        double velocities[MOST * DIM], p[2][DIM], v[DIM];
+        sample_curve(&curve, 8, false, &made);
+        bat_motion_spline *spline = must_make(&made.curve, NULL);
+        bat_motion_spline_velocities(spline, velocities);
+        options.begin_velocity = velocities;
+        options.end_velocity = velocities + 8 * space->tangent_dim;
+        assert_int_equal(bat_motion_spline_options_check(&options, NULL), BAT_INVALID_ARGUMENT);
+        options.ends = BAT_MOTION_ENDS_CLAMPED;
+        bat_motion_spline *clamped = must_make(&made.curve, &options);
+        must_give(clamped, 4, p[0], v, NULL);
+        assert_memory_equal(v, options.end_velocity, space->tangent_dim * sizeof *v);
+        must_give(clamped, 0.1, p[0], NULL, NULL);
+        must_give(spline, 0.1, p[1], NULL, NULL);
+        assert_true(space->distance(space, p[0], p[1]) < 1e-8);
+        bat_motion_spline_free(spline);
+        bat_motion_spline_free(clamped);
+    }
+}
+
+static void bad_keys_are_refused(void **state)
+{
+    (void)state;
+    double points[] = {1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0}, times[] = {0, 2, 1};
+    bat_space rotation = bat_rotation(), hollow = rotation;
+    bat_motion_spline *spline;
+    bat_error error;
+    bat_hermite_curve curve = {.space = &rotation, .points = points, .count = 3};
+    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_CUT_LOCUS);
+    assert_int_equal(error.index, 1);
+    points[4] = 1;
+    points[5] = 0;
+    curve.times = times;
+    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_INVALID_POINT);
+    curve.count = 1;
+    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
+    curve.count = 2;
+    hollow.transport = NULL;
+    curve.space = &hollow;
+    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "transport"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(errors_fall_with_the_fourth_power),
+        cmocka_unit_test(accelerations_are_continuous),
+        cmocka_unit_test(closed_motions_are_periodic),
+        cmocka_unit_test(reversed_keys_make_the_reversed_motion),
+        cmocka_unit_test(not_a_knot_reproduces_cubics),
+        cmocka_unit_test(the_line_has_the_cubic_spline),
+        cmocka_unit_test(rotations_about_an_axis_are_a_line),
+        cmocka_unit_test(two_keys_make_a_geodesic_and_three_a_parabola),
+        cmocka_unit_test(what_rests_stays_at_rest),
+        cmocka_unit_test(limited_motions_are_monotone),
+        cmocka_unit_test(limits_leave_smooth_data_alone),
+        cmocka_unit_test(given_velocities_are_kept),
+        cmocka_unit_test(batches_agree_with_single_calls),
+        cmocka_unit_test(keys_come_back_bit_for_bit),
+        cmocka_unit_test(times_outside_are_refused_or_extrapolated),
+        cmocka_unit_test(clamped_ends_take_velocities),
+        cmocka_unit_test(bad_keys_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
