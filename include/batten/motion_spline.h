@@ -92,7 +92,7 @@ BAT_API void bat_motion_spline_range(const bat_motion_spline *spline, double *be
 /// The velocities at the keys, as many as keys were given.
 BAT_API void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities);
 
-/// The motion at a time, in O(log keys). At the time of a key, the key, bit for bit but for the sign of quaternions, which
+/// The motion at a time, in O(log keys) at most. At the time of a key, the key, bit for bit but for the sign of quaternions, which
 /// do not jump along the motion.
 ///
 /// @param time         within bat_motion_spline_range(), unless the motion is closed or extrapolates

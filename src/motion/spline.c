@@ -19,8 +19,6 @@ enum
 {
     /// A space has fewer factors than coordinates.
     MAX_FACTORS = BAT_SPACE_MAX_DIM,
-    /// Times of one interval that are evaluated together.
-    RUN = 64,
     /// Times that a thread takes at once.
     BLOCK = 4096,
     /// Arithmetic operations of a point, roughly.
@@ -36,6 +34,8 @@ struct bat_motion_spline
     bool extrapolate;
     int threads;
     double *times;      ///< intervals + 1
+    size_t *buckets;    ///< intervals + 1: the interval at the beginning of each of as many equal parts of the range
+    double bucket_rate; ///< parts a unit of time
     double *points;     ///< count x point_dim; the signs of quaternions do not jump
     double *velocities; ///< count x tangent_dim
     double *records;    ///< intervals x record_size
@@ -91,6 +91,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
         return;
     free(spline->factors);
     free(spline->times);
+    free(spline->buckets);
     free(spline->points);
     free(spline->velocities);
     free(spline->records);
@@ -124,7 +125,7 @@ static bat_status check_keys(const bat_hermite_curve *keys, bat_error *error)
             return error_memory(error, keys->count * keys->space->tangent_dim * sizeof *zeros);
         checked.tangents = zeros;
     }
-    status = hermite_check(&checked, (hermite_check_parts){.edges = true}, 1, error);
+    status = hermite_check(&checked, (hermite_check_parts){0}, 1, error);
     free(zeros);
     return status;
 }
@@ -144,10 +145,12 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
     const spline_factor *last = &spline->factors[spline->factor_count - 1];
     spline->record_size = last->record_at + spline_factor_record_size(last);
     spline->times = memory_array(spline->intervals + 1, sizeof(double));
+    spline->buckets = memory_array(spline->intervals + 1, sizeof(size_t));
     spline->points = memory_array(keys->count, space->point_dim * sizeof(double));
     spline->velocities = memory_array(keys->count, space->tangent_dim * sizeof(double));
     spline->records = memory_array(spline->intervals, spline->record_size * sizeof(double));
-    if (spline->times == NULL || spline->points == NULL || spline->velocities == NULL || spline->records == NULL)
+    if (spline->times == NULL || spline->buckets == NULL || spline->points == NULL || spline->velocities == NULL ||
+        spline->records == NULL)
         return error_memory(error, spline->intervals * spline->record_size * sizeof(double));
     return BAT_OK;
 }
@@ -233,6 +236,32 @@ static bat_status take_times(const bat_hermite_curve *keys, bat_motion_spline *s
     return BAT_OK;
 }
 
+/// The part of the range with a time, which is in the range.
+static size_t bucket_of(const bat_motion_spline *spline, double time)
+{
+    double part = (time - spline->times[0]) * spline->bucket_rate;
+    return part < (double)spline->intervals ? (size_t)part : spline->intervals - 1;
+}
+
+/// Equal parts of the range, as many as intervals. Each bucket holds the interval of the first key's part, so that a time
+/// of part b lies in intervals buckets[b] to buckets[b + 1].
+static void fill_buckets(bat_motion_spline *spline)
+{
+    size_t n = spline->intervals, filled = 0;
+    spline->bucket_rate = (double)n / (spline->times[n] - spline->times[0]);
+    if (!isfinite(spline->bucket_rate))
+        spline->bucket_rate = 0;
+    // Interval i begins in part bucket_of(i): later parts begin in interval i or after it.
+    for (size_t i = 0; i < n; i++)
+    {
+        size_t part = bucket_of(spline, spline->times[i]);
+        for (; filled <= part; filled++)
+            spline->buckets[filled] = i > 0 ? i - 1 : 0;
+    }
+    for (; filled <= n; filled++)
+        spline->buckets[filled] = n - 1;
+}
+
 bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
                                  bat_motion_spline **spline, bat_error *error)
 {
@@ -257,6 +286,8 @@ bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion
     }
     if (status == BAT_OK)
         status = take_times(keys, made, lengths, error);
+    if (status == BAT_OK)
+        fill_buckets(made);
     for (size_t i = 0; status == BAT_OK && i < made->factor_count; i++)
         status = prepare_factor(keys, options, i, lengths, made, error);
     free(lengths);
@@ -290,21 +321,14 @@ static bool is_closed(const bat_motion_spline *spline)
     return spline->intervals == spline->count;
 }
 
-/// The interval of a time: the later one at a key, but the last one at the end. `hint` is tried first, and the one after it.
+/// The interval of a time: the later one at a key, but the last one at the end. `hint` is tried first.
 static size_t find_interval(const bat_motion_spline *spline, double time, size_t hint)
 {
     const double *times = spline->times;
-    size_t low = 0, high = spline->intervals;
-    if (times[hint] <= time)
-    {
-        if (hint + 1 == high || time < times[hint + 1])
-            return hint;
-        if (hint + 2 == high || time < times[hint + 2])
-            return hint + 1;
-        low = hint + 2;
-    }
-    else
-        high = hint;
+    if (times[hint] <= time && time < times[hint + 1])
+        return hint;
+    size_t part = bucket_of(spline, time);
+    size_t low = spline->buckets[part], high = spline->buckets[part + 1] + 1;
     while (high - low > 1)
     {
         size_t middle = low + (high - low) / 2;
@@ -443,7 +467,7 @@ bat_status bat_motion_spline_at(const bat_motion_spline *spline, double time, do
                                 double *acceleration, bat_error *error)
 {
     place at;
-    if (!find_place(spline, time, spline->intervals / 2, &at))
+    if (!find_place(spline, time, 0, &at))
         return no_place(spline, time, BAT_NO_INDEX, error);
     bat_status status = evaluate(spline, &at, point, velocity, acceleration);
     return status == BAT_OK ? BAT_OK : leaves_space(spline, status, time, BAT_NO_INDEX, error);
@@ -458,17 +482,9 @@ static bat_status evaluate_run(const bat_motion_spline *spline, size_t interval,
     {
         const spline_factor *f = &spline->factors[i];
         const double *record = spline->records + interval * spline->record_size + f->record_at;
-        if (f->kind == FACTOR_ROTATION)
-        {
-            spline_rotations_at(record, shares, count, points + f->point_at, dim);
-            continue;
-        }
-        for (size_t j = 0; j < count; j++)
-        {
-            bat_status status = spline_factor_at(f, record, shares[j], points + j * dim + f->point_at, NULL, NULL);
-            if (status != BAT_OK)
-                return status;
-        }
+        bat_status status = spline_factor_run(f, record, shares, count, points + f->point_at, dim);
+        if (status != BAT_OK)
+            return status;
     }
     for (size_t j = 0; j < count; j++)
         copy_key(spline, &(place){interval, shares[j], 0}, points + j * dim, NULL);
@@ -481,7 +497,7 @@ static size_t run_from(const bat_motion_spline *spline, const double *times, siz
 {
     place at;
     size_t i = begin;
-    for (; i < end && i - begin < RUN; i++)
+    for (; i < end && i - begin < SPLINE_RUN; i++)
     {
         if (i > begin && !(times[i] >= spline->times[*hint] && times[i] < spline->times[*hint + 1]))
             break;
@@ -505,7 +521,7 @@ static bat_status sample_block(const bat_motion_spline *spline, const double *ti
 {
     size_t dim = spline->space.point_dim, n = spline->space.tangent_dim, hint = 0, i = begin;
     bool rates = velocities != NULL || accelerations != NULL;
-    double shares[RUN];
+    double shares[SPLINE_RUN];
     while (i < end)
     {
         size_t next = rates ? i : run_from(spline, times, i, end, &hint, shares);

@@ -14,6 +14,8 @@ enum
     DIM = BAT_SPACE_MAX_DIM,
     /// Terms of the series for arguments up to 1.
     TERMS = 9,
+    /// Vector code pays from this number of points on.
+    MIN_LANES = 4,
     /// Steps of the inverse of a differential by differences in one call.
     PULL_STEPS = 2
 };
@@ -48,37 +50,50 @@ static void cross(const double *u, const double *v, double *w)
     w[2] = z;
 }
 
-/// The sum over k of factor_k (-x)^k / (2 k + first)!, factor_k being k + 1 where `differentiated`, else 1.
+/// 1 / n!
+static const double INVERSE_FACTORIALS[] = {
+    1 / 1.0,
+    1 / 1.0,
+    1 / 2.0,
+    1 / 6.0,
+    1 / 24.0,
+    1 / 120.0,
+    1 / 720.0,
+    1 / 5040.0,
+    1 / 40320.0,
+    1 / 362880.0,
+    1 / 3628800.0,
+    1 / 39916800.0,
+    1 / 479001600.0,
+    1 / 6227020800.0,
+    1 / 87178291200.0,
+    1 / 1307674368000.0,
+    1 / 20922789888000.0,
+    1 / 355687428096000.0,
+    1 / 6402373705728000.0,
+    1 / 121645100408832000.0,
+    1 / 2432902008176640000.0,
+    1 / 51090942171709440000.0,
+};
+
+/// The sum over k of factor_k (-x)^k / (2 k + first)!, factor_k being k + 1 where `differentiated`, else 1. `first` is at
+/// most 5.
 static inline double series(double x, int first, bool differentiated)
 {
-    double term = 1, sum = 0;
-    for (int k = 2; k <= first; k++)
-        term /= k;
-    for (int k = 0; k < TERMS; k++)
-    {
-        sum += (differentiated ? k + 1 : 1) * term;
-        term *= -x / ((2 * k + first + 1) * (2 * k + first + 2));
-    }
+    double sum = 0;
+    for (int k = TERMS - 1; k >= 0; k--)
+        sum = (differentiated ? k + 1 : 1) * INVERSE_FACTORIALS[2 * k + first] - x * sum;
     return sum;
 }
 
 // Rotations
 
-/// The functions of x = |c|^2 in the right Jacobian of SO(3), I - a [c] + b [c]^2.
-typedef struct turning
+spline_turning spline_turning_of(double x)
 {
-    double a, b;             ///< (1 - cos r) / r^2, (r - sin r) / r^3
-    double a_slope, b_slope; ///< their derivatives by x, times 2
-    double inverse;          ///< the inverse is I + [c] / 2 + inverse [c]^2
-} turning;
-
-static turning turning_of(double x)
-{
-    turning t;
+    spline_turning t;
     double excess; // 2 (a - 1/2) / x
     if (x < 1)
     {
-        // Constants of the series, so that the compiler can fold them.
         t.a = series(x, 2, false);
         t.b = series(x, 3, false);
         t.a_slope = -2 * series(x, 4, true);
@@ -100,7 +115,7 @@ static turning turning_of(double x)
 
 static void rotation_push(const double *c, const double *w, double *pushed)
 {
-    turning t = turning_of(dot(3, c, c));
+    spline_turning t = spline_turning_of(dot(3, c, c));
     double once[3], twice[3];
     cross(c, w, once);
     cross(c, once, twice);
@@ -108,21 +123,19 @@ static void rotation_push(const double *c, const double *w, double *pushed)
         pushed[i] = w[i] - t.a * once[i] + t.b * twice[i];
 }
 
-static void rotation_pull(const double *c, const double *v, double *pulled)
+static void rotation_pull(const spline_turning *t, const double *c, const double *v, double *pulled)
 {
-    turning t = turning_of(dot(3, c, c));
     double once[3], twice[3];
     cross(c, v, once);
     cross(c, once, twice);
     for (int i = 0; i < 3; i++)
-        pulled[i] = v[i] + 0.5 * once[i] + t.inverse * twice[i];
+        pulled[i] = v[i] + 0.5 * once[i] + t->inverse * twice[i];
 }
 
 /// Velocity and acceleration: w = c' - a c x c' + b c x (c x c') and its derivative. `velocity` may be null.
-static void rotation_rates(const double *c, const double *first, const double *second, double *velocity,
-                           double *acceleration)
+static void rotation_rates(const spline_turning *t, const double *c, const double *first, const double *second,
+                           double *velocity, double *acceleration)
 {
-    turning t = turning_of(dot(3, c, c));
     double along = dot(3, c, first), once[3], twice[3], other[3], bent[3], other_twice[3];
     cross(c, first, once);
     cross(c, once, twice);
@@ -131,9 +144,9 @@ static void rotation_rates(const double *c, const double *first, const double *s
     cross(first, once, bent);
     for (int i = 0; i < 3; i++)
     {
-        double value = first[i] - t.a * once[i] + t.b * twice[i];
-        acceleration[i] = second[i] - t.a * other[i] + t.b * (bent[i] + other_twice[i]) +
-                          along * (t.b_slope * twice[i] - t.a_slope * once[i]);
+        double value = first[i] - t->a * once[i] + t->b * twice[i];
+        acceleration[i] = second[i] - t->a * other[i] + t->b * (bent[i] + other_twice[i]) +
+                          along * (t->b_slope * twice[i] - t->a_slope * once[i]);
         if (velocity != NULL)
             velocity[i] = value;
     }
@@ -364,7 +377,7 @@ bat_status spline_push(const spline_factor *f, const double *middle, const doubl
 }
 
 bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
-                       double *pulled)
+                       const spline_turning *turning, double *pulled)
 {
     switch (f->kind)
     {
@@ -372,7 +385,7 @@ bat_status spline_pull(const spline_factor *f, const double *middle, const doubl
         memcpy(pulled, vector, f->space.tangent_dim * sizeof *pulled);
         return BAT_OK;
     case FACTOR_ROTATION:
-        rotation_pull(c, vector, pulled);
+        rotation_pull(turning, c, vector, pulled);
         return BAT_OK;
     case FACTOR_CURVED:
         return curved_pull(f, middle, c, q, vector, pulled);
@@ -383,7 +396,7 @@ bat_status spline_pull(const spline_factor *f, const double *middle, const doubl
 }
 
 bat_status spline_acceleration(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
-                               double *acceleration)
+                               const spline_turning *turning, double *acceleration)
 {
     switch (f->kind)
     {
@@ -391,7 +404,7 @@ bat_status spline_acceleration(const spline_factor *f, const double *middle, con
         memcpy(acceleration, c->second, f->space.tangent_dim * sizeof *acceleration);
         return BAT_OK;
     case FACTOR_ROTATION:
-        rotation_rates(c->value, c->first, c->second, NULL, acceleration);
+        rotation_rates(turning, c->value, c->first, c->second, NULL, acceleration);
         return BAT_OK;
     case FACTOR_CURVED:
         return curved_acceleration(f, middle, c, q, acceleration);
@@ -421,7 +434,10 @@ static void rotation_at(const double *record, double share, double *point, doubl
     polynomial_at(3, coefficients, share, c, rates ? first : NULL, acceleration != NULL ? second : NULL);
     quaternion_turn(record, c[0], c[1], c[2], point);
     if (acceleration != NULL)
-        rotation_rates(c, first, second, velocity, acceleration);
+    {
+        spline_turning turning = spline_turning_of(dot(3, c, c));
+        rotation_rates(&turning, c, first, second, velocity, acceleration);
+    }
     else if (velocity != NULL)
         rotation_push(c, first, velocity);
 }
@@ -462,37 +478,77 @@ bat_status spline_factor_at(const spline_factor *f, const double *record, double
     return BAT_OK;
 }
 
-/// Half angles up to pi; returns the square of the largest.
+/// Points of FACTOR_FLAT. Runs of one interval share its coefficients.
+static void flat_run(size_t n, const double *c, const double *shares, size_t count, double *points, size_t stride)
+{
+    for (size_t i = 0; i < n; i++)
+    {
+        const double c0 = c[i], c1 = c[n + i], c2 = c[2 * n + i], c3 = c[3 * n + i];
+        for (size_t j = 0; j < count; j++)
+            points[j * stride + i] = c0 + shares[j] * (c1 + shares[j] * (c2 + shares[j] * c3));
+    }
+}
+
+/// Whether the rotation vectors of an interval are shorter than 2 pi, by the sum of their coefficients' lengths.
+static bool is_short(const double *c)
+{
+    const double full_turn = 6.28318530717958647693;
+    double bound = 0;
+    for (size_t k = 0; k < 4; k++)
+        bound += sqrt(dot(3, c + 3 * k, c + 3 * k));
+    return bound < full_turn;
+}
+
+/// Coordinates of quaternions, one array each, so that no store is scattered. Right for rotation vectors up to 2 pi.
 LANES_CLONES
-static double turn_by_lanes(const double *record, const double *shares, size_t count, double *quaternions, size_t stride)
+static void turn_by_lanes(const double *record, const double *restrict shares, size_t count, double *restrict made)
 {
     const double m0 = record[0], m1 = record[1], m2 = record[2], m3 = record[3], *c = record + 4;
-    double largest = 0;
+    const double x0 = 0.5 * c[0], x1 = 0.5 * c[3], x2 = 0.5 * c[6], x3 = 0.5 * c[9];
+    const double y0 = 0.5 * c[1], y1 = 0.5 * c[4], y2 = 0.5 * c[7], y3 = 0.5 * c[10];
+    const double z0 = 0.5 * c[2], z1 = 0.5 * c[5], z2 = 0.5 * c[8], z3 = 0.5 * c[11];
     for (size_t i = 0; i < count; i++)
     {
         double s = shares[i];
-        double x = 0.5 * (c[0] + s * (c[3] + s * (c[6] + s * c[9])));
-        double y = 0.5 * (c[1] + s * (c[4] + s * (c[7] + s * c[10])));
-        double z = 0.5 * (c[2] + s * (c[5] + s * (c[8] + s * c[11])));
+        double x = x0 + s * (x1 + s * (x2 + s * x3));
+        double y = y0 + s * (y1 + s * (y2 + s * y3));
+        double z = z0 + s * (z1 + s * (z2 + s * z3));
         double squared = x * x + y * y + z * z, cosine = lane_cos_root(squared), ratio = lane_sinc_root(squared);
-        double *q = quaternions + i * stride;
         x *= ratio;
         y *= ratio;
         z *= ratio;
-        q[0] = m0 * cosine - m1 * x - m2 * y - m3 * z;
-        q[1] = m0 * x + m1 * cosine + m2 * z - m3 * y;
-        q[2] = m0 * y + m2 * cosine + m3 * x - m1 * z;
-        q[3] = m0 * z + m3 * cosine + m1 * y - m2 * x;
-        largest = squared > largest ? squared : largest;
+        made[i] = m0 * cosine - m1 * x - m2 * y - m3 * z;
+        made[SPLINE_RUN + i] = m0 * x + m1 * cosine + m2 * z - m3 * y;
+        made[2 * SPLINE_RUN + i] = m0 * y + m2 * cosine + m3 * x - m1 * z;
+        made[3 * SPLINE_RUN + i] = m0 * z + m3 * cosine + m1 * y - m2 * x;
     }
-    return largest;
 }
 
-void spline_rotations_at(const double *record, const double *shares, size_t count, double *quaternions, size_t stride)
+static void rotation_run(const double *record, const double *shares, size_t count, double *quaternions, size_t stride)
 {
-    const double squared_pi = 9.8696044010893586188;
-    if (turn_by_lanes(record, shares, count, quaternions, stride) <= squared_pi)
+    double made[4 * SPLINE_RUN];
+    if (count >= MIN_LANES && is_short(record + 4))
+    {
+        turn_by_lanes(record, shares, count, made);
+        for (size_t i = 0; i < count; i++)
+            for (size_t c = 0; c < 4; c++)
+                quaternions[i * stride + c] = made[c * SPLINE_RUN + i];
         return;
+    }
     for (size_t i = 0; i < count; i++)
         rotation_at(record, shares[i], quaternions + i * stride, NULL, NULL);
+}
+
+bat_status spline_factor_run(const spline_factor *f, const double *record, const double *shares, size_t count,
+                             double *points, size_t stride)
+{
+    bat_status status = BAT_OK;
+    if (f->kind == FACTOR_FLAT)
+        flat_run(f->space.point_dim, record, shares, count, points, stride);
+    else if (f->kind == FACTOR_ROTATION)
+        rotation_run(record, shares, count, points, stride);
+    else
+        for (size_t i = 0; i < count && status == BAT_OK; i++)
+            status = curve_at(f, record, shares[i], points + i * stride, NULL, NULL);
+    return status;
 }

@@ -33,6 +33,17 @@ typedef struct tangent_jet
     const double *value, *first, *second, *third;
 } tangent_jet;
 
+/// The functions of x = |c|^2 in the right Jacobian of SO(3), I - a [c] + b [c]^2.
+typedef struct spline_turning
+{
+    double a, b;             ///< (1 - cos r) / r^2, (r - sin r) / r^3
+    double a_slope, b_slope; ///< their derivatives by x, times 2
+    double inverse;          ///< the inverse is I + [c] / 2 + inverse [c]^2
+} spline_turning;
+
+/// For FACTOR_ROTATION.
+spline_turning spline_turning_of(double x);
+
 /// Divide a space into factors, at most `limit`. Products and rigid motions are divided, others are one factor.
 /// @return the number of factors; 0 when there are more
 size_t spline_factors(const bat_space *space, spline_factor *factors, size_t limit);
@@ -47,18 +58,26 @@ bat_status spline_middle(const spline_factor *f, const double *p, const double *
 /// The differential of exp_m at c, of a vector; `q` is exp_m(c).
 bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
                        double *pushed);
-/// Its inverse. `pulled` is an approximation first, where derivatives are differences: each call improves it.
+/// Its inverse. `turning` is that of c, for FACTOR_ROTATION. `pulled` is an approximation first, where derivatives are
+/// differences: each call improves it.
 bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
-                       double *pulled);
-/// The covariant acceleration of exp_m(c(s)) at q = exp_m(c).
+                       const spline_turning *turning, double *pulled);
+/// The covariant acceleration of exp_m(c(s)) at q = exp_m(c); `turning` as before.
 bat_status spline_acceleration(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
-                               double *acceleration);
+                               const spline_turning *turning, double *acceleration);
 
 /// Point, velocity and acceleration (null where not wanted) of an interval at `share`, with derivatives by the share.
 bat_status spline_factor_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,
                             double *acceleration);
 
-/// Points of rotations of one interval at `count` shares, into quaternions `stride` numbers apart.
-void spline_rotations_at(const double *record, const double *shares, size_t count, double *quaternions, size_t stride);
+enum
+{
+    /// The most shares of spline_factor_run().
+    SPLINE_RUN = 64
+};
+
+/// Points of one interval at `count` shares, `stride` numbers apart.
+bat_status spline_factor_run(const spline_factor *f, const double *record, const double *shares, size_t count,
+                             double *points, size_t stride);
 
 #endif

@@ -22,8 +22,8 @@ enum
 
 /// Neighbouring keys closer than this share of the longest step are at rest.
 static const double REST = 1e-9;
-/// Corrections below this share of the largest velocity are rounding,
-static const double SETTLED = 2e-15;
+/// Corrections below this share of the largest velocity are no longer made,
+static const double SETTLED = 1e-13;
 /// and below this one they are errors of differences, or rounding, when they cease to fall.
 static const double ACCURATE = 1e-9;
 
@@ -41,11 +41,14 @@ bool spline_system_allocate(spline_system *system)
     system->logs = memory_array(system->intervals, 2 * n * sizeof(double));
     system->slopes = memory_array(system->intervals, 2 * n * sizeof(double));
     system->accelerations = memory_array(system->intervals, 2 * n * sizeof(double));
+    bool turns = system->factor->kind == FACTOR_ROTATION;
+    system->turnings = turns ? memory_array(system->intervals, sizeof *system->turnings) : NULL;
     system->residuals = memory_array(system->count, n * sizeof(double));
     system->rows = memory_array(system->count, 3 * sizeof(double));
     system->fixed = calloc(system->count, sizeof *system->fixed);
-    return system->middles != NULL && system->logs != NULL && system->slopes != NULL && system->accelerations != NULL &&
-           system->residuals != NULL && system->rows != NULL && system->fixed != NULL;
+    return (!turns || system->turnings != NULL) && system->middles != NULL && system->logs != NULL &&
+           system->slopes != NULL && system->accelerations != NULL && system->residuals != NULL && system->rows != NULL &&
+           system->fixed != NULL;
 }
 
 void spline_system_free(spline_system *system)
@@ -54,6 +57,7 @@ void spline_system_free(spline_system *system)
     free(system->logs);
     free(system->slopes);
     free(system->accelerations);
+    free(system->turnings);
     free(system->residuals);
     free(system->rows);
     free(system->fixed);
@@ -120,14 +124,24 @@ bat_status spline_system_measure(spline_system *system, bat_error *error)
         double *log_p = at_end(system, system->logs, i, 0), *log_q = at_end(system, system->logs, i, 1);
         bat_status status = spline_middle(system->factor, point_of(system, i), point_of(system, key_after(system, i)),
                                           system->middles + i * space->point_dim, log_p, log_q);
+        if (status == BAT_CUT_LOCUS)
+            return error_set(error, status, key_after(system, i), 0, "points %zu and %zu have no unique shortest geodesic",
+                             i, key_after(system, i));
         if (status != BAT_OK)
             return fail(system, status, i, error);
+        if (system->turnings != NULL)
+            system->turnings[i] = spline_turning_of(log_q[0] * log_q[0] + log_q[1] * log_q[1] + log_q[2] * log_q[2]);
         // First slopes: those of the geodesic.
         for (size_t end = 0; end < 2; end++)
             for (size_t c = 0; c < size_of(system); c++)
                 at_end(system, system->slopes, i, end)[c] = log_q[c] - log_p[c];
     }
     return BAT_OK;
+}
+
+static const spline_turning *turning_of(const spline_system *system, size_t interval)
+{
+    return system->turnings != NULL ? &system->turnings[interval] : NULL;
 }
 
 /// Slopes of an interval from the velocities at its ends.
@@ -140,8 +154,9 @@ static bat_status pull_slopes(spline_system *system, size_t i)
         const double *velocity = of_key(system, system->velocities, key);
         for (size_t c = 0; c < size_of(system); c++)
             wanted[c] = system->lengths[i] * velocity[c];
-        bat_status status = spline_pull(system->factor, middle_of(system, i), at_end(system, system->logs, i, end),
-                                        point_of(system, key), wanted, at_end(system, system->slopes, i, end));
+        bat_status status =
+            spline_pull(system->factor, middle_of(system, i), at_end(system, system->logs, i, end), point_of(system, key),
+                        wanted, turning_of(system, i), at_end(system, system->slopes, i, end));
         if (status != BAT_OK)
             return status;
     }
@@ -172,7 +187,8 @@ static bat_status accelerate(spline_system *system, size_t i)
         double *acceleration = at_end(system, system->accelerations, i, end);
         const double *q = point_of(system, end == 0 ? i : key_after(system, i));
         tangent_jet jet = {at_end(system, system->logs, i, end), at_end(system, system->slopes, i, end), second[end], third};
-        bat_status status = spline_acceleration(system->factor, middle_of(system, i), &jet, q, acceleration);
+        bat_status status =
+            spline_acceleration(system->factor, middle_of(system, i), &jet, q, turning_of(system, i), acceleration);
         if (status != BAT_OK)
             return status;
         for (size_t c = 0; c < size_of(system); c++)
@@ -399,7 +415,10 @@ static bat_status iterate(spline_system *system, bat_motion_ends ends, double *d
         double change = apply(system, share, &key, &speed);
         if (!isfinite(change))
             break;
-        if (change <= SETTLED * speed || (change <= ACCURATE * speed && change >= 0.5 * before))
+        // The next correction is about change * change / before.
+        bool settles = share == 1 && isfinite(before) && change <= before && change * (change / before) <= SETTLED * speed;
+        bool linear = system->factor->kind == FACTOR_FLAT && !is_closed(system);
+        if (change <= SETTLED * speed || settles || linear || (change <= ACCURATE * speed && change >= 0.5 * before))
             return BAT_OK;
         if (change > before)
             share = fmax(0.5 * share, 1.0 / 16);
@@ -548,16 +567,18 @@ static bat_status limit(spline_system *system, bat_error *error)
 /// Keys at both ends of an interval without a way rest.
 static void find_rests(spline_system *system)
 {
-    double longest = 0;
+    const bat_space *space = &system->factor->space;
+    double longest = 0, chord[DIM];
     for (int pass = 0; pass < 2; pass++)
         for (size_t i = 0; i < system->intervals; i++)
         {
-            const bat_space *space = &system->factor->space;
-            size_t next = key_after(system, i);
-            double way = space->distance(space, point_of(system, i), point_of(system, next));
-            longest = fmax(longest, way);
-            if (pass == 1 && way <= REST * longest)
-                system->fixed[i] = system->fixed[next] = true;
+            const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
+            for (size_t c = 0; c < size_of(system); c++)
+                chord[c] = a[c] - b[c];
+            double squared = space->inner(space, middle_of(system, i), chord, chord);
+            longest = fmax(longest, squared);
+            if (pass == 1 && squared <= REST * REST * longest)
+                system->fixed[i] = system->fixed[key_after(system, i)] = true;
         }
 }
 

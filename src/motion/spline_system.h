@@ -14,10 +14,11 @@ typedef struct spline_system
     const double *lengths; ///< of the intervals in time
     double *velocities;    ///< count x tangent_dim; given, or what the system solves
     // Work space, by interval; pairs are of its beginning and its end.
-    double *middles;       ///< point_dim
-    double *logs;          ///< 2 x tangent_dim: the keys, seen from the middle
-    double *slopes;        ///< 2 x tangent_dim: derivatives of the cubic by its share
-    double *accelerations; ///< 2 x tangent_dim, at the keys
+    double *middles;          ///< point_dim
+    double *logs;             ///< 2 x tangent_dim: the keys, seen from the middle
+    double *slopes;           ///< 2 x tangent_dim: derivatives of the cubic by its share
+    double *accelerations;    ///< 2 x tangent_dim, at the keys
+    spline_turning *turnings; ///< FACTOR_ROTATION; of either end, else null
     // By key.
     double *residuals; ///< tangent_dim
     double *rows;      ///< 3: lower, diagonal, upper
