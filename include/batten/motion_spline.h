@@ -16,6 +16,9 @@ BAT_C_BEGIN
 /// What holds at the two ends of an open motion.
 typedef enum bat_motion_ends
 {
+    BAT_MOTION_ENDS_AUTO,       ///< not-a-knot in R^n; in other spaces by how the acceleration changes from key to key, as
+                                ///< measured best: not-a-knot where slowly, natural where faster, else the mean velocity of
+                                ///< the interval
     BAT_MOTION_ENDS_NOT_A_KNOT, ///< the first two intervals share one cubic, and so do the last two
     BAT_MOTION_ENDS_NATURAL,    ///< the acceleration is 0
     BAT_MOTION_ENDS_CLAMPED     ///< the velocity is given, or 0
@@ -24,14 +27,14 @@ typedef enum bat_motion_ends
 /// How velocities at the keys are chosen where none are given.
 typedef enum bat_motion_shape
 {
-    BAT_MOTION_SHAPE_RESTING, ///< twice continuously differentiable, except where the motion begins or ends to rest: equal
-                              ///< neighbouring keys make a constant motion
-    BAT_MOTION_SHAPE_SMOOTH,  ///< twice continuously differentiable everywhere; overshoots where keys rest
-    BAT_MOTION_SHAPE_LIMITED  ///< velocities limited as Fritsch and Carlson (1980) do: monotone along every geodesic between
-                              ///< neighbours; once continuously differentiable
+    BAT_MOTION_SHAPE_RESTING, ///< equal neighbouring keys make a constant motion, and velocities next to it are limited;
+                              ///< else twice continuously differentiable
+    BAT_MOTION_SHAPE_SMOOTH, ///< twice continuously differentiable everywhere; overshoots where keys rest
+    BAT_MOTION_SHAPE_LIMITED ///< velocities limited as Fritsch and Carlson (1980) do: monotone along every geodesic between
+                             ///< neighbours; once continuously differentiable
 } bat_motion_shape;
 
-/// The ends by name: "not-a-knot", "natural", "clamped".
+/// The ends by name: "auto", "not-a-knot", "natural", "clamped".
 BAT_API bat_status bat_motion_ends_by_name(const char *name, bat_motion_ends *ends, bat_error *error);
 BAT_API const char *bat_motion_ends_name(bat_motion_ends ends);
 /// The table of ends, row by row; `index` from 0 on.
@@ -47,7 +50,7 @@ BAT_API bool bat_motion_shape_list(size_t index, bat_choice *choice);
 /// Options of splines. Begin with bat_motion_spline_defaults().
 typedef struct bat_motion_spline_options
 {
-    bat_motion_ends ends;         ///< of open motions; default BAT_MOTION_ENDS_NOT_A_KNOT. Closed motions are periodic
+    bat_motion_ends ends;         ///< of open motions; default BAT_MOTION_ENDS_AUTO. Closed motions are periodic
     bat_motion_shape shape;       ///< default BAT_MOTION_SHAPE_RESTING
     const double *begin_velocity; ///< clamped: the velocity at the first key; null: 0; default null
     const double *end_velocity;   ///< clamped: the velocity at the last key; null: 0; default null
@@ -92,8 +95,8 @@ BAT_API void bat_motion_spline_range(const bat_motion_spline *spline, double *be
 /// The velocities at the keys, as many as keys were given.
 BAT_API void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities);
 
-/// The motion at a time, in O(log keys) at most. At the time of a key, the key, bit for bit but for the sign of quaternions, which
-/// do not jump along the motion.
+/// The motion at a time, in O(log keys) at most. At the time of a key, the key, bit for bit but for the sign of quaternions,
+/// which do not jump along the motion.
 ///
 /// @param time         within bat_motion_spline_range(), unless the motion is closed or extrapolates
 /// @param point        receives point_dim numbers

@@ -43,6 +43,9 @@ struct bat_motion_spline
 };
 
 static const bat_choice ENDS[] = {
+    {.name = "auto",
+     .summary = "not-a-knot in R^n; elsewhere by how fast accelerations change",
+     .value = BAT_MOTION_ENDS_AUTO},
     {.name = "not-a-knot",
      .summary = "the first two intervals share one cubic, and the last two",
      .value = BAT_MOTION_ENDS_NOT_A_KNOT},
@@ -54,7 +57,7 @@ CHOICE_FUNCTIONS(bat_motion_ends, ENDS_TABLE, 0)
 
 static const bat_choice SHAPES[] = {
     {.name = "resting",
-     .summary = "continuous acceleration, except where the motion begins or ends to rest",
+     .summary = "continuous acceleration, except next to rests, where nothing overshoots",
      .value = BAT_MOTION_SHAPE_RESTING},
     {.name = "smooth", .summary = "continuous acceleration everywhere", .value = BAT_MOTION_SHAPE_SMOOTH},
     {.name = "limited", .summary = "monotone between neighbours (Fritsch and Carlson)", .value = BAT_MOTION_SHAPE_LIMITED},
@@ -64,13 +67,13 @@ CHOICE_FUNCTIONS(bat_motion_shape, SHAPE_TABLE, 0)
 
 bat_motion_spline_options bat_motion_spline_defaults(void)
 {
-    return (bat_motion_spline_options){.ends = BAT_MOTION_ENDS_NOT_A_KNOT, .shape = BAT_MOTION_SHAPE_RESTING};
+    return (bat_motion_spline_options){.ends = BAT_MOTION_ENDS_AUTO, .shape = BAT_MOTION_SHAPE_RESTING};
 }
 
 bat_status bat_motion_spline_options_check(const bat_motion_spline_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_motion_spline_options, ends, OPTION_CHOICE, BAT_MOTION_ENDS_NOT_A_KNOT, BAT_MOTION_ENDS_CLAMPED),
+        OPTION_FIELD(bat_motion_spline_options, ends, OPTION_CHOICE, BAT_MOTION_ENDS_AUTO, BAT_MOTION_ENDS_CLAMPED),
         OPTION_FIELD(bat_motion_spline_options, shape, OPTION_CHOICE, BAT_MOTION_SHAPE_RESTING, BAT_MOTION_SHAPE_LIMITED),
         OPTION_THREADS(bat_motion_spline_options),
     };

@@ -27,11 +27,16 @@ static const double SETTLED = 1e-13;
 /// and below this one they are errors of differences, or rounding, when they cease to fall.
 static const double ACCURATE = 1e-9;
 
+/// The acceleration's roughness up to which not-a-knot ends are the best, and then natural ones (docs/motion.md).
+static const double SLOW = 0.3;
+static const double FAST = 0.85;
+
 typedef enum end_row
 {
     ROW_NOT_A_KNOT,
     ROW_PARABOLA,
-    ROW_NATURAL
+    ROW_NATURAL,
+    ROW_MEAN ///< the mean velocity of the interval
 } end_row;
 
 bool spline_system_allocate(spline_system *system)
@@ -212,11 +217,51 @@ static bool is_closed(const spline_system *system)
     return system->intervals == system->count;
 }
 
+/// The squared change of the acceleration from key to key over twice its square: near 0 for samples of a smooth motion, near
+/// 1 where accelerations are independent. They are second differences.
+static bat_status measure_roughness(const spline_system *system, double *roughness, size_t *failed)
+{
+    const bat_space *space = &system->factor->space;
+    size_t n = size_of(system);
+    double rate[2][DIM], mean[DIM], acceleration[DIM], last[DIM], change = 0, squared = 0;
+    for (size_t k = 1; k + 1 < system->count; k++)
+    {
+        const double *p = point_of(system, k);
+        *failed = k;
+        for (size_t side = 0; side < 2; side++)
+        {
+            size_t i = k - 1 + side;
+            const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
+            for (size_t c = 0; c < n; c++)
+                mean[c] = (a[c] - b[c]) / system->lengths[i];
+            bat_status status = transport(system, middle_of(system, i), p, mean, rate[side]);
+            if (status != BAT_OK)
+                return status;
+        }
+        bat_status status = k > 1 ? transport(system, point_of(system, k - 1), p, acceleration, last) : BAT_OK;
+        if (status != BAT_OK)
+            return status;
+        for (size_t c = 0; c < n; c++)
+            acceleration[c] = 2 * (rate[1][c] - rate[0][c]) / (system->lengths[k - 1] + system->lengths[k]);
+        if (k > 1)
+        {
+            squared += space->inner(space, p, acceleration, acceleration) + space->inner(space, p, last, last);
+            for (size_t c = 0; c < n; c++)
+                last[c] = acceleration[c] - last[c];
+            change += space->inner(space, p, last, last);
+        }
+    }
+    *roughness = squared > 0 ? change / squared : 0;
+    return BAT_OK;
+}
+
 /// The row of an open end that is not fixed. Next to a rest, or among three keys, there is no knot to leave out.
 static end_row row_of_end(const spline_system *system, bat_motion_ends ends, bool first)
 {
     if (ends == BAT_MOTION_ENDS_NATURAL)
         return ROW_NATURAL;
+    if (ends == BAT_MOTION_ENDS_AUTO && system->roughness > SLOW)
+        return system->roughness > FAST ? ROW_MEAN : ROW_NATURAL;
     size_t next = first ? 1 : system->count - 2, last = first ? system->count - 1 : 0;
     bool alone = system->fixed[next] || system->count < 3 || (system->count == 3 && !system->fixed[last]);
     return alone ? ROW_PARABOLA : ROW_NOT_A_KNOT;
@@ -249,6 +294,8 @@ static void fill_rows(spline_system *system, bat_motion_ends ends)
                 near = 1 / h[edge];
                 far = 1 / h[edge] + 1 / h[beyond];
             }
+            else if (kind == ROW_MEAN)
+                far = 0;
             row[1] = near;
             row[first ? 2 : 0] = far;
         }
@@ -277,6 +324,17 @@ static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool
         for (size_t c = 0; c < n; c++)
             residual[c] = sign * h[edge] * acceleration[c];
         return BAT_OK;
+    }
+    if (kind == ROW_MEAN)
+    {
+        const double *b = at_end(system, system->logs, edge, 0), *a = at_end(system, system->logs, edge, 1);
+        const double *velocity = of_key(system, system->velocities, key);
+        for (size_t c = 0; c < n; c++)
+            sum[c] = (a[c] - b[c]) / h[edge];
+        bat_status status = transport(system, middle_of(system, edge), point_of(system, key), sum, residual);
+        for (size_t c = 0; c < n; c++)
+            residual[c] -= velocity[c];
+        return status;
     }
     if (kind == ROW_PARABOLA)
     {
@@ -530,36 +588,43 @@ static bat_status estimate(spline_system *system, bat_error *error)
     return BAT_OK;
 }
 
-/// Limit velocities as Fritsch and Carlson do. The factor of a key is the lesser of its intervals', so that reversing time
-/// changes nothing.
-static bat_status limit(spline_system *system, bat_error *error)
+/// Whether an interval ends or begins at a key that rests.
+static bool meets_rest(const spline_system *system, size_t i)
+{
+    return system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
+}
+
+/// Limit velocities as Fritsch and Carlson do, in all intervals or in those next to rests; velocities that are given stay.
+/// The factor of a key is the lesser of its intervals', so that reversing time changes nothing.
+static bat_status limit(spline_system *system, bool all, bat_error *error)
 {
     const bat_space *space = &system->factor->space;
-    double before[DIM], after[DIM];
+    size_t n = size_of(system), last = system->intervals - 1;
+    double before[DIM], after[DIM], *excess = system->residuals; // of interval i at i * n
     for (size_t k = 0; k < system->count; k++)
     {
         bool has_before, has_after;
+        double *velocity = of_key(system, system->velocities, k);
+        bool left = (k > 0 || is_closed(system)) && (all || meets_rest(system, k > 0 ? k - 1 : last));
+        bool right = k < system->intervals && (all || meets_rest(system, k));
+        if (system->fixed[k] != KEY_FREE || (!left && !right))
+            continue;
         bat_status status = chords_of(system, k, before, after, &has_before, &has_after);
         if (status != BAT_OK)
             return fail(system, status, k, error);
-        into_cone(space, point_of(system, k), has_before ? before : after, has_after ? after : before,
-                  of_key(system, system->velocities, k));
+        into_cone(space, point_of(system, k), left ? before : after, right ? after : before, velocity);
     }
-    double first = 0, last = 0;
     for (size_t i = 0; i < system->intervals; i++)
-    {
-        last = excess_of(system, i);
-        first = i == 0 ? last : first;
-        system->residuals[i * size_of(system)] = last; // of interval i
-    }
+        excess[i * n] = all || meets_rest(system, i) ? excess_of(system, i) : 1;
     for (size_t k = 0; k < system->count; k++)
     {
         double *velocity = of_key(system, system->velocities, k);
-        double left = k > 0 ? system->residuals[(k - 1) * size_of(system)] : is_closed(system) ? last : 1;
-        double right = k < system->intervals ? system->residuals[k * size_of(system)] : 1;
-        double excess = fmax(left, right);
-        for (size_t c = 0; c < size_of(system); c++)
-            velocity[c] = isfinite(excess) ? velocity[c] / excess : 0;
+        double left = k > 0 ? excess[(k - 1) * n] : is_closed(system) ? excess[last * n] : 1;
+        double right = k < system->intervals ? excess[k * n] : 1, most = fmax(left, right);
+        if (system->fixed[k] != KEY_FREE || !(most > 1))
+            continue;
+        for (size_t c = 0; c < n; c++)
+            velocity[c] = isfinite(most) ? velocity[c] / most : 0;
     }
     return BAT_OK;
 }
@@ -578,7 +643,7 @@ static void find_rests(spline_system *system)
             double squared = space->inner(space, middle_of(system, i), chord, chord);
             longest = fmax(longest, squared);
             if (pass == 1 && squared <= REST * REST * longest)
-                system->fixed[i] = system->fixed[key_after(system, i)] = true;
+                system->fixed[i] = system->fixed[key_after(system, i)] = KEY_RESTS;
         }
 }
 
@@ -591,7 +656,7 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
         find_rests(system);
     if (!is_closed(system) && ends == BAT_MOTION_ENDS_CLAMPED)
     {
-        system->fixed[0] = system->fixed[last] = true;
+        system->fixed[0] = system->fixed[last] = KEY_GIVEN;
         if (begin_velocity != NULL)
             memcpy(system->velocities, begin_velocity, n * sizeof *begin_velocity);
         if (end_velocity != NULL)
@@ -611,16 +676,29 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
                                  of_key(system, system->velocities, end));
         for (size_t c = 0; c < 2 * n && both; c++)
             system->velocities[c] /= system->lengths[0];
-        system->fixed[0] = system->fixed[0] || both;
-        system->fixed[1] = system->fixed[1] || both;
+        if (both)
+            system->fixed[0] = system->fixed[1] = KEY_GIVEN;
+    }
+    system->roughness = 0;
+    size_t key = 0;
+    if (status == BAT_OK && ends == BAT_MOTION_ENDS_AUTO && !is_closed(system) && system->factor->kind != FACTOR_FLAT)
+    {
+        status = measure_roughness(system, &system->roughness, &key);
+        if (status != BAT_OK)
+            (void)fail(system, status, key, error);
     }
     fill_rows(system, ends);
     if (status == BAT_OK)
         status = iterate(system, ends, diagonal, error);
-    free(diagonal);
     if (status == BAT_NO_CONVERGENCE && shape == BAT_MOTION_SHAPE_LIMITED)
         status = estimate(system, error);
-    return status == BAT_OK && shape == BAT_MOTION_SHAPE_LIMITED ? limit(system, error) : status;
+    bool limited = shape == BAT_MOTION_SHAPE_LIMITED, rests = false;
+    for (size_t k = 0; k < system->count && shape == BAT_MOTION_SHAPE_RESTING; k++)
+        rests = rests || system->fixed[k] == KEY_RESTS;
+    if (status == BAT_OK && (limited || rests))
+        status = limit(system, limited, error);
+    free(diagonal);
+    return status;
 }
 
 bat_status spline_system_finish(spline_system *system, bat_error *error)

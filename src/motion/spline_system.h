@@ -4,6 +4,14 @@
 #include "batten/motion_spline.h"
 #include "motion/spline_factor.h"
 
+/// What fixes the velocity at a key.
+typedef enum key_state
+{
+    KEY_FREE,
+    KEY_GIVEN, ///< the user, or a limit
+    KEY_RESTS  ///< a neighbour that is the same point
+} key_state;
+
 /// The keys of one factor, and the intervals between them.
 typedef struct spline_system
 {
@@ -20,9 +28,10 @@ typedef struct spline_system
     double *accelerations;    ///< 2 x tangent_dim, at the keys
     spline_turning *turnings; ///< FACTOR_ROTATION; of either end, else null
     // By key.
-    double *residuals; ///< tangent_dim
-    double *rows;      ///< 3: lower, diagonal, upper
-    bool *fixed;       ///< whether the velocity is known
+    double *residuals;    ///< tangent_dim
+    double *rows;         ///< 3: lower, diagonal, upper
+    double roughness;     ///< of accelerations, where the ends go by it; else 0
+    unsigned char *fixed; ///< a key_state: 0 while the velocity is unknown
 } spline_system;
 
 /// Allocate the arrays but for points, lengths and velocities.
