@@ -24,7 +24,7 @@ static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined curves to OUT (- for standard output)"},
     {"scheme", 0, "NAME",
      "how to refine, see `batten list schemes`; default: learned on the plane, sphere and disk, in R^n four-point; for "
-     "times or velocities of rotations, motions and tensors hermite, else log-exp-4"},
+     "times of rotations, motions and tensors spline, for velocities alone hermite, else log-exp-4"},
     {"fairness", 0, "F", "learned: from 0, nearest to the data, to 1, smoothest; default 0.5"},
     {"model", 0, "FILE", "learned: a trained network of your own, a safetensors file"},
     {"levels", 0, "K",
@@ -37,8 +37,9 @@ static const option_spec OPTIONS[] = {
      "keep vertices with an exterior angle above A degrees as corners, and edges between corners straight; a CSV column "
      "'corner' (0 or 1) names corners, too"},
     {"rate", 0, "R", "of motions, see `batten motion --help`"},
+    {"times", 0, "FILE", "of motions"},
     {"velocities", 0, NULL, "of motions"},
-    {"tangents", 0, "ORDER", "of motions"},
+    {"tangents", 0, "HOW", "of motions"},
     {"space", 0, "NAME",
      "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: what the file "
      "implies"},
@@ -77,8 +78,8 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
-static const file_option FILES[] = {
-    {"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ}, {"model", FILE_READ}, {NULL, 0}};
+static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ},
+                                    {"model", FILE_READ},     {"times", FILE_READ},    {NULL, 0}};
 
 static const verb_spec SPEC = {
     .usage =
@@ -128,7 +129,8 @@ static bool read_choices(const arguments *given, curve_job *job)
 {
     bat_error error;
     const char *ends = argument(given, "ends"), *projection = argument(given, "projection");
-    if ((ends != NULL && bat_curve_end_rule_by_name(ends, &job->refine.ends, &error) != BAT_OK) ||
+    bool of_motion = job->is_motion; // whose ends motion_read() reads
+    if ((ends != NULL && !of_motion && bat_curve_end_rule_by_name(ends, &job->refine.ends, &error) != BAT_OK) ||
         (projection != NULL && bat_curve_projection_by_name(projection, &job->draw.projection, &error) != BAT_OK))
     {
         (void)usage_error(given, "%s", error.text);
@@ -359,7 +361,7 @@ int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed,
         (void)snprintf(whole.text + used, sizeof whole.text - used, " (line %zu)",
                        bat_curve_set_line(set, failed, error->index - 1));
     }
-    return report_failure(job->input, &whole);
+    return report_bad_input(job->given, job->input, &whole);
 }
 
 int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine,
@@ -439,11 +441,16 @@ static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
     bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension &&
                  job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && !curve_stops(job) && !(job->refine.corner_angle > 0) &&
                  coarse->curves[0].corners == NULL;
+    if (job->is_motion)
+    {
+        job->scheme = motion_scheme(job, coarse);
+        return;
+    }
     if (plain && bat_motion_suits(coarse))
     {
         job->is_motion = true;
         job->hint = bat_motion_has_times(coarse) ? "has times: treated as a motion" : "has velocities: treated as a motion";
-        job->scheme = "hermite";
+        job->scheme = motion_scheme(job, coarse);
         return;
     }
     if (job->refine.scheme.kind == BAT_CURVE_SCHEME_AUTO && coarse->count > 0)
@@ -479,6 +486,8 @@ static int read_sets(curve_job *job, curve_sets *sets)
     if (bat_curve_read(job->input, &job->read, &sets->coarse, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
     convert_lengths(job, sets->coarse.space);
+    if (job->times_file != NULL && motion_read_times(job) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
     if (job->scheme == NULL)
         choose_scheme(job, &sets->coarse);
     int code = EXIT_DONE;
@@ -606,6 +615,7 @@ int curve_run(const arguments *given, curve_job *job)
     bat_curve_set_free(&sets.truth);
     bat_curve_set_free(&sets.fine);
     bat_curve_model_free(job->model);
+    free(job->times);
     return code;
 }
 

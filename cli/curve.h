@@ -32,9 +32,12 @@ typedef struct curve_job
     const char *model_file;    ///< of the scheme "learned"; null for the network that the library comes with
     bat_curve_model *model;    ///< what it holds
     bool is_motion;            ///< points with tangents: `motion` in place of `refine`
+    bool is_verb;              ///< the verb is `batten motion`
     const char *hint;          ///< why `batten curve` treats the file as a motion; null when it does not
     bat_motion_options motion;
-    const char *scheme; ///< its name; when the user gave none, null until the space is known
+    const char *times_file; ///< of a motion; null for none
+    double *times;          ///< what it holds
+    const char *scheme;     ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;
     size_t panels[CURVE_MAX_PANELS]; ///< the levels drawn side by side
     size_t panel_count;              ///< 0: one panel, of refine.levels
@@ -54,6 +57,10 @@ int curve_run(const arguments *given, curve_job *job);
 
 /// Read the options of motions, once the others are read. False after a message.
 bool motion_read(const arguments *given, curve_job *job);
+/// The name of the scheme that a motion gets when the user names none.
+const char *motion_scheme(const curve_job *job, const bat_curve_set *keyframes);
+/// Read the file of times. Returns the program's exit code, after a message where it is not EXIT_DONE.
+int motion_read_times(curve_job *job);
 /// curve_refine() of a motion.
 int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t levels, bat_curve_set *fine);
 /// Report that refining failed with curve `failed` of a set.

@@ -187,11 +187,15 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
     (void)printf("%zu curve%s %s, scheme %s, ", fine->count, many ? "s" : "", place_of(fine->space, place, sizeof place),
                  job->scheme);
     if (job->motion.rate > 0)
-        (void)printf("%g points a unit of time\n", job->motion.rate);
+        (void)printf("%.15g points a unit of time\n", job->motion.rate);
+    else if (job->motion.times != NULL)
+        (void)printf("%zu given times\n", job->motion.time_count);
     else if (curve_stops(job))
         print_stops(job, &findings->done.curves);
     else
         (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
+    if (job->is_motion && job->motion.rate == 0 && strcmp(job->scheme, "spline") != 0 && bat_motion_has_times(fine))
+        (void)printf("times do not steer this scheme; --scheme spline makes motions in time\n");
     if (has_corners(job, findings))
         (void)printf("%zu corner%s kept\n", findings->done.curves.corners, findings->done.curves.corners == 1 ? "" : "s");
     (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
@@ -241,17 +245,22 @@ static json_t *map_json(const bat_curve_map_report *map)
 
 static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
-    bool sampled = job->motion.rate > 0;
-    json_t *amount = sampled ? json_real(job->motion.rate) : json_integer((json_int_t)job->refine.levels);
-    if (!sampled && curve_stops(job))
+    bool sampled = job->motion.rate > 0, timed = job->motion.times != NULL;
+    json_t *amount = timed     ? json_integer((json_int_t)job->motion.time_count)
+                     : sampled ? json_real(job->motion.rate)
+                               : json_integer((json_int_t)job->refine.levels);
+    if (!sampled && !timed && curve_stops(job))
     {
         json_decref(amount);
         amount =
             json_pack("[I, I]", (json_int_t)findings->done.curves.min_levels, (json_int_t)findings->done.curves.max_levels);
     }
     json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
-                               sampled ? "rate" : "levels", amount, "curves", (json_int_t)fine->count, "given",
-                               totals_json(&findings->before), "refined", totals_json(&findings->after));
+                               timed     ? "times"
+                               : sampled ? "rate"
+                                         : "levels",
+                               amount, "curves", (json_int_t)fine->count, "given", totals_json(&findings->before), "refined",
+                               totals_json(&findings->after));
     if (bat_curve_set_note(fine, 0) != NULL && json_object_set_new(object, "notes", notes_json(fine)) != 0)
     {
         json_decref(object);

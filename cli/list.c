@@ -89,7 +89,7 @@ static const struct
     const char *what;
     choice_list lists[MOST_LISTS];
 } FAMILIES[] = {
-    {"schemes", {bat_curve_scheme_list, bat_hermite_list, mesh_scheme_row}},
+    {"schemes", {bat_curve_scheme_list, bat_motion_list, mesh_scheme_row}},
     {"spaces", {bat_space_list}},
     {"formats", {bat_curve_format_list, bat_mesh_format_list, bat_cloud_format_list, bat_surface_format_list}},
     {"models", {bat_curve_model_list}},

@@ -3,15 +3,23 @@
 #include "report.h"
 #include "verbs.h"
 
+#include "batten/motion_file.h"
+
 #include <string.h>
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the motion to OUT (- for standard output)"},
     {"rate", 0, "R", "R points a unit of time, in place of --levels"},
-    {"levels", 0, "K", "how often to refine; every level doubles the number of intervals; default 5"},
-    {"scheme", 0, "NAME", "a scheme for points with tangents, see `batten list schemes`; default hermite"},
+    {"times", 0, "FILE", "the points at these increasing times, a number a line, in place of --levels"},
+    {"levels", 0, "K", "spline: 2^K parts of each interval; other schemes: how often to refine; default 5"},
+    {"scheme", 0, "NAME",
+     "spline, in time (default where IN has times), or a scheme for points with tangents, see `batten list schemes`"},
     {"velocities", 0, NULL, "write velocities even if IN has none"},
-    {"tangents", 0, "ORDER", "order of the tangents estimated where IN has none, 2 (default) or 4"},
+    {"tangents", 0, "HOW",
+     "how velocities are found where IN has none: resting (default), smooth or limited, see docs/motion.md, or "
+     "estimates of order 2 or 4"},
+    {"ends", 0, "RULE", "spline: auto (default), not-a-knot, natural or clamped, which is at rest"},
+    {"extrapolate", 0, NULL, "spline: go on before the first and after the last keyframe, with constant velocity"},
     {"space", 0, "NAME",
      "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: by the file"},
     {"translation-weight", 0, "W", "rigid: how many radians a unit of length counts as much as; default 1"},
@@ -34,15 +42,15 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
-static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ}, {NULL, 0}};
+static const file_option FILES[] = {
+    {"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ}, {"times", FILE_READ}, {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage = "batten motion IN -o OUT [--rate R|--levels K] [--scheme NAME] [--picture FILE] [options]",
+    .usage = "batten motion IN -o OUT [--rate R|--times FILE|--levels K] [--scheme NAME] [--picture FILE] [options]",
     .summary =
         "Make a smooth motion through the keyframes of a file (CSV, TUM; - for standard input): points, rotations, poses "
         "or\n"
-        "tensors, with times and velocities where the file has them. docs/algorithms/hermite-schemes.md explains the "
-        "schemes and "
+        "tensors, with times and velocities where the file has them. docs/motion.md explains the schemes and "
         "docs/formats.md\n"
         "the columns. Without -o, --picture and --json the result goes to standard output in the format of the input.",
     .options = OPTIONS,
@@ -53,9 +61,9 @@ static const verb_spec SPEC = {
 };
 
 /// Options of `batten curve` that only motions take, and those that they do not take.
-static const char *const MOTION_OPTIONS[] = {"rate", "velocities", "tangents"};
-static const char *const CURVE_OPTIONS[] = {"fairness",     "model",     "snap",        "ends",
-                                            "best-tension", "tolerance", "max-segment", "corner-angle"};
+static const char *const MOTION_OPTIONS[] = {"rate", "times", "velocities", "tangents"};
+static const char *const CURVE_OPTIONS[] = {"fairness",  "model",       "snap",        "best-tension",
+                                            "tolerance", "max-segment", "corner-angle"};
 
 /// The first of `count` options that was given, or null.
 static const char *first_given(const arguments *given, const char *const *options, size_t count)
@@ -66,27 +74,49 @@ static const char *first_given(const arguments *given, const char *const *option
     return NULL;
 }
 
-static bool is_hermite(const char *scheme)
+static bool is_motion_scheme(const char *scheme)
 {
-    static const char family[] = "hermite";
-    size_t length = sizeof family - 1;
-    return strncmp(scheme, family, length) == 0 && strchr(":-", scheme[length]) != NULL;
+    static const char *const families[] = {"hermite", "spline"};
+    for (size_t i = 0; i < sizeof families / sizeof *families; i++)
+    {
+        size_t length = strlen(families[i]);
+        if (strncmp(scheme, families[i], length) == 0 && strchr(":-", scheme[length]) != NULL)
+            return true;
+    }
+    return false;
+}
+
+/// --tangents: a shape of splines, or the order of estimates.
+static bool read_tangents(const arguments *given, curve_job *job)
+{
+    const char *how = argument(given, "tangents");
+    bat_motion_options *motion = &job->motion;
+    if (how == NULL || bat_motion_shape_by_name(how, &motion->spline.shape, NULL) == BAT_OK)
+        return true;
+    if (strcmp(how, "2") != 0 && strcmp(how, "4") != 0)
+    {
+        (void)usage_error(given, "--tangents takes resting, smooth, limited, 2 or 4, not '%s'", how);
+        return false;
+    }
+    motion->tangent_order = (size_t)(how[0] - '0');
+    return true;
 }
 
 static bool read_numbers(const arguments *given, curve_job *job)
 {
     bat_motion_options *motion = &job->motion;
-    long order;
+    const char *ends = argument(given, "ends");
     bat_error error;
-    if (!argument_number(given, "rate", motion->rate, &motion->rate) ||
-        !argument_whole(given, "tangents", 2, 4, (long)motion->tangent_order, &order) ||
+    if (!argument_number(given, "rate", motion->rate, &motion->rate) || !read_tangents(given, job) ||
         !argument_number(given, "translation-weight", 0, &job->read.translation_weight))
         return false;
-    motion->tangent_order = (size_t)order;
     motion->velocities = argument_flag(given, "velocities");
+    motion->spline.extrapolate = job->is_verb && argument_flag(given, "extrapolate");
+    job->times_file = argument(given, "times");
     if (argument(given, "rate") != NULL && !(motion->rate > 0))
         (void)usage_error(given, "--rate takes a positive number");
-    else if (bat_motion_options_check(motion, &error) != BAT_OK)
+    else if ((job->is_verb && ends != NULL && bat_motion_ends_by_name(ends, &motion->spline.ends, &error) != BAT_OK) ||
+             bat_motion_options_check(motion, &error) != BAT_OK)
         (void)usage_error(given, "%s", error.text);
     else if (argument(given, "translation-weight") != NULL && !(job->read.translation_weight > 0))
         (void)usage_error(given, "--translation-weight takes a positive number");
@@ -95,19 +125,38 @@ static bool read_numbers(const arguments *given, curve_job *job)
     return false;
 }
 
+/// Options that only splines have, or null.
+static const char *first_of_splines(const arguments *given, const curve_job *job)
+{
+    static const char *const options[] = {"times", "ends", "extrapolate"};
+    const char *how = argument(given, "tangents");
+    if (how != NULL && job->motion.tangent_order == 0)
+        return "tangents";
+    return first_given(given, options, job->is_verb ? 3 : 1);
+}
+
 static bool check_options(const arguments *given, const curve_job *job)
 {
     const char *for_motions = first_given(given, MOTION_OPTIONS, sizeof MOTION_OPTIONS / sizeof *MOTION_OPTIONS);
     const char *for_curves = first_given(given, CURVE_OPTIONS, sizeof CURVE_OPTIONS / sizeof *CURVE_OPTIONS);
-    bool sampled = job->motion.rate > 0;
+    const char *scheme = job->scheme != NULL ? job->scheme : "spline", *for_splines = first_of_splines(given, job);
+    bool sampled = job->motion.rate > 0 || job->times_file != NULL;
+    if (for_curves == NULL && !job->is_verb && argument(given, "ends") != NULL)
+        for_curves = "ends";
     if (!job->is_motion && for_motions != NULL)
-        (void)usage_error(given, "--%s goes with --scheme hermite, not '%s'", for_motions, job->scheme);
+        (void)usage_error(given, "--%s goes with --scheme spline or hermite, not '%s'", for_motions, job->scheme);
     else if (job->is_motion && for_curves != NULL)
-        (void)usage_error(given, "--%s does not go with --scheme hermite", for_curves);
+        (void)usage_error(given, "--%s does not go with --scheme %s", for_curves, scheme);
+    else if (job->motion.rate > 0 && job->times_file != NULL)
+        (void)usage_error(given, "--rate and --times exclude each other");
     else if (sampled && (argument(given, "levels") != NULL || argument(given, "panel") != NULL))
-        (void)usage_error(given, "--rate and --levels exclude each other");
-    else if (sampled && (job->motion.scheme.kind != BAT_HERMITE_LANE_RIESENFELD || job->motion.scheme.order != 1))
-        (void)usage_error(given, "--rate goes with --scheme hermite, not '%s'", job->scheme);
+        (void)usage_error(given, "--%s and --levels exclude each other", job->motion.rate > 0 ? "rate" : "times");
+    else if (job->motion.method == BAT_MOTION_HERMITE && for_splines != NULL)
+        (void)usage_error(given, "--%s%s goes with --scheme spline, not '%s'", for_splines,
+                          strcmp(for_splines, "tangents") == 0 ? " by name" : "", scheme);
+    else if (job->motion.rate > 0 && job->motion.method == BAT_MOTION_HERMITE &&
+             (job->motion.scheme.kind != BAT_HERMITE_LANE_RIESENFELD || job->motion.scheme.order != 1))
+        (void)usage_error(given, "--rate goes with --scheme spline or hermite, not '%s'", scheme);
     else
         return true;
     return false;
@@ -116,28 +165,52 @@ static bool check_options(const arguments *given, const curve_job *job)
 bool motion_read(const arguments *given, curve_job *job)
 {
     bat_error error;
-    bool forced = job->is_motion;
+    job->is_verb = job->is_motion;
     job->scheme = argument(given, "scheme");
     job->motion = bat_motion_defaults();
-    job->motion.scheme.threads = job->refine.threads;
-    if (job->scheme == NULL &&
-        (forced || first_given(given, MOTION_OPTIONS, sizeof MOTION_OPTIONS / sizeof *MOTION_OPTIONS) != NULL))
-        job->scheme = "hermite";
-    job->is_motion = job->scheme != NULL && is_hermite(job->scheme);
-    if (forced && !job->is_motion)
+    job->motion.scheme.threads = job->motion.spline.threads = job->refine.threads;
+    if (job->scheme != NULL)
+        job->is_motion = is_motion_scheme(job->scheme);
+    else if (first_given(given, MOTION_OPTIONS, sizeof MOTION_OPTIONS / sizeof *MOTION_OPTIONS) != NULL)
+        job->is_motion = true;
+    if (job->is_verb && !job->is_motion)
     {
         (void)usage_error(given, "'%s' is no scheme for points with tangents; `batten list schemes` names them",
                           job->scheme);
         return false;
     }
-    if (job->is_motion && bat_hermite_by_name(job->scheme, &job->motion.scheme, &error) != BAT_OK)
+    if (job->is_motion && job->scheme != NULL && bat_motion_by_name(job->scheme, &job->motion, &error) != BAT_OK)
     {
         (void)usage_error(given, "%s", error.text);
         return false;
     }
-    if (job->is_motion && !forced)
+    if (job->is_motion && !job->is_verb)
         job->hint = "is treated as a motion";
     return read_numbers(given, job) && check_options(given, job);
+}
+
+const char *motion_scheme(const curve_job *job, const bat_curve_set *keyframes)
+{
+    bat_motion_options options = job->motion;
+    double time = 0;
+    if (job->times_file != NULL)
+    {
+        // They are read later.
+        options.times = &time;
+        options.time_count = 1;
+    }
+    return bat_motion_method_for(keyframes, &options) == BAT_MOTION_SPLINE ? "spline" : "hermite";
+}
+
+int motion_read_times(curve_job *job)
+{
+    bat_error error;
+    size_t count;
+    if (bat_motion_times_read(job->times_file, &job->times, &count, &error) != BAT_OK)
+        return report_bad_input(job->given, job->times_file, &error);
+    job->motion.times = job->times;
+    job->motion.time_count = count;
+    return EXIT_DONE;
 }
 
 int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t levels, bat_curve_set *fine)

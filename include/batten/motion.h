@@ -3,21 +3,53 @@
 
 #include "batten/curve_set.h"
 #include "batten/motion_hermite.h"
+#include "batten/motion_spline.h"
 
 BAT_C_BEGIN
 
 /// @file
 /// Smooth motions from keyframes in a set of curves: points, with times and velocities where columns of the file have them.
-/// docs/formats.md has the names of the columns; docs/algorithms/hermite-schemes.md explains the schemes.
+/// docs/formats.md has the names of the columns; docs/algorithms/motion-splines.md and hermite-schemes.md explain the
+/// methods.
+///
+/// Conventions: quaternions are (w, x, y, z); angular velocities are in the body's frame, in radians a unit of time; rigid
+/// motions are the product of translations and rotations, and their velocities those in the fixed frame, then the angular
+/// ones.
+
+/// How a motion is made.
+typedef enum bat_motion_method
+{
+    BAT_MOTION_AUTO,   ///< BAT_MOTION_SPLINE where there are times, or a rate; BAT_MOTION_HERMITE where there are none, or
+                       ///< for another Hermite scheme than the default one
+    BAT_MOTION_SPLINE, ///< bat_motion_spline_new(): keyframes are samples in time
+    BAT_MOTION_HERMITE ///< Hermite schemes: bat_hermite_refine() by levels, for shapes; times do not steer it. At a rate,
+                       ///< bat_hermite_sample_rate()
+} bat_motion_method;
 
 /// Options of motions. Begin with bat_motion_defaults().
 typedef struct bat_motion_options
 {
-    bat_hermite_options scheme; ///< kind, order, levels and so on, where `rate` is 0; default bat_hermite_defaults()
-    double rate;                ///< samples a unit of time, at least 0; 0: refine by levels instead; default 0
-    size_t tangent_order;       ///< 2 or 4: the order of tangents that are estimated where the file has none; default 2
-    bool velocities;            ///< write velocities also where the keyframes have none; default false
+    bat_motion_method method;         ///< default BAT_MOTION_AUTO
+    bat_motion_spline_options spline; ///< of BAT_MOTION_SPLINE; default bat_motion_spline_defaults()
+    bat_hermite_options scheme;       ///< kind, order, levels and so on, where `rate` is 0; default bat_hermite_defaults().
+                                ///< Splines take `levels`, 2^levels parts of each interval, and `max_points`
+    double rate;          ///< samples a unit of time, at least 0; 0: by levels instead; default 0
+    const double *times;  ///< BAT_MOTION_SPLINE: `time_count` increasing times to sample at; null: none; default null
+    size_t time_count;    ///< default 0
+    size_t tangent_order; ///< 2 or 4: the order of tangents that are estimated where the file has none. 0: splines solve for
+                          ///< continuous accelerations, Hermite schemes take 2; default 0
+    bool velocities;      ///< write velocities also where the keyframes have none; default false
 } bat_motion_options;
+
+/// The method that a set of keyframes gets: that of the options, or what BAT_MOTION_AUTO chooses. Null options are defaults.
+BAT_API bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_options *options);
+/// Options by a scheme's name, as the program's `--scheme` takes it: "spline", or a name of bat_hermite_by_name().
+/// @param options other fields than the method and the scheme are untouched
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
+BAT_API bat_status bat_motion_by_name(const char *name, bat_motion_options *options, bat_error *error);
+/// The table of schemes of motions, row by row: "spline" and those of bat_hermite_list(); `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_motion_list(size_t index, bat_choice *choice);
 
 /// The options' default values.
 BAT_API bat_motion_options bat_motion_defaults(void);
@@ -30,13 +62,16 @@ BAT_API bool bat_motion_has_times(const bat_curve_set *set);
 /// Whether the curves of a set have velocities: channels from columns of these names.
 BAT_API bool bat_motion_has_velocities(const bat_curve_set *set);
 
-/// Whether a set is a motion, for which a Hermite scheme is the default: rotations, poses or tensors with times or
+/// Whether a set is a motion, for which bat_motion_curves() is the default: rotations, poses or tensors with times or
 /// velocities.
 BAT_API bool bat_motion_suits(const bat_curve_set *set);
 
-/// The Hermite data of one curve of a set: its points, its times, and its velocities. Missing velocities are estimated as
-/// tangents of the order in the options. Without a rate, BAT_HERMITE_LANE_RIESENFELD gets unit tangents.
-/// BAT_HERMITE_TRANSPORT gets derivatives by the index, for which times must be evenly spaced.
+/// The Hermite data of one curve of a set: its points, its times, and its velocities. Splines compute missing velocities;
+/// for Hermite schemes they are estimated as tangents of the order in the options.
+///
+/// What the tangents are depends on the method (bat_motion_method_for()). BAT_MOTION_SPLINE, and a rate: velocities.
+/// BAT_MOTION_HERMITE without a rate: unit vectors for BAT_HERMITE_LANE_RIESENFELD, which are not velocities and must not be
+/// sampled in time; derivatives by the index for BAT_HERMITE_TRANSPORT, for which times must be evenly spaced.
 ///
 /// @param options null for the defaults
 /// @param keys    receives the data; release it with bat_hermite_free()
@@ -46,17 +81,19 @@ BAT_API bool bat_motion_suits(const bat_curve_set *set);
 BAT_API bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
                                    bat_hermite_curve *keys, bat_error *error);
 
-/// Make smooth curves of the keyframes in a set, with the same kind of columns: bat_hermite_sample_rate() at a rate, else
-/// bat_hermite_refine(). Sampled curves always have times; without times in the set, keyframe i is at time i.
+/// Make smooth curves of the keyframes in a set, with the same kind of columns, by bat_motion_method_for(): a spline sampled
+/// at given times, at a rate, or at 2^levels parts of each interval; or a refined Hermite curve. Sampled curves always have
+/// times; without times in the set, keyframe i is at time i.
 ///
-/// Velocities are written where the set has them or the options demand them. Sampling and BAT_HERMITE_TRANSPORT give those
-/// of the motion. BAT_HERMITE_LANE_RIESENFELD gives the scheme's direction times the speed between neighbours; without
-/// times, the unit direction. The signs of quaternions do not jump.
+/// Velocities are written where the set has them or the options demand them. Splines, sampling and BAT_HERMITE_TRANSPORT
+/// give those of the motion. BAT_HERMITE_LANE_RIESENFELD gives the scheme's direction times the speed between neighbours;
+/// without times, the unit direction. The signs of quaternions do not jump.
 ///
 /// @param options null for the defaults
 /// @param fine    receives a curve for each one of `keyframes`; release it with bat_curve_set_free()
 /// @param failed  receives the index of the failing curve; may be null
-/// @return as bat_motion_data(), bat_hermite_refine() and bat_hermite_sample_rate(); `fine` is untouched on failure
+/// @return as bat_motion_data(), bat_motion_spline_new(), bat_motion_spline_sample(), bat_hermite_refine() and
+///         bat_hermite_sample_rate(); `fine` is untouched on failure
 BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_options *options, bat_curve_set *fine,
                                      size_t *failed, bat_error *error);
 

@@ -29,9 +29,9 @@ typedef enum bat_motion_shape
 {
     BAT_MOTION_SHAPE_RESTING, ///< equal neighbouring keys make a constant motion, and velocities next to it are limited;
                               ///< else twice continuously differentiable
-    BAT_MOTION_SHAPE_SMOOTH, ///< twice continuously differentiable everywhere; overshoots where keys rest
-    BAT_MOTION_SHAPE_LIMITED ///< velocities limited as Fritsch and Carlson (1980) do: monotone along every geodesic between
-                             ///< neighbours; once continuously differentiable
+    BAT_MOTION_SHAPE_SMOOTH,  ///< twice continuously differentiable everywhere; overshoots where keys rest
+    BAT_MOTION_SHAPE_LIMITED  ///< velocities limited as Fritsch and Carlson (1980) do: monotone along every geodesic between
+                              ///< neighbours; once continuously differentiable
 } bat_motion_shape;
 
 /// The ends by name: "auto", "not-a-knot", "natural", "clamped".

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/number_digits.h"
 #include "motion/hermite_average.h"
 #include "motion/hermite_check.h"
 
@@ -129,8 +130,12 @@ static bat_status check_sample_time(const bat_hermite_curve *curve, double time,
 {
     double begin = time_of(curve, 0), end = time_of(curve, curve->count - 1);
     if (!isfinite(time) || (!curve->closed && !(time >= begin && time <= end)))
-        return error_set(error, BAT_INVALID_ARGUMENT, index, 0,
-                         "time %zu, %.17g, is not within those of the curve, %g to %g", index, time, begin, end);
+    {
+        char digits[3][NUMBER_DIGITS_SIZE];
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "time %zu, %s, is not within those of the curve, %s to %s",
+                         index, number_digits(time, digits[0]), number_digits(begin, digits[1]),
+                         number_digits(end, digits[2]));
+    }
     return BAT_OK;
 }
 
@@ -149,9 +154,10 @@ bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *time
         open_interval(curve, find_interval(curve, time), &span);
         status = sample_interval(&span, time, points + i * space->point_dim,
                                  velocities != NULL ? velocities + i * space->tangent_dim : NULL);
+        char digits[NUMBER_DIGITS_SIZE];
         if (status != BAT_OK)
-            (void)error_set(error, status, i, 0, "there is no point at time %zu, %g (%s)", i, times[i],
-                            bat_status_name(status));
+            (void)error_set(error, status, i, 0, "there is no point at time %zu, %s (%s)", i,
+                            number_digits(times[i], digits), bat_status_name(status));
     }
     return status;
 }
@@ -163,7 +169,8 @@ static bat_status count_samples(const bat_hermite_curve *curve, double rate, siz
     if (!(rate > 0 && isfinite(rate)))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the rate must be positive, not %g", rate);
     if (!(steps < (double)(SIZE_MAX >> 24)))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%g samples are too many", steps);
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%.15g samples are too many; a lower rate makes fewer",
+                         steps);
     *count = curve->closed ? (size_t)ceil(steps - RATE_TOLERANCE) : (size_t)floor(steps + RATE_TOLERANCE) + 1;
     *count = *count == 0 ? 1 : *count;
     return BAT_OK;
@@ -182,7 +189,7 @@ bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, 
     result.tangents = memory_array(result.count, space->tangent_dim * sizeof *result.tangents);
     result.times = memory_array(result.count, sizeof *result.times);
     if (result.points == NULL || result.tangents == NULL || result.times == NULL)
-        status = error_memory(error, result.count * space->point_dim * sizeof *result.points);
+        status = error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "there is no memory for %zu points", result.count);
     double begin = time_of(curve, 0), end = time_of(curve, interval_count(curve));
     for (size_t i = 0; i < result.count && status == BAT_OK; i++)
         result.times[i] = fmin(begin + (double)i / rate, end);

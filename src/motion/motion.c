@@ -1,7 +1,9 @@
 #include "batten/motion.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/number_digits.h"
 #include "base/option.h"
 #include "curve/csv_columns.h"
 
@@ -15,7 +17,30 @@ static const double EVEN_TOLERANCE = 1e-6;
 
 bat_motion_options bat_motion_defaults(void)
 {
-    return (bat_motion_options){.scheme = bat_hermite_defaults(), .tangent_order = 2};
+    return (bat_motion_options){.spline = bat_motion_spline_defaults(), .scheme = bat_hermite_defaults()};
+}
+
+static const bat_choice SPLINE[] = {
+    {.name = "spline", .summary = "a motion in time through its keys, with continuous velocity and acceleration"},
+};
+static const choice_table SPLINE_TABLE = CHOICE_TABLE("scheme of motions", SPLINE);
+
+bool bat_motion_list(size_t index, bat_choice *choice)
+{
+    return index > 0 ? bat_hermite_list(index - 1, choice) : choice_list(&SPLINE_TABLE, index, choice);
+}
+
+bat_status bat_motion_by_name(const char *name, bat_motion_options *options, bat_error *error)
+{
+    if (strcmp(name, SPLINE[0].name) == 0)
+    {
+        options->method = BAT_MOTION_SPLINE;
+        return BAT_OK;
+    }
+    bat_status status = bat_hermite_by_name(name, &options->scheme, error);
+    if (status == BAT_OK)
+        options->method = BAT_MOTION_HERMITE;
+    return status;
 }
 
 /// The form in which the points and velocities of a set are written.
@@ -58,6 +83,16 @@ bool bat_motion_has_velocities(const bat_curve_set *set)
     return channels_of(set).velocity_count > 0;
 }
 
+bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_options *options)
+{
+    if (options != NULL && options->method != BAT_MOTION_AUTO)
+        return options->method;
+    if (options != NULL && (options->scheme.kind != BAT_HERMITE_LANE_RIESENFELD || options->scheme.order != 1))
+        return BAT_MOTION_HERMITE;
+    bool timed = bat_motion_has_times(set) || (options != NULL && (options->rate > 0 || options->times != NULL));
+    return timed ? BAT_MOTION_SPLINE : BAT_MOTION_HERMITE;
+}
+
 bool bat_motion_suits(const bat_curve_set *set)
 {
     static const char *const spaces[] = {"rotation", "rigid", "spd"};
@@ -89,9 +124,10 @@ static bat_status take_times(const bat_curve *curve, size_t channel, bat_hermite
     for (size_t i = 0; i < keys->count; i++)
     {
         keys->times[i] = channel != BAT_NO_INDEX ? curve->channels[i * curve->channel_count + channel] : (double)i;
+        char digits[2][NUMBER_DIGITS_SIZE];
         if (i > 0 && !(keys->times[i] > keys->times[i - 1]))
-            return error_set(error, BAT_INVALID_POINT, i, 0, "the time %.15g does not come after %.15g", keys->times[i],
-                             keys->times[i - 1]);
+            return error_set(error, BAT_INVALID_POINT, i, 0, "the time %s does not come after %s",
+                             number_digits(keys->times[i], digits[0]), number_digits(keys->times[i - 1], digits[1]));
     }
     if (keys->closed && keys->count > 1)
         keys->closing_time = (keys->times[keys->count - 1] - keys->times[0]) / (double)(keys->count - 1);
@@ -149,7 +185,8 @@ static bat_status check_even(const bat_hermite_curve *keys, bat_error *error)
         double step = keys->times[i] - keys->times[i - 1], first = keys->times[1] - keys->times[0];
         if (!(fabs(step - first) <= EVEN_TOLERANCE * first))
             return error_set(error, BAT_UNSUPPORTED, i, 0,
-                             "schemes by parallel transport need evenly spaced times; here %g follows %g", step, first);
+                             "schemes by parallel transport need evenly spaced times; here %.10g follows %.10g", step,
+                             first);
     }
     return BAT_OK;
 }
@@ -160,17 +197,36 @@ static void scale_tangents(bat_hermite_curve *curve, double scale)
         curve->tangents[i] *= scale;
 }
 
+/// Whether a scheme refines directions, for which the lengths of tangents mean nothing.
+static bool takes_directions(bat_motion_method method, const bat_motion_options *options)
+{
+    return method == BAT_MOTION_HERMITE && options->rate == 0 && options->scheme.kind == BAT_HERMITE_LANE_RIESENFELD;
+}
+
+/// Missing velocities for splines: null where the system of the spline gives them.
+static bat_status make_velocities(bat_hermite_curve *keys, const bat_motion_options *options, bat_error *error)
+{
+    if (options->tangent_order != 0)
+        return bat_hermite_estimate_tangents(keys, options->tangent_order, error);
+    free(keys->tangents);
+    keys->tangents = NULL;
+    return BAT_OK;
+}
+
 /// Convert velocities to the tangents that the scheme refines, or estimate tangents where there are none. Data for
 /// BAT_HERMITE_TRANSPORT have times here.
-static bat_status make_tangents(bat_hermite_curve *keys, bool given, const bat_motion_options *options, bat_error *error)
+static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_method method,
+                                const bat_motion_options *options, bat_error *error)
 {
     double *times = keys->times;
-    bool directions = options->rate == 0 && options->scheme.kind == BAT_HERMITE_LANE_RIESENFELD;
+    bool directions = takes_directions(method, options);
     bat_status status = BAT_OK;
+    if (method == BAT_MOTION_SPLINE)
+        return given ? BAT_OK : make_velocities(keys, options, error);
     if (!given)
     {
         keys->times = directions ? NULL : times;
-        status = bat_hermite_estimate_tangents(keys, options->tangent_order, error);
+        status = bat_hermite_estimate_tangents(keys, options->tangent_order > 0 ? options->tangent_order : 2, error);
         keys->times = times;
     }
     else if (directions)
@@ -188,29 +244,55 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
 {
     const bat_curve *from = &set->curves[curve];
     bool given = channels->velocity_count > 0;
-    bool directions = options->rate == 0 && options->scheme.kind == BAT_HERMITE_LANE_RIESENFELD;
+    bat_motion_method method = bat_motion_method_for(set, options);
     bat_status status = keys->times != NULL ? take_times(from, channels->time, keys, error) : BAT_OK;
     if (status == BAT_OK && keys->count < (keys->closed ? 3U : 2U))
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s curve needs at least %d points, not %zu",
                            keys->closed ? "a closed" : "an open", keys->closed ? 3 : 2, keys->count);
     if (status == BAT_OK)
-        status = check_neighbours(set, curve, keys, directions, error);
+        status = check_neighbours(set, curve, keys, takes_directions(method, options), error);
     if (status == BAT_OK && given)
         status = take_velocities(from, form_of(set), channels, keys, error);
-    return status == BAT_OK ? make_tangents(keys, given, options, error) : status;
+    return status == BAT_OK ? make_tangents(keys, given, method, options, error) : status;
+}
+
+static bat_status check_times(const bat_motion_options *options, bat_error *error)
+{
+    char digits[2][NUMBER_DIGITS_SIZE];
+    if (options->times == NULL && options->time_count > 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "time_count is %zu, but times is null",
+                         options->time_count);
+    if (options->times != NULL && (options->time_count == 0 || options->rate > 0))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         options->rate > 0 ? "times and rate exclude each other"
+                                           : "time_count is 0, but must be at least 1");
+    if (options->times != NULL && options->method == BAT_MOTION_HERMITE)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "times go with splines, not with Hermite schemes");
+    for (size_t i = 0; i < options->time_count; i++)
+        if (!isfinite(options->times[i]) || (i > 0 && !(options->times[i] > options->times[i - 1])))
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "time %zu, %s, does not come after %s", i,
+                             number_digits(options->times[i], digits[0]),
+                             number_digits(i > 0 ? options->times[i - 1] : -INFINITY, digits[1]));
+    return BAT_OK;
 }
 
 bat_status bat_motion_options_check(const bat_motion_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_motion_options, method, OPTION_CHOICE, BAT_MOTION_AUTO, BAT_MOTION_HERMITE),
         OPTION_FIELD(bat_motion_options, rate, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_options, tangent_order, OPTION_SIZE, 2, 4),
+        OPTION_FIELD(bat_motion_options, tangent_order, OPTION_SIZE, 0, 4),
     };
     if (options == NULL)
         return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK && options->tangent_order == 3)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangent_order is 3, but must be 2 or 4");
+    if (status == BAT_OK && options->tangent_order % 2 == 1)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangent_order is %zu, but must be 0, 2 or 4",
+                           options->tangent_order);
+    if (status == BAT_OK)
+        status = check_times(options, error);
+    if (status == BAT_OK)
+        status = bat_motion_spline_options_check(&options->spline, error);
     return status == BAT_OK ? bat_hermite_options_check(&options->scheme, error) : status;
 }
 
@@ -222,13 +304,12 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_optio
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].channel_count != known)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "Hermite schemes take points, times and velocities; other columns, here %zu, have no place",
+                             "motions have points, times and velocities; other columns, here %zu, have no place",
                              set->curves[i].channel_count - known);
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].corners != NULL)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                             "Hermite schemes have no corners: a column of corners "
-                             "has no place in a motion");
+                             "motions have no corners: a column of corners has no place");
     bool degrees = set->attributes != NULL && set->attributes->csv.degrees;
     if (options->velocities && (is_nameless(set) || degrees))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "files have no columns for velocities in the space %s%s",
@@ -236,19 +317,18 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_optio
     return BAT_OK;
 }
 
-bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
-                           bat_hermite_curve *keys, bat_error *error)
+/// bat_motion_data(), but with null tangents where a spline is to find velocities.
+static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+                            bat_hermite_curve *keys, bat_error *error)
 {
-    bat_motion_options defaults = bat_motion_defaults();
     bat_hermite_curve made;
     bat_error fault = {.index = BAT_NO_INDEX};
-    if (options == NULL)
-        options = &defaults;
     motion_channels channels = channels_of(set);
     bat_status status = bat_motion_options_check(options, &fault);
     if (status == BAT_OK)
         status = check_columns(set, options, &channels, &fault);
-    bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_TRANSPORT;
+    bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_TRANSPORT ||
+                 bat_motion_method_for(set, options) == BAT_MOTION_SPLINE;
     if (status == BAT_OK)
         status = data_allocate(&set->curves[curve], timed, &made, &fault);
     if (status == BAT_OK)
@@ -264,6 +344,48 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
         *error = fault;
         error->line = fault.index != BAT_NO_INDEX ? bat_curve_set_line(set, curve, fault.index) : 0;
     }
+    return status;
+}
+
+/// The spline of one curve.
+static bat_status make_spline(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+                              const bat_hermite_curve *keys, bat_motion_spline **spline, bat_error *error)
+{
+    bat_error fault = {.index = BAT_NO_INDEX};
+    bat_status status = bat_motion_spline_new(keys, &options->spline, spline, &fault);
+    if (status != BAT_OK && error != NULL)
+    {
+        *error = fault;
+        error->line = fault.index != BAT_NO_INDEX ? bat_curve_set_line(set, curve, fault.index) : 0;
+    }
+    return status;
+}
+
+bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+                           bat_hermite_curve *keys, bat_error *error)
+{
+    bat_motion_options defaults = bat_motion_defaults();
+    bat_motion_spline *spline;
+    bat_hermite_curve made;
+    options = options != NULL ? options : &defaults;
+    bat_status status = take_data(set, curve, options, &made, error);
+    if (status == BAT_OK && made.tangents == NULL)
+    {
+        status = make_spline(set, curve, options, &made, &spline, error);
+        if (status == BAT_OK)
+        {
+            made.tangents = memory_array(made.count, made.space->tangent_dim * sizeof(double));
+            if (made.tangents == NULL)
+                status = error_memory(error, made.count * made.space->tangent_dim * sizeof(double));
+            else
+                bat_motion_spline_velocities(spline, made.tangents);
+            bat_motion_spline_free(spline);
+        }
+        if (status != BAT_OK)
+            bat_hermite_free(&made);
+    }
+    if (status == BAT_OK)
+        *keys = made;
     return status;
 }
 
@@ -306,7 +428,8 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_opti
 {
     motion_channels given = channels_of(set);
     const point_form *form = form_of(set);
-    bool time_missing = given.time == BAT_NO_INDEX && options->rate > 0;
+    bool sampled = options->rate > 0 || bat_motion_method_for(set, options) == BAT_MOTION_SPLINE;
+    bool time_missing = given.time == BAT_NO_INDEX && sampled;
     bool velocities_missing = given.velocity_count == 0 && options->velocities;
     *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count};
     if (time_missing && is_nameless(set))
@@ -432,20 +555,101 @@ static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_
         speed_up(smooth);
 }
 
+/// The number of samples of a motion.
+static bat_status count_samples(const bat_motion_spline *spline, const bat_hermite_curve *keys,
+                                const bat_motion_options *options, size_t *count, bat_error *error)
+{
+    /// The last sample of a rate may be this share of a step late.
+    static const double RATE_TOLERANCE = 1e-9;
+    size_t intervals = keys->closed ? keys->count : keys->count - 1;
+    double begin, end, wanted = (double)options->time_count;
+    bat_motion_spline_range(spline, &begin, &end);
+    if (options->rate > 0)
+    {
+        double steps = (end - begin) * options->rate;
+        wanted = fmax(keys->closed ? ceil(steps - RATE_TOLERANCE) : floor(steps + RATE_TOLERANCE) + 1, 1);
+    }
+    else if (options->times == NULL)
+        wanted = ldexp((double)intervals, (int)options->scheme.levels) + (keys->closed ? 0 : 1);
+    if (!(wanted <= (double)options->scheme.max_points))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%.15g points would be made, but at most %zu are allowed%s",
+                         wanted, options->scheme.max_points, options->rate > 0 ? "; a lower rate makes fewer" : "");
+    *count = (size_t)wanted;
+    return BAT_OK;
+}
+
+static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve *keys, const bat_motion_options *options,
+                       bat_hermite_curve *smooth)
+{
+    double begin, end;
+    bat_motion_spline_range(spline, &begin, &end);
+    size_t parts = (size_t)1 << options->scheme.levels;
+    for (size_t i = 0; i < smooth->count; i++)
+    {
+        size_t key = i / parts, part = i % parts;
+        if (options->times != NULL)
+            smooth->times[i] = options->times[i];
+        else if (options->rate > 0)
+            smooth->times[i] = fmin(begin + (double)i / options->rate, end);
+        else
+        {
+            double from = keys->times[key], to = key + 1 < keys->count ? keys->times[key + 1] : end;
+            smooth->times[i] = part == 0 ? from : from + (to - from) * ((double)part / (double)parts);
+        }
+    }
+    smooth->closing_time = keys->closed ? end - smooth->times[smooth->count - 1] : 0;
+}
+
+/// Sample the spline of a curve.
+static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermite_curve *keys,
+                                const bat_motion_options *options, bat_hermite_curve *smooth, bat_error *error)
+{
+    const bat_space *space = keys->space;
+    *smooth = (bat_hermite_curve){.space = space, .closed = keys->closed && options->times == NULL};
+    bat_status status = count_samples(spline, keys, options, &smooth->count, error);
+    if (status != BAT_OK)
+        return status;
+    smooth->points = memory_array(smooth->count, space->point_dim * sizeof(double));
+    smooth->tangents = memory_array(smooth->count, space->tangent_dim * sizeof(double));
+    smooth->times = memory_array(smooth->count, sizeof(double));
+    if (smooth->points == NULL || smooth->tangents == NULL || smooth->times == NULL)
+        return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "there is no memory for %zu points", smooth->count);
+    fill_times(spline, keys, options, smooth);
+    return bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, NULL, error);
+}
+
+static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_options *options,
+                                   const bat_hermite_curve *keys, bat_hermite_curve *smooth, bat_error *error)
+{
+    bat_motion_spline *spline;
+    bat_status status = make_spline(set, index, options, keys, &spline, error);
+    if (status != BAT_OK)
+        return status;
+    status = sample_spline(spline, keys, options, smooth, error);
+    bat_motion_spline_free(spline);
+    if (status != BAT_OK && error != NULL)
+        error->index = BAT_NO_INDEX; // of a sample, not of a keyframe
+    return status;
+}
+
 static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_motion_options *options,
                              const result_columns *columns, bat_curve *curve, bat_error *error)
 {
     bat_hermite_curve keys, smooth = {.space = set->space};
-    bat_status status = bat_motion_data(set, index, options, &keys, error);
+    bool splined = bat_motion_method_for(set, options) == BAT_MOTION_SPLINE;
+    bat_status status = take_data(set, index, options, &keys, error);
     if (status != BAT_OK)
         return status;
-    if (options->rate > 0)
+    if (splined)
+        status = smooth_by_spline(set, index, options, &keys, &smooth, error);
+    else if (options->rate > 0)
         status = bat_hermite_sample_rate(&keys, options->rate, &smooth, error);
     else
         status = bat_hermite_refine(&keys, &options->scheme, &smooth, error);
-    if (status == BAT_OK && options->rate == 0)
+    bool refined = !splined && options->rate == 0;
+    if (status == BAT_OK && refined)
         restore_velocities(&keys, &options->scheme, &smooth);
-    else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && options->rate == 0)
+    else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && refined)
         error->line = bat_curve_set_line(set, index, error->index);
     if (status == BAT_OK)
         status = make_curve(&smooth, columns, curve, error);

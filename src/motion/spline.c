@@ -3,6 +3,7 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/number_digits.h"
 #include "base/option.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
@@ -233,7 +234,7 @@ static bat_status take_times(const bat_hermite_curve *keys, bat_motion_spline *s
     {
         lengths[i] = spline->times[i + 1] - spline->times[i];
         if (!(lengths[i] > 0 && isfinite(lengths[i]) && isfinite(1 / (lengths[i] * lengths[i]))))
-            return error_set(error, BAT_INVALID_ARGUMENT, i + 1, 0, "the time from point %zu to the next, %.17g, is too %s",
+            return error_set(error, BAT_INVALID_ARGUMENT, i + 1, 0, "the time from point %zu to the next, %.10g, is too %s",
                              i, lengths[i], lengths[i] > 1 ? "long" : "short");
     }
     return BAT_OK;
@@ -381,8 +382,10 @@ static bat_status no_place(const bat_motion_spline *spline, double time, size_t 
 {
     double begin, end;
     bat_motion_spline_range(spline, &begin, &end);
-    return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "time %.17g is not within those of the motion, %.17g to %.17g",
-                     time, begin, end);
+    char digits[3][NUMBER_DIGITS_SIZE];
+    return error_set(error, BAT_INVALID_ARGUMENT, index, 0,
+                     "time %s is not within those of the motion, %s to %s; the option extrapolate goes on",
+                     number_digits(time, digits[0]), number_digits(begin, digits[1]), number_digits(end, digits[2]));
 }
 
 /// Beyond the keys: the geodesic from the nearest one with its velocity.
@@ -462,8 +465,9 @@ static bat_status evaluate(const bat_motion_spline *spline, const place *at, dou
 static bat_status leaves_space(const bat_motion_spline *spline, bat_status status, double time, size_t index,
                                bat_error *error)
 {
-    return error_set(error, status, index, 0, "the motion leaves the space %s at time %.17g (%s)", spline->space.name, time,
-                     bat_status_name(status));
+    char digits[NUMBER_DIGITS_SIZE];
+    return error_set(error, status, index, 0, "the motion leaves the space %s at time %s (%s)", spline->space.name,
+                     number_digits(time, digits), bat_status_name(status));
 }
 
 bat_status bat_motion_spline_at(const bat_motion_spline *spline, double time, double *point, double *velocity,

@@ -3,6 +3,7 @@
 #include "test_io_helpers.h"
 
 #include "batten/motion.h"
+#include "batten/motion_file.h"
 #include "batten/space.h"
 
 #include <stdio.h>
@@ -405,8 +406,13 @@ static void a_curve_has_its_data(void **state)
     assert_memory_equal(keys.tangents, velocities, sizeof velocities);
     assert_memory_equal(keys.times, times, sizeof times);
     bat_hermite_free(&keys);
-    // Without a rate the tangents are directions.
+    // Hermite schemes take directions, splines velocities.
+    bat_motion_options refined = bat_motion_defaults();
+    refined.method = BAT_MOTION_HERMITE;
     assert_int_equal(bat_motion_data(&set, 0, NULL, &keys, NULL), BAT_OK);
+    assert_memory_equal(keys.tangents, velocities, sizeof velocities);
+    bat_hermite_free(&keys);
+    assert_int_equal(bat_motion_data(&set, 0, &refined, &keys, NULL), BAT_OK);
     for (size_t i = 0; i < 3; i++)
     {
         const double *given = velocities + 2 * i, *made = keys.tangents + 2 * i;
@@ -466,8 +472,9 @@ static void times_must_increase(void **state)
 static void bad_keyframes_name_their_lines(void **state)
 {
     (void)state;
-    bat_motion_options sampled = bat_motion_defaults(), transport = bat_motion_defaults();
+    bat_motion_options sampled = bat_motion_defaults(), transport = bat_motion_defaults(), refined = sampled;
     sampled.rate = 4;
+    refined.method = BAT_MOTION_HERMITE;
     assert_int_equal(bat_hermite_by_name("hermite-merrien", &transport.scheme, NULL), BAT_OK);
     const char header[] = "time,qw,qx,qy,qz\n";
     char text[200];
@@ -475,13 +482,105 @@ static void bad_keyframes_name_their_lines(void **state)
     assert_refused(ROWS("0,1,0,0,0\n\n# next\n0,1,0,0,0\n1,0.6,0.8,0,0\n"), "rotation", &sampled, BAT_INVALID_ARGUMENT, 0,
                    "needs at least 2 points");
     assert_refused(ROWS("0,1,0,0,0\n# half a turn\n1,0,1,0,0\n"), "rotation", &sampled, BAT_CUT_LOCUS, 4, "lines 2 and 4");
-    assert_refused(ROWS("0,1,0,0,0\n1,-1,0,0,0\n"), "rotation", NULL, BAT_INVALID_POINT, 3, "lines 2 and 3");
+    assert_refused(ROWS("0,1,0,0,0\n1,-1,0,0,0\n"), "rotation", &refined, BAT_INVALID_POINT, 3, "lines 2 and 3");
     assert_refused(ROWS("0,1,0,0,0\n1,0.8,0.6,0,0\n3,0.6,0.8,0,0\n"), "rotation", &transport, BAT_UNSUPPORTED, 4,
                    "evenly spaced");
     assert_refused("x,y,time,height\n0,0,0,5\n1,1,1,6\n", "plane", &sampled, BAT_UNSUPPORTED, 0, "other columns");
     assert_refused("qw,qx,qy,qz,wx,wy,wz\n1,0,0,0,1,0,0\n0.8,0.6,0,0,0,0,0\n", "rotation", NULL, BAT_INVALID_POINT, 3,
                    "no direction");
 #undef ROWS
+}
+
+/// A set with times is sampled in time: at parts of its intervals, at a rate, or at given times; all are one motion.
+static void timed_keyframes_become_a_motion_in_time(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("0 0 0 0 0 0 0 1\n1 1 2 3 0 0 0.6 0.8\n4 4 2 3 0 0.6 0 0.8\n6 5 5 5 0 0 0 1\n", TUM, NULL);
+    bat_motion_options options = bat_motion_defaults();
+    assert_int_equal(bat_motion_method_for(&set, NULL), BAT_MOTION_SPLINE);
+    options.scheme.levels = 2;
+    bat_curve_set parts = must_smooth(&set, &options);
+    const double times[] = {0, 0.25, 0.5, 0.75, 1, 1.75, 2.5, 3.25, 4, 4.5, 5, 5.5, 6};
+    assert_int_equal(parts.curves[0].count, 13);
+    for (size_t i = 0; i < 13; i++)
+        assert_true(parts.curves[0].channels[i] == times[i]);
+    options.times = times;
+    options.time_count = 13;
+    bat_curve_set given = must_smooth(&set, &options);
+    assert_memory_equal(given.curves[0].points, parts.curves[0].points, 13 * 7 * sizeof(double));
+    bat_error error;
+    const double outside[] = {1, 7.5}, falling[] = {1, 0.5};
+    bat_curve_set none;
+    options.time_count = 2;
+    options.times = outside;
+    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "time 7.5 is not within those of the motion, 0 to 6"));
+    options.times = falling;
+    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "0.5, does not come after 1"));
+    options.times = NULL;
+    options.time_count = 0;
+    options.rate = 1e12;
+    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_TOO_LARGE);
+    assert_non_null(strstr(error.text, "6000000000001 points"));
+    bat_curve_set_free(&given);
+    bat_curve_set_free(&parts);
+    bat_curve_set_free(&set);
+}
+
+/// Messages and files have as many digits of times as identify them.
+static void times_keep_their_digits(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read("1305031098.6659 0 0 0 0 0 0 1\n1305031098.6758 1 2 3 0 0 0.6 0.8\n", TUM, NULL);
+    bat_motion_options options = bat_motion_defaults();
+    bat_error error;
+    bat_curve_set none;
+    const double before = 1305031098.6;
+    options.times = &before;
+    options.time_count = 1;
+    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "time 1305031098.6 is not within"));
+    assert_non_null(strstr(error.text, "1305031098.6659 to 1305031098.6758"));
+    bat_curve_set_free(&set);
+}
+
+static void files_of_times_are_read(void **state)
+{
+    (void)state;
+    const struct
+    {
+        const char *text;
+        size_t line;
+        const char *words;
+    } bad[] = {{"0\n1\n0.5\n", 3, "the time 0.5 does not come after 1"},
+               {"# t\n\n0 1\n", 3, "a line has one number"},
+               {"time\n0\ntime\n", 3, "not a time"},
+               {"# none\n", 0, "no times"},
+               {"nan\n", 1, "not a time"}};
+    const char *path = "times-of-a-test.txt";
+    double *times;
+    size_t count;
+    bat_error error;
+    for (size_t i = 0; i <= sizeof bad / sizeof *bad; i++)
+    {
+        bool good = i == sizeof bad / sizeof *bad;
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        (void)fputs(good ? "time\r\n-1\n\n# c\n 0.5 \n1e3" : bad[i].text, file);
+        assert_int_equal(fclose(file), 0);
+        error = (bat_error){.line = 0};
+        bat_status status = bat_motion_times_read(path, &times, &count, &error);
+        assert_int_equal(status, good ? BAT_OK : BAT_BAD_FILE);
+        if (good)
+            continue;
+        assert_int_equal(error.line, bad[i].line);
+        assert_non_null(strstr(error.text, bad[i].words));
+    }
+    assert_int_equal(count, 3);
+    assert_true(times[0] == -1 && times[1] == 0.5 && times[2] == 1000);
+    free(times);
+    (void)remove(path);
 }
 
 /// A motion with times may rest.
@@ -592,6 +691,9 @@ int main(void)
         cmocka_unit_test(data_by_index_need_even_times),
         cmocka_unit_test(times_must_increase),
         cmocka_unit_test(bad_keyframes_name_their_lines),
+        cmocka_unit_test(timed_keyframes_become_a_motion_in_time),
+        cmocka_unit_test(times_keep_their_digits),
+        cmocka_unit_test(files_of_times_are_read),
         cmocka_unit_test(motions_may_rest),
         cmocka_unit_test(forms_agree),
         cmocka_unit_test(motions_are_manifolds_in_time),

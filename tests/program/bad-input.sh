@@ -158,6 +158,15 @@ refused 2 'velocities goes with' curve keygood.in.csv --velocities --scheme log-
 refused 2 'order' curve keygood.in.csv --scheme hermite:order=0 -o out.csv
 refused 2 'order is 99, but must be from 1 to 10' curve keygood.in.csv --scheme hermite:order=99 -o out.csv
 refused 2 'no scheme' curve keygood.in.csv --scheme hermite-spline -o out.csv
+refused 2 'takes resting, smooth, limited, 2 or 4' motion keygood.in.csv --tangents 3 -o out.csv
+refused 2 'goes with --scheme spline' motion keygood.in.csv --scheme hermite --ends natural -o out.csv
+refused 2 'by name goes with --scheme spline' motion keygood.in.csv --scheme hermite --tangents limited -o out.csv
+printf '0\n1e6\n' > late.in.txt
+refused 1 'time 1000000 is not within .*--extrapolate' motion keygood.in.csv --times late.in.txt -o out.csv
+printf '1\n0\n' > falling.in.txt
+refused 1 'falling\.in\.txt:2: the time 0 does not come after 1' motion keygood.in.csv --times falling.in.txt -o out.csv
+refused 2 'rate and --times exclude' motion keygood.in.csv --times late.in.txt --rate 2 -o out.csv
+refused 1 'lower rate' motion keygood.in.csv --rate 1e14 -o out.csv
 refused 2 'ends does not go with' curve keygood.in.csv --scheme hermite --ends free -o out.csv
 refused 2 '2 or 4' curve keygood.in.csv --tangents 3 -o out.csv
 refused 2 'weight takes a positive' curve keygood.in.csv --translation-weight 0 -o out.csv

@@ -54,7 +54,7 @@ angle='angle-4 angle-6 angle:mu=-0.1,sign=printed angle-4:adaptive=1 learned lea
 # Two schemes by parallel transport: for evenly spaced times alone.
 transport='hermite-merrien hermite-merrien:base=midpoint hermite-de-rham'
 log_exp='log-exp-4 log-exp-4:base=midpoint log-exp-4:parameters=chordal catmull-rom cubic log-exp-6 log-exp-lane-riesenfeld:order=2 geodesic:order=2'
-hermite='hermite hermite:order=3'
+hermite='spline hermite hermite:order=3'
 for space in plane euclidean sphere disk hyperbolic rotation rigid spd; do
     case $space in
     plane) schemes="$linear $angle $log_exp $hermite $transport" ;;
@@ -64,9 +64,9 @@ for space in plane euclidean sphere disk hyperbolic rotation rigid spd; do
     *) schemes="$log_exp $hermite" ;;
     esac
     for scheme in $schemes; do
-        case $scheme in hermite*) verb=motion ;; *) verb=curve ;; esac
+        case $scheme in hermite* | spline) verb=motion ;; *) verb=curve ;; esac
         works $verb $space.csv --scheme "$scheme" --levels 2 -o "out.csv"
-        case $scheme in hermite*) ;; *) works curve $space.csv --scheme "$scheme" --levels 2 --closed --json ;; esac
+        case $scheme in hermite* | spline) ;; *) works curve $space.csv --scheme "$scheme" --levels 2 --closed --json ;; esac
     done
     case $space in rotation | rigid | spd) verb=motion ;; *) verb=curve ;; esac
     works $verb $space.csv -o default.csv
@@ -88,6 +88,13 @@ for space in rotation rigid spd; do
         works motion motion.csv --scheme $scheme --levels 1
     done
     works motion $space.csv --scheme hermite --rate 7 --velocities --threads 2
+done
+printf '0.5\n1\n' > times.txt
+for tangents in resting smooth limited 2 4; do
+    works motion rigid.csv --tangents $tangents --times times.txt --velocities -o out.csv
+done
+for ends in auto not-a-knot natural clamped; do
+    works motion rotation.csv --ends $ends --levels 1 -o out.csv
 done
 works motion rigid.csv --rate 5 --translation-weight 0.2 -o motion.tum
 works motion motion.tum --rate 9 --tangents 4 -o again.tum

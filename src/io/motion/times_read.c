@@ -1,0 +1,78 @@
+#include "batten/motion_file.h"
+
+#include "base/error.h"
+#include "base/file_bytes.h"
+#include "base/number_digits.h"
+#include "io/common/number_text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+/// The times of the lines of a text.
+typedef struct time_list
+{
+    double *times;
+    size_t count, capacity;
+} time_list;
+
+static bat_status add_line(time_list *list, const char *begin, const char *end, size_t line, bat_error *error)
+{
+    char excerpt[EXCERPT_SIZE], before[NUMBER_DIGITS_SIZE], digits[NUMBER_DIGITS_SIZE];
+    double time;
+    while (begin < end && is_blank(*begin))
+        begin++;
+    while (end > begin && is_blank(end[-1]))
+        end--;
+    bool title = list->count == 0 && end - begin == 4 && strncmp(begin, "time", 4) == 0;
+    if (begin == end || *begin == '#' || title)
+        return BAT_OK;
+    const char *fault = number_read(begin, end, &time);
+    if (fault != NULL)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a time (%s): a line has one number",
+                         text_excerpt(excerpt, begin, end), fault);
+    if (list->count > 0 && !(time > list->times[list->count - 1]))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "the time %s does not come after %s",
+                         number_digits(time, digits), number_digits(list->times[list->count - 1], before));
+    if (list->count == list->capacity)
+    {
+        size_t capacity = list->capacity > 0 ? 2 * list->capacity : 64;
+        double *grown = realloc(list->times, capacity * sizeof *grown);
+        if (grown == NULL)
+            return error_memory(error, capacity * sizeof *grown);
+        list->times = grown;
+        list->capacity = capacity;
+    }
+    list->times[list->count++] = time;
+    return BAT_OK;
+}
+
+bat_status bat_motion_times_read(const char *path, double **times, size_t *count, bat_error *error)
+{
+    text_buffer text = {0};
+    time_list list = {0};
+    bat_status status = file_bytes_read(path, FILE_MAX_BYTES, &text, error);
+    size_t line = 1;
+    for (const char *at = text.data, *end = text.data + text.size; status == BAT_OK && at < end; line++)
+    {
+        const char *stop = memchr(at, '\n', (size_t)(end - at));
+        stop = stop != NULL ? stop : end;
+        status = add_line(&list, at, stop, line, error);
+        at = stop < end ? stop + 1 : end;
+    }
+    if (status == BAT_OK && list.count == 0)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has no times");
+    text_free(&text);
+    if (status == BAT_OK)
+    {
+        *times = list.times;
+        *count = list.count;
+    }
+    else
+        free(list.times);
+    return status;
+}
