@@ -62,6 +62,7 @@ static const struct
     cloud_use clouds;
     const char *data;  ///< files required by SCANS, or of curves
     bool reads_curves; ///< reads curves from a folder
+    bool may_read;     ///< reads a folder where one is given
 } RESULTS[] = {
     {.name = "curve-figures",
      .run = reproduce_curve_figures,
@@ -118,6 +119,11 @@ static const struct
      .run = reproduce_hermite_order,
      .summary =
          "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement"},
+    {.name = "motion-keyframes",
+     .run = reproduce_motion_keyframes,
+     .summary = "motions of which every k-th pose is kept: splines in time beside scipy's; with --data a recorded one too",
+     .data = "fr1-xyz.txt",
+     .may_read = true},
     {.name = "mesh-table2",
      .run = reproduce_mesh_table2,
      .drawn = WITH_FOLDER,
@@ -212,8 +218,9 @@ static const option_spec OPTIONS[] = {
      "tension-table2: of the noise; surface-clouds: of the clouds; tension-table3, -table4, mesh-ablations, mesh-style, "
      "surface-ablation: of the trainings; default 1"},
     {"data", 0, "FOLDER",
-     "mesh-table2: all shapes of a folder but those that the networks learned from; real-curves, surface-nefertiti, -face: "
-     "where the curves or clouds are"},
+     "mesh-table2: all shapes of a folder but those that the networks learned from; real-curves, motion-keyframes, "
+     "surface-nefertiti, -face: "
+     "where the curves, motions or clouds are"},
     {"vertices", 0, "N", "mesh-table2: number of vertices of the decimated shapes; default 400"},
     {"epochs", 0, "E", "epochs of each training; mesh-ablations, mesh-style: default 60; surface-ablation: default 10"},
     {"pairs", 0, "N", "mesh-ablations, mesh-style: coarse meshes of each shape; default 50"},
@@ -263,10 +270,11 @@ static int check_meshes(const arguments *given, size_t index)
         return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
     if (RESULTS[index].clouds != NO_CLOUDS || RESULTS[index].reads_curves)
         return EXIT_DONE;
+    if (RESULTS[index].may_read && argument(given, "vertices") == NULL && !any_given(given, FOR_LEARNING))
+        return EXIT_DONE;
     if (use != SUBDIVIDES && any_given(given, FOR_SUBDIVISION))
-        return usage_error(given,
-                           "--data and --vertices go with mesh-table2, --data with real-curves, surface-nefertiti and -face "
-                           "too");
+        return usage_error(given, "--data and --vertices go with mesh-table2, --data with real-curves, motion-keyframes, "
+                                  "surface-nefertiti and -face too");
     if (use != LEARNS && any_given(given, FOR_LEARNING))
         return usage_error(given,
                            "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation");

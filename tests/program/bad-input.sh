@@ -206,7 +206,7 @@ printf 'x,y,corner\n0,0,1\n1,0,yes\n' > corner.in.csv
 printf 'time,x,y,corner\n0,0,0,1\n1,1,0,0\n' > cornertime.in.csv
 curve "corner\.in\.csv:3: column 3: 'yes'" corner.in.csv
 refused 1 'no corners' curve cornertime.in.csv --scheme hermite -o out.csv
-refused 2 'no scheme' curve good.in.csv --scheme spline
+refused 2 'no scheme' curve good.in.csv --scheme splines
 refused 2 'no setting' curve good.in.csv --scheme chaikin:w=1
 refused 2 'mask of 2 coefficients lies from -4 to 2, not 99' curve good.in.csv --scheme mask:1,1@99 -o out.csv
 refused 2 'mask of 2 coefficients lies from -4 to 2, not -5' analyze mask:1,1@-5
@@ -276,6 +276,8 @@ refused 1 'none.in: cannot open' reproduce tension-mechanism --model none.in
 refused 1 'good.in.csv: ' reproduce tension-mechanism --model good.in.csv
 refused 1 'folder' reproduce tension-table3 -o good.in.csv/folder
 refused 2 'takes no shapes' reproduce tension-table1 face.in.obj
+refused 1 'no/such/fr1-xyz.txt: cannot open' reproduce motion-keyframes --data no/such
+refused 2 'go with mesh-table2' reproduce motion-keyframes --vertices 7
 refused 2 'needs --data FOLDER' reproduce real-curves
 refused 2 'do not go with real-curves' reproduce real-curves --data . --vertices 7
 refused 2 'goes with surface-clouds' reproduce real-curves --data . --clouds 7

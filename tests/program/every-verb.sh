@@ -169,6 +169,8 @@ done
 mkdir curves
 printf '# closed\n1,0\n0.7,0.7\n0,1\n-0.7,0.7\n-1,0\n-0.7,-0.7\n0,-1\n0.7,-0.7\n' > curves/ring-truth.csv
 printf '# closed\n1,0\n0,1\n-1,0\n0,-1\n' > curves/ring-even.csv
+works reproduce motion-keyframes --json
+works reproduce motion-keyframes
 works reproduce real-curves --data curves --json
 works reproduce real-curves --data curves
 works reproduce surface-clouds --clouds 1 --points 50 --noise 0.01 --degrees 2

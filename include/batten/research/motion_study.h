@@ -101,6 +101,28 @@ BAT_API bat_status bat_hermite_figure_make(size_t index, bat_hermite_figure *fig
 /// Release a figure and make it empty. An empty figure is ignored.
 BAT_API void bat_hermite_figure_free(bat_hermite_figure *figure);
 
+/// A motion of which every `step`th pose is kept: root mean square errors of the poses between, of translations and of
+/// angles in degrees.
+typedef struct bat_keyframes_row
+{
+    const char *motion; ///< "quadrotor", "car", "arm", "satellite" or "fr1-xyz"; a constant
+    bool noisy;         ///< poses are disturbed by uniform noise, up to half the mean step in each coordinate
+    size_t step;        ///< 5, 10, 20 or 50
+    double errors[2];   ///< of bat_motion_spline_new() by default
+    double limited[2];  ///< of BAT_MOTION_SHAPE_LIMITED
+    double peers[3]
+                [2]; ///< of scipy 1.10: CubicSpline with RotationSpline, Akima with squad, lines with Slerp. Stored figures
+} bat_keyframes_row;
+
+/// Measure splines in time on motions by formulas, and on the recorded one in a folder.
+///
+/// @param folder has fr1-xyz.txt, the ground truth of the sequence freiburg1_xyz of the TUM RGB-D benchmark; null: without
+/// it
+/// @param rows   receives `count` rows; release them with free()
+/// @return BAT_OK, BAT_CANCELLED, BAT_NO_MEMORY, or the failures of bat_curve_read(); `rows` is untouched on failure
+BAT_API bat_status bat_keyframes_measure(const char *folder, bat_progress progress, bat_keyframes_row **rows, size_t *count,
+                                         bat_error *error);
+
 BAT_C_END
 
 #endif
