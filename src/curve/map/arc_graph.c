@@ -390,7 +390,7 @@ static bat_status number_components(graph_job *job, bat_error *error)
 bat_status arc_graph_make(const bat_curve *curves, size_t count, unsigned char *const *corners, bool cross, arc_graph *graph,
                           bat_error *error)
 {
-    *graph = (arc_graph){0};
+    *graph = (arc_graph){.has_corners = corners != NULL};
     graph_job job = {.curves = curves, .count = count, .graph = graph};
     job.dim = count > 0 ? curves[0].space->point_dim : 1;
     job.first_point = memory_array(count, sizeof *job.first_point);

@@ -34,8 +34,9 @@ typedef struct arc_graph
     size_t *begins; ///< of each curve, the point where its first use begins; not 0 for rings whose first point is no node
     size_t *components; ///< of each arc, the connected part of the set that it belongs to, from 0
     size_t component_count;
-    size_t nodes;  ///< vertices at which arcs end
-    size_t shared; ///< arcs with more than one use
+    bool has_corners; ///< curves had flags of corners
+    size_t nodes;     ///< vertices at which arcs end
+    size_t shared;    ///< arcs with more than one use
 } arc_graph;
 
 /// Cut curves into arcs. A node is a vertex with more than two neighbours, an end of an open curve, a corner, or the tip

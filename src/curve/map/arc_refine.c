@@ -293,10 +293,11 @@ static bat_status keep_apart(arc_job *job, bat_progress progress, size_t *arc, b
     return keeps ? draw_arcs_back(job, progress, arc, error) : refuse_crossings(job, arc, error);
 }
 
-/// Make the new points of arcs of one edge even on geodesics: they are straight for every scheme, and exactly so.
+/// Make the new points of arcs of one edge even on geodesics, where there are corners: edges between two corners are
+/// straight, without rounding. Every scheme makes them straight but for rounding.
 static bat_status straighten(const arc_job *job, refined_arcs *next, bat_error *error)
 {
-    for (size_t a = 0; a < next->count && keeps_points(job->options); a++)
+    for (size_t a = 0; a < next->count && job->graph->has_corners && keeps_points(job->options); a++)
     {
         const bat_curve *before = &arcs_of(job)[a];
         bat_curve *after = &next->arcs[a];
