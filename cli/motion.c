@@ -3,7 +3,7 @@
 #include "report.h"
 #include "verbs.h"
 
-#include "batten/motion_file.h"
+#include "batten/motion.h"
 
 #include <string.h>
 

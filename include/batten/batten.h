@@ -44,7 +44,6 @@
 #include "batten/curve_file.h"
 #include "batten/curve_map.h"
 #include "batten/mesh_file.h"
-#include "batten/motion_file.h"
 #if BAT_HAS_SURFACES
 #include "batten/cloud_file.h"
 #include "batten/surface_file.h"

@@ -32,8 +32,8 @@ typedef struct bat_motion_options
     bat_motion_method method;         ///< default BAT_MOTION_AUTO
     bat_motion_spline_options spline; ///< of BAT_MOTION_SPLINE; default bat_motion_spline_defaults()
     bat_hermite_options scheme;       ///< kind, order, levels and so on, where `rate` is 0; default bat_hermite_defaults().
-                                ///< Splines take `levels`, 2^levels parts of each interval, and `max_points`
-    double rate;          ///< samples a unit of time, at least 0; 0: by levels instead; default 0
+                                      ///< Splines take `levels`, 2^levels parts of each interval, and `max_points`
+    double rate;                      ///< samples a unit of time, at least 0; 0: by levels instead; default 0
     const double *times;  ///< BAT_MOTION_SPLINE: `time_count` increasing times to sample at; null: none; default null
     size_t time_count;    ///< default 0
     size_t tangent_order; ///< 2 or 4: the order of tangents that are estimated where the file has none. 0: splines solve for
@@ -96,6 +96,15 @@ BAT_API bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const
 ///         bat_hermite_sample_rate(); `fine` is untouched on failure
 BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_options *options, bat_curve_set *fine,
                                      size_t *failed, bat_error *error);
+
+/// Read increasing times: a number a line. Blank lines, lines that begin with # and a first line of "time" are skipped.
+///
+/// @param path  "-" is standard input
+/// @param times receives `count` numbers, at least one; release them with free()
+/// @param error its `line` is that of the failure
+/// @return BAT_OK, BAT_BAD_FILE (no number, more than one in a line, a time that does not come after the one before),
+///         BAT_FILE_ACCESS or BAT_NO_MEMORY; `times` is untouched on failure
+BAT_API bat_status bat_motion_times_read(const char *path, double **times, size_t *count, bat_error *error);
 
 BAT_C_END
 

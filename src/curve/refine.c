@@ -195,15 +195,15 @@ static size_t decided_levels(const bat_curve_scheme *scheme)
 }
 
 /// The number of levels that must be there as a whole before the next begins.
-static size_t whole_levels(const bat_curve_refine_options *options, size_t levels)
+static size_t whole_levels(const bat_curve_scheme *scheme, const refine_plan *plan, size_t levels)
 {
-    size_t decided = decided_levels(&options->scheme);
+    size_t decided = decided_levels(scheme), first = plan->options.first_level;
     if (decided > 0)
     {
-        size_t left = decided > options->first_level ? decided - options->first_level : 0;
+        size_t left = decided > first ? decided - first : 0;
         return left < levels ? left : levels;
     }
-    return refine_needs_whole_polygons(&options->scheme) ? levels : 0;
+    return refine_needs_whole_polygons(scheme) ? levels : 0;
 }
 
 /// The scheme of the levels after those that a rule decides.
@@ -299,7 +299,7 @@ static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan
                                 bat_error *error)
 {
     const bat_curve_scheme *scheme = &plan->options.scheme;
-    size_t levels = plan->options.levels, whole = whole_levels(&plan->options, levels);
+    size_t levels = plan->options.levels, whole = whole_levels(scheme, plan, levels);
     if (whole > 0 || (decided_levels(scheme) > 0 && levels > 0))
         return refine_level_by_level(coarse, whole, plan, progress, fine, error);
     refine_input all = {coarse->space, coarse->points, coarse->count, coarse->closed, levels, 0};
@@ -354,7 +354,7 @@ bat_status refine_source_make(const bat_space *space, const double *rows, const 
                               size_t levels, refine_source *source, bat_error *error)
 {
     refine_input now = {space, rows, coarse->count, coarse->closed, levels, 0};
-    size_t whole = whole_levels(&plan->options, levels);
+    size_t whole = whole_levels(scheme, plan, levels);
     *source = (refine_source){.base = whole};
     if (whole == 0 && decided_levels(scheme) == 0)
         return prepare_source(&now, scheme, kernel, plan, source, error);

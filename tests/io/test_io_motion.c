@@ -3,7 +3,6 @@
 #include "test_io_helpers.h"
 
 #include "batten/motion.h"
-#include "batten/motion_file.h"
 #include "batten/space.h"
 
 #include <stdio.h>

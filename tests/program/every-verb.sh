@@ -42,7 +42,7 @@ begins()
 
 # Curves: every scheme in every space that has it.
 printf '0,0\n0.3,0.4\n0.5,0.1\n0.2,-0.4\n0.1,-0.2\n' > plane.csv
-printf '# space: euclidean\nx,y,z,u\n0,0,1,2\n3,4,2,2\n5,1,3,1\n2,-4,4,1\n' > euclidean.csv
+printf '# space: euclidean\n# columns: 1,2,3,4\nx,y,z,u\n0,0,1,2\n3,4,2,2\n5,1,3,1\n2,-4,4,1\n' > euclidean.csv
 printf '# space: sphere\n1,0,0\n0.8,0.6,0\n0,1,0\n0,0.6,0.8\n' > sphere.csv
 printf '# space: disk\n0,0\n0.3,0.4\n0.5,0.1\n0.2,-0.4\n0.1,-0.2\n' > disk.csv
 printf '# space: hyperbolic\n1,0,0\n1.25,0.75,0\n1.25,0.45,0.6\n1.25,-0.45,0.6\n' > hyperbolic.csv

@@ -389,7 +389,7 @@ static bat_status writer_start(bat_curve_format format, const bat_curve_set *set
 static bat_status write_as(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
                            text_sink *sink, bat_error *error)
 {
-    geojson_writer writer;
+    geojson_writer writer = {.set = set};
     bat_status status = writer_start(format, set, options, &writer, error);
     if (status == BAT_OK)
         status = write_set(&writer, options, sink, error);
@@ -400,7 +400,7 @@ static bat_status write_as(bat_curve_format format, const bat_curve_set *set, co
 bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format, bool first,
                               const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
-    geojson_writer writer;
+    geojson_writer writer = {.set = set};
     bat_status status = writer_start(format, set, options, &writer, error);
     writer.continued = !first;
     if (status == BAT_OK)

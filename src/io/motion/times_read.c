@@ -1,4 +1,4 @@
-#include "batten/motion_file.h"
+#include "batten/motion.h"
 
 #include "base/error.h"
 #include "base/file_bytes.h"
