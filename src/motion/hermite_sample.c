@@ -189,7 +189,7 @@ bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, 
     result.tangents = memory_array(result.count, space->tangent_dim * sizeof *result.tangents);
     result.times = memory_array(result.count, sizeof *result.times);
     if (result.points == NULL || result.tangents == NULL || result.times == NULL)
-        status = error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "there is no memory for %zu points", result.count);
+        status = error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory for %zu points", result.count);
     double begin = time_of(curve, 0), end = time_of(curve, interval_count(curve));
     for (size_t i = 0; i < result.count && status == BAT_OK; i++)
         result.times[i] = fmin(begin + (double)i / rate, end);

@@ -613,7 +613,7 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
     smooth->tangents = memory_array(smooth->count, space->tangent_dim * sizeof(double));
     smooth->times = memory_array(smooth->count, sizeof(double));
     if (smooth->points == NULL || smooth->tangents == NULL || smooth->times == NULL)
-        return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "there is no memory for %zu points", smooth->count);
+        return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory for %zu points", smooth->count);
     fill_times(spline, keys, options, smooth);
     return bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, NULL, error);
 }
