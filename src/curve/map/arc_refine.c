@@ -227,6 +227,7 @@ static bat_status draw_arcs_back(arc_job *job, bat_progress progress, size_t *ar
                         .may_meet = job->given_count > 0 ? may_meet : NULL,
                         .context = job,
                         .anchors = &job->anchors,
+                        .threads = job->options->threads,
                         .components = job->graph->components};
     draw_back_counts counts;
     bat_status status = draw_back(drawn, job->after.curves, count, &rules, progress, &counts, error);

@@ -15,8 +15,10 @@
 enum
 {
     MAX_DIM = 3,
-    /// The size of a cell in tolerances. Cells next to a point's own are searched where the point is near to their border.
-    CELL_TOLERANCES = 4
+    /// The size of a cell in tolerances: where many points lie within one, and where hardly two do. Cells next to a point's
+    /// own are searched where the point is near to their border.
+    CELL_TOLERANCES = 4,
+    CELL_ROUNDINGS = 256
 };
 
 /// Items in cells of a grid.
@@ -506,7 +508,8 @@ bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_
     if (status == BAT_OK)
     {
         job.tolerance = fmax(tolerance, default_tolerance(&job));
-        if (!grid_make(job.dim, CELL_TOLERANCES * job.tolerance, job.point_count, &job.grid))
+        double cell = job.tolerance * (tolerance > 0 ? CELL_TOLERANCES : CELL_ROUNDINGS);
+        if (!grid_make(job.dim, cell, job.point_count, &job.grid))
             status = error_memory(error, job.point_count * sizeof(size_t));
     }
     if (status == BAT_OK && job.tolerance > 0)

@@ -104,8 +104,9 @@ bool anchor_grid_inside(const anchor_grid *grid, const double *polygon, size_t c
     for (size_t i = 0; i < count; i++)
         for (size_t k = 0; k < 2; k++)
         {
-            low[k] = fmin(low[k], polygon[2 * i + k]);
-            high[k] = fmax(high[k], polygon[2 * i + k]);
+            double value = polygon[2 * i + k];
+            low[k] = value < low[k] ? value : low[k];
+            high[k] = value > high[k] ? value : high[k];
         }
     size_t last_column = cell_along(grid, high[0], 0), last_row = cell_along(grid, high[1], 1);
     for (size_t row = cell_along(grid, low[1], 1); row <= last_row; row++)

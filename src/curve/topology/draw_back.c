@@ -2,10 +2,14 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/threads.h"
 #include "curve/polygon.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/// Arithmetic operations that the search for an anchor takes for an edge, roughly.
+#define ANCHOR_WORK 50.0
 
 enum
 {
@@ -191,15 +195,20 @@ static bool passes_anchor(const draw_back_job *job, size_t c, size_t e)
 /// Find edges that passed over anchors, in later rounds among those that were moved.
 static void note_anchors(draw_back_job *job, bool moved_only)
 {
-    for (size_t c = 0; c < job->count && job->rules->anchors != NULL; c++)
+    size_t found = 0;
+    if (job->rules->anchors == NULL || job->rules->anchors->count == 0)
+        return;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads_worth(job->rules->threads, job->count, ANCHOR_WORK *(double)job->edge_count)) reduction(+ : found)
+    for (size_t c = 0; c < job->count; c++)
         for (size_t e = 0; e < edges_of(job->drawn[c].coarse); e++)
         {
             edge_state *edge = &job->edges[job->first[c] + e];
             if ((moved_only && !edge->moved) || edge->halvings == STRAIGHT || !passes_anchor(job, c, e))
                 continue;
             edge->meets = true;
-            job->crossings++;
+            found++;
         }
+    job->crossings += found;
 }
 
 static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress progress, draw_back_counts *counts,

@@ -39,6 +39,7 @@ typedef struct draw_rules
     void *context;
     /// Points over which no refined edge may have passed, of curves with two coordinates; null: none
     const anchor_grid *anchors;
+    int threads;              ///< 0: as many as OpenMP gives
     const size_t *components; ///< of each curve, its part; an edge may pass over the anchor of its own part
 } draw_rules;
 
