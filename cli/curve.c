@@ -55,6 +55,7 @@ static const option_spec OPTIONS[] = {
     {"separate", 0, NULL,
      "refine every curve by itself: borders that features share may tear; GeoJSON sequences of any size then go through "
      "memory part by part"},
+    {"map", 0, NULL, "refine the curves of a CSV or OBJ file as a map: shared borders stay shared, and nothing crosses"},
     {"snap-tolerance", 0, "D", "join points of a map nearer than D to each other (metres on the sphere)"},
     {"keep-area", 0, NULL, "keep the areas of rings"},
     {"snap", 0, NULL, "move the points of a linear scheme onto its limit curve"},
@@ -189,6 +190,8 @@ static bool check_exclusions(const arguments *given, const curve_job *job)
         (void)usage_error(given, "--closed and --open exclude each other");
     else if (argument_flag(given, "simple") && argument_flag(given, "no-simple"))
         (void)usage_error(given, "--simple and --no-simple exclude each other");
+    else if (argument_flag(given, "map") && argument_flag(given, "separate"))
+        (void)usage_error(given, "--map and --separate exclude each other");
     else if (job->map.topology == BAT_CURVE_MAP_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
         (void)usage_error(given, "--separate does not go with --keep-area and --snap-tolerance");
     else if (job->json && argument_flag(given, "quiet"))
@@ -313,6 +316,8 @@ static bool read_job(const arguments *given, curve_job *job)
     };
     job->refine.snap = argument_flag(given, "snap");
     job->map.keep_area = argument_flag(given, "keep-area");
+    if (argument_flag(given, "map"))
+        job->map.topology = BAT_CURVE_MAP_ALWAYS;
     if (argument_flag(given, "separate"))
         job->map.topology = BAT_CURVE_MAP_SEPARATE;
     if (argument_flag(given, "simple"))
@@ -439,8 +444,8 @@ static bool load_model(curve_job *job)
 static void choose_scheme(curve_job *job, const bat_curve_set *coarse)
 {
     bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension &&
-                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && !curve_stops(job) && !(job->refine.corner_angle > 0) &&
-                 coarse->curves[0].corners == NULL;
+                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && job->map.topology != BAT_CURVE_MAP_ALWAYS &&
+                 !curve_stops(job) && !(job->refine.corner_angle > 0) && coarse->curves[0].corners == NULL;
     if (job->is_motion)
     {
         job->scheme = motion_scheme(job, coarse);
