@@ -46,6 +46,8 @@ static const option_spec OPTIONS[] = {
     {"columns", 0, "LIST",
      "CSV: the columns of the coordinates, names or numbers from 1, as x,y or lon,lat; default: by names"},
     {"group", 0, "COLUMN", "CSV: rows with one value in this column make one curve; default: blank lines separate curves"},
+    {"on", 0, "sphere", "refine projected coordinates on the sphere, and write them in their own system"},
+    {"layer", 0, "NAME", "the layer of a GeoPackage or another file with several"},
     {"translation-weight", 0, "W", "rigid: how many radians a unit of length counts as much as; default 1"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
@@ -69,7 +71,7 @@ static const option_spec OPTIONS[] = {
     {"comb", 0, NULL, "draw the curvature comb"},
     {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
     {"title", 0, "TEXT", "write a title above the picture"},
-    {"from", 0, "FORMAT", "csv, geojson, geojsonl, geojsonseq, obj or tum; default: by the file's ending"},
+    {"from", 0, "FORMAT", "csv, geojson, obj, tum or another of `batten list formats`; default: by the file's ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"crs", 0, "NAME", "the coordinate reference system of plane coordinates in GeoJSON, as EPSG:25833"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
@@ -194,6 +196,8 @@ static bool check_exclusions(const arguments *given, const curve_job *job)
         (void)usage_error(given, "--map and --separate exclude each other");
     else if (job->map.topology == BAT_CURVE_MAP_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
         (void)usage_error(given, "--separate does not go with --keep-area and --snap-tolerance");
+    else if (job->read.on_sphere && strcmp(argument(given, "on"), "sphere") != 0)
+        (void)usage_error(given, "--on takes sphere, not '%s'", argument(given, "on"));
     else if (job->json && argument_flag(given, "quiet"))
         (void)usage_error(given, "--json and --quiet exclude each other");
     else if (job->json && is_standard_output(job->output))
@@ -330,6 +334,8 @@ static bool read_job(const arguments *given, curve_job *job)
     job->read.columns = argument(given, "columns");
     job->read.group = argument(given, "group");
     job->read.project = argument_flag(given, "project");
+    job->read.layer = argument(given, "layer");
+    job->read.on_sphere = argument(given, "on") != NULL;
     job->draw.comb = argument_flag(given, "comb");
     job->draw.axes = argument_flag(given, "axes");
     job->draw.title = argument(given, "title");

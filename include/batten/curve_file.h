@@ -7,8 +7,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements and TUM trajectories. docs/formats.md
-/// describes the formats.
+/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements, TUM trajectories and, by GDAL,
+/// formats of geographic information systems. docs/formats.md describes the formats.
 
 /// A format, or "auto", by name.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
@@ -18,8 +18,8 @@ BAT_API const char *bat_curve_format_name(bat_curve_format value);
 /// The table, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_curve_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case, as bat_curve_format_list() gives them; else
-/// BAT_CURVE_FORMAT_AUTO.
+/// The format that a path's ending stands for, in either case, as bat_curve_format_list() gives them; with .gz behind it the
+/// same. BAT_CURVE_FORMAT_GDAL for other .gz and other paths that begin with /vsi; else BAT_CURVE_FORMAT_AUTO.
 BAT_API bat_curve_format bat_curve_format_of_path(const char *path);
 /// The format in which bat_curve_write() writes a path by its ending; BAT_CURVE_FORMAT_AUTO for a name without one, which
 /// gets the format of the input. An ending is letters and digits, a letter among them, after the last dot of the name.
@@ -40,6 +40,9 @@ typedef struct bat_curve_read_options
     /// CSV: the name or number of a column; all rows with one value in it make one curve, in the order of the file, and the
     /// curves follow each other in the order of their first rows. Default null: blank lines separate curves.
     const char *group;
+    const char *layer;         ///< formats with layers: its name; default null: the only one with lines or polygons
+    bool on_sphere;            ///< take projected coordinates to the sphere, and back when they are written, by PROJ;
+                               ///< default false
     double translation_weight; ///< of the space "rigid", as in bat_rigid(); 0: as the space has it, 1; default 0
     int threads;               ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
 } bat_curve_read_options;
@@ -53,7 +56,8 @@ BAT_API bat_status bat_curve_read_options_check(const bat_curve_read_options *op
 /// Read the curves of a file.
 ///
 /// @param path    "-" is standard input. An ending that no format has is an error where the options name no format; the
-///                content of a file without an ending tells its format
+///                content of a file without an ending tells its format. Paths that begin with /vsi, and those that end
+///                in .gz or .zip, go to GDAL
 /// @param options null for the defaults
 /// @param set     receives the curves, at least one; release it with bat_curve_set_free()
 /// @param error   `line` is the failing line (CSV, OBJ, JSON syntax) and `index` the point's index in its curve; for GeoJSON
@@ -73,8 +77,8 @@ typedef struct bat_curve_write_options
     int precision;           ///< decimals of longitudes and latitudes in degrees, 0 to 12; default 10. Other numbers are
                              ///< written with as many digits as bring back the same double
     int threads;             ///< 0: as many as OpenMP gives; the bytes do not depend on it; default 0
-    const char *crs; ///< the coordinate reference system of plane coordinates in GeoJSON, such as "EPSG:25833", for the
-                     ///< member "crs"; default null: what the file that was read names
+    const char *crs; ///< the coordinate reference system of the coordinates, such as "EPSG:25833", for the member "crs" of
+                     ///< GeoJSON and for formats of GDAL; default null: what the file that was read names
 } bat_curve_write_options;
 
 /// The options' default values.

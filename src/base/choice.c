@@ -101,7 +101,7 @@ bat_status choice_for_path(const choice_table *table, const char *path, bool wri
     char known[2 * BAT_ERROR_TEXT_SIZE / 3];
     bool packed = has_ending(".gz .bz2 .xz .zst .zip", ending);
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "no %s that can be %s has the ending '%.20s'%s; there are %s, and --%s names a format", table->what,
+                     "no %s that is %s has the ending '%.20s'%s; there are %s, and --%s names a format", table->what,
                      writes ? "written" : "read", ending, packed ? ", of compressed files" : "",
                      choice_endings(table, writes, known, sizeof known), option);
 }

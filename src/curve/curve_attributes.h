@@ -83,17 +83,18 @@ struct bat_curve_attributes
     file_remainder remainder;
     curve_ring *rings; ///< one for each curve of the set; null when the file knows no polygons
     size_t ring_count;
-    char *crs;    ///< the coordinate reference system, "EPSG:25833" or a URN; null when the file names none; owned
-    char **notes; ///< note_count sentences about the reading; see bat_curve_set_note()
+    char *crs;      ///< the coordinate reference system, "EPSG:25833" or a URN; null when the file names none; owned
+    bool on_sphere; ///< the curves were taken from the plane of that system to the sphere, and go back when written
+    char **notes;   ///< note_count sentences about the reading; see bat_curve_set_note()
     size_t note_count;
 };
 
 /// Whether curves come from GeoJSON or a sequence of it. Null is allowed.
 static inline bool attributes_are_geojson(const bat_curve_attributes *attributes)
 {
-    return attributes != NULL && (attributes->format == BAT_CURVE_FORMAT_GEOJSON ||
-                                  attributes->format == BAT_CURVE_FORMAT_GEOJSON_LINES ||
-                                  attributes->format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE);
+    return attributes != NULL &&
+           (attributes->format == BAT_CURVE_FORMAT_GEOJSON || attributes->format == BAT_CURVE_FORMAT_GEOJSON_LINES ||
+            attributes->format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE);
 }
 
 /// Attributes with one owner.

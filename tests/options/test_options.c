@@ -783,7 +783,7 @@ static const option_family FAMILIES[] = {
       BAD(mask_sweep, tolerance, BAD_NUMBER, -1), BAD(mask_sweep, analysis.depth, BAD_SIZE, 25)}},
     {HEAD(curve_read),
      {call_curve_read},
-     {BAD(curve_read, format, BAD_INT, 9), BAD(curve_read, closed, BAD_INT, 2), BAD(curve_read, closed, BAD_INT, -2),
+     {BAD(curve_read, format, BAD_INT, 99), BAD(curve_read, closed, BAD_INT, 2), BAD(curve_read, closed, BAD_INT, -2),
       BAD(curve_read, threads, BAD_INT, -1)}},
     {HEAD(curve_write),
      {call_curve_write},

@@ -231,7 +231,7 @@ refused 2 'exclude' curve good.in.csv --json --quiet
 refused 2 'overwrite' curve good.in.csv -o out.csv --picture out.csv
 refused 2 'overwrite' curve good.in.csv -o out.csv --picture ./out.csv
 refused 2 'overwrite' curve good.in.csv -o new.svg --to csv --picture new.svg
-refused 2 "no curve format .*'.gpx'" curve good.in.csv -o out.gpx
+refused 2 "no curve format .*'.dwg'" curve good.in.csv -o out.dwg
 refused 2 'overwrite' curve good.in.csv -o out.csv --picture good.in.csv
 refused 2 'overwrite' curve good.in.csv -o out.csv --picture small.in.csv --truth small.in.csv
 refused 2 'needs --picture' curve good.in.csv -o out.csv --comb

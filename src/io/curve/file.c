@@ -7,9 +7,11 @@
 #include "curve/curve_attributes.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson_sequence.h"
+#include "io/gis/gis.h"
 #include "space/degrees.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -74,8 +76,32 @@ static const curve_format FORMATS[] = {
       .value = BAT_CURVE_FORMAT_TUM},
      tum_read,
      tum_write},
+// By GDAL, with DRIVERS.
+#define GIS_ROW(format_name, format_value, format_endings, format_summary)                                                  \
+    {                                                                                                                       \
+        .choice = {                                                                                                         \
+            .name = (format_name),                                                                                          \
+            .summary = (format_summary),                                                                                    \
+            .endings = (format_endings),                                                                                    \
+            .reads = true,                                                                                                  \
+            .writes = true,                                                                                                 \
+            .value = (format_value)                                                                                         \
+        }                                                                                                                   \
+    }
+    GIS_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "curves: GeoPackage, by GDAL"),
+    GIS_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL"),
+    GIS_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "curves: tracks or routes of GPX, by GDAL"),
+    GIS_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL"),
+    GIS_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL"),
+    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed"),
 };
 static const choice_table TABLE = CHOICE_TABLE("curve format", FORMATS);
+
+/// The drivers of the formats without a reader of our own, as gis_read() takes them.
+static const char *const DRIVERS[] = {
+    [BAT_CURVE_FORMAT_GPKG] = "GPKG",      [BAT_CURVE_FORMAT_SHP] = "ESRI Shapefile", [BAT_CURVE_FORMAT_GPX] = "GPX",
+    [BAT_CURVE_FORMAT_KML] = "LIBKML,KML", [BAT_CURVE_FORMAT_FGB] = "FlatGeobuf",     [BAT_CURVE_FORMAT_GDAL] = NULL,
+};
 
 CHOICE_FUNCTIONS(bat_curve_format, TABLE, 1)
 
@@ -87,13 +113,24 @@ static const curve_format *row_of(bat_curve_format format)
 
 bat_curve_format bat_curve_format_of_path(const char *path)
 {
-    const bat_choice *row = choice_of_path(&TABLE, path);
-    return row != NULL ? (bat_curve_format)row->value : BAT_CURVE_FORMAT_AUTO;
+    const char *dot = strrchr(path, '.');
+    bool packed = dot != NULL && strcasecmp(dot, ".gz") == 0;
+    char *inner = packed ? strndup(path, (size_t)(dot - path)) : NULL;
+    const bat_choice *row = choice_of_path(&TABLE, inner != NULL ? inner : path);
+    free(inner);
+    if (row != NULL)
+        return (bat_curve_format)row->value;
+    return gis_is_virtual(path) ? BAT_CURVE_FORMAT_GDAL : BAT_CURVE_FORMAT_AUTO;
 }
 
 /// The format of a file's ending; BAT_CURVE_FORMAT_AUTO for a name without one.
 static bat_status format_for_path(const char *path, bool writes, bat_curve_format *format, bat_error *error)
 {
+    if (gis_is_virtual(path))
+    {
+        *format = bat_curve_format_of_path(path);
+        return BAT_OK;
+    }
     const bat_choice *row;
     bat_status status = choice_for_path(&TABLE, path, writes, writes ? "to" : "from", &row, error);
     if (status == BAT_OK)
@@ -142,7 +179,7 @@ bat_curve_write_options bat_curve_write_defaults(void)
 bat_status bat_curve_read_options_check(const bat_curve_read_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_read_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_TUM),
+        OPTION_FIELD(bat_curve_read_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_GDAL),
         OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
         OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_curve_read_options),
@@ -153,11 +190,24 @@ bat_status bat_curve_read_options_check(const bat_curve_read_options *options, b
 bat_status bat_curve_write_options_check(const bat_curve_write_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_write_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_TUM),
+        OPTION_FIELD(bat_curve_write_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_GDAL),
         OPTION_FIELD(bat_curve_write_options, precision, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
         OPTION_THREADS(bat_curve_write_options),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+}
+
+/// Whether a format has what the options name.
+static bat_status check_format_options(bat_curve_format format, const bat_curve_read_options *options, bat_error *error)
+{
+    const char *name = bat_curve_format_name(format);
+    if (format != BAT_CURVE_FORMAT_CSV && (options->columns != NULL || options->group != NULL))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only CSV has %s, not the format %s",
+                         options->columns != NULL ? "columns" : "a column to group by", name);
+    if (row_of(format)->read != NULL && options->layer != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only formats of GDAL have layers, not the format %s",
+                         name);
+    return BAT_OK;
 }
 
 static bat_status read_format(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
@@ -167,19 +217,46 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
         format = format_of_text(text);
     if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
         format = BAT_CURVE_FORMAT_GEOJSON_LINES;
-    if (format != BAT_CURVE_FORMAT_CSV && (options->columns != NULL || options->group != NULL))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only CSV has %s, not the format %s",
-                         options->columns != NULL ? "columns" : "a column to group by", bat_curve_format_name(format));
-    return row_of(format)->read(text, options, set, error);
+    if (row_of(format)->read == NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is read from files alone",
+                         bat_curve_format_name(format));
+    bat_status status = check_format_options(format, options, error);
+    return status == BAT_OK ? row_of(format)->read(text, options, set, error) : status;
+}
+
+/// Apply the options that all formats share to a set, and hand it over.
+static bat_status finish_read(bat_curve_set *made, const bat_curve_read_options *options, bat_curve_set *set,
+                              bat_error *error)
+{
+    bat_status status = options->on_sphere ? gis_to_sphere(made, error) : BAT_OK;
+    if (status != BAT_OK)
+    {
+        bat_curve_set_free(made);
+        return status;
+    }
+    *set = *made;
+    if (options->translation_weight > 0)
+        set->space->weight = options->translation_weight;
+    return BAT_OK;
+}
+
+/// Read a file by GDAL.
+static bat_status read_layer(const char *path, bat_curve_format format, const bat_curve_read_options *options,
+                             bat_curve_set *set, bat_error *error)
+{
+    bat_curve_set made;
+    bat_status status = check_format_options(format, options, error);
+    if (status == BAT_OK)
+        status = gis_read(path, DRIVERS[format], options, &made, error);
+    return status == BAT_OK ? finish_read(&made, options, set, error) : status;
 }
 
 static bat_status read_text(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
                             bat_curve_set *set, bat_error *error)
 {
-    bat_status status = read_format(text, format, options, set, error);
-    if (status == BAT_OK && options->translation_weight > 0)
-        set->space->weight = options->translation_weight;
-    return status;
+    bat_curve_set made;
+    bat_status status = read_format(text, format, options, &made, error);
+    return status == BAT_OK ? finish_read(&made, options, set, error) : status;
 }
 
 bat_status bat_curve_read(const char *path, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
@@ -193,9 +270,11 @@ bat_status bat_curve_read(const char *path, const bat_curve_read_options *option
     bat_curve_format format = options->format;
     if (format == BAT_CURVE_FORMAT_AUTO)
         status = format_for_path(path, false, &format, error);
+    if (status == BAT_OK && format != BAT_CURVE_FORMAT_AUTO && row_of(format)->read == NULL)
+        return read_layer(path, format, options, set, error);
     file_text text;
     if (status == BAT_OK)
-        status = file_text_read(path, &text, error);
+        status = gis_is_virtual(path) ? gis_text_read(path, &text, error) : file_text_read(path, &text, error);
     if (status != BAT_OK)
         return status;
     status = read_text(&text, format, options, set, error);
@@ -270,9 +349,36 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
     return BAT_OK;
 }
 
+/// Whether curves were taken from a plane to the sphere for the time between reading and writing.
+static bool goes_back(const bat_curve_set *set)
+{
+    return set->attributes != NULL && set->attributes->on_sphere && set->space->point_dim == 3;
+}
+
+static bat_status write_compressed(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
+                                   bat_error *error)
+{
+    text_buffer text = {0};
+    bat_status status = bat_curve_write_memory(set, options, &text.data, &text.size, error);
+    if (status == BAT_OK)
+        status = gis_text_write(path, &text, error);
+    free(text.data);
+    return status;
+}
+
 bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
                            bat_error *error)
 {
+    if (goes_back(set))
+    {
+        bat_curve_set plane;
+        bat_status moved = gis_to_plane(set, &plane, error);
+        if (moved != BAT_OK)
+            return moved;
+        moved = bat_curve_write(path, &plane, options, error);
+        bat_curve_set_free(&plane);
+        return moved;
+    }
     bat_curve_write_options defaults = bat_curve_write_defaults();
     if (options == NULL)
         options = &defaults;
@@ -282,6 +388,12 @@ bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat
         status = curve_format_choose(path, set->attributes, options, &format, error);
     if (status != BAT_OK)
         return status;
+    bat_curve_write_options chosen = *options;
+    chosen.format = format;
+    if (row_of(format)->write == NULL)
+        return gis_write(path, DRIVERS[format], set, options, error);
+    if (gis_is_virtual(path))
+        return write_compressed(path, set, &chosen, error);
     atomic_file file;
     status = atomic_file_begin(path, &file, error);
     if (status != BAT_OK)
@@ -294,6 +406,16 @@ bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat
 bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_write_options *options, char **text,
                                   size_t *size, bat_error *error)
 {
+    if (goes_back(set))
+    {
+        bat_curve_set plane;
+        bat_status moved = gis_to_plane(set, &plane, error);
+        if (moved != BAT_OK)
+            return moved;
+        moved = bat_curve_write_memory(&plane, options, text, size, error);
+        bat_curve_set_free(&plane);
+        return moved;
+    }
     bat_curve_write_options defaults = bat_curve_write_defaults();
     if (options == NULL)
         options = &defaults;
@@ -301,6 +423,9 @@ bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_writ
     bat_status status = check_write(set, options, error);
     if (status == BAT_OK)
         status = curve_format_choose(NULL, set->attributes, options, &format, error);
+    if (status == BAT_OK && row_of(format)->write == NULL)
+        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",
+                           bat_curve_format_name(format));
     if (status != BAT_OK)
         return status;
     text_buffer buffer = {0};

@@ -5,6 +5,8 @@
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
 
+#include <jansson.h>
+
 /// @file
 /// Readers and writers of curve formats. Options are complete and valid. Sets have curves, and curves have points.
 
@@ -31,6 +33,11 @@ bat_status geojson_lines_write(const bat_curve_set *set, const bat_curve_write_o
                                bat_error *error);
 bat_status geojson_sequence_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
                                   bat_error *error);
+/// Receives feature number `index` as geojson_write() would write it, with measures as third or fourth numbers; for a file
+/// that is a bare geometry, the geometry.
+typedef bat_status geojson_taker(void *context, size_t index, const json_t *feature, bat_error *error);
+/// Call `take` for one feature after the other, until it fails.
+bat_status geojson_each(const bat_curve_set *set, int precision, geojson_taker *take, void *context, bat_error *error);
 
 bat_status obj_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status obj_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);

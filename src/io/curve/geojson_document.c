@@ -27,6 +27,8 @@ void geojson_document_free(geojson_document *document)
     free(document->ring_counts);
     free(document->poles);
     free(document->origins);
+    if (document->layer != NULL)
+        document->layer_free(document->layer);
     *document = (geojson_document){0};
 }
 

@@ -39,6 +39,9 @@ typedef struct geojson_document
     size_t polygon_count, polygon_capacity, pole_capacity;
     stitch_origin *origins; ///< for each curve
     size_t curve_count, curve_capacity;
+    bool measures; ///< the third number of a position is a measure and no altitude; of a layer without altitudes
+    struct geojson_layer *layer; ///< what the room gis keeps of the layer that the features are from; null for none
+    void (*layer_free)(struct geojson_layer *layer);
 } geojson_document;
 
 /// Make room for the polygons and the curves of a document. False when out of memory.

@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "base/json_parse.h"
 #include "curve/curve_attributes.h"
 #include "io/common/json.h"
 #include "io/curve/crs_name.h"
@@ -324,10 +325,15 @@ static size_t altitude_channel(const bat_curve_set *set)
     return set->count == 0 || attributes_are_geojson(attributes) || set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
 }
 
+enum
+{
+    CRS_NAME_SIZE = 128 ///< names are shorter; a system without a name has longer text
+};
+
 /// Append the member "crs" of a name.
 static void write_crs(const char *short_name, text_buffer *text)
 {
-    char urn[160];
+    char urn[CRS_NAME_SIZE + 32];
     crs_urn(short_name, urn, sizeof urn);
     text_append_string(text, "\"crs\":{\"type\":\"name\",\"properties\":{\"name\":");
     json_text_string(text, urn, strlen(urn));
@@ -340,9 +346,9 @@ static void write_crs(const char *short_name, text_buffer *text)
 static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_options *options, bat_error *error)
 {
     const bat_curve_attributes *attributes = writer->set->attributes;
-    bool globe = writer->style.globe;
-    if (options->crs == NULL && writer->document == NULL && attributes != NULL && attributes->crs != NULL &&
-        !(globe && crs_is_default(attributes->crs)))
+    bool globe = writer->style.globe, geojson = writer->document != NULL && writer->document->layer == NULL;
+    if (options->crs == NULL && !geojson && attributes != NULL && attributes->crs != NULL &&
+        strlen(attributes->crs) < CRS_NAME_SIZE && !(globe && crs_is_default(attributes->crs)))
         write_crs(attributes->crs, &writer->crs);
     if (options->crs != NULL)
     {
@@ -359,15 +365,15 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
     }
     if (writer->crs.failed)
         return error_memory(error, writer->crs.size);
-    if (globe || writer->document != NULL || writer->crs.size > 0)
+    if (globe || geojson || writer->crs.size > 0)
         return BAT_OK;
     return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                      "GeoJSON holds plane coordinates only with the name of their system; the option `crs` names it");
 }
 
-/// Make a writer.
-static bat_status writer_start(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
-                               geojson_writer *writer, bat_error *error)
+/// Make a writer without a member "crs".
+static bat_status start_writer(bat_curve_format format, const bat_curve_set *set, int precision, geojson_writer *writer,
+                               bat_error *error)
 {
     bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
     if (!globe && set->space->point_dim != 2)
@@ -376,21 +382,26 @@ static bat_status writer_start(bat_curve_format format, const bat_curve_set *set
                          set->space->point_dim);
     const bat_curve_attributes *attributes = set->attributes;
     bool same = attributes_are_geojson(attributes);
-    *writer = (geojson_writer){
-        .set = set,
-        .document = same ? attributes->remainder.content : NULL,
-        .format = format,
-        .wraps = format == BAT_CURVE_FORMAT_GEOJSON && same && attributes->format != BAT_CURVE_FORMAT_GEOJSON,
-        .style = {globe, options->precision, degree_grid_of(options->precision), altitude_channel(set), same}};
-    return choose_crs(writer, options, error);
+    *writer = (geojson_writer){.set = set,
+                               .document = same ? attributes->remainder.content : NULL,
+                               .format = format,
+                               .wraps = format == BAT_CURVE_FORMAT_GEOJSON && same &&
+                                        attributes->format != BAT_CURVE_FORMAT_GEOJSON,
+                               .style = {globe, precision, degree_grid_of(precision), altitude_channel(set), same}};
+    return BAT_OK;
 }
 
 /// Write a set as a collection or as a sequence.
 static bat_status write_as(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
                            text_sink *sink, bat_error *error)
 {
-    geojson_writer writer = {.set = set};
-    bat_status status = writer_start(format, set, options, &writer, error);
+    geojson_writer writer;
+    bat_status status = start_writer(format, set, options->precision, &writer, error);
+    if (status != BAT_OK)
+        return status;
+    if (writer.document != NULL && writer.document->measures)
+        writer.style.altitude = BAT_NO_INDEX;
+    status = choose_crs(&writer, options, error);
     if (status == BAT_OK)
         status = write_set(&writer, options, sink, error);
     text_free(&writer.crs);
@@ -400,9 +411,12 @@ static bat_status write_as(bat_curve_format format, const bat_curve_set *set, co
 bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format, bool first,
                               const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
-    geojson_writer writer = {.set = set};
-    bat_status status = writer_start(format, set, options, &writer, error);
+    geojson_writer writer;
+    bat_status status = start_writer(format, set, options->precision, &writer, error);
+    if (status != BAT_OK)
+        return status;
     writer.continued = !first;
+    status = choose_crs(&writer, options, error);
     if (status == BAT_OK)
         status = write_blocks(&writer, writer.document->feature_count, options, sink, error);
     text_free(&writer.crs);
@@ -424,4 +438,33 @@ bat_status geojson_sequence_write(const bat_curve_set *set, const bat_curve_writ
                                   bat_error *error)
 {
     return write_as(BAT_CURVE_FORMAT_GEOJSON_SEQUENCE, set, options, sink, error);
+}
+
+bat_status geojson_each(const bat_curve_set *set, int precision, geojson_taker *take, void *context, bat_error *error)
+{
+    geojson_writer writer;
+    text_buffer text = {0};
+    // As records, so that a bare geometry remains one.
+    bat_status status = start_writer(BAT_CURVE_FORMAT_GEOJSON_LINES, set, precision, &writer, error);
+    if (status != BAT_OK)
+        return status;
+    geojson_output out = {.writer = &writer, .text = &text, .error = error};
+    const geojson_document *document = writer.document;
+    size_t count = document != NULL ? document->feature_count : set->count;
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+    {
+        json_t *tree = NULL;
+        text.size = 0;
+        status = document != NULL ? write_wrapped(&out, &document->features[i]) : write_new_feature(&out, i);
+        if (status == BAT_OK && text.failed)
+            status = error_memory(error, text.size);
+        if (status == BAT_OK)
+            status = json_parse(text.data, text.size, JSON_ALLOW_NUL, 1, &tree, error);
+        if (status == BAT_OK)
+            status = take(context, i, tree, error);
+        json_decref(tree);
+    }
+    geojson_shape_free(&out.shape);
+    text_free(&text);
+    return status;
 }

@@ -4,6 +4,7 @@
 #include "curve/curve_attributes.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson_sequence.h"
+#include "io/gis/gis.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -367,7 +368,9 @@ static bool can_stream(const char *input, const char *output, const bat_curve_re
         from = bat_curve_format_of_path(input);
     bool sequence = from == BAT_CURVE_FORMAT_GEOJSON_LINES || from == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE;
     const bat_curve_attributes attributes = {.format = from};
-    return sequence && curve_format_choose(output, &attributes, &options->write, format, NULL) == BAT_OK &&
+    bool plain =
+        !gis_is_virtual(input) && !gis_is_virtual(output) && options->read.layer == NULL && !options->read.on_sphere;
+    return sequence && plain && curve_format_choose(output, &attributes, &options->write, format, NULL) == BAT_OK &&
            is_geojson(*format);
 }
 

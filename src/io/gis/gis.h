@@ -1,0 +1,46 @@
+#ifndef IO_GIS_GIS_H
+#define IO_GIS_GIS_H
+
+#include "base/text_buffer.h"
+#include "batten/curve_file.h"
+#include "io/common/file_text.h"
+
+/// @file
+/// Formats and coordinate systems of geographic information systems, by GDAL and PROJ (https://gdal.org). GDAL is loaded at
+/// the first use. Without it every function fails with BAT_UNSUPPORTED and a text that says what to install.
+///
+/// A layer is read as the GeoJSON document of its features, and written from one, so that both share the treatment of rings,
+/// of the antimeridian and of repeated points.
+
+/// Read the lines and polygons of one layer.
+///
+/// @param drivers the drivers of GDAL that may read it, separated by commas; null for all
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (options->layer), BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE or BAT_NO_MEMORY
+bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_options *options, bat_curve_set *set,
+                    bat_error *error);
+
+/// Write a set as one layer. The file, or all files of a Shapefile, appear whole or not at all.
+///
+/// @param drivers the drivers of GDAL that may write it, the first that exists does; null: by the ending of the path
+bat_status gis_write(const char *path, const char *drivers, const bat_curve_set *set, const bat_curve_write_options *options,
+                     bat_error *error);
+
+/// Whether only GDAL opens a path: "/vsi...", as GDAL names what is remote or inside of an archive, or "....gz".
+bool gis_is_virtual(const char *path);
+
+/// Read the text behind such a path.
+bat_status gis_text_read(const char *path, file_text *text, bat_error *error);
+
+/// Write a text, compressed, to a path that ends in ".gz".
+bat_status gis_text_write(const char *path, const text_buffer *text, bat_error *error);
+
+/// Move a set from the plane of its coordinate system to the sphere of longitude and latitude. Nothing is done to a set of
+/// the sphere. The set is unchanged on failure.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (the set has no coordinate system), BAT_UNSUPPORTED, BAT_INVALID_POINT or
+/// BAT_NO_MEMORY
+bat_status gis_to_sphere(bat_curve_set *set, bat_error *error);
+
+/// The reverse of gis_to_sphere(), into a new set that shares the attributes.
+bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error);
+
+#endif
