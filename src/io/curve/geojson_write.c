@@ -365,6 +365,10 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
     }
     if (writer->crs.failed)
         return error_memory(error, writer->crs.size);
+    bool named = options->crs != NULL || (attributes != NULL && attributes->crs != NULL);
+    if (writer->format != BAT_CURVE_FORMAT_GEOJSON && !globe && (named || !geojson))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "a sequence of GeoJSON cannot name the system of plane coordinates; a .geojson file can");
     if (globe || geojson || writer->crs.size > 0)
         return BAT_OK;
     return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,

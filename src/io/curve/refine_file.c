@@ -368,8 +368,8 @@ static bool can_stream(const char *input, const char *output, const bat_curve_re
         from = bat_curve_format_of_path(input);
     bool sequence = from == BAT_CURVE_FORMAT_GEOJSON_LINES || from == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE;
     const bat_curve_attributes attributes = {.format = from};
-    bool plain =
-        !gis_is_virtual(input) && !gis_is_virtual(output) && options->read.layer == NULL && !options->read.on_sphere;
+    bool plain = !gis_is_virtual(input) && !gis_is_virtual(output) && options->read.layer == NULL &&
+                 !options->read.on_sphere && options->write.crs == NULL;
     return sequence && plain && curve_format_choose(output, &attributes, &options->write, format, NULL) == BAT_OK &&
            is_geojson(*format);
 }
