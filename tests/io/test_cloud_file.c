@@ -94,7 +94,7 @@ static void test_every_format_gives_the_points(void **state)
         {".", ".5,-1,2e3\n1,2,3\n4,5,6.25\n"},
         {".", "v .5 -1 2e3\nv 1 2 3\nv 4 5 6.25\n"},
         {".", "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double "
-                    "z\nend_header\n.5 -1 2e3\n1 2 3\n4 5 6.25\n"},
+              "z\nend_header\n.5 -1 2e3\n1 2 3\n4 5 6.25\n"},
     };
     for (size_t i = 0; i < sizeof files / sizeof *files; i++)
     {
