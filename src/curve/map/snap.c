@@ -120,7 +120,7 @@ static size_t nearest_point(const snap_job *job, size_t i)
     const cell_grid *grid = &job->grid;
     const double *point = job->points[i];
     size_t best = i, cells = 1;
-    double least = job->tolerance, low[MAX_DIM], sides[MAX_DIM];
+    double least = job->tolerance, low[MAX_DIM] = {0}, sides[MAX_DIM] = {0};
     for (size_t c = 0; c < job->dim; c++)
     {
         low[c] = floor((point[c] - job->tolerance) / grid->cell);
@@ -129,7 +129,7 @@ static size_t nearest_point(const snap_job *job, size_t i)
     }
     for (size_t k = 0; k < cells; k++)
     {
-        double cell[MAX_DIM];
+        double cell[MAX_DIM] = {0};
         size_t rest = k;
         for (size_t c = 0; c < job->dim; c++)
         {
@@ -165,7 +165,7 @@ static bat_status join_points(snap_job *job, bat_error *error)
             job->result->largest = fmax(job->result->largest, way);
             continue;
         }
-        double cell[MAX_DIM];
+        double cell[MAX_DIM] = {0};
         for (size_t c = 0; c < job->dim; c++)
             cell[c] = floor(job->points[i][c] / job->grid.cell);
         if (!grid_add(&job->grid, cell, i))
