@@ -204,11 +204,11 @@ static bool goes_by_levels(const arc_job *job)
            kind != BAT_CURVE_SCHEME_CATMULL_ROM && kind != BAT_CURVE_SCHEME_CUBIC;
 }
 
-static bool move_edge(void *context, size_t curve, size_t edge, size_t begin, size_t end, bool onto_edge)
+static bool move_edge(void *context, size_t curve, size_t edge, size_t begin, size_t end, draw_move move)
 {
     arc_job *job = context;
     chart_move(job->chart, &job->before.curves[curve], &job->fine->arcs[curve], &job->after.curves[curve], edge, begin, end,
-               onto_edge);
+               move);
     return true;
 }
 

@@ -114,12 +114,24 @@ void chart_curves_free(chart_curves *charts)
 }
 
 void chart_move(const map_chart *chart, const bat_curve *coarse, bat_curve *fine, bat_curve *flat, size_t edge, size_t begin,
-                size_t end, bool onto_edge)
+                size_t end, draw_move move)
 {
+    static const double SAME_CELL = 0.01; // of a unit: hardly ever rounds to another point than the start does
     const double *p = coarse->points + 2 * edge, *q = coarse->points + 2 * (edge + 1 == coarse->count ? 0 : edge + 1);
     for (size_t i = begin + 1; i < end; i++)
     {
         double share = (double)(i - begin) / (double)(end - begin), place[2], *point = fine->points + 3 * i;
+        double reach = fmax(fabs(q[0] - p[0]), fabs(q[1] - p[1]));
+        if (move == DRAW_TO_START)
+            share *= fmin(1, SAME_CELL / reach);
+        if (move == DRAW_TO_START || (reach < 1 && move == DRAW_ON_EDGE))
+        {
+            // The chart is too coarse: the points differ on the sphere alone.
+            size_t last = end < fine->count ? end : 0;
+            if (bat_space_geodesic(fine->space, fine->points + 3 * begin, fine->points + 3 * last, share, point) == BAT_OK)
+                chart_point(chart, point, flat->points[2 * begin], flat->points + 2 * i);
+            continue;
+        }
         double across = hypot(point[0], point[1]);
         double now[2] = {atan2(point[1], point[0]) * chart->units_per_radian,
                          atan2(point[2], across) * chart->units_per_radian};
@@ -127,7 +139,7 @@ void chart_move(const map_chart *chart, const bat_curve *coarse, bat_curve *fine
         for (int c = 0; c < 2; c++)
         {
             double on_edge = p[c] + share * (q[c] - p[c]);
-            place[c] = onto_edge ? on_edge : on_edge + (now[c] - on_edge) / 2;
+            place[c] = move == DRAW_HALF ? on_edge + (now[c] - on_edge) / 2 : on_edge;
         }
         double longitude = nearest_longitude(chart, place[0], 0) / chart->units_per_degree;
         degrees_to_point(longitude, place[1] / chart->units_per_degree, point);

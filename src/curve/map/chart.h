@@ -1,7 +1,7 @@
 #ifndef CURVE_MAP_CHART_H
 #define CURVE_MAP_CHART_H
 
-#include "batten/curve.h"
+#include "curve/topology/draw_back.h"
 
 /// @file
 /// The plane in which the curves of a map must not cross. Curves of the plane and the disk are their own charts. Those of
@@ -43,11 +43,10 @@ bat_status chart_curves_make(const map_chart *chart, const bat_curve *curves, si
                              size_t *const *starts, int threads, chart_curves *charts, bat_error *error);
 void chart_curves_free(chart_curves *charts);
 
-/// Move the points begin + 1 … end - 1 of a refined curve of the sphere half of the way, in the chart, to edge `edge` of the
-/// curve before, or onto it.
+/// Move the points begin + 1 … end - 1 of a refined curve of the sphere, in the chart, for edge `edge` of the curve before.
 /// @param coarse the chart of the curve before
 /// @param flat   the chart of the refined curve; its points move as well
 void chart_move(const map_chart *chart, const bat_curve *coarse, bat_curve *fine, bat_curve *flat, size_t edge, size_t begin,
-                size_t end, bool onto_edge);
+                size_t end, draw_move move);
 
 #endif

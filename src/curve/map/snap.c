@@ -436,6 +436,48 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
     return BAT_OK;
 }
 
+/// Drop loops of a ring that are shorter than `limit` in all: joined points made the ring touch itself there.
+static bool drop_loops(bat_curve *curve, size_t *origins, double limit)
+{
+    enum
+    {
+        FEWEST = 3
+    };
+    size_t kept = 0, mask, dim = curve->space->point_dim, *table, size = 2;
+    while (size / 2 < curve->count)
+        size *= 2;
+    mask = size - 1;
+    table = calloc(size, sizeof *table); // of the kept rows, each and 1
+    double *ways = memory_array(curve->count + 1, sizeof *ways);
+    bool done = table != NULL && ways != NULL;
+    double way = 0;
+    for (size_t i = 0; i < curve->count && done; i++)
+    {
+        const cell_grid grid = {.dim = dim, .mask = mask};
+        const double *point = curve->points + i * dim;
+        if (kept > 0)
+            way += curve->space->distance(curve->space, curve->points + (kept - 1) * dim, point);
+        size_t slot = cell_hash(&grid, point);
+        while (table[slot] != 0 && (table[slot] > kept || !rows_agree(curve, table[slot] - 1, i)))
+            slot = (slot + 1) & mask;
+        if (table[slot] != 0 && way - ways[table[slot] - 1] < limit)
+        {
+            kept = table[slot];
+            way = ways[kept - 1];
+            continue;
+        }
+        if (kept != i)
+            move_row(curve, origins, i, kept);
+        ways[kept++] = way;
+        table[slot] = kept;
+    }
+    if (done && kept >= FEWEST)
+        curve->count = kept;
+    free(table);
+    free(ways);
+    return done;
+}
+
 static void free_curves(bat_curve *curves, size_t **origins, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -473,9 +515,10 @@ static bat_status add_vertices(snap_job *job, bat_error *error)
 
 static double default_tolerance(const snap_job *job)
 {
+    static const double SHARE = 0.75; // of a unit of the file: points nearer to each other may be rounded to one
     double largest = 0;
     if (job->sphere)
-        return SNAP_ROUNDING_SPHERE;
+        return fmax(SNAP_ROUNDING_SPHERE, SHARE / job->chart->units_per_radian);
     for (size_t i = 0; i < job->point_count; i++)
         for (size_t c = 0; c < job->dim; c++)
             largest = fmax(largest, fabs(job->points[i][c]));
@@ -524,6 +567,10 @@ bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_
     }
     if (status == BAT_OK && job.added_count > 0)
         status = add_vertices(&job, error);
+    static const double LOOP = 8; // tolerances
+    for (size_t c = 0; c < snapped->count && status == BAT_OK && tolerance > 0; c++)
+        if (snapped->curves[c].closed && !drop_loops(&snapped->curves[c], snapped->origins[c], LOOP * tolerance))
+            status = error_memory(error, snapped->curves[c].count * sizeof(size_t));
     chart_curves_free(&job.charts);
     free(job.added);
     grid_free(&job.grid);

@@ -16,6 +16,8 @@ enum
     /// After so many halvings an edge becomes straight.
     MAX_HALVINGS = 4,
     STRAIGHT = MAX_HALVINGS + 1,
+    /// Where rounding makes a straight edge meet another one, its new points go to its start.
+    COLLAPSED = STRAIGHT + 1,
     /// From this round on an edge becomes straight at once.
     PATIENCE = 40
 };
@@ -23,7 +25,7 @@ enum
 /// The state of an edge of a polygon.
 typedef struct edge_state
 {
-    unsigned char halvings; ///< STRAIGHT: lambda is 0
+    unsigned char halvings; ///< STRAIGHT: lambda is 0; or COLLAPSED
     bool meets;             ///< one of its refined edges meets another, or they passed over an anchor
     bool moved;             ///< in the last round
 } edge_state;
@@ -98,7 +100,7 @@ static bool note_pair(void *context, edge_place first, edge_place second)
     {
         edge_state *edge = &job->edges[job->first[places[k].curve] + places[k].edge];
         edge->meets = true;
-        all_straight &= edge->halvings == STRAIGHT;
+        all_straight &= edge->halvings == (job->rules->move != NULL ? COLLAPSED : STRAIGHT);
     }
     if (all_straight)
         job->stuck = places[0];
@@ -134,14 +136,15 @@ static bat_status move_points(const bat_curve *coarse, bat_curve *fine, const si
 }
 
 /// Move the new points of edge `e` of a curve as the rules say.
-static bool move_edge(draw_back_job *job, size_t c, size_t e, bool onto_edge)
+static bool move_edge(draw_back_job *job, size_t c, size_t e, unsigned char halvings)
 {
+    draw_move move = halvings == COLLAPSED ? DRAW_TO_START : halvings == STRAIGHT ? DRAW_ON_EDGE : DRAW_HALF;
     const drawn_curve *drawn = &job->drawn[c];
     bat_curve *fine = &job->fine[c];
     if (job->rules->move == NULL)
-        return move_points(drawn->coarse, fine, drawn->starts, e, onto_edge) == BAT_OK;
+        return move_points(drawn->coarse, fine, drawn->starts, e, move == DRAW_ON_EDGE) == BAT_OK;
     return job->rules->move(job->rules->context, c, e, start_of(drawn->coarse, fine, drawn->starts, e),
-                            start_of(drawn->coarse, fine, drawn->starts, e + 1), onto_edge);
+                            start_of(drawn->coarse, fine, drawn->starts, e + 1), move);
 }
 
 /// Draw back every edge that meets another.
@@ -153,13 +156,14 @@ static bat_status draw_all(draw_back_job *job, edge_tree *tree, size_t round, ba
         for (size_t e = 0; e < edges_of(drawn->coarse); e++)
         {
             edge_state *edge = &job->edges[job->first[c] + e];
-            bool moves = edge->meets && edge->halvings < STRAIGHT;
+            bool moves = edge->meets && edge->halvings < (job->rules->move != NULL ? COLLAPSED : STRAIGHT);
             edge->meets = false;
             edge->moved = moves;
             if (!moves)
                 continue;
-            edge->halvings = round >= PATIENCE ? STRAIGHT : (unsigned char)(edge->halvings + 1);
-            if (!move_edge(job, c, e, edge->halvings == STRAIGHT))
+            bool halved = round < PATIENCE || edge->halvings >= STRAIGHT;
+            edge->halvings = halved ? (unsigned char)(edge->halvings + 1) : STRAIGHT;
+            if (!move_edge(job, c, e, edge->halvings))
                 return error_set(error, BAT_INVALID_POINT, e, 0,
                                  "the new points after point %zu cannot be drawn back to their edge", e);
             edge_tree_mark(tree, c, start_of(drawn->coarse, &job->fine[c], drawn->starts, e),
@@ -203,7 +207,7 @@ static void note_anchors(draw_back_job *job, bool moved_only)
         for (size_t e = 0; e < edges_of(job->drawn[c].coarse); e++)
         {
             edge_state *edge = &job->edges[job->first[c] + e];
-            if ((moved_only && !edge->moved) || edge->halvings == STRAIGHT || !passes_anchor(job, c, e))
+            if ((moved_only && !edge->moved) || edge->halvings >= STRAIGHT || !passes_anchor(job, c, e))
                 continue;
             edge->meets = true;
             found++;
@@ -271,7 +275,7 @@ bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, co
     for (size_t e = 0; e < job.edge_count && status == BAT_OK; e++)
     {
         counts->edges += job.edges[e].halvings > 0;
-        counts->straight += job.edges[e].halvings == STRAIGHT;
+        counts->straight += job.edges[e].halvings >= STRAIGHT;
     }
     free(job.first);
     free(job.edges);

@@ -26,14 +26,22 @@ typedef struct draw_back_counts
     edge_place stuck; ///< on failure, an edge of a polygon that rounding makes meet another one
 } draw_back_counts;
 
+/// How new points move.
+typedef enum draw_move
+{
+    DRAW_HALF,    ///< half of the way to the edge
+    DRAW_ON_EDGE, ///< onto the edge
+    DRAW_TO_START ///< so near to the start of the edge that the tested curve has the same point
+} draw_move;
+
 /// What may be drawn back, and how.
 typedef struct draw_rules
 {
     edge_pairs pairs;
     double turn; ///< as in edge_tree
-    /// Move the points begin + 1 … end - 1 of refined curve `curve`, those over edge `edge` of its polygon, half of the way
-    /// to the edge, or onto it; points of `fine` change with them. False where that is impossible. Null: along geodesics
-    bool (*move)(void *context, size_t curve, size_t edge, size_t begin, size_t end, bool onto_edge);
+    /// Move the points begin + 1 … end - 1 of refined curve `curve`, those over edge `edge` of its polygon; points of `fine`
+    /// change with them. False where that is impossible. Null: along geodesics, but not to the start
+    bool (*move)(void *context, size_t curve, size_t edge, size_t begin, size_t end, draw_move move);
     /// Whether these edges of polygons may meet after refinement. Null: none
     bool (*may_meet)(void *context, edge_place first, edge_place second);
     void *context;
