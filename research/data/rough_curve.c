@@ -249,10 +249,11 @@ bool rough_curve_draw(rough_family family, bat_random *random, size_t count, dou
 
 void rough_curve_simplify(bat_random *random, bool closed, size_t corners, size_t count, double *points)
 {
-    static const curve_sampling HOW[] = {CURVE_SAMPLING_EVEN, CURVE_SAMPLING_UNEVEN, CURVE_SAMPLING_VISVALINGAM};
+    static const curve_sampling HOW[] = {CURVE_SAMPLING_EVEN, CURVE_SAMPLING_UNEVEN, CURVE_SAMPLING_DOUGLAS_PEUCKER,
+                                         CURVE_SAMPLING_VISVALINGAM};
     size_t samples[SIMPLIFY_MAX_POINTS];
     double polyline[2 * SIMPLIFY_MAX_POINTS];
-    curve_sample(HOW[draw_whole(random, 0, 2)], points, count, closed, corners, random, samples);
+    curve_sample(HOW[draw_whole(random, 0, 3)], points, count, closed, corners, random, samples);
     for (size_t i = 0; i < corners; i++)
         memcpy(polyline + 2 * i, points + 2 * samples[i], 2 * sizeof *points);
     resample(polyline, corners, closed, count, points);

@@ -198,10 +198,10 @@ static tension_sample draw_rough_sample(bat_tension_space space, bat_random *ran
                                             ROUGH_DIRECTION, ROUGH_CORNERS,  ROUGH_STROKE};
     rough_family family = FAMILIES[draw_whole(random, 0, sizeof FAMILIES / sizeof *FAMILIES - 1)];
     bool closed = rough_curve_draw(family, random, ROUGH_POINTS, plane);
-    // Half of the curves with a spectrum are themselves polylines, of 3 to 12 pieces for each control edge.
+    // Half of the curves with a spectrum are themselves polylines, of 1.5 to 12 pieces for each control edge.
     bool polyline = family != ROUGH_CORNERS && family != ROUGH_STROKE && draw_coin(random);
     if (polyline)
-        rough_curve_simplify(random, closed, count * (size_t)draw_whole(random, 3, 12), ROUGH_POINTS, plane);
+        rough_curve_simplify(random, closed, draw_count(random, count + count / 2, 12 * count), ROUGH_POINTS, plane);
     static const curve_sampling SAMPLINGS[] = {
         CURVE_SAMPLING_EVEN,        CURVE_SAMPLING_UNEVEN,          CURVE_SAMPLING_UNEVEN,
         CURVE_SAMPLING_UNEVEN,      CURVE_SAMPLING_DOUGLAS_PEUCKER, CURVE_SAMPLING_DOUGLAS_PEUCKER,
