@@ -117,7 +117,7 @@ bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_e
 bool bat_curve_model_list(size_t index, bat_choice *choice)
 {
     static const bat_choice MODELS[] = {
-        {.name = "learned", .summary = "the curve scheme that comes with the library, 101,248 weights; weights/batten.md"},
+        {.name = "learned", .summary = "the curve scheme that comes with the library, 134,144 weights; weights/batten.md"},
         {.name = "learned-published",
          .summary =
              "the network of Ugail and Howard (2026), 140,505 weights, to compare with; weights/tension-published.md"},

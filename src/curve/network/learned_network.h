@@ -18,7 +18,7 @@
 #define LEARNED_CHANNELS 64
 #endif
 #ifndef LEARNED_BLOCKS
-#define LEARNED_BLOCKS 3
+#define LEARNED_BLOCKS 4
 #endif
 
 enum
