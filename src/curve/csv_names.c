@@ -45,11 +45,7 @@ static name_unit unit_of(const char *begin, const char *end)
         return NAME_UNIT_NONE;
     if (is_spelled(text, SPELLINGS("deg", "degs", "degree", "degrees", "dd", "decdeg", "decimaldegree", "decimaldegrees",
                                    "degreeseast", "degreesnorth", "degeast", "degnorth", "dege", "degn", "wgs84", "epsg4326",
-                                   "\xC2\xB0",
-                                   "\xC2\xB0"
-                                   "e",
-                                   "\xC2\xB0"
-                                   "n")))
+                                   "\u00B0", "\u00B0e", "\u00B0n")))
         return NAME_UNIT_DEGREES;
     if (is_spelled(text, SPELLINGS("rad", "rads", "radian", "radians")))
         return NAME_UNIT_RADIANS;
@@ -184,7 +180,7 @@ static bool is_angle(name_unit unit)
 static bool find_pair(const column_names *names, spellings first, spellings second, named_coordinates *found,
                       name_unit *unit)
 {
-    name_parts a, b;
+    name_parts a = {0}, b = {0};
     found->columns[0] = find_spelled(names, first, &a);
     found->columns[1] = find_spelled(names, second, &b);
     *unit = a.unit;

@@ -279,7 +279,7 @@ static void cut_curve(graph_job *job, size_t c)
     size_t edges = polygon_edges(curve->count, curve->closed), start = 0;
     while (start < curve->count && !is_node(job, c, start))
         start++;
-    job->graph->begins[c] = start % curve->count;
+    job->graph->begins[c] = start < curve->count ? start : 0;
     if (start == curve->count)
     {
         add_use(job, &(curve_run){c, 0, curve->count, true});

@@ -108,7 +108,7 @@ static double side_of(const arc_use *use)
 /// The area of a refined ring.
 static double refined_area(const area_job *job, size_t curve)
 {
-    double middle[3], sum = 0;
+    double middle[3] = {0}, sum = 0;
     middle_of(job, &job->curves[curve], middle);
     for (size_t u = job->graph->first_use[curve]; u < job->graph->first_use[curve + 1]; u++)
     {
@@ -200,7 +200,7 @@ static bat_status prepare(area_job *job, bat_error *error)
     }
     for (size_t c = 0; c < job->count; c++)
     {
-        double middle[3];
+        double middle[3] = {0};
         middle_of(job, &job->curves[c], middle);
         job->targets[c] = job->curves[c].closed ? area_under(job, middle, &job->curves[c]) : NAN;
     }

@@ -209,6 +209,12 @@ static bat_status refine_channels(const map_job *job, size_t curve, size_t begin
     return status;
 }
 
+/// The row of a curve of `count` rows when row `first` becomes row 0.
+static size_t turned_row(size_t row, size_t first, size_t count)
+{
+    return row >= first ? row - first : row + count - first;
+}
+
 /// Copy the points and channels of one use to their rows of a curve, whose row `first` is row 0 of the result.
 static bat_status copy_use(const map_job *job, size_t curve, size_t begin, const use_rows *rows, size_t first,
                            bat_curve *result, bat_error *error)
@@ -221,13 +227,13 @@ static bat_status copy_use(const map_job *job, size_t curve, size_t begin, const
     bool last = !result->closed && rows->row + rows->count + 1 == result->count; // an open curve has a last point
     for (size_t i = 0; i < rows->count + last && status == BAT_OK; i++)
     {
-        size_t to = (rows->row + i + result->count - first) % result->count, from = point_in_row(rows, offset, i);
+        size_t to = turned_row(rows->row + i, first, result->count), from = point_in_row(rows, offset, i);
         memcpy(result->points + to * dim, rows->arc->points + from * dim, dim * sizeof(double));
         if (channels > 0)
             memcpy(result->channels + to * channels, with_channels.channels + from * channels, channels * sizeof(double));
     }
-    if (status == BAT_OK && result->corners != NULL)
-        result->corners[(rows->row + result->count - first) % result->count] = job->corners[curve][begin];
+    if (status == BAT_OK && job->corners != NULL)
+        result->corners[turned_row(rows->row, first, result->count)] = job->corners[curve][begin];
     bat_curve_free(&with_channels);
     return status;
 }
@@ -261,7 +267,7 @@ static bat_status assemble_curve(map_job *job, size_t curve, bat_error *error)
         row += rows.count;
         begin = (begin + polygon_edges(arc->count, arc->closed)) % given->count;
     }
-    if (result->corners != NULL && !given->closed)
+    if (job->corners != NULL && !given->closed)
         result->corners[result->count - 1] = job->corners[curve][given->count - 1];
     return status;
 }

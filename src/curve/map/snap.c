@@ -137,7 +137,7 @@ static size_t nearest_point(const snap_job *job, size_t i)
             cell[c] = low[c] + (double)(rest % sizes);
             rest /= sizes;
         }
-        for (size_t entry = grid->heads[cell_hash(grid, cell)]; entry != 0; entry = grid->next[entry - 1])
+        for (size_t entry = grid->heads[cell_hash(grid, cell)]; entry != 0 && grid->count > 0; entry = grid->next[entry - 1])
         {
             size_t other = grid->items[entry - 1];
             double d = distance(job, point, job->points[other]);
