@@ -448,7 +448,7 @@ static bat_status curve_at(const spline_factor *f, const double *record, double 
     const bat_space *space = &f->space;
     const double *coefficients = record + space->point_dim;
     size_t n = space->tangent_dim;
-    double c[DIM], first[DIM], second[DIM], third[DIM];
+    double c[DIM], first[DIM], second[DIM], third[DIM] = {0};
     bool rates = velocity != NULL || acceleration != NULL;
     polynomial_at(n, coefficients, share, c, rates ? first : NULL, rates ? second : NULL);
     bat_status status = space->exp(space, record, c, point);

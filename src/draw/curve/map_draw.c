@@ -171,6 +171,13 @@ static void add_runs(line_group *group, const bat_curve *curve, const unsigned c
     }
 }
 
+static bool same_line(const line_style *a, const line_style *b)
+{
+    const draw_colour *p = &a->colour, *q = &b->colour;
+    return p->red == q->red && p->green == q->green && p->blue == q->blue && a->width == b->width && a->dash == b->dash &&
+           a->gap == b->gap;
+}
+
 bat_status map_draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_curve_layer_role role,
                           bat_error *error)
 {
@@ -185,7 +192,7 @@ bat_status map_draw_lines(cairo_t *cairo, const draw_view *view, const scene_pan
         if (layer->role != role || edges == 0)
             continue;
         line_style line = map_line(panel, i);
-        bool same = memcmp(&line, &group.line, sizeof line) == 0;
+        bool same = same_line(&line, &group.line);
         if (!same)
             flush(&group);
         group.line = line;

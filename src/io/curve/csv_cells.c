@@ -112,7 +112,10 @@ static size_t row_of(const double *channels, size_t n, bool closed, double place
     if (row == n)
         row = 0;
     cells_place(row, n, closed, expected);
-    return memcmp(expected, channels, sizeof expected) == 0 ? row : BAT_NO_INDEX;
+    for (size_t i = 0; i < CSV_PLACE_CHANNELS; i++)
+        if (expected[i] != channels[i])
+            return BAT_NO_INDEX;
+    return row;
 }
 
 /// Whether an edge has as many pieces as halving it again and again gives.

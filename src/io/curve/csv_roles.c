@@ -598,8 +598,8 @@ static bool note_coordinates(csv_reader *reader)
         named ? choice->spelled || (channels > 0 && !choice->degrees) : columns->names != NULL || columns->other_count > 0;
     if (reader->strict || reader->chosen || reader->tum || !guessed)
         return true;
-    static const char *const flat[] = {"x", "y", "z", "w"}, *const globe[] = {"longitude", "latitude"};
-    char text[200], label[EXCERPT_SIZE + 16];
+    static const char *const flat[] = {"x", "y", "z", "w"}, *const globe[] = {"longitude", "latitude", "altitude", "w"};
+    char text[200] = "", label[EXCERPT_SIZE + 16];
     size_t used = 0;
     for (size_t i = 0; i < choice->count && i < MAX_NAMED_COORDINATES && used < sizeof text; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s = %s", used > 0 ? ", " : "",

@@ -210,7 +210,7 @@ typedef struct csv_row
 static char *write_number(char *out, const csv_row *row, size_t place)
 {
     const csv_layout *layout = row->layout;
-    if (place >= layout->coordinate_count)
+    if (place >= layout->coordinate_count && row->channels != NULL)
         return number_write(out, row->channels[place - layout->coordinate_count]);
     if (layout->degrees)
         return write_angle(out, layout, row->point, row->units, place);

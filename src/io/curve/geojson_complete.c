@@ -59,20 +59,21 @@ static bool take_geometry(geojson_reader *reader, size_t first_curve, size_t fir
     size_t curves = builder->curve_count - first_curve, polygons = document->polygon_count - first_polygon;
     *geometry = (stitch_geometry){.curves = memory_array(curves, sizeof *geometry->curves),
                                   .origins = memory_array(curves, sizeof *geometry->origins)};
-    if (reader->rings)
+    bool rings = reader->rings;
+    if (rings)
     {
         geometry->ring_counts = memory_array(polygons, sizeof *geometry->ring_counts);
         geometry->poles = memory_array(polygons, sizeof *geometry->poles);
     }
     if (geometry->curves == NULL || geometry->origins == NULL ||
-        (reader->rings && (geometry->ring_counts == NULL || geometry->poles == NULL)))
+        (rings && (geometry->ring_counts == NULL || geometry->poles == NULL)))
     {
         stitch_geometry_free(geometry);
         return false;
     }
     memcpy(geometry->curves, builder->curves + first_curve, curves * sizeof *geometry->curves);
     memcpy(geometry->origins, document->origins + first_curve, curves * sizeof *geometry->origins);
-    if (reader->rings)
+    if (rings)
     {
         memcpy(geometry->ring_counts, document->ring_counts + first_polygon, polygons * sizeof *geometry->ring_counts);
         memcpy(geometry->poles, document->poles + first_polygon, polygons * sizeof *geometry->poles);

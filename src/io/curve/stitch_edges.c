@@ -125,7 +125,7 @@ static bool find_nodes(stitch_edges *edges, seam_nodes *nodes)
     for (size_t r = 0; r < edges->geometry->count; r++)
     {
         stitch_ring *ring = &edges->rings[r];
-        for (size_t k = 0; k < ring->curve->count; k++)
+        for (size_t k = 0; ring->curve != NULL && k < ring->curve->count; k++)
         {
             const double *a = ring_degrees(ring, k), *b = ring_degrees(ring, k + 1);
             if (kind_of(edges, a, b, NULL) != EDGE_SEAM)
