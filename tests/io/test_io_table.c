@@ -362,7 +362,7 @@ static void times_are_read_and_written(void **state)
         assert_int_equal(time.nanoseconds, cases[i].nanoseconds);
         *iso_time_write(text, &time, time.nanoseconds) = '\0';
         assert_string_equal(text, cases[i].text);
-        for (int64_t step = 1; step < 4000000000000000000; step *= 7) // every date is its own
+        for (int64_t step = 1; step < 1000000000000000000; step *= 7) // every date is its own
         {
             iso_time there;
             int64_t at = time.nanoseconds / 2 + step / 1000 * 1000;

@@ -122,6 +122,8 @@ static bool may_meet(void *context, edge_place first, edge_place second)
     const arc_job *job = context;
     size_t edges[2];
     edge_place places[2] = {first, second};
+    if (job->given_count == 0)
+        return false;
     for (int k = 0; k < 2; k++)
     {
         const bat_curve *arc = &job->graph->arcs[places[k].curve];
