@@ -47,7 +47,8 @@ struct bat_space
                             double *transported);
     /// The Riemannian inner product of two tangent vectors at `p`.
     double (*inner)(const bat_space *space, const double *p, const double *u, const double *v);
-    /// A random point: uniform in spaces of finite volume, else from a documented distribution.
+    /// Optional, for tests and studies only. A random point: uniform in spaces of finite volume, else from a documented
+    /// distribution.
     void (*random_point)(const bat_space *space, bat_random *random, double *point);
     /// Optional: the point at share `t` of the shortest geodesic from `p` to `q` (any real t, 0 gives p, 1 gives q).
     /// Null means exp(t log).
@@ -92,6 +93,11 @@ BAT_API bat_status bat_space_geodesic(const bat_space *space, const double *p, c
 /// Row i of each array is one point or tangent vector. On failure `error->index` is the first row at fault and the rows
 /// before it are done.
 /// @{
+
+/// Check a space and points of it: no function is missing that is not optional, and dimensions are 1 … BAT_SPACE_MAX_DIM.
+/// The injectivity radius is positive. Then fault() of every point. A `count` of 0 checks the space alone: a self-test for
+/// spaces of a user.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT with what the space lacks, or BAT_INVALID_POINT
 BAT_API bat_status bat_space_check(const bat_space *space, const double *points, size_t count, bat_error *error);
 /// The nearest points of the space: project().
 /// @return BAT_OK or BAT_INVALID_POINT

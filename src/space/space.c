@@ -2,6 +2,7 @@
 
 #include "base/choice.h"
 #include "base/error.h"
+#include "space/whole.h"
 
 #include <math.h>
 #include <string.h>
@@ -115,8 +116,48 @@ static bat_status row_failed(bat_error *error, bat_status status, size_t row)
                      status == BAT_CUT_LOCUS ? "no unique geodesic in row %zu" : "no valid point in row %zu", row);
 }
 
+const char *space_lack(const bat_space *space)
+{
+    const struct
+    {
+        bool missing;
+        const char *name;
+    } functions[] = {{space->fault == NULL, "function fault"},
+                     {space->project == NULL, "function project"},
+                     {space->distance == NULL, "function distance"},
+                     {space->log == NULL, "function log"},
+                     {space->exp == NULL, "function exp"},
+                     {space->transport == NULL, "function transport"},
+                     {space->inner == NULL, "function inner"},
+                     {space->name == NULL, "name"},
+                     {space->dimension == 0, "positive dimension"},
+                     {space->point_dim == 0, "positive point_dim"},
+                     {space->tangent_dim == 0, "positive tangent_dim"}};
+    for (size_t i = 0; i < sizeof functions / sizeof *functions; i++)
+        if (functions[i].missing)
+            return functions[i].name;
+    // Written so that a NaN lacks it, too.
+    return space->injectivity > 0 ? NULL : "positive injectivity radius (INFINITY where geodesics never meet again)";
+}
+
+bat_status space_check_whole(const bat_space *space, bat_error *error)
+{
+    const char *lack = space != NULL ? space_lack(space) : "definition";
+    const char *name = space != NULL && space->name != NULL ? space->name : "without a name";
+    if (lack != NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the space %s has no %s", name, lack);
+    if (space->point_dim > BAT_SPACE_MAX_DIM || space->tangent_dim > BAT_SPACE_MAX_DIM)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the space %s stores %zu numbers a point and %zu a tangent vector, more than %d", name,
+                         space->point_dim, space->tangent_dim, BAT_SPACE_MAX_DIM);
+    return BAT_OK;
+}
+
 bat_status bat_space_check(const bat_space *space, const double *points, size_t count, bat_error *error)
 {
+    bat_status status = space_check_whole(space, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < count; i++)
     {
         const char *fault = space->fault(space, points + i * space->point_dim);
