@@ -70,8 +70,8 @@ BAT_API bool bat_motion_suits(const bat_curve_set *set);
 /// for Hermite schemes they are estimated as tangents of the order in the options.
 ///
 /// What the tangents are depends on the method (bat_motion_method_for()). BAT_MOTION_SPLINE, and a rate: velocities.
-/// BAT_MOTION_HERMITE without a rate: unit vectors for BAT_HERMITE_LANE_RIESENFELD, which are not velocities and must not be
-/// sampled in time; derivatives by the index for BAT_HERMITE_TRANSPORT, for which times must be evenly spaced.
+/// BAT_MOTION_HERMITE without a rate: unit vectors for BAT_HERMITE_LANE_RIESENFELD, derivatives by the index for
+/// BAT_HERMITE_TRANSPORT, for which times must be evenly spaced. `keys->kind` states it; sampling in time refuses these two.
 ///
 /// @param options null for the defaults
 /// @param keys    receives the data; release it with bat_hermite_free()

@@ -9,12 +9,28 @@ BAT_C_BEGIN
 /// @file
 /// Curves through points with tangents, in any space: averages, refinement, sampling at times, estimated tangents.
 /// `docs/algorithms/hermite-schemes.md` explains the mathematics and which of the schemes to use when.
+///
+/// Conventions are those of the space: quaternions are (w, x, y, z); tangents of bat_rotation() are rotation vectors in the
+/// body's frame, as velocities in radians a unit of time; those of bat_rigid() are the velocity in the fixed frame and then
+/// the angular velocity in the body's. Rigid motions are the product of R^3 and rotations, not screw motions.
+///
+/// A space of a user needs all functions that are not optional: bat_space_check() and the calls here name the first that is
+/// missing.
 
 /// The largest sum of the two angles between an edge and the tangents at its ends: the bound of condition (3.4) of Ben-Zion
 /// Vardi, Dyn and Sharon, 0.1 below 2 pi.
 #define BAT_HERMITE_ANGLE_LIMIT 6.18318530717958647693
 /// The largest deviation of a direction's length from 1, and of a tangent from its tangent space, relative to its length.
 #define BAT_HERMITE_TANGENT_TOLERANCE 1e-9
+
+/// What the tangents of a curve are. Calls that make tangents state it; calls that need velocities refuse directions.
+typedef enum bat_hermite_tangents
+{
+    BAT_HERMITE_UNSTATED,         ///< not stated: taken for what a call needs
+    BAT_HERMITE_DIRECTIONS,       ///< unit vectors, without a speed
+    BAT_HERMITE_VELOCITIES,       ///< derivatives by time; without times, points are at 0, 1, 2, …
+    BAT_HERMITE_INDEX_DERIVATIVES ///< derivatives by the index of the points, also where there are times
+} bat_hermite_tangents;
 
 /// Points with tangents, and optionally times. Tangents are *directions* of unit length where only the shape matters, else
 /// *derivatives* of any length: velocities where there are times, else derivatives by the index.
@@ -25,15 +41,17 @@ typedef struct bat_hermite_curve
     double *tangents;       ///< count x tangent_dim, row-major
     double *times;          ///< count increasing numbers; may be null
     size_t count;
-    bool closed;         ///< the last point joins the first
-    double closing_time; ///< closed curves with times: how long it takes from the last point to the first
+    bool closed;               ///< the last point joins the first
+    double closing_time;       ///< closed curves with times: how long it takes from the last point to the first
+    bat_hermite_tangents kind; ///< what `tangents` are; 0 is BAT_HERMITE_UNSTATED
 } bat_hermite_curve;
 
 /// Free what the library allocated for a curve and make it empty. Does nothing to a curve that is empty already.
 BAT_API void bat_hermite_free(bat_hermite_curve *curve);
 
-/// Check a curve: at least 2 points (3 when closed), each in its space, with one shortest geodesic to the next. Tangents are
-/// finite and in the tangent space, times finite and increasing. Neighbours may be equal, as where a motion rests.
+/// Check a curve: a space with all functions, at least 2 points (3 when closed), each in its space, with one shortest
+/// geodesic to the next. Tangents are finite and in the tangent space, times finite and increasing. Neighbours may be equal,
+/// as where a motion rests.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first failing point
 BAT_API bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *error);
 
@@ -42,22 +60,47 @@ BAT_API bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *
 /// @return as bat_hermite_check()
 BAT_API bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, bat_error *error);
 
-/// Bring all tangents to unit length.
-/// @return BAT_OK, or BAT_INVALID_POINT with the first tangent that is zero or not finite; those before it are done
+/// Bring all tangents to unit length; they are BAT_HERMITE_DIRECTIONS then.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (the space lacks a function), or BAT_INVALID_POINT with the first tangent that is
+/// zero or not finite; those before it are done
 BAT_API bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error);
 
 /// The manifold-Hermite De Casteljau average (algorithm 3 of Ben-Zion Vardi, Dyn and Sharon): a point and a direction at
 /// share `weight` of the geodesic De Casteljau cubic between two points with directions. Weight 0 gives the first, 1 the
 /// second, bit for bit; weights outside 0 … 1 extrapolate. Two equal points with equal directions are their own average.
 ///
+/// All geodesics between points are the shortest ones, also those to inner control points beyond the injectivity radius.
 /// The direction is the last geodesic's own velocity where it passes the point, not a difference of points.
 ///
-/// @param p0, v0    a point and a direction there, of unit length; likewise p1, v1
+/// @param p0, v0    a point and a direction there, of unit length to BAT_HERMITE_TANGENT_TOLERANCE; likewise p1, v1
 /// @param point, direction receive the average; they may not overlap the inputs
-/// @return BAT_OK; BAT_CUT_LOCUS where a geodesic is not unique; BAT_INVALID_POINT where the pair is not admissible, the
-///         points are equal but not the directions, or the average has no direction
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where the space lacks a function; BAT_CUT_LOCUS where a geodesic is not unique;
+///         BAT_INVALID_POINT where a direction is not of unit length, the pair is not admissible, the points are equal but
+///         not the directions, or the average has no direction
 BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                        const double *v1, double weight, double *point, double *direction);
+
+/// The two parts of the length of a pair of Hermite data, whose sum is L_H of eq. (4.10) of Ben-Zion Vardi, Dyn and Sharon.
+typedef struct bat_hermite_length
+{
+    double path; ///< the length of the points' curve, in the unit of distance()
+    double turn; ///< how far the direction turns against parallel transport along that curve, in radians
+} bat_hermite_length;
+
+/// The length L_H of the curve w -> bat_hermite_average(w) from one pair of a point and a direction to another (section 4.4,
+/// eqs. 4.9 and 4.10): the integral over w in [0, 1] of |p'| + |Du/dw|, where Du/dw is the covariant derivative of the
+/// direction along the points. docs/algorithms/hermite-schemes.md has what is known of it: it is not symmetric, and
+/// depends on the unit of length.
+///
+/// Lengths and angles are summed along 16, 32, … 4096 parts and extrapolated, to a relative error of about 1e-9.
+///
+/// @param p0, v0, p1, v1 as of bat_hermite_average()
+/// @param length receives both parts; both 0 for two equal points with equal directions
+/// @param error  may be null
+/// @return the failures of bat_hermite_average(), and BAT_NO_CONVERGENCE where the curve jumps or has a cusp; `length` is
+///         untouched on failure
+BAT_API bat_status bat_hermite_length_of(const bat_space *space, const double *p0, const double *v0, const double *p1,
+                                         const double *v1, bat_hermite_length *length, bat_error *error);
 
 /// The longest mask of a linear Hermite scheme.
 #define BAT_HERMITE_MASK_MAX 16
@@ -159,13 +202,18 @@ BAT_API bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_
 /// 1995). Its inner control points are exp(p, h v / 3) and exp(q, -h w / 3), h being the time between them. It passes the
 /// points at their times with their velocities, for every spacing, and so is C1. The error against a smooth curve is O(h^4).
 ///
-/// @param curve      tangents are velocities; without times the points are at 0, 1, 2, … and a closed curve ends at `count`
+/// Velocities so high that h v / 3 leads past the cut locus are refused: shortest geodesics to such control points do not
+/// have these velocities. bat_motion_spline_new() takes them.
+///
+/// @param curve      tangents are velocities (directions, and derivatives by the index where there are times, are refused);
+///                   without times the points are at 0, 1, 2, … and a closed curve ends at `count`
 /// @param times      in any order; within those of an open curve, modulo the period of a closed one
 /// @param points     receives count x point_dim numbers
 /// @param velocities receives count x tangent_dim numbers, by fourth-order differences over 1/256 of the interval: accurate
 ///                   to about 1e-10 of the largest nearby; may be null
 /// @return BAT_OK; BAT_INVALID_ARGUMENT with a time that is outside or not finite; the failures of bat_hermite_check();
-///         BAT_CUT_LOCUS or BAT_INVALID_POINT with the time where a geodesic is not unique or leaves the space
+///         BAT_CUT_LOCUS or BAT_INVALID_POINT with the time where a velocity is too high, or a geodesic is not unique or
+///         leaves the space
 BAT_API bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *times, size_t count, double *points,
                                       double *velocities, bat_error *error);
 

@@ -4,6 +4,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "motion/hermite_average.h"
+#include "space/whole.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -126,7 +127,9 @@ static bat_status check_index(const bat_hermite_curve *curve, size_t index, herm
 
 bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts parts, int threads, bat_error *error)
 {
-    bat_status status = check_counts(curve, error);
+    bat_status status = space_check_whole(curve->space, error);
+    if (status == BAT_OK)
+        status = check_counts(curve, error);
     if (status != BAT_OK)
         return status;
     shared_work work = shared_work_make((curve->count + BLOCK - 1) / BLOCK, (bat_progress){0});
@@ -152,6 +155,19 @@ bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts par
     return status;
 }
 
+bat_status hermite_check_velocities(const bat_hermite_curve *curve, bat_error *error)
+{
+    if (curve->kind == BAT_HERMITE_DIRECTIONS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the tangents are directions of unit length, not velocities: estimate velocities from points and "
+                         "times by bat_hermite_estimate_tangents(), or refine by bat_hermite_refine()");
+    if (curve->kind == BAT_HERMITE_INDEX_DERIVATIVES && curve->times != NULL)
+        return error_set(
+            error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+            "the tangents are derivatives by the index, not velocities: divide them by the time between points");
+    return BAT_OK;
+}
+
 bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *error)
 {
     return hermite_check(curve, (hermite_check_parts){.edges = true}, 1, error);
@@ -165,6 +181,9 @@ bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, bat_erro
 bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error)
 {
     const bat_space *space = curve->space;
+    bat_status status = space_check_whole(space, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < curve->count; i++)
     {
         double *tangent = curve->tangents + i * space->tangent_dim;
@@ -174,5 +193,6 @@ bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error)
         for (size_t c = 0; c < space->tangent_dim; c++)
             tangent[c] /= length;
     }
+    curve->kind = BAT_HERMITE_DIRECTIONS;
     return BAT_OK;
 }

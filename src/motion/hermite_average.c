@@ -1,6 +1,7 @@
 #include "motion/hermite_average.h"
 
 #include "space/known.h"
+#include "space/whole.h"
 
 #include <math.h>
 #include <string.h>
@@ -76,25 +77,31 @@ bat_status hermite_edge_measure(const bat_space *space, const double *p0, const 
     return edge->half_turn_cosine >= min_cosine ? BAT_OK : BAT_INVALID_POINT;
 }
 
-/// The first round's outer points lie on the geodesics that make the inner control points, so that only its middle point
-/// needs a logarithm.
-bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
-                              double weight, double *before, double *after)
+/// The point at share `weight` of a leg from p to the control point exp(p, u).
+static bat_status leg_point(const bat_space *space, const double *p, const double *u, const double *control, double weight,
+                            hermite_legs legs, double *tangent, double *point)
 {
-    size_t n = space->tangent_dim;
-    double block[6 * BAT_SPACE_MAX_DIM], *vectors[6];
-    lay_out(block, widest(space), 6, vectors);
-    double *tangent = vectors[0], **control = vectors + 1, **first = vectors + 3;
+    if (legs == HERMITE_LEGS_ANY)
+        return bat_space_geodesic(space, p, control, weight, point);
+    scale_into(space->tangent_dim, weight, u, tangent);
+    return space->exp(space, p, tangent, point);
+}
+
+/// Within the cut locus only the middle point of the first round needs a logarithm.
+bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
+                              double weight, hermite_legs legs, double *before, double *after)
+{
+    double block[7 * BAT_SPACE_MAX_DIM], *vectors[7];
+    lay_out(block, widest(space), 7, vectors);
+    double *tangent = vectors[0], *back = vectors[1], **control = vectors + 2, **first = vectors + 4;
+    scale_into(space->tangent_dim, -1, u1, back);
     bat_status status = space->exp(space, p0, u0, control[0]);
-    scale_into(n, -1, u1, tangent);
     if (status == BAT_OK)
-        status = space->exp(space, p1, tangent, control[1]);
-    scale_into(n, weight, u0, tangent);
+        status = space->exp(space, p1, back, control[1]);
     if (status == BAT_OK)
-        status = space->exp(space, p0, tangent, first[0]);
-    scale_into(n, weight - 1, u1, tangent);
+        status = leg_point(space, p0, u0, control[0], weight, legs, tangent, first[0]);
     if (status == BAT_OK)
-        status = space->exp(space, p1, tangent, first[2]);
+        status = leg_point(space, p1, back, control[1], 1 - weight, legs, tangent, first[2]);
     if (status == BAT_OK)
         status = bat_space_geodesic(space, control[0], control[1], weight, first[1]);
     if (status == BAT_OK)
@@ -138,6 +145,12 @@ static void copy_pair(const bat_space *space, const double *p, const double *v, 
     memcpy(direction, v, space->tangent_dim * sizeof *direction);
 }
 
+static bool is_unit(const bat_space *space, const double *point, const double *direction)
+{
+    double length = sqrt(space->inner(space, point, direction, direction));
+    return fabs(length - 1) <= BAT_HERMITE_TANGENT_TOLERANCE;
+}
+
 /// bat_hermite_average() of points that do not coincide.
 static bat_status average_distinct(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                    const double *v1, double weight, double *point, double *direction)
@@ -151,7 +164,8 @@ static bat_status average_distinct(const bat_space *space, const double *p0, con
     double **u = vectors, **ends = vectors + 2;
     scale_into(space->tangent_dim, edge.reach, v0, u[0]);
     scale_into(space->tangent_dim, edge.reach, v1, u[1]);
-    status = hermite_cubic_ends(space, p0, u[0], p1, u[1], weight, ends[0], ends[1]);
+    hermite_legs legs = edge.reach < space->injectivity ? HERMITE_LEGS_WITHIN : HERMITE_LEGS_ANY;
+    status = hermite_cubic_ends(space, p0, u[0], p1, u[1], weight, legs, ends[0], ends[1]);
     return status == BAT_OK ? last_geodesic(space, ends[0], ends[1], weight, point, direction) : status;
 }
 
@@ -159,6 +173,10 @@ bat_status bat_hermite_average(const bat_space *space, const double *p0, const d
                                const double *v1, double weight, double *point, double *direction)
 {
     hermite_edge edge;
+    if (space_lack(space) != NULL)
+        return BAT_INVALID_ARGUMENT;
+    if (!is_unit(space, p0, v0) || !is_unit(space, p1, v1))
+        return BAT_INVALID_POINT;
     bool coincide = space->distance(space, p0, p1) == 0 && are_equal(space->tangent_dim, v0, v1);
     if (weight != 0 && weight != 1 && !coincide)
         return average_distinct(space, p0, v0, p1, v1, weight, point, direction);

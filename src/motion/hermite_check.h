@@ -14,4 +14,8 @@ typedef struct hermite_check_parts
 /// bat_hermite_check() of parts. The fault found is the first, whatever the number of threads.
 bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts parts, int threads, bat_error *error);
 
+/// Whether the tangents of a curve may be velocities: they are not stated to be directions.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
+bat_status hermite_check_velocities(const bat_hermite_curve *curve, bat_error *error);
+
 #endif

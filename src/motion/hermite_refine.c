@@ -263,6 +263,7 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
 {
     const bat_hermite_curve *coarse = plan->coarse;
     *fine = (bat_hermite_curve){.space = coarse->space, .count = plan->count, .closed = coarse->closed};
+    fine->kind = plan->options->kind == BAT_HERMITE_TRANSPORT ? BAT_HERMITE_INDEX_DERIVATIVES : BAT_HERMITE_DIRECTIONS;
     fine->points = memory_array(plan->count, plan->point_dim * sizeof *fine->points);
     fine->tangents = memory_array(plan->count, plan->tangent_dim * sizeof *fine->tangents);
     if (coarse->times != NULL)

@@ -82,11 +82,39 @@ static void open_interval(const bat_hermite_curve *curve, size_t index, interval
     }
 }
 
+/// Whether the geodesic from p with velocity u is the shortest to its end: else the cubic would not have this velocity.
+/// Lengths in a product may be greater than its injectivity radius.
+static bool is_within(const bat_space *space, const double *p, const double *u)
+{
+    double end[BAT_SPACE_MAX_DIM], log[BAT_SPACE_MAX_DIM], half = space->injectivity / 2;
+    if (space->inner(space, p, u, u) < space->injectivity * space->injectivity)
+        return true;
+    if (space->exp(space, p, u, end) != BAT_OK || space->log(space, p, end, log) != BAT_OK)
+        return false;
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        log[i] -= u[i];
+    return space->inner(space, p, log, log) < half * half;
+}
+
+static bat_status check_interval(const interval *span, size_t index, bat_error *error)
+{
+    const bat_space *space = span->space;
+    char digits[NUMBER_DIGITS_SIZE];
+    bool first = is_within(space, span->p0, span->u0);
+    if (first && is_within(space, span->p1, span->u1))
+        return BAT_OK;
+    return error_set(error, BAT_CUT_LOCUS, index, 0,
+                     "there is no point at time %zu: a third of the interval from %s on at the velocity of its %s leads "
+                     "past the cut locus; add keys, or make a spline",
+                     index, number_digits(span->begin, digits), first ? "end" : "beginning");
+}
+
 /// The cubic at a share of its interval.
 static bat_status point_at(const interval *span, double share, double *point)
 {
     double before[BAT_SPACE_MAX_DIM], after[BAT_SPACE_MAX_DIM];
-    bat_status status = hermite_cubic_ends(span->space, span->p0, span->u0, span->p1, span->u1, share, before, after);
+    bat_status status =
+        hermite_cubic_ends(span->space, span->p0, span->u0, span->p1, span->u1, share, HERMITE_LEGS_WITHIN, before, after);
     return status == BAT_OK ? bat_space_geodesic(span->space, before, after, share, point) : status;
 }
 
@@ -144,6 +172,8 @@ bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *time
 {
     const bat_space *space = curve->space;
     bat_status status = hermite_check(curve, (hermite_check_parts){0}, 1, error);
+    if (status == BAT_OK)
+        status = hermite_check_velocities(curve, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         status = check_sample_time(curve, times[i], i, error);
@@ -152,6 +182,9 @@ bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *time
         double time = curve->closed ? wrapped(curve, times[i]) : times[i];
         interval span;
         open_interval(curve, find_interval(curve, time), &span);
+        status = check_interval(&span, i, error);
+        if (status != BAT_OK)
+            break;
         status = sample_interval(&span, time, points + i * space->point_dim,
                                  velocities != NULL ? velocities + i * space->tangent_dim : NULL);
         char digits[NUMBER_DIGITS_SIZE];
@@ -179,8 +212,10 @@ static bat_status count_samples(const bat_hermite_curve *curve, double rate, siz
 bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, bat_hermite_curve *sampled, bat_error *error)
 {
     const bat_space *space = curve->space;
-    bat_hermite_curve result = {.space = space, .closed = curve->closed};
+    bat_hermite_curve result = {.space = space, .closed = curve->closed, .kind = BAT_HERMITE_VELOCITIES};
     bat_status status = hermite_check(curve, (hermite_check_parts){0}, 1, error);
+    if (status == BAT_OK)
+        status = hermite_check_velocities(curve, error);
     if (status == BAT_OK)
         status = count_samples(curve, rate, &result.count, error);
     if (status != BAT_OK)

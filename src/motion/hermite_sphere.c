@@ -15,8 +15,10 @@ enum
 static const double SQUARED_PI = 9.8696044010893586188;
 /// Edges shorter than this are left to the general code: their squares lose digits to underflow.
 static const double MIN_SQUARED_CHORD = 1e-200;
-/// Arcs whose points are nearly antipodal are left to it too.
-static const double MIN_SQUARED_SUM = 1e-4;
+/// Arcs whose points are nearly antipodal are left to it too: their midpoints multiply rounding by up to 10 below this.
+static const double MIN_SQUARED_SUM = 1e-2;
+/// Where antipodes are one point, so are arcs of nearly a quarter: the cosine's sign decides which arc is the shortest.
+static const double MIN_COSINE = 1e-12;
 
 /// The kind of unit sphere. It is a compile-time constant in each caller, so that loops over coordinates are unrolled.
 typedef struct sphere_kind
@@ -38,11 +40,6 @@ typedef struct sphere_block
 
 /// Functions that must be inlined for the loops over pairs to become vector code.
 #define LANE static inline __attribute__((always_inline))
-
-LANE double lower(double a, double b)
-{
-    return a < b ? a : b;
-}
 
 LANE double dot(sphere_kind s, const double *u, const double *v)
 {
@@ -70,14 +67,15 @@ LANE double side(sphere_kind s, const double *p, const double *q)
     return s.projective && dot(s, p, q) < 0 ? -1 : 1;
 }
 
-/// The midpoint of the shortest arc between two points: their sum, brought to unit length. Returns the sum's squared length.
-LANE double midpoint(sphere_kind s, const double *p, const double *q, double *middle)
+/// The midpoint of the shortest arc between two points: their sum, brought to unit length. Returns whether it is accurate.
+LANE bool midpoint(sphere_kind s, const double *p, const double *q, double *middle)
 {
-    add(s, p, q, side(s, p, q), middle);
+    double cosine = s.projective ? dot(s, p, q) : 1;
+    add(s, p, q, cosine < 0 ? -1 : 1, middle);
     double squared = squared_length(s, middle), inverse = 1 / sqrt(squared);
     for (int c = 0; c < s.dim; c++)
         middle[c] *= inverse;
-    return squared;
+    return (squared > MIN_SQUARED_SUM) & (cosine * cosine > MIN_COSINE * MIN_COSINE);
 }
 
 /// The squares of twice the sine and twice the cosine of half the angle between two unit vectors.
@@ -130,18 +128,19 @@ LANE bool average(sphere_kind s, const double *p, const double *v, const double 
     double inner[2][MAX_DIM] = {{0}}, first[3][MAX_DIM] = {{0}}, second[2][MAX_DIM] = {{0}}, sum[MAX_DIM] = {0},
            difference[MAX_DIM] = {0};
     double alpha = reach(s, p, v, q, w, &is_easy);
+    is_easy &= !s.projective | (dot(s, p, q) > MIN_COSINE);
     double cosine = lane_cos_root(alpha * alpha), sine = alpha * lane_sinc_root(alpha * alpha);
     for (int c = 0; c < s.dim; c++)
     {
         inner[0][c] = cosine * p[c] + sine * v[c];
         inner[1][c] = cosine * q[c] - sine * w[c];
     }
-    double minimum = midpoint(s, p, inner[0], first[0]);
-    minimum = lower(minimum, midpoint(s, inner[0], inner[1], first[1]));
-    minimum = lower(minimum, midpoint(s, inner[1], q, first[2]));
-    minimum = lower(minimum, midpoint(s, first[0], first[1], second[0]));
-    minimum = lower(minimum, midpoint(s, first[1], first[2], second[1]));
-    double sign = side(s, second[0], second[1]);
+    is_easy &= midpoint(s, p, inner[0], first[0]);
+    is_easy &= midpoint(s, inner[0], inner[1], first[1]);
+    is_easy &= midpoint(s, inner[1], q, first[2]);
+    is_easy &= midpoint(s, first[0], first[1], second[0]);
+    is_easy &= midpoint(s, first[1], first[2], second[1]);
+    double last_cosine = s.projective ? dot(s, second[0], second[1]) : 1, sign = last_cosine < 0 ? -1 : 1;
     for (int c = 0; c < s.dim; c++)
     {
         sum[c] = sign * second[1][c] + second[0][c];
@@ -156,7 +155,7 @@ LANE bool average(sphere_kind s, const double *p, const double *v, const double 
         point[c] = sum[c] * inverse_sum;
         direction[c] = difference[c] * inverse_difference;
     }
-    return is_easy & (minimum > MIN_SQUARED_SUM) & (squared_sum > MIN_SQUARED_SUM) &
+    return is_easy & (squared_sum > MIN_SQUARED_SUM) & (last_cosine * last_cosine > MIN_COSINE * MIN_COSINE) &
            (squared_difference > MIN_SQUARED_CHORD);
 }
 

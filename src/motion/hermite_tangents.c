@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "motion/hermite_average.h"
+#include "space/whole.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -231,11 +232,14 @@ bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order,
     if (order != 2 && order != HIGHEST_ORDER)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangents are estimated with order 2 or 4, not %zu",
                          order);
+    bat_status status = space_check_whole(curve->space, error);
+    if (status != BAT_OK)
+        return status;
     if (curve->count < minimum || curve->points == NULL || curve->tangents == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "%s curve needs at least %zu points and room for tangents", curve->closed ? "a closed" : "an open",
                          minimum);
-    bat_status status = bat_space_check(curve->space, curve->points, curve->count, error);
+    status = bat_space_check(curve->space, curve->points, curve->count, error);
     if (status != BAT_OK)
         return status;
     estimate e = {.curve = curve, .edges = curve->closed ? curve->count : curve->count - 1};
@@ -244,5 +248,7 @@ bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order,
         return error_memory(error, e.edges * sizeof *e.lengths);
     status = curve->times != NULL ? estimate_velocities(&e, order, error) : estimate_directions(&e, order, error);
     free(e.lengths);
+    if (status == BAT_OK)
+        curve->kind = curve->times != NULL ? BAT_HERMITE_VELOCITIES : BAT_HERMITE_DIRECTIONS;
     return status;
 }

@@ -236,6 +236,7 @@ static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_
     status = check_even(keys, error);
     if (status == BAT_OK)
         scale_tangents(keys, keys->times[1] - keys->times[0]);
+    keys->kind = BAT_HERMITE_INDEX_DERIVATIVES;
     return status;
 }
 
@@ -253,6 +254,7 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
         status = check_neighbours(set, curve, keys, takes_directions(method, options), error);
     if (status == BAT_OK && given)
         status = take_velocities(from, form_of(set), channels, keys, error);
+    keys->kind = BAT_HERMITE_VELOCITIES;
     return status == BAT_OK ? make_tangents(keys, given, method, options, error) : status;
 }
 
@@ -550,9 +552,13 @@ static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_
     {
         scale_tangents(smooth, ldexp(1, (int)scheme->levels) / (keys->times[1] - keys->times[0]));
         space_times(keys, scheme, smooth);
+        smooth->kind = BAT_HERMITE_VELOCITIES;
     }
     else if (smooth->times != NULL)
+    {
         speed_up(smooth);
+        smooth->kind = BAT_HERMITE_VELOCITIES;
+    }
 }
 
 /// The number of samples of a motion.
@@ -605,7 +611,8 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
                                 const bat_motion_options *options, bat_hermite_curve *smooth, bat_error *error)
 {
     const bat_space *space = keys->space;
-    *smooth = (bat_hermite_curve){.space = space, .closed = keys->closed && options->times == NULL};
+    *smooth = (bat_hermite_curve){
+        .space = space, .closed = keys->closed && options->times == NULL, .kind = BAT_HERMITE_VELOCITIES};
     bat_status status = count_samples(spline, keys, options, &smooth->count, error);
     if (status != BAT_OK)
         return status;

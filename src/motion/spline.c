@@ -11,6 +11,7 @@
 #include "motion/hermite_check.h"
 #include "motion/spline_factor.h"
 #include "motion/spline_system.h"
+#include "space/whole.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -102,23 +103,13 @@ void bat_motion_spline_free(bat_motion_spline *spline)
     free(spline);
 }
 
-/// The functions that evaluation calls, which a user's space may have left out.
-static bat_status check_space(const bat_space *space, bat_error *error)
-{
-    bool whole = space->fault != NULL && space->distance != NULL && space->log != NULL && space->exp != NULL &&
-                 space->transport != NULL && space->inner != NULL;
-    if (!whole)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "the space %s lacks one of the functions fault, distance, log, exp, transport and inner",
-                         space->name != NULL ? space->name : "without a name");
-    return BAT_OK;
-}
-
 /// The checks of Hermite data, with tangents of zero where there are none.
 static bat_status check_keys(const bat_hermite_curve *keys, bat_error *error)
 {
     bat_hermite_curve checked = *keys;
-    bat_status status = check_space(keys->space, error);
+    bat_status status = space_check_whole(keys->space, error);
+    if (status == BAT_OK && keys->tangents != NULL)
+        status = hermite_check_velocities(keys, error);
     if (status != BAT_OK)
         return status;
     double *zeros = NULL;
