@@ -211,6 +211,16 @@ static int print_text(const bat_hermite_table *table)
     print_single(table, BAT_HERMITE_CONTRACTION, "Contraction of the longest edge by a level (eq. 4.2), orders 1 to 5");
     print_single(table, BAT_HERMITE_DISPLACEMENT,
                  "Displacement over the longest edge (eq. 4.3; theorem 4.8 bounds it by (m + 1) / 4), orders 1 to 5");
+    print_halvings(
+        table, BAT_HERMITE_HALVING,
+        "The assumption of theorem 4.8 (eq. 4.14), that the average halves L_H (eq. 4.10): largest difference of a "
+        "half's share from 1/2, neighbours on the curve");
+    print_single(table, BAT_HERMITE_HALF_SHARE,
+                 "Largest share of L_H in a half (mu of eq. 4.12), pairs 1 apart with angles up to 45 degrees");
+    print_single(
+        table, BAT_HERMITE_TRIANGLE,
+        "The triangle inequality of L_H (eq. 4.11): largest L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)), at most 1 where "
+        "it holds; Q is near the average");
     return EXIT_DONE;
 }
 

@@ -23,7 +23,8 @@ enum
     LEVELS = 3,
     ORDERS = 5, ///< orders whose contraction and displacement are measured
     TRIALS = 20,
-    DIM = 8, ///< maximum dimension of points and tangents
+    THIRDS = 5, ///< elements to which the triangle inequality of a pair is applied
+    DIM = 8,    ///< maximum dimension of points and tangents
     MIN_CAPACITY = 256
 };
 
@@ -89,8 +90,9 @@ enum
 const char *bat_hermite_quantity_name(bat_hermite_quantity quantity)
 {
     static const char *const NAMES[] = {"error",           "geodesic error", "point proximity",
-                                        "angle proximity", "contraction",    "displacement"};
-    return quantity >= BAT_HERMITE_ERROR && quantity <= BAT_HERMITE_DISPLACEMENT ? NAMES[quantity] : "unknown";
+                                        "angle proximity", "contraction",    "displacement",
+                                        "halving",         "half share",     "triangle"};
+    return quantity >= BAT_HERMITE_ERROR && quantity <= BAT_HERMITE_TRIANGLE ? NAMES[quantity] : "unknown";
 }
 
 /// A table that grows.
@@ -204,7 +206,7 @@ static void random_direction(const bat_space *space, bat_random *random, const d
         direction[k] /= sqrt(square);
 }
 
-/// Rotate a direction by up to atan(amount).
+/// Rotate a direction by up to asin(amount).
 static void bend(const bat_space *space, bat_random *random, const double *p, double amount, double *direction)
 {
     double other[DIM];
@@ -216,7 +218,7 @@ static void bend(const bat_space *space, bat_random *random, const double *p, do
         direction[k] /= length;
 }
 
-/// A random geodesic of a given length, with its directions rotated by up to atan(amount).
+/// A random geodesic of a given length, with its directions rotated by up to asin(amount).
 static bat_status random_pair(const bat_space *space, bat_random *random, double length, double amount, study_pair *pair)
 {
     double way[DIM], *p = pair->points, *q = p + space->point_dim;
@@ -350,6 +352,140 @@ static bat_status add_ratios(study_table *table, const study_curve *curve, const
     return status;
 }
 
+// The length L_H of section 4.4
+
+/// L_H of eq. (4.10).
+static bat_status length_of(const bat_space *space, const double *p, const double *v, const double *q, const double *w,
+                            double *length, bat_error *error)
+{
+    bat_hermite_length parts = {0};
+    bat_status status = bat_hermite_length_of(space, p, v, q, w, &parts, error);
+    *length = parts.path + parts.turn;
+    return status;
+}
+
+/// The shares of L_H that a pair's halves have: from the first element to the average of both, and from there to the second.
+static bat_status half_shares(const bat_space *space, const double *p, const double *v, const double *q, const double *w,
+                              double shares[2], bat_error *error)
+{
+    double middle[DIM], direction[DIM], whole = 0;
+    bat_status status = bat_hermite_average(space, p, v, q, w, 0.5, middle, direction);
+    if (status != BAT_OK)
+        return error_set(error, status, BAT_NO_INDEX, 0, "a pair has no average");
+    status = length_of(space, p, v, q, w, &whole, error);
+    if (status == BAT_OK)
+        status = length_of(space, p, v, middle, direction, &shares[0], error);
+    if (status == BAT_OK)
+        status = length_of(space, middle, direction, q, w, &shares[1], error);
+    shares[0] /= whole;
+    shares[1] /= whole;
+    return status;
+}
+
+/// Eq. (4.14) on neighbours of a smooth curve.
+static bat_status curve_halving(const study_curve *curve, size_t count, double *largest, bat_error *error)
+{
+    const bat_space *space = curve->space;
+    double parameters[COARSEST << (HALVINGS - 1)];
+    bat_hermite_curve samples = {0};
+    for (size_t i = 0; i < count; i++)
+        parameters[i] = PERIOD * (double)i / (double)count;
+    bat_status status = study_curve_sample(curve, parameters, count, true, &samples, error);
+    if (status == BAT_OK)
+        status = bat_hermite_normalize(&samples, error);
+    for (size_t i = 0; i + 1 < count && status == BAT_OK; i++)
+    {
+        const double *p = samples.points + i * space->point_dim, *v = samples.tangents + i * space->tangent_dim;
+        double shares[2] = {0};
+        status = half_shares(space, p, v, p + space->point_dim, v + space->tangent_dim, shares, error);
+        *largest = fmax(*largest, fmax(fabs(shares[0] - 0.5), fabs(shares[1] - 0.5)));
+    }
+    bat_hermite_free(&samples);
+    return status;
+}
+
+static bat_status add_halving(study_table *table, const study_curve *curve, const char *name, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t halving = 0; halving < HALVINGS && status == BAT_OK; halving++)
+    {
+        size_t count = (size_t)COARSEST << halving;
+        bat_hermite_measure row = {
+            .space = name, .scheme = SCHEMES[0].name, .quantity = BAT_HERMITE_HALVING, .h = PERIOD / (double)count};
+        status = curve_halving(curve, count, &row.value, error);
+        if (status == BAT_OK)
+            status = add_row(table, row, error);
+    }
+    return status;
+}
+
+/// L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)) for an element Q near the average of the pair: 0.1 from its point, its direction
+/// rotated by up to asin(0.2).
+static bat_status triangle_quotient(const bat_space *space, bat_random *random, const study_pair *pair, double *quotient,
+                                    bat_error *error)
+{
+    const double *p = pair->points, *q = p + space->point_dim, *v = pair->directions, *w = v + space->tangent_dim;
+    double whole = 0, first = 0, second = 0, middle[DIM], direction[DIM], way[DIM], third[DIM], along[DIM];
+    bat_status status = bat_hermite_average(space, p, v, q, w, 0.5, middle, direction);
+    if (status == BAT_OK)
+    {
+        random_direction(space, random, middle, way);
+        for (size_t k = 0; k < space->tangent_dim; k++)
+            way[k] *= 0.1;
+        status = space->exp(space, middle, way, third);
+    }
+    if (status == BAT_OK)
+        status = space->transport(space, middle, third, direction, along);
+    if (status != BAT_OK)
+        return error_set(error, status, BAT_NO_INDEX, 0, "a pair has no average");
+    bend(space, random, third, 0.2, along);
+    status = length_of(space, p, v, q, w, &whole, error);
+    if (status == BAT_OK)
+        status = length_of(space, p, v, third, along, &first, error);
+    if (status == BAT_OK)
+        status = length_of(space, third, along, q, w, &second, error);
+    *quotient = whole / (first + second);
+    return status;
+}
+
+/// Eqs. (4.11) and (4.12) on a pair.
+static bat_status pair_lengths(const bat_space *space, bat_random *random, const study_pair *pair, double *share,
+                               double *triangle, bat_error *error)
+{
+    const double *p = pair->points, *q = p + space->point_dim, *v = pair->directions, *w = v + space->tangent_dim;
+    double shares[2] = {0}, quotient = 0;
+    bat_status status = half_shares(space, p, v, q, w, shares, error);
+    *share = fmax(*share, fmax(shares[0], shares[1]));
+    for (int k = 0; k < THIRDS && status == BAT_OK; k++)
+    {
+        status = triangle_quotient(space, random, pair, &quotient, error);
+        *triangle = fmax(*triangle, quotient);
+    }
+    return status;
+}
+
+static bat_status add_lengths(study_table *table, const bat_space *space, const char *name, bat_error *error)
+{
+    bat_random random = bat_random_seed(1);
+    double share = 0, triangle = 0;
+    bat_status status = BAT_OK;
+    for (int trial = 0; trial < TRIALS && status == BAT_OK; trial++)
+    {
+        study_pair pair;
+        status = random_pair(space, &random, 1, 0.7, &pair);
+        status = status == BAT_OK ? pair_lengths(space, &random, &pair, &share, &triangle, error)
+                                  : error_set(error, status, BAT_NO_INDEX, 0, "there is no random pair in %s", name);
+    }
+    bat_hermite_measure row = {.space = name, .scheme = SCHEMES[0].name, .h = NAN};
+    row.quantity = BAT_HERMITE_HALF_SHARE;
+    row.value = share;
+    if (status == BAT_OK)
+        status = add_row(table, row, error);
+    row.quantity = BAT_HERMITE_TRIANGLE;
+    row.value = triangle;
+    return status == BAT_OK ? add_row(table, row, error) : status;
+}
+
 static bat_status check_progress(bat_progress progress, size_t done, size_t all, bat_error *error)
 {
     if (progress.report == NULL || progress.report(progress.context, (double)done / (double)all))
@@ -377,6 +513,10 @@ static bat_status add_space(study_table *table, const study_spaces *made, size_t
         status = add_proximity(table, space, SPACE_NAMES[s], angles == 1, error);
     if (status == BAT_OK)
         status = add_ratios(table, &curve, SPACE_NAMES[s], error);
+    if (status == BAT_OK)
+        status = add_halving(table, &curve, SPACE_NAMES[s], error);
+    if (status == BAT_OK)
+        status = add_lengths(table, space, SPACE_NAMES[s], error);
     study_curve_free(&curve);
     return status;
 }

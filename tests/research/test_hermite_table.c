@@ -49,7 +49,8 @@ static void errors_fall_with_their_orders(void **state)
 static void floors_are_met(void **state)
 {
     (void)state;
-    size_t counts[6] = {0};
+    size_t counts[9] = {0};
+    double steepest = 0;
     for (size_t i = 0; i < table.count; i++)
     {
         const bat_hermite_measure *row = &table.rows[i];
@@ -71,11 +72,23 @@ static void floors_are_met(void **state)
         case BAT_HERMITE_DISPLACEMENT:
             assert_true(row->value < 0.5 && (strcmp(row->scheme, "hermite:order=1") != 0 || row->value == 0));
             break;
+        case BAT_HERMITE_HALVING: // The assumption of theorem 4.8 holds to first order of the spacing only.
+            assert_true(row->value > 0.005 && row->value < 0.2);
+            assert_true(fabs(row->h - 2 * PI / 128) > 1e-12 || fabs(row->order - 1) < 0.05);
+            break;
+        case BAT_HERMITE_HALF_SHARE:
+            assert_true(row->value > 0.5 && row->value < 0.75);
+            break;
+        case BAT_HERMITE_TRIANGLE:
+            assert_true(row->value > 0.5 && row->value < 1.25);
+            steepest = fmax(steepest, row->value);
+            break;
         default:
             break;
         }
     }
-    const size_t expected[6] = {9 * 10 * 4, 9, 4, 4, 9 * 5, 9 * 5};
+    assert_true(steepest > 1.01); // Eq. (4.11) does not hold.
+    const size_t expected[9] = {9 * 10 * 4, 9, 4, 4, 9 * 5, 9 * 5, 9 * 4, 9, 9};
     assert_memory_equal(counts, expected, sizeof counts);
     assert_string_equal(bat_hermite_quantity_name(BAT_HERMITE_DISPLACEMENT), "displacement");
     assert_string_equal(bat_hermite_quantity_name((bat_hermite_quantity)99), "unknown");

@@ -19,7 +19,11 @@ typedef enum bat_hermite_quantity
                                  ///< eq. 4.7)
     BAT_HERMITE_ANGLE_PROXIMITY, ///< largest difference of their angles (eq. 4.8)
     BAT_HERMITE_CONTRACTION,     ///< largest ratio of the longest edges of consecutive levels (eq. 4.2)
-    BAT_HERMITE_DISPLACEMENT ///< largest distance of new point 2 i from old point i, relative to the longest edge (eq. 4.3)
+    BAT_HERMITE_DISPLACEMENT, ///< largest distance of new point 2 i from old point i, relative to the longest edge (eq. 4.3)
+    BAT_HERMITE_HALVING,      ///< largest |L_H of half a pair / L_H of the pair - 1/2| of neighbours on a smooth curve: 0 by
+                              ///< the assumption of theorem 4.8 (eq. 4.14)
+    BAT_HERMITE_HALF_SHARE,   ///< the largest such quotient of pairs with angles up to 45 degrees: mu of eq. (4.12)
+    BAT_HERMITE_TRIANGLE      ///< largest L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)): at most 1 by eq. (4.11)
 } bat_hermite_quantity;
 
 /// A measurement. The strings are constants.
@@ -28,7 +32,8 @@ typedef struct bat_hermite_measure
     const char *space;  ///< "R^3", "sphere", "disk", "rotation", "rigid", "spd 2 x 2", …
     const char *scheme; ///< "hermite:order=1", "transport:mask=merrien", or a name for bat_curve_scheme_by_name()
     bat_hermite_quantity quantity;
-    double h; ///< spacing: of the curve's parameter (errors), between the two points (proximity); NaN for the others
+    double
+        h; ///< spacing: of the curve's parameter (errors, halving), between the two points (proximity); NaN for the others
     double value;
     double order; ///< log2 of the ratio of the row before, at twice the spacing, to this one; NaN if there is none
 } bat_hermite_measure;
