@@ -14,6 +14,7 @@
 // Curves
 #include "batten/curve.h"
 #include "batten/curve_analysis.h"
+#include "batten/curve_map.h"
 #include "batten/curve_measure.h"
 #include "batten/curve_scheme.h"
 #include "batten/curve_set.h"
@@ -42,7 +43,6 @@
 // Files
 #if BAT_HAS_FILES
 #include "batten/curve_file.h"
-#include "batten/curve_map.h"
 #include "batten/mesh_file.h"
 #if BAT_HAS_SURFACES
 #include "batten/cloud_file.h"
