@@ -48,6 +48,8 @@ static const option_spec OPTIONS[] = {
     {"group", 0, "COLUMN", "CSV: rows with one value in this column make one curve; default: blank lines separate curves"},
     {"on", 0, "sphere", "refine projected coordinates on the sphere, and write them in their own system"},
     {"layer", 0, "NAME", "the layer of a GeoPackage or another file with several"},
+    {"euler", 0, "ORDER", "CSV: the order and unit of roll, pitch and yaw, as zyx,degrees or xyz,radians"},
+    {"key-times", 0, "FILE", "KITTI: the times of the poses, a number a line; default: 0, 1, 2, ..."},
     {"translation-weight", 0, "W", "rigid: how many radians a unit of length counts as much as; default 1"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
@@ -71,7 +73,8 @@ static const option_spec OPTIONS[] = {
     {"comb", 0, NULL, "draw the curvature comb"},
     {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
     {"title", 0, "TEXT", "write a title above the picture"},
-    {"from", 0, "FORMAT", "csv, geojson, obj, tum or another of `batten list formats`; default: by the file's ending"},
+    {"from", 0, "FORMAT",
+     "csv, geojson, obj, tum or another of `batten list formats`; default: by the file's ending and content"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"crs", 0, "NAME", "the coordinate reference system of plane coordinates in GeoJSON, as EPSG:25833"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
@@ -81,8 +84,13 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
-static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ},
-                                    {"model", FILE_READ},     {"times", FILE_READ},    {NULL, 0}};
+static const file_option FILES[] = {{"output", FILE_WRITTEN},
+                                    {"picture", FILE_DRAWN},
+                                    {"truth", FILE_READ},
+                                    {"model", FILE_READ},
+                                    {"times", FILE_READ},
+                                    {"key-times", FILE_READ},
+                                    {NULL, 0}};
 
 static const verb_spec SPEC = {
     .usage =
@@ -336,6 +344,8 @@ static bool read_job(const arguments *given, curve_job *job)
     job->read.project = argument_flag(given, "project");
     job->read.layer = argument(given, "layer");
     job->read.on_sphere = argument(given, "on") != NULL;
+    job->read.euler = argument(given, "euler");
+    job->read.key_times = argument(given, "key-times");
     job->draw.comb = argument_flag(given, "comb");
     job->draw.axes = argument_flag(given, "axes");
     job->draw.title = argument(given, "title");

@@ -22,6 +22,8 @@ static const option_spec OPTIONS[] = {
     {"extrapolate", 0, NULL, "spline: go on before the first and after the last keyframe, with constant velocity"},
     {"space", 0, "NAME",
      "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: by the file"},
+    {"euler", 0, "ORDER", "CSV: the order and unit of roll, pitch and yaw, as zyx,degrees or xyz,radians"},
+    {"key-times", 0, "FILE", "KITTI: the times of the poses, a number a line; default: 0, 1, 2, ..."},
     {"translation-weight", 0, "W", "rigid: how many radians a unit of length counts as much as; default 1"},
     {"closed", 0, NULL, "take every motion as closed"},
     {"open", 0, NULL, "take every motion as open"},
@@ -33,7 +35,7 @@ static const option_spec OPTIONS[] = {
     {"comb", 0, NULL, "draw the curvature comb"},
     {"axes", 0, NULL, "draw axes with numbers (flat spaces)"},
     {"title", 0, "TEXT", "write a title above the picture"},
-    {"from", 0, "FORMAT", "csv, geojson, obj or tum; default: by the file's ending"},
+    {"from", 0, "FORMAT", "csv, geojson, obj, tum, euroc or kitti; default: by the file's ending and content"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
     {"threads", 0, "N", "default: all"},
@@ -42,8 +44,8 @@ static const option_spec OPTIONS[] = {
     {NULL, 0, NULL, NULL},
 };
 
-static const file_option FILES[] = {
-    {"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"truth", FILE_READ}, {"times", FILE_READ}, {NULL, 0}};
+static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN},  {"truth", FILE_READ},
+                                    {"times", FILE_READ},     {"key-times", FILE_READ}, {NULL, 0}};
 
 static const verb_spec SPEC = {
     .usage = "batten motion IN -o OUT [--rate R|--times FILE|--levels K] [--scheme NAME] [--picture FILE] [options]",

@@ -7,8 +7,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements, TUM trajectories and, by GDAL,
-/// formats of geographic information systems. docs/formats.md describes the formats.
+/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements, trajectories of TUM, EuRoC and KITTI
+/// and, by GDAL, formats of geographic information systems. docs/formats.md describes the formats.
 
 /// A format, or "auto", by name.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
@@ -40,9 +40,15 @@ typedef struct bat_curve_read_options
     /// CSV: the name or number of a column; all rows with one value in it make one curve, in the order of the file, and the
     /// curves follow each other in the order of their first rows. Default null: blank lines separate curves.
     const char *group;
-    const char *layer;         ///< formats with layers: its name; default null: the only one with lines or polygons
-    bool on_sphere;            ///< take projected coordinates to the sphere, and back when they are written, by PROJ;
-                               ///< default false
+    const char *layer; ///< formats with layers: its name; default null: the only one with lines or polygons
+    bool on_sphere;    ///< take projected coordinates to the sphere, and back when they are written, by PROJ;
+                       ///< default false
+    /// CSV: the order and the unit of columns roll, pitch and yaw, as "zyx" or "zyx,degrees" or "xyz,radians": the body
+    /// turns about its own axes in the order of the letters, roll about x, pitch about y, yaw about z. Default null: the
+    /// order zyx, with the unit in the names of the columns; names without a unit are refused.
+    const char *euler;
+    /// KITTI: a file of times as for bat_motion_times_read(), one for each pose; default null: pose i is at time i.
+    const char *key_times;
     double translation_weight; ///< of the space "rigid", as in bat_rigid(); 0: as the space has it, 1; default 0
     int threads;               ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
 } bat_curve_read_options;

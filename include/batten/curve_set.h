@@ -18,10 +18,12 @@ typedef enum bat_curve_format
     BAT_CURVE_FORMAT_GEOJSON_LINES,    ///< a GeoJSON feature or geometry on each line
     BAT_CURVE_FORMAT_GEOJSON_SEQUENCE, ///< the same after record separators, RFC 8142
     BAT_CURVE_FORMAT_OBJ,
-    BAT_CURVE_FORMAT_TUM,  ///< poses in time, as the TUM benchmark writes them: timestamp tx ty tz qx qy qz qw; the space
-                           ///< "rigid"
-    BAT_CURVE_FORMAT_GPKG, ///< GeoPackage; this and the following need GDAL
-    BAT_CURVE_FORMAT_SHP,  ///< Shapefile
+    BAT_CURVE_FORMAT_TUM,   ///< poses in time, as the TUM benchmark writes them: timestamp tx ty tz qx qy qz qw; the space
+                            ///< "rigid"
+    BAT_CURVE_FORMAT_EUROC, ///< the same as the EuRoC data set writes them: nanoseconds, x, y, z, qw, qx, qy, qz, with names
+    BAT_CURVE_FORMAT_KITTI, ///< poses as the KITTI benchmark writes them: matrices of 3 rows and 4 columns, without times
+    BAT_CURVE_FORMAT_GPKG,  ///< GeoPackage; this and the following need GDAL
+    BAT_CURVE_FORMAT_SHP,   ///< Shapefile
     BAT_CURVE_FORMAT_GPX,
     BAT_CURVE_FORMAT_KML,
     BAT_CURVE_FORMAT_FGB, ///< FlatGeobuf

@@ -449,7 +449,11 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_opti
                                   ? BAT_CURVE_FORMAT_TUM
                                   : BAT_CURVE_FORMAT_CSV;
     *result = (result_columns){attributes_new(format), form, wanted, wanted.velocity_count + (wanted.time == 0)};
-    if (result->attributes != NULL && name_columns(set, form, &wanted, &result->attributes->csv))
+    bool good = result->attributes != NULL && name_columns(set, form, &wanted, &result->attributes->csv);
+    const char *note;
+    for (size_t i = 0; good && (note = bat_curve_set_note(set, i)) != NULL; i++)
+        good = attributes_note(result->attributes, "%s", note);
+    if (good)
         return BAT_OK;
     attributes_release(result->attributes);
     return error_memory(error, sizeof *result->attributes);

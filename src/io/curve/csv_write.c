@@ -325,32 +325,77 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
     return status;
 }
 
-/// The coordinates of a rigid motion in the order of a TUM row.
-static const size_t COORDINATES[] = {0, 1, 2, 4, 5, 6, 3};
+/// How a trajectory format writes a pose.
+typedef struct pose_layout
+{
+    const char *name, *header;
+    char separator;
+    size_t coordinates[7]; ///< those of a rigid motion in the order of a row
+    bool matrix;           ///< 3 rows and 4 columns instead
+    bool nanoseconds;
+    size_t time; ///< the channel of the times; BAT_NO_INDEX: they are not written
+} pose_layout;
+
 enum
 {
-    COORDINATE_COUNT = sizeof COORDINATES / sizeof COORDINATES[0]
+    /// Of a row of matrices.
+    MAX_POSE_NUMBERS = 12
 };
 
-static bat_status format_tum_rows(const void *context, const row_span *span, text_buffer *text, bat_error *error)
+/// Write seconds as whole nanoseconds. Returns null where they are too many.
+static char *write_nanoseconds(char *out, double seconds)
 {
-    const size_t *time = context;
+    static const double LIMIT = 9e9, BILLION = 1e9;
+    double whole = floor(seconds);
+    if (!(fabs(seconds) < LIMIT))
+        return NULL;
+    int64_t units = (int64_t)whole * (int64_t)BILLION + (int64_t)round((seconds - whole) * BILLION);
+    return out + snprintf(out, NUMBER_TEXT_SIZE, "%lld", (long long)units);
+}
+
+/// The numbers of a pose after its time. Returns their count.
+static size_t pose_numbers(const pose_layout *layout, const double *point, double *numbers)
+{
+    double matrix[9];
+    for (size_t j = 0; j < 7 && !layout->matrix; j++)
+        numbers[j] = point[layout->coordinates[j]];
+    if (!layout->matrix)
+        return 7;
+    bat_rotation_to_matrix(point + 3, matrix);
+    for (size_t i = 0; i < 3; i++)
+    {
+        memcpy(numbers + 4 * i, matrix + 3 * i, 3 * sizeof *numbers);
+        numbers[4 * i + 3] = point[i];
+    }
+    return MAX_POSE_NUMBERS;
+}
+
+static bat_status format_poses(const void *context, const row_span *span, text_buffer *text, bat_error *error)
+{
+    const pose_layout *layout = context;
     const bat_curve *curve = span->curve;
     for (size_t i = span->begin; i < span->end; i++)
     {
-        const double *point = curve->points + i * curve->space->point_dim;
-        double row[1 + COORDINATE_COUNT] = {curve->channels[i * curve->channel_count + *time]};
-        for (size_t j = 0; j < COORDINATE_COUNT; j++)
-            row[1 + j] = point[COORDINATES[j]];
-        char *out = text_reserve(text, (1 + COORDINATE_COUNT) * (NUMBER_TEXT_SIZE + 1));
+        double numbers[MAX_POSE_NUMBERS], time = 0;
+        size_t count = pose_numbers(layout, curve->points + i * curve->space->point_dim, numbers);
+        if (layout->time != BAT_NO_INDEX)
+            time = curve->channels[i * curve->channel_count + layout->time];
+        char *out = text_reserve(text, (1 + MAX_POSE_NUMBERS) * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
             return BAT_OK; // the sink reports a lack of memory
-        for (size_t j = 0; j <= COORDINATE_COUNT; j++)
+        if (!isfinite(time) || !all_finite(numbers, count))
+            return row_not_finite(span, i, error);
+        if (layout->time != BAT_NO_INDEX)
         {
-            if (!isfinite(row[j]))
-                return row_not_finite(span, i, error);
-            out = number_write(out, row[j]);
-            *out++ = j < COORDINATE_COUNT ? ' ' : '\n';
+            out = layout->nanoseconds ? write_nanoseconds(out, time) : number_write(out, time);
+            if (out == NULL)
+                return error_set(error, BAT_UNSUPPORTED, i, 0, "the time of point %zu is too large for nanoseconds", i);
+            *out++ = layout->separator;
+        }
+        for (size_t j = 0; j < count; j++)
+        {
+            out = number_write(out, numbers[j]);
+            *out++ = j + 1 < count ? layout->separator : '\n';
         }
         text_advance(text, out);
     }
@@ -369,26 +414,54 @@ static size_t time_channel(const bat_curve_set *set)
     return channels.time < set->curves[0].channel_count ? channels.time : BAT_NO_INDEX;
 }
 
-bat_status tum_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+static bat_status write_poses(const bat_curve_set *set, pose_layout layout, const bat_curve_write_options *options,
+                              text_sink *sink, bat_error *error)
 {
-    size_t time = time_channel(set);
+    layout.time = layout.matrix ? BAT_NO_INDEX : time_channel(set);
     if (quaternion_place(set->space) != 3)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a TUM trajectory holds rigid motions, not the space %s",
-                         set->space->name);
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory holds rigid motions, not the space %s",
+                         layout.name, set->space->name);
     if (set->count > 1)
-        return error_set(error, BAT_UNSUPPORTED, 1, 0, "a TUM trajectory is one curve, not %zu", set->count);
-    if (time == BAT_NO_INDEX)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a TUM trajectory needs times, which these poses lack");
+        return error_set(error, BAT_UNSUPPORTED, 1, 0, "a %s trajectory is one curve, not %zu", layout.name, set->count);
+    if (layout.time == BAT_NO_INDEX && !layout.matrix)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory needs times, which these poses lack",
+                         layout.name);
     row_blocks blocks;
     bat_status status = row_blocks_begin(set, &blocks, error);
     if (status != BAT_OK)
         return status;
     text_buffer header = {0};
-    text_append_string(&header, "# timestamp tx ty tz qx qy qz qw\n");
+    text_append_string(&header, layout.header);
     status = sink_write(sink, &header, error);
     if (status == BAT_OK)
-        status = row_blocks_write(&blocks, sink, options->threads, format_tum_rows, &time, error);
+        status = row_blocks_write(&blocks, sink, options->threads, format_poses, &layout, error);
     text_free(&header);
     row_blocks_end(&blocks);
     return status;
+}
+
+bat_status tum_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+{
+    pose_layout layout = {.name = "TUM",
+                          .header = "# timestamp tx ty tz qx qy qz qw\n",
+                          .separator = ' ',
+                          .coordinates = {0, 1, 2, 4, 5, 6, 3}};
+    return write_poses(set, layout, options, sink, error);
+}
+
+bat_status euroc_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+{
+    pose_layout layout = {.name = "EuRoC",
+                          .header = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], "
+                                    "q_RS_y [], q_RS_z []\n",
+                          .separator = ',',
+                          .coordinates = {0, 1, 2, 3, 4, 5, 6},
+                          .nanoseconds = true};
+    return write_poses(set, layout, options, sink, error);
+}
+
+bat_status kitti_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
+{
+    pose_layout layout = {.name = "KITTI", .header = "", .separator = ' ', .matrix = true};
+    return write_poses(set, layout, options, sink, error);
 }

@@ -8,6 +8,7 @@
 #include "io/curve/formats.h"
 #include "io/curve/geojson_sequence.h"
 #include "io/gis/gis.h"
+#include "io/motion/pose_text.h"
 #include "space/degrees.h"
 
 #include <math.h>
@@ -76,6 +77,20 @@ static const curve_format FORMATS[] = {
       .value = BAT_CURVE_FORMAT_TUM},
      tum_read,
      tum_write},
+    {{.name = "euroc",
+      .summary = "motions: poses in time, #timestamp [ns], position, quaternion w x y z",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_EUROC},
+     euroc_read,
+     euroc_write},
+    {{.name = "kitti",
+      .summary = "motions: poses without times, 12 numbers of a 3x4 matrix",
+      .reads = true,
+      .writes = true,
+      .value = BAT_CURVE_FORMAT_KITTI},
+     kitti_read,
+     kitti_write},
 // By GDAL, with DRIVERS.
 #define GIS_ROW(format_name, format_value, format_endings, format_summary)                                                  \
     {                                                                                                                       \
@@ -184,7 +199,11 @@ bat_status bat_curve_read_options_check(const bat_curve_read_options *options, b
         OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_curve_read_options),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    if (options == NULL)
+        return BAT_OK;
+    const char *fault = poses_euler_fault(options->euler);
+    return fault == NULL ? OPTIONS_CHECK(options, FIELDS, error)
+                         : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
 }
 
 bat_status bat_curve_write_options_check(const bat_curve_write_options *options, bat_error *error)
@@ -215,6 +234,18 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
 {
     if (format == BAT_CURVE_FORMAT_AUTO)
         format = format_of_text(text);
+    // Poses tell themselves by their content, where nobody names the format.
+    bool taken = false, named = options->format != BAT_CURVE_FORMAT_AUTO;
+    if (format == BAT_CURVE_FORMAT_CSV && options->layer == NULL)
+    {
+        bat_status status =
+            poses_read(text, named ? BAT_CURVE_FORMAT_CSV : BAT_CURVE_FORMAT_AUTO, options, set, &taken, error);
+        if (taken)
+            return status;
+    }
+    if (options->key_times != NULL && format != BAT_CURVE_FORMAT_KITTI)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "key_times go with KITTI poses, not the format %s",
+                         bat_curve_format_name(format));
     if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
         format = BAT_CURVE_FORMAT_GEOJSON_LINES;
     if (row_of(format)->read == NULL)
@@ -315,15 +346,19 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
     return BAT_OK;
 }
 
-/// The format for a path. A .txt file has the format of the input, if that was a trajectory.
+/// The format for a path. A .txt file has the format of the input, if that was of TUM or KITTI, and a .csv file that of
+/// EuRoC.
 static bat_status format_of_output(const char *path, const bat_curve_attributes *attributes, bat_curve_format *format,
                                    bat_error *error)
 {
     bat_status status = format_for_path(path, true, format, error);
     const char *dot = strrchr(path, '.');
-    bool text = dot != NULL && strcasecmp(dot, ".txt") == 0;
-    if (status == BAT_OK && text && attributes != NULL && attributes->format == BAT_CURVE_FORMAT_TUM)
-        *format = BAT_CURVE_FORMAT_TUM;
+    bool text = dot != NULL && strcasecmp(dot, ".txt") == 0, table = dot != NULL && strcasecmp(dot, ".csv") == 0;
+    bat_curve_format given = attributes != NULL ? attributes->format : BAT_CURVE_FORMAT_AUTO;
+    bool kept = (text && (given == BAT_CURVE_FORMAT_TUM || given == BAT_CURVE_FORMAT_KITTI)) ||
+                (table && given == BAT_CURVE_FORMAT_EUROC);
+    if (status == BAT_OK && kept)
+        *format = given;
     return status;
 }
 

@@ -22,6 +22,12 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
 bat_status tum_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status tum_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
 
+/// The trajectory formats of the EuRoC and KITTI data sets, in the space `rigid`.
+bat_status euroc_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
+bat_status euroc_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+bat_status kitti_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
+bat_status kitti_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+
 bat_status geojson_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
 bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
                          bat_error *error);

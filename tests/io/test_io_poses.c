@@ -1,0 +1,150 @@
+// Trajectories by their content: TUM, EuRoC, KITTI, and tables of poses with names in use.
+
+#include "test_io_helpers.h"
+
+#include "batten/motion.h"
+#include "batten/space.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const bat_curve_format AUTO = BAT_CURVE_FORMAT_AUTO;
+
+/// The poses (1, 2, 3) without a turn, and with a quarter turn about z.
+static void assert_poses(const bat_curve_set *set, double first, double second)
+{
+    const double half = sqrt(0.5), expected[2][7] = {{1, 2, 3, 1, 0, 0, 0}, {1, 2, 3, half, 0, 0, half}};
+    assert_string_equal(set->space->name, "rigid");
+    assert_int_equal(set->curves[0].count, 2);
+    for (size_t i = 0; i < 2; i++)
+        for (size_t j = 0; j < 7; j++)
+            assert_true(fabs(set->curves[0].points[7 * i + j] - expected[i][j]) < 1e-6);
+    assert_true(bat_motion_has_times(set));
+    assert_true(set->curves[0].channels[0] == first);
+    assert_true(set->curves[0].channels[1] == second);
+}
+
+static void poses_are_recognized(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text, *note;
+        double first, second;
+    } cases[] = {
+        {"# any\n10 1 2 3 0 0 0 1\n10.5 1 2 3 0 0 0.7071068 0.7071068\n", "TUM", 10, 10.5},
+        {"#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], b_x []\n"
+         "1403715524907143168,1,2,3,1,0,0,0,9\n1403715524912143104,1,2,3,0.7071068,0,0,0.7071068,9\n",
+         "EuRoC", 1403715524.907143168, 1403715524.912143104},
+        {"1403715524907143168,1,2,3,1,0,0,0\n1403715524912143104,1,2,3,0.7071068,0,0,0.7071068\n", "EuRoC",
+         1403715524.907143168, 1403715524.912143104},
+        {"1 0 0 1 0 1 0 2 0 0 1 3\n0 -1 0 1 1 0 0 2 0 0 1 3\n", "KITTI", 0, 1},
+        {"header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,pose.orientation.x,"
+         "pose.orientation.y,pose.orientation.z,pose.orientation.w\n"
+         "10,5,1,2,3,0,0,0,1\n10,500000005,1,2,3,0,0,0.7071068,0.7071068\n",
+         "seconds and nanoseconds", 10.000000005, 10.500000005},
+        {"t [ms];x [m];y [m];z [m];roll [deg];pitch [deg];yaw [deg]\n0;1;2;3;0;0;0\n1500;1;2;3;0;0;90\n", "zyx", 0, 1.5},
+        {"time,x,y,z,roll_rad,pitch_rad,yaw_rad\n0,1,2,3,0,0,0\n2,1,2,3,0,0,1.5707963267948966\n", "radians", 0, 2},
+        {"timestamp,x,y,z,qw,qx,qy,qz\n1400000000000,1,2,3,1,0,0,0\n1400000000500,1,2,3,0.7071068,0,0,0.7071068\n",
+         "milliseconds", 1400000000, 1400000000.5},
+        {"time,x,y,z,qw,qx,qy,qz\n1970-01-01T00:00:00Z,1,2,3,1,0,0,0\n1970-01-01T00:00:02.5Z,1,2,3,0.7071068,0,0,0."
+         "7071068\n",
+         "seconds", 0, 2.5},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_curve_set set = must_read(cases[i].text, AUTO, NULL);
+        assert_poses(&set, cases[i].first, cases[i].second);
+        bool told = false;
+        const char *note;
+        for (size_t j = 0; (note = bat_curve_set_note(&set, j)) != NULL; j++)
+            told = told || strstr(note, cases[i].note) != NULL;
+        assert_true(told);
+        bat_curve_set_free(&set);
+    }
+}
+
+static void turns_follow_the_order(void **state)
+{
+    (void)state;
+    // By scipy's Rotation.from_euler('ZYX', [30, 20, 10]) and ('XYZ', [10, 20, 30]), in degrees.
+    static const double expected[2][4] = {{0.95154852, 0.03813458, 0.18930786, 0.23929834},
+                                          {0.94371436, 0.12767944, 0.14487813, 0.26853582}};
+    static const char *const orders[] = {"zyx,degrees", "xyz,degrees"};
+    static const char text[] = "time,roll,pitch,yaw\n0,10,20,30\n";
+    for (int i = 0; i < 2; i++)
+    {
+        bat_curve_read_options options = bat_curve_read_defaults();
+        bat_curve_set set = {0};
+        bat_error error;
+        options.euler = orders[i];
+        assert_int_equal(bat_curve_read_memory(text, strlen(text), &options, &set, &error), BAT_OK);
+        for (int j = 0; j < 4; j++)
+            assert_true(fabs(set.curves[0].points[j] - expected[i][j]) < 1e-8);
+        bat_curve_set_free(&set);
+        options.euler = "zyz";
+        assert_int_equal(bat_curve_read_memory(text, strlen(text), &options, &set, &error), BAT_INVALID_ARGUMENT);
+    }
+}
+
+static void doubtful_poses_are_refused(void **state)
+{
+    (void)state;
+    assert_bad("time,roll,pitch,yaw\n0,10,20,30\n", AUTO, NULL, 1, "--euler");
+    assert_bad("time,roll_deg,pitch_deg,yaw_rad\n0,10,20,30\n", AUTO, NULL, 1, "different units");
+    assert_bad("0,1,2,3,1,0,0,0\n1,1,2,3,1,0,0,0\n", AUTO, NULL, 0, "--from tum");
+    assert_bad("1 0 0 1 0 1 0 2 0 0 1 3\n\n1 0 0 1 0 1 0 2 0 0 1.1 3\n", AUTO, NULL, 3, "no rotation");
+    assert_bad("1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 1 0 1 0 2\n", AUTO, NULL, 2, "12 numbers");
+    assert_bad("sec,nsec,x,y,z,qw,qx,qy,qz\n1,1000000000,1,2,3,1,0,0,0\n", AUTO, NULL, 2, "out of range");
+    assert_bad("sec,x,y,z,qw,qx,qy,qz\n1,1,2,3,1,0,0,0\n", AUTO, NULL, 1, "only one column");
+    assert_bad("stamp,pos_x,x,y,z,qw,qx,qy,qz\n1,0,1,2,3,1,0,0,0\n", AUTO, NULL, 1, "another one");
+    assert_bad("stamp,x,y,z,qw,qx,qy,qz\n1,1,2,3,1,0,0,0\n2,1,two,3,1,0,0,0\n", AUTO, NULL, 3, "'two'");
+    assert_bad("stamp,x,y,z,qw,qx,qy,qz\n1,1,2,3,1,0,0,0\n2,1,2,3,1,1,0,0\n", AUTO, NULL, 3, "unit length");
+}
+
+static void other_tables_stay_as_they_are(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "1 2 3 4 5 6 7 8\n2 3 4 5 6 7 8 9\n", // no quaternion
+        "3 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n", // times that do not increase
+        "lon,lat,roll,pitch,yaw\n1,2,3,4,5\n2,3,4,5,6\n",
+        "x,y,yaw\n1,2,3\n2,3,4\n",
+    };
+    static const char *const spaces[] = {"euclidean", "euclidean", "sphere", "plane"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+    {
+        bat_curve_set set = must_read(texts[i], AUTO, NULL);
+        assert_string_equal(set.space->name, spaces[i]);
+        bat_curve_set_free(&set);
+    }
+    bat_curve_set set = must_read("10 1 2 3 0 0 0 1\n11 1 2 3 0 0 0 1\n", BAT_CURVE_FORMAT_CSV, NULL);
+    assert_string_equal(set.space->name, "euclidean");
+    bat_curve_set_free(&set);
+}
+
+static void trajectories_come_back(void **state)
+{
+    (void)state;
+    static const bat_curve_format formats[] = {BAT_CURVE_FORMAT_EUROC, BAT_CURVE_FORMAT_KITTI, BAT_CURVE_FORMAT_TUM};
+    bat_curve_set set = must_read("0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0.7071068 0.7071068\n", AUTO, NULL);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+    {
+        char *text = must_write(&set, formats[i]);
+        bat_curve_set again = must_read(text, i == 0 ? formats[i] : AUTO, NULL);
+        assert_poses(&again, 0, 1);
+        bat_curve_set_free(&again);
+        free(text);
+    }
+    bat_curve_set_free(&set);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(poses_are_recognized),       cmocka_unit_test(turns_follow_the_order),
+        cmocka_unit_test(doubtful_poses_are_refused), cmocka_unit_test(other_tables_stay_as_they_are),
+        cmocka_unit_test(trajectories_come_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
