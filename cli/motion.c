@@ -5,6 +5,8 @@
 
 #include "batten/motion.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const option_spec OPTIONS[] = {
@@ -19,6 +21,10 @@ static const option_spec OPTIONS[] = {
      "how velocities are found where IN has none: resting (default), smooth or limited, see docs/motion.md, or "
      "estimates of order 2 or 4"},
     {"ends", 0, "RULE", "spline: auto (default), not-a-knot, natural or clamped, which is at rest"},
+    {"sigma", 0, "S[,T]",
+     "spline: smooth keyframes with noise S, the root mean square distance; for poses S in units of length and T in "
+     "radians"},
+    {"outliers", 0, "RULE", "with --sigma: kept (default), huber, which count less, or tukey, which do not count"},
     {"extrapolate", 0, NULL, "spline: go on before the first and after the last keyframe, with constant velocity"},
     {"space", 0, "NAME",
      "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: by the file"},
@@ -104,12 +110,42 @@ static bool read_tangents(const arguments *given, curve_job *job)
     return true;
 }
 
+/// --sigma and --outliers.
+static bool read_sigma(const arguments *given, curve_job *job)
+{
+    const char *text = argument(given, "sigma"), *rule = argument(given, "outliers");
+    bat_motion_spline_options *spline = &job->motion.spline;
+    bat_error error;
+    if (text != NULL)
+    {
+        char *end;
+        spline->sigma = strtod(text, &end);
+        bool good = end != text && spline->sigma >= 0 && isfinite(spline->sigma);
+        if (good && *end == ',')
+        {
+            const char *second = end + 1;
+            spline->angle_sigma = strtod(second, &end);
+            good = end != second && spline->angle_sigma >= 0 && isfinite(spline->angle_sigma);
+        }
+        if (!good || *end != '\0')
+        {
+            (void)usage_error(given, "--sigma takes a number, or two as in 0.01,0.002, not '%s'", text);
+            return false;
+        }
+    }
+    if (rule == NULL || bat_motion_outliers_by_name(rule, &spline->outliers, &error) == BAT_OK)
+        return true;
+    (void)usage_error(given, "%s", error.text);
+    return false;
+}
+
 static bool read_numbers(const arguments *given, curve_job *job)
 {
     bat_motion_options *motion = &job->motion;
     const char *ends = argument(given, "ends");
     bat_error error;
     if (!argument_number(given, "rate", motion->rate, &motion->rate) || !read_tangents(given, job) ||
+        (job->is_verb && !read_sigma(given, job)) ||
         !argument_number(given, "translation-weight", 0, &job->read.translation_weight))
         return false;
     motion->velocities = argument_flag(given, "velocities");
@@ -130,11 +166,11 @@ static bool read_numbers(const arguments *given, curve_job *job)
 /// Options that only splines have, or null.
 static const char *first_of_splines(const arguments *given, const curve_job *job)
 {
-    static const char *const options[] = {"times", "ends", "extrapolate"};
+    static const char *const options[] = {"times", "ends", "extrapolate", "sigma", "outliers"};
     const char *how = argument(given, "tangents");
     if (how != NULL && job->motion.tangent_order == 0)
         return "tangents";
-    return first_given(given, options, job->is_verb ? 3 : 1);
+    return first_given(given, options, job->is_verb ? sizeof options / sizeof *options : 1);
 }
 
 static bool check_options(const arguments *given, const curve_job *job)
@@ -220,6 +256,12 @@ int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t l
     bat_motion_options how = job->motion;
     bat_error error;
     size_t failed = keyframes->count;
+    const char *sigma = job->is_verb ? argument(job->given, "sigma") : NULL;
+    if (sigma != NULL && strchr(sigma, ',') == NULL && strcmp(keyframes->space->name, "rigid") == 0)
+    {
+        error = (bat_error){.text = "--sigma takes two numbers for poses, as in 0.01,0.002: lengths and radians"};
+        return report_failure(job->input, &error);
+    }
     how.scheme.levels = levels;
     how.scheme.progress = report_progress("refining");
     bat_status status = bat_motion_curves(keyframes, &how, fine, &failed, &error);

@@ -47,6 +47,22 @@ BAT_API const char *bat_motion_shape_name(bat_motion_shape shape);
 /// @return false past the last
 BAT_API bool bat_motion_shape_list(size_t index, bat_choice *choice);
 
+/// What noisy keys far from a smoothed motion count.
+typedef enum bat_motion_outliers
+{
+    BAT_MOTION_OUTLIERS_KEPT,  ///< as much as all others
+    BAT_MOTION_OUTLIERS_HUBER, ///< their residuals count by the distance, not by its square (Huber 1964), from 1.345 sigma
+                               ///< on
+    BAT_MOTION_OUTLIERS_TUKEY  ///< nothing from 4.685 sigma on (Tukey's biweight), beginning with Huber's solution
+} bat_motion_outliers;
+
+/// The rules for outliers by name: "kept", "huber", "tukey".
+BAT_API bat_status bat_motion_outliers_by_name(const char *name, bat_motion_outliers *outliers, bat_error *error);
+BAT_API const char *bat_motion_outliers_name(bat_motion_outliers outliers);
+/// The table of rules, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_motion_outliers_list(size_t index, bat_choice *choice);
+
 /// Options of splines. Begin with bat_motion_spline_defaults().
 typedef struct bat_motion_spline_options
 {
@@ -54,6 +70,13 @@ typedef struct bat_motion_spline_options
     bat_motion_shape shape;       ///< default BAT_MOTION_SHAPE_RESTING
     const double *begin_velocity; ///< clamped: the velocity at the first key; null: 0; default null
     const double *end_velocity;   ///< clamped: the velocity at the last key; null: 0; default null
+    /// The noise of keys, the root mean square of their distances from the motion: the spline passes near the keys, with the
+    /// least integral of the squared acceleration. In R^n, and of translations of rigid motions, in units of length; of
+    /// rotations, in radians. 0: through the keys; default 0. Not for closed motions and for given velocities; ends are
+    /// natural where they are automatic.
+    double sigma;
+    double angle_sigma;           ///< of the rotations of rigid motions, in radians; default 0
+    bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_KEPT
     bool extrapolate; ///< go on outside of the keys' times along the geodesic, with constant velocity; default false
     int threads; ///< of bat_motion_spline_sample(), 0 to 1024; 0: as many as are worth it; no effect on results; default 0
 } bat_motion_spline_options;
@@ -76,13 +99,16 @@ typedef struct bat_motion_spline bat_motion_spline;
 /// For rotations this is the construction of Kang and Park (Cubic spline algorithms for orientation interpolation, 1999) and
 /// of scipy's RotationSpline, moved from the beginning of the interval to its middle. In R^n it is the cubic spline.
 ///
+/// With `sigma` the motion passes near the keys instead: in R^n it is Reinsch's smoothing spline (1967).
+///
 /// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none; without times the keys are
 ///                at 0, 1, 2, ...; the space must outlive the spline, the arrays need not
 /// @param options null for the defaults
 /// @param spline  receives the spline; release it with bat_motion_spline_free()
 /// @return BAT_OK; the failures of bat_hermite_check(); BAT_INVALID_POINT with the key near which the space has no
 ///         exponential; BAT_NO_CONVERGENCE where keys are too far apart for continuous accelerations; BAT_NO_MEMORY;
-///         `spline` is untouched on failure
+///         BAT_UNSUPPORTED for `sigma` in other spaces than R^n, rotations and rigid motions; `spline` is untouched on
+///         failure
 BAT_API bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
                                          bat_motion_spline **spline, bat_error *error);
 /// Does nothing for null.

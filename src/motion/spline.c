@@ -10,7 +10,9 @@
 #include "curve/point_form.h"
 #include "motion/hermite_check.h"
 #include "motion/spline_factor.h"
+#include "motion/spline_smooth.h"
 #include "motion/spline_system.h"
+#include "space/known.h"
 #include "space/whole.h"
 
 #include <math.h>
@@ -67,6 +69,14 @@ static const bat_choice SHAPES[] = {
 static const choice_table SHAPE_TABLE = CHOICE_TABLE("shape of motions", SHAPES);
 CHOICE_FUNCTIONS(bat_motion_shape, SHAPE_TABLE, 0)
 
+static const bat_choice OUTLIERS[] = {
+    {.name = "kept", .summary = "count as much as all other keys", .value = BAT_MOTION_OUTLIERS_KEPT},
+    {.name = "huber", .summary = "count by their distance, not by its square", .value = BAT_MOTION_OUTLIERS_HUBER},
+    {.name = "tukey", .summary = "do not count (Tukey's biweight)", .value = BAT_MOTION_OUTLIERS_TUKEY},
+};
+static const choice_table OUTLIERS_TABLE = CHOICE_TABLE("rule for outliers", OUTLIERS);
+CHOICE_FUNCTIONS(bat_motion_outliers, OUTLIERS_TABLE, 0)
+
 bat_motion_spline_options bat_motion_spline_defaults(void)
 {
     return (bat_motion_spline_options){.ends = BAT_MOTION_ENDS_AUTO, .shape = BAT_MOTION_SHAPE_RESTING};
@@ -77,11 +87,19 @@ bat_status bat_motion_spline_options_check(const bat_motion_spline_options *opti
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_motion_spline_options, ends, OPTION_CHOICE, BAT_MOTION_ENDS_AUTO, BAT_MOTION_ENDS_CLAMPED),
         OPTION_FIELD(bat_motion_spline_options, shape, OPTION_CHOICE, BAT_MOTION_SHAPE_RESTING, BAT_MOTION_SHAPE_LIMITED),
+        OPTION_FIELD(bat_motion_spline_options, sigma, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_spline_options, angle_sigma, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_spline_options, outliers, OPTION_CHOICE, BAT_MOTION_OUTLIERS_KEPT,
+                     BAT_MOTION_OUTLIERS_TUKEY),
         OPTION_THREADS(bat_motion_spline_options),
     };
     if (options == NULL)
         return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_KEPT && !(options->sigma > 0) &&
+        !(options->angle_sigma > 0))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "outliers '%s' need sigma",
+                         bat_motion_outliers_name(options->outliers));
     bool given = options->begin_velocity != NULL || options->end_velocity != NULL;
     if (status == BAT_OK && given && options->ends != BAT_MOTION_ENDS_CLAMPED)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
@@ -169,16 +187,45 @@ static void continue_signs(const spline_factor *f, size_t count, double *points)
         quaternion_continue(points + 4 * (i - 1), points + 4 * i);
 }
 
+/// Whether keys can be smoothed.
+static bat_status check_sigma(const bat_hermite_curve *keys, const bat_motion_spline_options *options, bat_error *error)
+{
+    const bat_space *space = keys->space;
+    bool rigid = space_is_rigid(space);
+    const char *fault = NULL;
+    if (!rigid && options->angle_sigma > 0)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "angle_sigma is of rigid motions, not of the space %s, which takes sigma alone", space->name);
+    if (!(options->sigma > 0) && !(options->angle_sigma > 0))
+        return BAT_OK;
+    if (!rigid && !space_is_euclidean(space) && !space_is_rotation(space))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "sigma is for R^n, rotations and rigid motions, not for the space %s", space->name);
+    if (keys->closed)
+        fault = "sigma does not go with closed motions";
+    if (keys->tangents != NULL)
+        fault = "sigma does not go with given velocities";
+    return fault == NULL ? BAT_OK : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "%s", fault);
+}
+
+/// The sigma of a factor of a space.
+static double sigma_of(const bat_motion_spline *spline, const bat_motion_spline_options *options, size_t index)
+{
+    return space_is_rigid(&spline->space) && index > 0 ? options->angle_sigma : options->sigma;
+}
+
 /// Prepare one factor, whose keys are gathered, and fill its part of the records.
 static bat_status prepare_system(spline_system *system, const bat_motion_spline_options *options, bool given,
                                  bat_motion_spline *spline, bat_error *error)
 {
     const spline_factor *f = system->factor;
     const double *begin = options->begin_velocity, *end = options->end_velocity;
+    bool natural = sigma_of(spline, options, (size_t)(f - spline->factors)) > 0 && options->ends == BAT_MOTION_ENDS_AUTO;
     bat_status status = spline_system_measure(system, error);
     if (status == BAT_OK && !given)
-        status = spline_system_solve(system, options->ends, options->shape, begin != NULL ? begin + f->tangent_at : NULL,
-                                     end != NULL ? end + f->tangent_at : NULL, error);
+        status = spline_system_solve(system, natural ? BAT_MOTION_ENDS_NATURAL : options->ends, options->shape,
+                                     begin != NULL ? begin + f->tangent_at : NULL, end != NULL ? end + f->tangent_at : NULL,
+                                     error);
     if (status == BAT_OK)
         status = spline_system_finish(system, error);
     for (size_t i = 0; i < system->intervals && status == BAT_OK; i++)
@@ -201,10 +248,17 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
     {
         gather(keys->points, spline->count, all, f->point_at, dim, points);
         continue_signs(f, spline->count, points);
+        double sigma = sigma_of(spline, options, index);
+        if (sigma > 0)
+        {
+            status = spline_smooth(f, spline->count, lengths, sigma, options->outliers, points, error);
+            continue_signs(f, spline->count, points);
+        }
         scatter(points, spline->count, all, f->point_at, dim, spline->points);
         if (keys->tangents != NULL)
             gather(keys->tangents, spline->count, spline->space.tangent_dim, f->tangent_at, n, system.velocities);
-        status = prepare_system(&system, options, keys->tangents != NULL, spline, error);
+        if (status == BAT_OK)
+            status = prepare_system(&system, options, keys->tangents != NULL, spline, error);
     }
     if (status == BAT_OK)
         scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->velocities);
@@ -264,9 +318,11 @@ bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion
     bat_status status = bat_motion_spline_options_check(options, error);
     if (status == BAT_OK)
         status = check_keys(keys, error);
+    options = options != NULL ? options : &defaults;
+    if (status == BAT_OK)
+        status = check_sigma(keys, options, error);
     if (status != BAT_OK)
         return status;
-    options = options != NULL ? options : &defaults;
     bat_motion_spline *made = calloc(1, sizeof *made);
     double *lengths = memory_array(keys->count, sizeof *lengths);
     status = made != NULL && lengths != NULL ? BAT_OK : error_memory(error, keys->count * sizeof *lengths);

@@ -96,6 +96,12 @@ done
 for ends in auto not-a-knot natural clamped; do
     works motion rotation.csv --ends $ends --levels 1 -o out.csv
 done
+works motion rigid.csv --sigma 0.01,0.01 --outliers huber -o out.csv
+printf 'time,roll,pitch,yaw\n0,0,0,0\n1,10,20,30\n' > angles.csv
+works motion angles.csv --euler zyx,degrees -o out.csv
+printf '1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n' > kitti.txt
+printf '0\n0.1\n' > key-times.txt
+works motion kitti.txt --key-times key-times.txt -o out.tum
 works motion rigid.csv --rate 5 --translation-weight 0.2 -o motion.tum
 works motion motion.tum --rate 9 --tangents 4 -o again.tum
 works curve "$examples/iss-track.geojson" --levels 3 -o out.geojson --picture out.svg --projection both
