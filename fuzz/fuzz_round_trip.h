@@ -14,6 +14,16 @@
             abort();                                                                                                        \
     } while (0)
 
+/// Whether points were dropped. The only cell that made a column one of texts can be gone with one.
+static inline bool has_dropped(const bat_curve_set *set)
+{
+    const char *note;
+    for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
+        if (strncmp(note, "dropped", strlen("dropped")) == 0)
+            return true;
+    return false;
+}
+
 /// Whether curves have the same shape after a file. Where degrees are rounded, neighbours can become one point, so that the
 /// counts may change; then only check that there are curves.
 static inline void compare_counts(const bat_curve_set *before, const bat_curve_set *after, bool may_change)
@@ -26,7 +36,7 @@ static inline void compare_counts(const bat_curve_set *before, const bat_curve_s
     {
         PROMISE(after->curves[i].count == before->curves[i].count);
         PROMISE(after->curves[i].closed == before->curves[i].closed);
-        PROMISE(after->curves[i].channel_count == before->curves[i].channel_count);
+        PROMISE(has_dropped(before) || after->curves[i].channel_count == before->curves[i].channel_count);
     }
 }
 
