@@ -2,9 +2,9 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/map/hash.h"
 #include "curve/polygon.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,25 +46,6 @@ typedef struct graph_job
     size_t used_points;
 } graph_job;
 
-static size_t mix(size_t hash, uint64_t value)
-{
-    uint64_t mixed = ((uint64_t)hash ^ value) * UINT64_C(0x9e3779b97f4a7c15);
-    return (size_t)(mixed ^ (mixed >> 29));
-}
-
-static size_t hash_of_point(const double *point, size_t dim)
-{
-    size_t hash = dim;
-    for (size_t c = 0; c < dim; c++)
-    {
-        double value = point[c] + 0.0; // -0 equals 0
-        uint64_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        hash = mix(hash, bits);
-    }
-    return hash;
-}
-
 static bool is_same(const double *p, const double *q, size_t dim)
 {
     for (size_t c = 0; c < dim; c++)
@@ -101,7 +82,7 @@ static bat_status number_vertices(graph_job *job, bat_error *error)
         for (size_t i = 0; i < job->curves[c].count; i++, at++)
         {
             points[at] = job->curves[c].points + i * job->dim;
-            size_t slot = hash_of_point(points[at], job->dim) & job->table_mask;
+            size_t slot = doubles_hash(points[at], job->dim) & job->table_mask;
             while (job->table[slot] != 0 && !is_same(points[owners[job->table[slot] - 1]], points[at], job->dim))
                 slot = (slot + 1) & job->table_mask;
             if (job->table[slot] == 0)
@@ -181,7 +162,7 @@ static size_t id_in_run(const graph_job *job, const curve_run *run, size_t i)
 static size_t edge_slot(const graph_job *job, size_t p, size_t q)
 {
     size_t low = p < q ? p : q, high = p < q ? q : p;
-    size_t slot = mix(mix(0, low), high) & job->edge_mask;
+    size_t slot = hash_mix(hash_mix(0, low), high) & job->edge_mask;
     for (; job->edge_table[slot] != 0; slot = (slot + 1) & job->edge_mask)
     {
         const size_t *ends = job->edge_ends + 2 * (job->edge_table[slot] - 1);

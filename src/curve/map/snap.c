@@ -3,12 +3,11 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/polygon.h"
+#include "curve/map/hash.h"
 #include "curve/topology/edge_tree.h"
 #include "space/known.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,16 +77,7 @@ static void grid_free(cell_grid *grid)
 
 static size_t cell_hash(const cell_grid *grid, const double *cell)
 {
-    uint64_t hash = grid->dim;
-    for (size_t c = 0; c < grid->dim; c++)
-    {
-        double value = cell[c] + 0.0;
-        uint64_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        hash = (hash ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
-        hash ^= hash >> 29;
-    }
-    return (size_t)hash & grid->mask;
+    return doubles_hash(cell, grid->dim) & grid->mask;
 }
 
 static bool grid_add(cell_grid *grid, const double *cell, size_t item)
