@@ -1,60 +1,14 @@
 #define _GNU_SOURCE // mkdtemp()
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "folder_helpers.h"
 
 #include "base/atomic_file.h"
 
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/// A new folder for each test, which is the current one meanwhile.
-static int enter_folder(void **state)
-{
-    char *name = strdup("/tmp/batten-test-XXXXXX");
-    *state = name;
-    return mkdtemp(name) != NULL ? chdir(name) : -1;
-}
-
-static size_t count_files(bool and_remove)
-{
-    size_t count = 0;
-    DIR *directory = opendir(".");
-    for (struct dirent *entry = readdir(directory); entry != NULL; entry = readdir(directory))
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
-        {
-            if (and_remove)
-                (void)remove(entry->d_name);
-            count++;
-        }
-    (void)closedir(directory);
-    return count;
-}
-
-static int leave_folder(void **state)
-{
-    (void)count_files(true);
-    int left = chdir("/");
-    (void)rmdir(*state);
-    free(*state);
-    return left;
-}
-
-static void put(const char *path, const char *text)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_true(fputs(text, file) >= 0);
-    assert_int_equal(fclose(file), 0);
-}
 
 /// As the library's writers do it.
 static void put_whole(const char *path, const char *text)

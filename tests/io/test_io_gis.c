@@ -1,5 +1,6 @@
 #define _GNU_SOURCE // mkdtemp()
 
+#include "folder_helpers.h"
 #include "test_io_helpers.h"
 
 #include "batten/curve_file.h"
@@ -10,7 +11,6 @@
 #include "io/gis/gdal_system.h"
 #endif
 
-#include <dirent.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <sys/stat.h>
@@ -18,45 +18,6 @@
 
 /// @file
 /// Formats of GDAL. Every test has a folder of its own, which is the current one meanwhile.
-
-static int enter_folder(void **state)
-{
-    char *name = strdup("/tmp/batten-test-XXXXXX");
-    *state = name;
-    return mkdtemp(name) != NULL ? chdir(name) : -1;
-}
-
-static size_t count_files(bool and_remove)
-{
-    size_t count = 0;
-    DIR *directory = opendir(".");
-    for (struct dirent *entry = readdir(directory); entry != NULL; entry = readdir(directory))
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
-        {
-            if (and_remove)
-                (void)remove(entry->d_name);
-            count++;
-        }
-    (void)closedir(directory);
-    return count;
-}
-
-static int leave_folder(void **state)
-{
-    (void)count_files(true);
-    int left = chdir("/");
-    (void)rmdir(*state);
-    free(*state);
-    return left;
-}
-
-static void put(const char *path, const char *text)
-{
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_true(fputs(text, file) >= 0);
-    assert_int_equal(fclose(file), 0);
-}
 
 /// Reading fails with this status and a text that contains these words.
 static void refuse(const char *path, const bat_curve_read_options *options, bat_status status, const char *words)
