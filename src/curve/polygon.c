@@ -72,6 +72,14 @@ static double angle_between(const bat_space *space, const double *p, const doubl
     return 2 * atan2(sqrt(space->inner(space, p, difference, difference)), sqrt(space->inner(space, p, sum, sum)));
 }
 
+bat_status polygon_edge_point(const bat_space *space, const double *p, const double *q, size_t k, size_t parts,
+                              double *point)
+{
+    bool from_q = 2 * k > parts;
+    double share = (double)(from_q ? parts - k : k) / (double)parts;
+    return bat_space_geodesic(space, from_q ? q : p, from_q ? p : q, share, point);
+}
+
 bat_status polygon_exterior_angle(const bat_space *space, const double *before, const double *p, const double *after,
                                   double *angle)
 {

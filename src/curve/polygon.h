@@ -18,6 +18,11 @@ static inline size_t polygon_edges(size_t count, bool closed)
     return closed ? count : count - 1;
 }
 
+/// The point at share k / parts of the edge from p to q, from the nearer end, so that reversal changes nothing.
+/// @return BAT_OK, or what bat_space_geodesic() returns
+bat_status polygon_edge_point(const bat_space *space, const double *p, const double *q, size_t k, size_t parts,
+                              double *point);
+
 /// The exterior angle at `p` in any space, without a sign: that between -log(before) and log(after), in [0, pi]. Lengths of
 /// any size are in range.
 /// @return BAT_OK, or what the logarithms return

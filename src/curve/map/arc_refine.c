@@ -310,12 +310,9 @@ static bat_status straighten(const arc_job *job, refined_arcs *next, bat_error *
         size_t step = (after->count - 1) / (before->count - 1);
         for (size_t i = 0; i < after->count; i++)
         {
-            size_t e = i / step, k = i % step, from = 2 * k > step;
-            if (k == 0)
-                continue;
-            double share = (double)(from ? step - k : k) / (double)step; // from the nearer end
-            const double *p = before->points + (e + from) * dim, *q = before->points + (e + !from) * dim;
-            if (bat_space_geodesic(after->space, p, q, share, after->points + i * dim) != BAT_OK)
+            const double *p = before->points + i / step * dim;
+            if (i % step != 0 &&
+                polygon_edge_point(after->space, p, p + dim, i % step, step, after->points + i * dim) != BAT_OK)
                 return error_set(error, BAT_CUT_LOCUS, 0, 0, "there is no unique geodesic along the edge after point 0");
         }
     }

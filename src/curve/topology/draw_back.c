@@ -107,15 +107,6 @@ static bool note_pair(void *context, edge_place first, edge_place second)
     return !all_straight;
 }
 
-/// The point at share k / parts of an edge, from the nearer end.
-static bat_status point_of_edge(const bat_space *space, const double *p, const double *q, size_t k, size_t parts,
-                                double *point)
-{
-    bool from_q = 2 * k > parts;
-    double share = (double)(from_q ? parts - k : k) / (double)parts;
-    return bat_space_geodesic(space, from_q ? q : p, from_q ? p : q, share, point);
-}
-
 /// Move the new points of edge `e` half of the way to the edge, or onto it.
 static bat_status move_points(const bat_curve *coarse, bat_curve *fine, const size_t *starts, size_t e, bool onto_edge)
 {
@@ -125,7 +116,7 @@ static bat_status move_points(const bat_curve *coarse, bat_curve *fine, const si
     for (size_t i = begin + 1; i < end; i++)
     {
         double on_edge[3], middle[3], *point = fine->points + i * dim;
-        bat_status status = point_of_edge(space, p, q, i - begin, end - begin, on_edge);
+        bat_status status = polygon_edge_point(space, p, q, i - begin, end - begin, on_edge);
         if (status == BAT_OK && !onto_edge)
             status = bat_space_geodesic(space, on_edge, point, 0.5, middle);
         if (status != BAT_OK)
