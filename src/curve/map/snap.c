@@ -399,8 +399,9 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
         return error_memory(error, room * dim * sizeof(double));
     for (size_t i = 0; i < curve->count; i++)
     {
-        const double *here = curve->channels + i * channels,
-                     *there = curve->channels + (i + 1 == curve->count ? 0 : i + 1) * channels;
+        size_t after = i + 1 == curve->count ? 0 : i + 1;
+        const double *here = channels > 0 ? curve->channels + i * channels : NULL;
+        const double *there = channels > 0 ? curve->channels + after * channels : NULL;
         size_t origin = job->result->origins != NULL ? job->result->origins[c][i] : i;
         memcpy(copy->points + row * dim, curve->points + i * dim, dim * sizeof(double));
         if (channels > 0)
