@@ -519,10 +519,12 @@ static int read_sets(curve_job *job, curve_sets *sets)
     return code;
 }
 
-static int write_curves(const curve_job *job, const bat_curve_set *fine, const char *path)
+static int write_curves(const curve_job *job, const bat_curve_set *fine, const char *path, curve_findings *findings)
 {
     bat_error error;
-    if (path == NULL || bat_curve_write(path, fine, &job->write, &error) == BAT_OK)
+    bat_curve_write_options how = job->write;
+    how.report = &findings->written;
+    if (path == NULL || bat_curve_write(path, fine, &how, &error) == BAT_OK)
         return EXIT_DONE;
     return report_bad_input(job->given, job->output, &error);
 }
@@ -537,7 +539,7 @@ static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
     if (code == EXIT_DONE && !job->quiet)
         code = curve_measure(job, &sets->coarse, truth, &sets->fine, findings);
     if (code == EXIT_DONE)
-        code = write_curves(job, &sets->fine, output_path(&job->files, "output"));
+        code = write_curves(job, &sets->fine, output_path(&job->files, "output"), findings);
     if (code == EXIT_DONE && job->picture != NULL)
         code = curve_draw(job, &sets->coarse, truth, &sets->fine, &findings->projection);
     return code;
@@ -586,6 +588,7 @@ static int run_streamed(curve_job *job, bat_space *space, bat_curve_set *fine, c
     bat_curve_refine_file_options options = {.read = job->read, .refine = job->refine, .write = job->write};
     options.refine.progress = report_progress("refining");
     options.refine.report = &findings->done.curves;
+    options.write.report = &findings->written;
     options.visit = job->quiet ? NULL : measure_part;
     options.context = &stream;
     const char *path = output_path(&job->files, "output");
@@ -629,7 +632,7 @@ int curve_run(const arguments *given, curve_job *job)
     if (code == EXIT_DONE && job->hint != NULL && !argument_flag(given, "quiet"))
         (void)fprintf(stderr, "batten: %s %s, see `batten motion --help`\n", job->input, job->hint);
     if (code == EXIT_DONE && is_standard_output(job->output))
-        code = write_curves(job, &sets.fine, "-");
+        code = write_curves(job, &sets.fine, "-", &findings);
     if (code == EXIT_DONE && !argument_flag(given, "quiet"))
         code = curve_report(job, &sets.fine, &findings);
     bat_curve_set_free(&sets.coarse);

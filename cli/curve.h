@@ -89,6 +89,7 @@ typedef struct curve_findings
     bool compared;
     double mean_nn, hausdorff;       ///< when compared with the truth: means over the curves
     bat_curve_projection projection; ///< of the picture, if it shows the sphere
+    bat_curve_write_report written;
 } curve_findings;
 
 /// Measure the result, all but findings->done; `truth` may be null, else it has as many curves as `fine`.

@@ -180,6 +180,20 @@ static void print_notes(FILE *stream, const bat_curve_set *set)
         (void)fprintf(stream, "note: %s\n", note);
 }
 
+/// The rings that have no area at the precision of the file.
+static void print_left_out(FILE *stream, const curve_job *job, const bat_curve_set *fine,
+                           const bat_curve_write_report *written)
+{
+    char place[160] = "";
+    if (written->left_out == 0)
+        return;
+    if (written->first_left_out < fine->count && fine->curves != NULL)
+        bat_curve_set_place(fine, written->first_left_out, BAT_NO_INDEX, place, sizeof place);
+    (void)fprintf(stream, "note: left out %zu ring%s without area at %d decimals%s%s; --precision writes more\n",
+                  written->left_out, written->left_out == 1 ? "" : "s", job->write.precision,
+                  place[0] != '\0' ? ", the first in " : "", place);
+}
+
 static void print_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     char place[32];
@@ -206,6 +220,7 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
     if (findings->projection != BAT_CURVE_PROJECTION_AUTO)
         (void)printf("picture: projection %s\n", bat_curve_projection_name(findings->projection));
     print_notes(stdout, fine);
+    print_left_out(stdout, job, fine, &findings->written);
     if (findings->compared)
         (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
                      findings->mean_nn, findings->hausdorff);
@@ -266,6 +281,12 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
         json_decref(object);
         return NULL;
     }
+    json_int_t left_out = (json_int_t)findings->written.left_out;
+    if (left_out > 0 && json_object_set_new(object, "left_out", json_integer(left_out)) != 0)
+    {
+        json_decref(object);
+        return NULL;
+    }
     bool map = findings->done.map;
     if (!job->is_motion && json_object_set_new(object, map ? "map" : "simple",
                                                map ? map_json(&findings->done) : simple_json(&findings->done.curves)) != 0)
@@ -300,7 +321,10 @@ int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_fi
     if (job->json)
         return report_json(make_json(job, fine, findings));
     if (job->quiet)
+    {
         print_notes(stderr, fine);
+        print_left_out(stderr, job, fine, &findings->written);
+    }
     else
         print_report(job, fine, findings);
     return EXIT_DONE;

@@ -76,6 +76,13 @@ BAT_API bat_status bat_curve_read(const char *path, const bat_curve_read_options
 BAT_API bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_read_options *options,
                                          bat_curve_set *set, bat_error *error);
 
+/// What a writer left out.
+typedef struct bat_curve_write_report
+{
+    size_t left_out;       ///< rings of GeoJSON polygons that have no area at the precision
+    size_t first_left_out; ///< the curve of the first; BAT_NO_INDEX for none and for a file written part by part
+} bat_curve_write_report;
+
 /// Options of writing. Begin with bat_curve_write_defaults().
 typedef struct bat_curve_write_options
 {
@@ -85,6 +92,7 @@ typedef struct bat_curve_write_options
     int threads;             ///< 0: as many as OpenMP gives; the bytes do not depend on it; default 0
     const char *crs; ///< the coordinate reference system of the coordinates, such as "EPSG:25833", for the member "crs" of
                      ///< GeoJSON and for formats of GDAL; default null: what the file that was read names
+    bat_curve_write_report *report; ///< receives what was left out; default null
 } bat_curve_write_options;
 
 /// The options' default values.

@@ -273,6 +273,48 @@ static char *many_features(size_t count)
     return text;
 }
 
+/// Write a geometry by three decimals.
+static bat_status write_coarsely(const char *geometry, bat_curve_write_report *report, char **text, bat_error *error)
+{
+    bat_curve_set set;
+    size_t size;
+    assert_int_equal(read_string(geometry, GEOJSON, NULL, &set, error), BAT_OK);
+    bat_curve_write_options options = bat_curve_write_defaults();
+    options.precision = 3;
+    options.report = report;
+    bat_status status = bat_curve_write_memory(&set, &options, text, &size, error);
+    bat_curve_set_free(&set);
+    return status;
+}
+
+static void rounding_leaves_no_degenerate_rings(void **state)
+{
+    (void)state;
+    const char *rings =
+        "{\"type\":\"MultiPolygon\",\"coordinates\":["
+        "[[[1.0001,1],[1.0002,1],[1.0003,1.0004],[1.0001,1]],[[1.0001,1],[1.0002,1],[1.0002,1.0001],[1.0001,1]]],"
+        "[[[0,0],[1.0001,0],[1.0002,0],[1,1],[0.0001,0.0001],[0,0]],"
+        "[[0.5,0.3],[0.5001,0.3],[0.5001,0.3001],[0.5,0.3]],[[0.6,0.1],[0.6,0.2],[0.7,0.2],[0.6,0.1]]]]}";
+    const char *rounded = "[[[[0,0],[1,0],[1,1],[0,0]],[[0.6,0.1],[0.6,0.2],[0.7,0.2],[0.6,0.1]]]]";
+    bat_curve_write_report report;
+    bat_error error;
+    char *text;
+    assert_int_equal(write_coarsely(rings, &report, &text, &error), BAT_OK);
+    assert_non_null(strstr(text, rounded));
+    assert_int_equal(report.left_out, 3);
+    assert_int_equal(report.first_left_out, 0);
+    free(text);
+    const char *alone = POLYGON("[[[1.0001,1],[1.0002,1],[1.0003,1.0004],[1.0001,1]]]");
+    assert_int_equal(write_coarsely(alone, &report, &text, &error), BAT_UNSUPPORTED);
+    assert_non_null(strstr(error.text, "no extent at 3 decimals"));
+    assert_int_equal(write_coarsely(LINE("[[2,1],[2.0001,1]]"), NULL, &text, &error), BAT_UNSUPPORTED);
+    assert_int_equal(write_coarsely(LINE("[[2,1],[2.0001,1],[3,1]]"), &report, &text, &error), BAT_OK);
+    assert_non_null(strstr(text, "[[2,1],[3,1]]"));
+    assert_int_equal(report.left_out, 0);
+    assert_int_equal(report.first_left_out, BAT_NO_INDEX);
+    free(text);
+}
+
 static void results_do_not_depend_on_threads(void **state)
 {
     (void)state;
@@ -428,6 +470,7 @@ int main(void)
                                        cmocka_unit_test(longitudes_beyond_the_meridian_wrap),
                                        cmocka_unit_test(other_formats_carry_the_curves_over),
                                        cmocka_unit_test(precision_is_an_option),
+                                       cmocka_unit_test(rounding_leaves_no_degenerate_rings),
                                        cmocka_unit_test(results_do_not_depend_on_threads),
                                        cmocka_unit_test(a_refined_set_keeps_the_attributes),
                                        cmocka_unit_test(bad_syntax_names_its_line),

@@ -331,9 +331,12 @@ bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_
     return status;
 }
 
+/// Check what is to be written and begin its report.
 static bat_status check_write(const bat_curve_set *set, const bat_curve_write_options *options, bat_error *error)
 {
     bat_status status = bat_curve_write_options_check(options, error);
+    if (options->report != NULL)
+        *options->report = (bat_curve_write_report){.first_left_out = BAT_NO_INDEX};
     if (status != BAT_OK)
         return status;
     if (options->crs != NULL && options->crs[0] == '\0')

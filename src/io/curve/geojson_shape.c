@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "io/common/number_text.h"
 
+#include <math.h>
+
 /// @file
 /// Curves as the coordinates of a GeoJSON geometry, cut at the antimeridian where needed.
 
@@ -37,6 +39,29 @@ static bool plane_finite(const globe_curve *curve)
         if (!isfinite(curve->points[i]))
             return false;
     return true;
+}
+
+/// Whether a line has two different positions, or a ring encloses an area, at the decimals of the file.
+static bool shows_extent(const globe_curve *curve, bool ring)
+{
+    const double exact = 0x1p25; // Differences below it have exact products and sums.
+    const degree_units *first = curve->shown;
+    double area = 0, before[2] = {0, 0};
+    for (size_t i = 1; i < curve->count; i++)
+    {
+        double here[2] = {(double)(first[i].longitude - first->longitude), (double)(first[i].latitude - first->latitude)};
+        if (fabs(here[0]) > exact || fabs(here[1]) > exact || (!ring && (here[0] != 0 || here[1] != 0)))
+            return true;
+        area += before[0] * here[1] - before[1] * here[0];
+        memcpy(before, here, sizeof before);
+    }
+    return area != 0;
+}
+
+static bat_status no_extent(const geojson_style *style, size_t curve, bat_error *error)
+{
+    return error_set(error, BAT_UNSUPPORTED, curve, 0,
+                     "curve %zu has no extent at %d decimals; the option `precision` writes more", curve, style->decimals);
 }
 
 /// `ring_counts` and `poles` are null for lines.
@@ -86,10 +111,43 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
         bool finite = style->globe ? globe_curve_show(&style->grid, &shape->curves[i]) : plane_finite(&shape->curves[i]);
         if (!finite || !values_finite(&shape->curves[i], shape->value_count))
             return error_set(error, BAT_INVALID_POINT, first + i, 0, "a point of curve %zu is not finite", first + i);
+        if (style->globe && ring_counts == NULL && !shows_extent(&shape->curves[i], false))
+            return no_extent(style, first + i, error);
         shape->cut = shape->cut || shape->curves[i].cut_count > 0;
         shown = style->globe ? shown + curve->count : shown;
     }
     return BAT_OK;
+}
+
+/// Keep the rings that have an extent at the decimals of the file. A polygon without its outer ring goes as a whole.
+static bool keep_extents(geojson_shape *shape, const size_t *ring_counts, size_t polygon_count, size_t first)
+{
+    void *counts = shape->kept_counts;
+    if (!array_grow(&counts, &shape->kept_capacity, polygon_count, sizeof *shape->kept_counts))
+        return false;
+    shape->kept_counts = counts;
+    shape->polygon_count = 0;
+    size_t given = 0, kept = 0;
+    for (size_t i = 0; i < polygon_count; i++)
+    {
+        size_t before = kept, end = given + ring_counts[i];
+        bool outer = true;
+        for (size_t k = given; k < end; k++)
+        {
+            bool shown = outer && shows_extent(&shape->curves[k], true);
+            outer = k == given ? shown : outer;
+            if (shown)
+                shape->curves[kept++] = shape->curves[k];
+            else if (shape->left_out++ == 0 || first + k < shape->first_left_out)
+                shape->first_left_out = first + k;
+        }
+        given = end;
+        if (kept > before)
+            shape->kept_counts[shape->polygon_count++] = kept - before;
+    }
+    shape->curve_count = kept;
+    shape->ring_counts = shape->kept_counts;
+    return true;
 }
 
 /// Append a curve that does not cross the antimeridian to pieces of curves that do.
@@ -147,19 +205,24 @@ bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *sty
     bat_status status = shape_begin(shape, style, type, curves, count, ring_counts, poles, first, error);
     shape->ring_counts = ring_counts;
     shape->polygon_count = polygon_count;
+    if (status == BAT_OK && style->globe && !keep_extents(shape, ring_counts, polygon_count, first))
+        return error_memory(error, polygon_count * sizeof *ring_counts);
+    if (status == BAT_OK && shape->polygon_count == 0)
+        return no_extent(style, first, error);
     if (status != BAT_OK || !shape->cut)
         return status;
     const globe_curve *rings = shape->curves;
-    for (size_t i = 0; i < polygon_count; i++)
+    for (size_t i = 0; i < shape->polygon_count; i++)
     {
+        size_t ring_count = shape->ring_counts[i];
         bool cut = false;
-        for (size_t k = 0; k < ring_counts[i]; k++)
+        for (size_t k = 0; k < ring_count; k++)
             cut = cut || rings[k].cut_count > 0;
-        bool added = cut ? globe_polygon_cut(&style->grid, rings, ring_counts[i], &shape->parts)
-                         : add_uncut_polygon(rings, ring_counts[i], &shape->parts);
+        bool added = cut ? globe_polygon_cut(&style->grid, rings, ring_count, &shape->parts)
+                         : add_uncut_polygon(rings, ring_count, &shape->parts);
         if (!added)
             return error_memory(error, count * sizeof *rings);
-        rings += ring_counts[i];
+        rings += ring_count;
     }
     if (shape->parts.count > 1)
         shape->type = "MultiPolygon";
@@ -216,21 +279,32 @@ static char *write_curve_position(char *out, const geojson_shape *shape, const g
     return write_values(out, shape, &position);
 }
 
-/// Write a curve as an array of positions; a closed one repeats the first.
+static bool same_units(degree_units a, degree_units b)
+{
+    return a.longitude == b.longitude && a.latitude == b.latitude;
+}
+
+/// Write a curve as an array of positions; a closed one repeats the first. Positions that only the rounding makes equal to
+/// the one before are left out.
 static void write_curve(const geojson_shape *shape, const geojson_style *style, const globe_curve *curve, text_buffer *text)
 {
-    size_t positions = curve->count + curve->closed;
-    for (size_t i = 0; i < positions; i++)
+    const degree_units *shown = style->globe && shape->value_count == 0 ? curve->shown : NULL;
+    const char *separator = "[";
+    size_t end = curve->count;
+    while (shown != NULL && curve->closed && end > 1 && same_units(shown[end - 1], shown[0]))
+        end--;
+    for (size_t i = 0; i < end + curve->closed; i++)
     {
+        if (shown != NULL && i > 0 && i < end && same_units(shown[i], shown[i - 1]))
+            continue;
         char *out = text_reserve(text, position_size(shape) + 2);
         if (out == NULL)
             return;
-        *out++ = i == 0 ? '[' : ',';
-        out = write_curve_position(out, shape, style, curve, i < curve->count ? i : 0);
-        if (i + 1 == positions)
-            *out++ = ']';
-        text_advance(text, out);
+        *out++ = *separator;
+        text_advance(text, write_curve_position(out, shape, style, curve, i < end ? i : 0));
+        separator = ",";
     }
+    text_append_string(text, "]");
 }
 
 /// Write a piece as an array of positions; a ring repeats the first.
@@ -242,6 +316,9 @@ static void write_piece(const geojson_shape *shape, const geojson_style *style, 
     for (size_t i = begin; i < end + ring; i++)
     {
         const globe_position *position = &lines->positions[i < end ? i : begin];
+        bool inside = i > begin && i < end && shape->value_count == 0;
+        if (inside && same_units(position->shown, lines->positions[i - 1].shown))
+            continue;
         text_append_string(text, separator);
         char *out = text_reserve(text, position_size(shape));
         if (out == NULL)
@@ -308,6 +385,7 @@ void geojson_shape_free(geojson_shape *shape)
 {
     free(shape->curves);
     free(shape->shown);
+    free(shape->kept_counts);
     globe_lines_free(&shape->pieces);
     globe_polygons_free(&shape->parts);
     *shape = (geojson_shape){0};

@@ -30,7 +30,11 @@ typedef struct geojson_shape
     size_t shown_capacity;
     const size_t *ring_counts; ///< for each polygon; null for lines
     size_t polygon_count;
-    size_t value_count; ///< the numbers of a position after the first two
+    size_t *kept_counts; ///< the rings of each polygon without those that were left out; `ring_counts` points to it
+    size_t kept_capacity;
+    size_t left_out;       ///< rings without an extent at the decimals of the file, of all geometries
+    size_t first_left_out; ///< the least of their curves
+    size_t value_count;    ///< the numbers of a position after the first two
 
     bool cut;             ///< write `pieces` or `parts` in place of the curves
     globe_lines pieces;   ///< of lines
@@ -39,12 +43,13 @@ typedef struct geojson_shape
 
 /// Prepare lines. `type` is their type before the cut, "LineString" or "MultiLineString". `first` is the index of the first
 /// curve, for messages.
-/// @return BAT_OK, BAT_INVALID_POINT, BAT_UNSUPPORTED (too few points) or BAT_NO_MEMORY
+/// @return BAT_OK, BAT_INVALID_POINT, BAT_UNSUPPORTED (too few points, or no extent at the decimals) or BAT_NO_MEMORY
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error);
 
 /// Prepare polygons. `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other. `poles`
-/// are as in globe_polygon_cut().
+/// are as in globe_polygon_cut(). Rings that have no extent at the decimals of the file are left out and counted; a geometry
+/// needs one with an extent.
 bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
                                   const bat_curve *curves, const size_t *ring_counts, const signed char *poles,
                                   size_t polygon_count, size_t first, bat_error *error);

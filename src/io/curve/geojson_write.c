@@ -21,9 +21,10 @@ typedef struct geojson_writer
     geojson_style style;
     text_buffer crs; ///< the member "crs" to write in place of the document's, `"crs":{...}`; empty for none
     bat_curve_format format;
-    bool continued;   ///< features of the collection stand before these
-    bool wraps;       ///< the features are in a collection: geometries in place of features become features
-    block_cut blocks; ///< of features or, without a document, of curves
+    bool continued;                 ///< features of the collection stand before these
+    bool wraps;                     ///< the features are in a collection: geometries in place of features become features
+    block_cut blocks;               ///< of features or, without a document, of curves
+    bat_curve_write_report *report; ///< null, or the sum over all threads
 } geojson_writer;
 
 /// The state of one thread.
@@ -195,6 +196,20 @@ static bat_status write_new_feature(geojson_output *out, size_t curve)
     return BAT_OK;
 }
 
+/// Add the rings that a block left out to the report. The result does not depend on the order.
+static void add_left_out(const geojson_writer *writer, const geojson_shape *shape)
+{
+    bat_curve_write_report *report = writer->report;
+    if (report == NULL || shape->left_out == 0)
+        return;
+#pragma omp critical(geojson_left_out)
+    {
+        if (report->left_out == 0 || shape->first_left_out < report->first_left_out)
+            report->first_left_out = shape->first_left_out;
+        report->left_out += shape->left_out;
+    }
+}
+
 static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
 {
     const geojson_writer *writer = context;
@@ -211,6 +226,7 @@ static bat_status format_block(const void *context, size_t block, text_buffer *t
         if (!collection)
             text_append_string(text, "\n");
     }
+    add_left_out(writer, &out.shape);
     geojson_shape_free(&out.shape);
     return status;
 }
@@ -403,6 +419,7 @@ static bat_status write_as(bat_curve_format format, const bat_curve_set *set, co
     bat_status status = start_writer(format, set, options->precision, &writer, error);
     if (status != BAT_OK)
         return status;
+    writer.report = options->report;
     if (writer.document != NULL && writer.document->measures)
         writer.style.altitude = BAT_NO_INDEX;
     status = choose_crs(&writer, options, error);
@@ -419,10 +436,14 @@ bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format,
     bat_status status = start_writer(format, set, options->precision, &writer, error);
     if (status != BAT_OK)
         return status;
+    bat_curve_write_report report = {0};
     writer.continued = !first;
+    writer.report = &report;
     status = choose_crs(&writer, options, error);
     if (status == BAT_OK)
         status = write_blocks(&writer, writer.document->feature_count, options, sink, error);
+    if (options->report != NULL)
+        options->report->left_out += report.left_out;
     text_free(&writer.crs);
     return status;
 }

@@ -400,6 +400,8 @@ bat_status bat_curve_refine_file(const char *input, const char *output, const ba
     bat_status status = bat_curve_refine_file_options_check(options, error);
     if (status != BAT_OK)
         return status;
+    if (options->write.report != NULL)
+        *options->write.report = (bat_curve_write_report){.first_left_out = BAT_NO_INDEX};
     file_job job = {.options = options, .error = error != NULL ? error : &unread};
     job.follows =
         options->write.format == BAT_CURVE_FORMAT_AUTO && bat_curve_format_of_path(output) == BAT_CURVE_FORMAT_AUTO;
