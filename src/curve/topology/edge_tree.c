@@ -1,7 +1,9 @@
 #include "curve/topology/edge_tree.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/threads.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -13,6 +15,9 @@
 #define SPHERE_SLACK 2.1e-9
 /// A bound of the rounding of Klein's coordinates, and of a cross product of unit vectors.
 #define PROJECTIVE_SLACK 2e-15
+
+/// Arithmetic operations that building and searching take for a leaf, roughly.
+#define LEAF_WORK 2000.0
 
 /// The classes of directions in the plane and in Klein's model: quadrants, half open, so that two that follow each other
 /// make a half-plane without opposite directions.
@@ -354,14 +359,39 @@ static bat_status lay_out(edge_tree *tree, const bat_curve *curves, bat_error *e
     return tree->nodes != NULL ? BAT_OK : error_memory(error, nodes * sizeof *tree->nodes);
 }
 
-bat_status edge_tree_make(const bat_curve *curves, size_t count, edge_tree *tree, bat_error *error)
+bat_status edge_tree_make(const bat_curve *curves, size_t count, int threads, edge_tree *tree, bat_error *error)
 {
-    return edge_tree_make_wide(curves, count, 0, tree, error);
+    return edge_tree_make_wide(curves, count, 0, threads, tree, error);
 }
 
-bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double slack, edge_tree *tree, bat_error *error)
+/// Make the nodes from the curves, which are laid out.
+static void make_nodes(edge_tree *tree)
 {
-    *tree = (edge_tree){.curve_count = count, .scale = 1, .slack = slack};
+#pragma omp parallel num_threads(tree->threads) if (tree->threads > 1)
+    {
+#pragma omp for schedule(dynamic, 16)
+        for (size_t c = 0; c < tree->curve_count; c++)
+        {
+            size_t leaf = tree->curves[c].first_leaf;
+            for (size_t edge = 0; edge < tree->curves[c].edges; edge += EDGE_LEAF, leaf++)
+            {
+                tree->nodes[leaf] = (edge_node){.first_curve = c, .last_curve = c};
+                make_leaf(tree, leaf);
+            }
+        }
+        for (size_t level = 1; level < tree->level_count; level++)
+        {
+#pragma omp for schedule(static)
+            for (size_t i = 0; i < tree->level_size[level]; i++)
+                make_node(tree, level, i);
+        }
+    }
+}
+
+bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double slack, int threads, edge_tree *tree,
+                               bat_error *error)
+{
+    *tree = (edge_tree){.curve_count = count, .scale = 1, .slack = slack, .threads = 1};
     if (count == 0)
         return BAT_OK;
     (void)surface_of_space(curves[0].space, &tree->kind);
@@ -374,15 +404,9 @@ bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double sla
         status = copy_all(tree, error);
     if (status != BAT_OK)
         return status;
-    for (size_t c = 0, leaf = 0; c < count; c++)
-        for (size_t edge = 0; edge < tree->curves[c].edges; edge += EDGE_LEAF, leaf++)
-        {
-            tree->nodes[leaf] = (edge_node){.first_curve = c, .last_curve = c};
-            make_leaf(tree, leaf);
-        }
-    for (size_t level = 1; level < tree->level_count; level++)
-        for (size_t i = 0; i < tree->level_size[level]; i++)
-            make_node(tree, level, i);
+    tree->threads =
+        tree->level_count > 0 ? threads_worth(threads, tree->level_size[0], LEAF_WORK * (double)tree->level_size[0]) : 1;
+    make_nodes(tree);
     return BAT_OK;
 }
 
@@ -628,73 +652,173 @@ static bool make_chain(const edge_tree *tree, const edge_node *a, const edge_nod
     return is_chain(tree->kind, a->directions | b->directions, &box);
 }
 
-/// The pairs of an edge of node `first` and one of node `second` > `first` of a level.
-static void search_pair(edge_search *search, size_t level, size_t first, size_t second)
+/// A part of the search: the pairs of an edge of node `first` and one of node `second` of a level.
+typedef struct node_pair
+{
+    size_t level, first, second; ///< equal without a shift: the pairs within a node; else first < second without a shift
+    double shift;
+} node_pair;
+
+/// Whether no pair of edges needs a test.
+static inline bool is_clear(const edge_search *search, const node_pair *part)
 {
     const edge_tree *tree = search->tree;
-    const edge_node *a = node_at(tree, level, first), *b = node_at(tree, level, second);
-    bool excluded = (search->changed_only && !a->changed && !b->changed) ||
-                    (search->pairs == EDGE_PAIRS_SAME_CURVE && a->last_curve < b->first_curve);
-    if (search->stopped || excluded || !boxes_meet(&a->box, &b->box) || make_chain(tree, a, b, first + 1 == second))
-        return;
-    if (level == 0)
+    const edge_node *a = node_at(tree, part->level, part->first), *b = node_at(tree, part->level, part->second);
+    if (search->changed_only && !a->changed && !b->changed)
+        return true;
+    if (part->shift > 0)
     {
-        search_leaves(search, first, second);
-        return;
+        edge_box moved = shifted(b->box, part->shift);
+        return !boxes_meet(&a->box, &moved);
     }
-    size_t size = tree->level_size[level - 1];
-    for (size_t i = 2 * first; i < 2 * first + 2; i++)
-        for (size_t j = 2 * second; j < 2 * second + 2 && j < size; j++)
-            search_pair(search, level - 1, i, j);
+    if (part->first == part->second)
+        return a->first_curve == a->last_curve && is_chain(tree->kind, a->directions, &a->box);
+    return (search->pairs == EDGE_PAIRS_SAME_CURVE && a->last_curve < b->first_curve) || !boxes_meet(&a->box, &b->box) ||
+           make_chain(tree, a, b, part->first + 1 == part->second);
 }
 
-/// The pairs of edges of one node.
-static void search_node(edge_search *search, size_t level, size_t index)
+enum
 {
-    const edge_tree *tree = search->tree;
-    const edge_node *node = node_at(tree, level, index);
-    bool one_curve = node->first_curve == node->last_curve;
-    if (search->stopped || (search->changed_only && !node->changed) ||
-        (one_curve && is_chain(tree->kind, node->directions, &node->box)))
-        return;
-    if (level == 0)
+    MAX_CHILDREN = 4
+};
+
+/// The parts of the level below, in the order of the search.
+static inline size_t divide(const edge_tree *tree, const node_pair *part, node_pair *children)
+{
+    size_t level = part->level - 1, size = tree->level_size[level], count = 0;
+    if (part->first == part->second && part->shift <= 0)
     {
-        search_leaf(search, index);
-        return;
+        size_t first = 2 * part->first, second = first + 1;
+        children[count++] = (node_pair){level, first, first, 0};
+        if (second == size)
+            return count;
+        children[count++] = (node_pair){level, second, second, 0};
+        children[count++] = (node_pair){level, first, second, 0};
+        return count;
     }
-    search_node(search, level - 1, 2 * index);
-    if (2 * index + 1 == tree->level_size[level - 1])
-        return;
-    search_node(search, level - 1, 2 * index + 1);
-    search_pair(search, level - 1, 2 * index, 2 * index + 1);
+    for (size_t i = 2 * part->first; i < 2 * part->first + 2 && i < size; i++)
+        for (size_t j = 2 * part->second; j < 2 * part->second + 2 && j < size; j++)
+            children[count++] = (node_pair){level, i, j, part->shift};
+    return count;
 }
 
-/// The pairs of an edge of node `first` and one of node `second`, which is moved by the shift, of a level.
-static void search_shifted(edge_search *search, size_t level, size_t first, size_t second)
+static void search_part(edge_search *search, const node_pair *part)
 {
-    const edge_tree *tree = search->tree;
-    const edge_node *a = node_at(tree, level, first), *b = node_at(tree, level, second);
-    edge_box moved = shifted(b->box, search->shift);
-    if (search->stopped || (search->changed_only && !a->changed && !b->changed) || !boxes_meet(&a->box, &moved))
+    if (search->stopped || is_clear(search, part))
         return;
-    if (level == 0)
+    if (part->level > 0)
     {
-        search_leaves(search, first, second);
+        node_pair children[MAX_CHILDREN];
+        size_t count = divide(search->tree, part, children);
+        for (size_t i = 0; i < count; i++)
+            search_part(search, &children[i]);
         return;
     }
-    size_t size = tree->level_size[level - 1];
-    for (size_t i = 2 * first; i < 2 * first + 2 && i < size; i++)
-        for (size_t j = 2 * second; j < 2 * second + 2 && j < size; j++)
-            search_shifted(search, level - 1, i, j);
+    search->shift = part->shift;
+    if (part->first == part->second && part->shift <= 0)
+        search_leaf(search, part->first);
+    else
+        search_leaves(search, part->first, part->second);
+}
+
+// The search by several threads
+
+/// The pairs that a thread found in a part.
+typedef struct found_pairs
+{
+    edge_place (*pairs)[2];
+    size_t count, capacity;
+    bool failed; ///< out of memory, or too many
+} found_pairs;
+
+static bool keep_pair(void *context, edge_place first, edge_place second)
+{
+    enum
+    {
+        MAX_KEPT = 1 << 16 ///< of a part: who searches for few wants no more memory for many
+    };
+    found_pairs *kept = context;
+    void *pairs = kept->pairs;
+    kept->failed = kept->count == MAX_KEPT || !array_grow(&pairs, &kept->capacity, kept->count + 1, sizeof *kept->pairs);
+    kept->pairs = pairs;
+    if (kept->failed)
+        return false;
+    kept->pairs[kept->count][0] = first;
+    kept->pairs[kept->count++][1] = second;
+    return true;
+}
+
+/// Divide the parts until there are `wanted`, in the order of the search.
+/// @param parts has room for MAX_CHILDREN x wanted parts, as has `divided`
+static size_t divide_all(const edge_search *search, node_pair *parts, size_t count, size_t wanted, node_pair *divided)
+{
+    for (size_t level = search->tree->level_count - 1; level > 0 && count > 0 && count < wanted; level--)
+    {
+        size_t next = 0;
+        for (size_t i = 0; i < count; i++)
+            if (!is_clear(search, &parts[i]))
+                next += divide(search->tree, &parts[i], divided + next);
+        memcpy(parts, divided, next * sizeof *parts);
+        count = next;
+    }
+    return count;
+}
+
+/// Search the parts and hand over their pairs in order. False, without having handed over any, when one failed.
+static bool search_shared(edge_search *search, const node_pair *parts, size_t count, int threads)
+{
+    found_pairs *kept = calloc(count > 0 ? count : 1, sizeof *kept);
+    bool done = kept != NULL;
+    if (done)
+    {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+        for (size_t i = 0; i < count; i++)
+        {
+            edge_search own = *search;
+            own.found = keep_pair;
+            own.context = &kept[i];
+            search_part(&own, &parts[i]);
+        }
+    }
+    for (size_t i = 0; i < count && done; i++)
+        done = !kept[i].failed;
+    for (size_t i = 0; i < count && done; i++)
+        for (size_t k = 0; k < kept[i].count && !search->stopped; k++)
+            search->stopped = !search->found(search->context, kept[i].pairs[k][0], kept[i].pairs[k][1]);
+    for (size_t i = 0; i < count && kept != NULL; i++)
+        free(kept[i].pairs);
+    free(kept);
+    return done;
+}
+
+/// Search by several threads. False, without having handed over any pair, when one thread has to do it.
+static bool search_divided(edge_search *search, const node_pair *whole, size_t count)
+{
+    enum
+    {
+        PARTS = 256 ///< so many differ less in their work than threads can even out
+    };
+    size_t room = (size_t)MAX_CHILDREN * PARTS;
+    node_pair *parts = memory_array(2 * room, sizeof *parts);
+    if (parts == NULL)
+        return false;
+    memcpy(parts, whole, count * sizeof *parts);
+    count = divide_all(search, parts, count, PARTS, parts + room);
+    bool done = search_shared(search, parts, count, search->tree->threads);
+    free(parts);
+    return done;
 }
 
 bool edge_tree_search(const edge_tree *tree, edge_pairs pairs, bool changed_only, edge_pair_found *found, void *context)
 {
     edge_search search = {.tree = tree, .pairs = pairs, .changed_only = changed_only, .found = found, .context = context};
-    if (tree->level_count > 0)
-        search_node(&search, tree->level_count - 1, 0);
-    search.shift = tree->turn * tree->scale;
-    if (tree->level_count > 0 && search.shift > 0)
-        search_shifted(&search, tree->level_count - 1, 0, 0);
+    if (tree->level_count == 0)
+        return true;
+    node_pair whole[2] = {{tree->level_count - 1, 0, 0, 0}, {tree->level_count - 1, 0, 0, tree->turn * tree->scale}};
+    size_t count = whole[1].shift > 0 ? 2 : 1;
+    if (tree->threads > 1 && !changed_only && search_divided(&search, whole, count))
+        return !search.stopped;
+    for (size_t i = 0; i < count; i++)
+        search_part(&search, &whole[i]);
     return !search.stopped;
 }

@@ -49,6 +49,7 @@ typedef struct edge_tree
     size_t dim;
     double scale; ///< of the copies: a power of two
     double slack; ///< SURFACE_PLANE: the boxes of edges are so much larger on each side.
+    int threads;  ///< of searches
     double turn;  ///< SURFACE_PLANE: x and x + turn are the same place; 0 for none. Set it before a search
     tree_curve *curves;
     size_t curve_count;
@@ -78,13 +79,15 @@ typedef bool edge_pair_found(void *context, edge_place first, edge_place second)
 bool surface_of_space(const bat_space *space, surface_kind *kind);
 
 /// Make the tree of curves in one space with predicates. The points must outlive the tree.
-/// @param slack see edge_tree; 0 for exact boxes
-/// @param tree  release it with edge_tree_free(), also on failure
+/// @param slack   see edge_tree; 0 for exact boxes
+/// @param threads of building and searching; 0: as many as OpenMP gives, fewer for few edges
+/// @param tree    release it with edge_tree_free(), also on failure
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double slack, edge_tree *tree, bat_error *error);
+bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double slack, int threads, edge_tree *tree,
+                               bat_error *error);
 
 /// The same with exact boxes.
-bat_status edge_tree_make(const bat_curve *curves, size_t count, edge_tree *tree, bat_error *error);
+bat_status edge_tree_make(const bat_curve *curves, size_t count, int threads, edge_tree *tree, bat_error *error);
 void edge_tree_free(edge_tree *tree);
 
 /// Mark the edges begin … end - 1 of a curve, whose points were moved.
@@ -99,6 +102,7 @@ void edge_tree_settle(edge_tree *tree);
 /// pair counts where they fold back onto each other. Edges without length, between points that are equal, do not count. An
 /// open curve whose last point equals its first is a ring. With a turn, edges one turn apart count as well; the second edge
 /// of such a pair is the one that is moved by +turn to meet the first.
+/// Several threads may search, but `found` is called by the calling thread, in the same order.
 /// @param changed_only only pairs with a marked edge; neighbours of marked edges may count as marked
 /// @return false when `found` ended the search
 bool edge_tree_search(const edge_tree *tree, edge_pairs pairs, bool changed_only, edge_pair_found *found, void *context);
