@@ -141,11 +141,28 @@ static size_t nearest_point(const snap_job *job, size_t i)
     return best;
 }
 
+/// The cell of a point; the rest of the numbers is 0.
+static void cell_of(const snap_job *job, size_t point, double *cell)
+{
+    for (size_t c = 0; c < MAX_DIM; c++)
+        cell[c] = c < job->dim ? floor(job->points[point][c] / job->grid.cell) : 0;
+}
+
 /// Find where each point goes.
 static bat_status join_points(snap_job *job, bat_error *error)
 {
+    enum
+    {
+        AHEAD = 16 ///< points: their cells lie anywhere in memory, and are asked for before they are needed
+    };
     for (size_t i = 0; i < job->point_count; i++)
     {
+        double cell[MAX_DIM];
+        if (i + AHEAD < job->point_count)
+        {
+            cell_of(job, i + AHEAD, cell);
+            __builtin_prefetch(&job->grid.heads[cell_hash(&job->grid, cell)]);
+        }
         size_t target = nearest_point(job, i);
         job->targets[i] = target;
         if (target != i)
@@ -155,9 +172,7 @@ static bat_status join_points(snap_job *job, bat_error *error)
             job->result->largest = fmax(job->result->largest, way);
             continue;
         }
-        double cell[MAX_DIM] = {0};
-        for (size_t c = 0; c < job->dim; c++)
-            cell[c] = floor(job->points[i][c] / job->grid.cell);
+        cell_of(job, i, cell);
         if (!grid_add(&job->grid, cell, i))
             return error_memory(error, job->point_count * sizeof(size_t));
     }
