@@ -288,14 +288,15 @@ static bool same_units(degree_units a, degree_units b)
 /// the one before are left out.
 static void write_curve(const geojson_shape *shape, const geojson_style *style, const globe_curve *curve, text_buffer *text)
 {
-    const degree_units *shown = style->globe && shape->value_count == 0 ? curve->shown : NULL;
+    bool merges = style->globe && shape->value_count == 0;
+    const degree_units *shown = curve->shown;
     const char *separator = "[";
     size_t end = curve->count;
-    while (shown != NULL && curve->closed && end > 1 && same_units(shown[end - 1], shown[0]))
+    while (merges && curve->closed && end > 1 && same_units(shown[end - 1], shown[0]))
         end--;
     for (size_t i = 0; i < end + curve->closed; i++)
     {
-        if (shown != NULL && i > 0 && i < end && same_units(shown[i], shown[i - 1]))
+        if (merges && i > 0 && i < end && same_units(shown[i], shown[i - 1]))
             continue;
         char *out = text_reserve(text, position_size(shape) + 2);
         if (out == NULL)
