@@ -540,7 +540,9 @@ static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
         code = curve_measure(job, &sets->coarse, truth, &sets->fine, findings);
     if (code == EXIT_DONE)
         code = write_curves(job, &sets->fine, output_path(&job->files, "output"), findings);
-    if (code == EXIT_DONE && job->picture != NULL)
+    if (code == EXIT_DONE && job->picture != NULL && motion_is_drawn(job))
+        code = motion_draw(job, &sets->coarse);
+    else if (code == EXIT_DONE && job->picture != NULL)
         code = curve_draw(job, &sets->coarse, truth, &sets->fine, &findings->projection);
     return code;
 }

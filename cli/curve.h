@@ -39,6 +39,8 @@ typedef struct curve_job
     double *times;          ///< what it holds
     const char *scheme;     ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;
+    bat_motion_report moved;         ///< of motions
+    char units[2][32];               ///< of lengths and times in pictures of motions; empty: by the file
     size_t panels[CURVE_MAX_PANELS]; ///< the levels drawn side by side
     size_t panel_count;              ///< 0: one panel, of refine.levels
     char best_name[80];              ///< of the scheme that --best-tension finds
@@ -61,6 +63,10 @@ bool motion_read(const arguments *given, curve_job *job);
 const char *motion_scheme(const curve_job *job, const bat_curve_set *keyframes);
 /// Read the file of times. Returns the program's exit code, after a message where it is not EXIT_DONE.
 int motion_read_times(curve_job *job);
+/// Draw the picture of a motion in time. Returns the program's exit code.
+int motion_draw(const curve_job *job, const bat_curve_set *keyframes);
+/// Whether the picture is that of a motion in time, and not of its shape.
+bool motion_is_drawn(const curve_job *job);
 /// curve_refine() of a motion.
 int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t levels, bat_curve_set *fine);
 /// Report that refining failed with curve `failed` of a set.

@@ -3,7 +3,7 @@
 #include "report.h"
 #include "verbs.h"
 
-#include "batten/motion.h"
+#include "batten/motion_picture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,7 +34,11 @@ static const option_spec OPTIONS[] = {
     {"closed", 0, NULL, "take every motion as closed"},
     {"open", 0, NULL, "take every motion as open"},
     {"project", 0, NULL, "move points that are off their space onto it"},
-    {"picture", 0, "FILE", "draw to FILE: .svg, .png or .pdf"},
+    {"picture", 0, "FILE",
+     "draw to FILE: .svg, .png or .pdf; of a motion in time its path or poses, and speeds over time, but its shape with "
+     "--truth, --panel, --projection, --comb and --axes"},
+    {"poses", 0, "N", "frames or poses in the picture; default: by the motion"},
+    {"units", 0, "L,T", "units of length and time in the picture, as m,s; default: by the file"},
     {"truth", 0, "FILE", "curves to compare with and to draw, as many as given"},
     {"panel", 0, "K,K,…", "draw these levels side by side"},
     {"projection", 0, "NAME", "draw the sphere as globe, map, local or both; default: auto, by what the curves cover"},
@@ -139,13 +143,32 @@ static bool read_sigma(const arguments *given, curve_job *job)
     return false;
 }
 
+/// --poses and --units.
+static bool read_drawing(const arguments *given, curve_job *job)
+{
+    const char *units = argument(given, "units"), *comma = units != NULL ? strchr(units, ',') : NULL;
+    long poses;
+    if (!argument_whole(given, "poses", 1, 1000, 1, &poses))
+        return false;
+    if (units == NULL)
+        return true;
+    if (comma == NULL || strlen(comma + 1) >= sizeof job->units[1] || comma - units >= (ptrdiff_t)sizeof job->units[0])
+    {
+        (void)usage_error(given, "--units takes a unit of length and one of time, as in m,s, not '%s'", units);
+        return false;
+    }
+    (void)snprintf(job->units[0], sizeof job->units[0], "%.*s", (int)(comma - units), units);
+    (void)snprintf(job->units[1], sizeof job->units[1], "%s", comma + 1);
+    return true;
+}
+
 static bool read_numbers(const arguments *given, curve_job *job)
 {
     bat_motion_options *motion = &job->motion;
     const char *ends = argument(given, "ends");
     bat_error error;
     if (!argument_number(given, "rate", motion->rate, &motion->rate) || !read_tangents(given, job) ||
-        (job->is_verb && !read_sigma(given, job)) ||
+        (job->is_verb && (!read_sigma(given, job) || !read_drawing(given, job))) ||
         !argument_number(given, "translation-weight", 0, &job->read.translation_weight))
         return false;
     motion->velocities = argument_flag(given, "velocities");
@@ -267,6 +290,32 @@ int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t l
     bat_status status = bat_motion_curves(keyframes, &how, fine, &failed, &error);
     report_progress_end();
     return status == BAT_OK ? EXIT_DONE : curve_failure(job, keyframes, failed, &error);
+}
+
+bool motion_is_drawn(const curve_job *job)
+{
+    static const char *const shapes[] = {"truth", "panel", "projection", "comb", "axes"};
+    return job->is_motion && job->scheme != NULL && strcmp(job->scheme, "spline") == 0 &&
+           first_given(job->given, shapes, sizeof shapes / sizeof *shapes) == NULL;
+}
+
+int motion_draw(const curve_job *job, const bat_curve_set *keyframes)
+{
+    bat_error error;
+    bat_motion_options how = job->motion;
+    bat_motion_picture_options options = bat_motion_picture_defaults();
+    const char *poses = job->is_verb ? argument(job->given, "poses") : NULL;
+    how.method = BAT_MOTION_SPLINE;
+    options.title = job->draw.title;
+    options.poses = poses != NULL ? (size_t)strtoul(poses, NULL, 10) : 0;
+    if (job->units[0][0] != '\0' || job->units[1][0] != '\0')
+    {
+        options.length_unit = job->units[0];
+        options.time_unit = job->units[1];
+    }
+    if (bat_motion_picture_write(output_path(&job->files, "picture"), keyframes, &how, &options, &error) == BAT_OK)
+        return EXIT_DONE;
+    return report_failure(job->picture, &error);
 }
 
 int verb_motion(int argc, char **argv)

@@ -26,6 +26,17 @@ typedef enum bat_motion_method
                        ///< bat_hermite_sample_rate()
 } bat_motion_method;
 
+/// What bat_motion_curves() did, over all curves.
+typedef struct bat_motion_report
+{
+    size_t keys;      ///< of all motions in time
+    double threshold; ///< keys farther from a smoothed motion, in units of sigma, are outliers; 0 without a rule for them
+    size_t outliers;  ///< keys that count less (huber) or not at all (tukey)
+    size_t outlier;   ///< the first of them, and its curve; BAT_NO_INDEX for none
+    size_t outlier_curve;
+    double outlier_time; ///< its time
+} bat_motion_report;
+
 /// Options of motions. Begin with bat_motion_defaults().
 typedef struct bat_motion_options
 {
@@ -39,6 +50,7 @@ typedef struct bat_motion_options
     size_t tangent_order; ///< 2 or 4: the order of tangents that are estimated where the file has none. 0: splines solve for
                           ///< continuous accelerations, Hermite schemes take 2; default 0
     bool velocities;      ///< write velocities also where the keyframes have none; default false
+    bat_motion_report *report; ///< receives what bat_motion_curves() did; null for none; default null
 } bat_motion_options;
 
 /// The method that a set of keyframes gets: that of the options, or what BAT_MOTION_AUTO chooses. Null options are defaults.
@@ -80,6 +92,15 @@ BAT_API bool bat_motion_suits(const bat_curve_set *set);
 ///         velocities, uneven times for a scheme of even ones) or BAT_NO_MEMORY; `keys` is untouched on failure
 BAT_API bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
                                    bat_hermite_curve *keys, bat_error *error);
+
+/// Prepare the spline through the keyframes of one curve of a set, with the options of BAT_MOTION_SPLINE.
+///
+/// @param options null for the defaults; `rate`, `times` and levels do not matter
+/// @param spline  receives the spline; release it with bat_motion_spline_free()
+/// @param error   as of bat_motion_data()
+/// @return as bat_motion_data() and bat_motion_spline_new(); BAT_UNSUPPORTED where the set gets BAT_MOTION_HERMITE
+BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+                                           bat_motion_spline **spline, bat_error *error);
 
 /// Make smooth curves of the keyframes in a set, with the same kind of columns, by bat_motion_method_for(): a spline sampled
 /// at given times, at a rate, or at 2^levels parts of each interval; or a refined Hermite curve. Sampled curves always have

@@ -47,6 +47,11 @@ BAT_API const char *bat_motion_shape_name(bat_motion_shape shape);
 /// @return false past the last
 BAT_API bool bat_motion_shape_list(size_t index, bat_choice *choice);
 
+/// The constants of Huber's and of Tukey's rule, in units of sigma: 95 per cent of the efficiency of least squares for
+/// normal noise (Holland and Welsch, Robust regression using iteratively reweighted least-squares, 1977).
+#define BAT_MOTION_HUBER 1.345
+#define BAT_MOTION_TUKEY 4.685
+
 /// What noisy keys far from a smoothed motion count.
 typedef enum bat_motion_outliers
 {
@@ -62,6 +67,9 @@ BAT_API const char *bat_motion_outliers_name(bat_motion_outliers outliers);
 /// The table of rules, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_motion_outliers_list(size_t index, bat_choice *choice);
+
+/// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_KEPT.
+BAT_API double bat_motion_outliers_threshold(bat_motion_outliers outliers);
 
 /// Options of splines. Begin with bat_motion_spline_defaults().
 typedef struct bat_motion_spline_options
@@ -118,6 +126,17 @@ BAT_API void bat_motion_spline_free(bat_motion_spline *spline);
 BAT_API const bat_space *bat_motion_spline_space(const bat_motion_spline *spline);
 /// The time of the first key, and of the last; of a closed motion the end of its first period.
 BAT_API void bat_motion_spline_range(const bat_motion_spline *spline, double *begin, double *end);
+/// The number of keys.
+BAT_API size_t bat_motion_spline_key_count(const bat_motion_spline *spline);
+/// The times of the keys, and the motion's points there: the keys themselves, but for smoothing and the signs of
+/// quaternions.
+/// @param times  receives a number for each key
+/// @param points receives keys x point_dim numbers; may be null
+BAT_API void bat_motion_spline_keys(const bat_motion_spline *spline, double *times, double *points);
+/// The distances of the given keys from a smoothed motion in units of sigma; of rigid motions the larger of the distances of
+/// translations and of rotations. Zeros where nothing was smoothed.
+/// @param deviations receives a number for each key
+BAT_API void bat_motion_spline_deviations(const bat_motion_spline *spline, double *deviations);
 /// The velocities at the keys, as many as keys were given.
 BAT_API void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities);
 

@@ -391,6 +391,22 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
     return status;
 }
 
+bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+                                   bat_motion_spline **spline, bat_error *error)
+{
+    bat_motion_options defaults = bat_motion_defaults();
+    bat_hermite_curve keys;
+    options = options != NULL ? options : &defaults;
+    if (bat_motion_method_for(set, options) != BAT_MOTION_SPLINE)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the points get a Hermite scheme, not a spline");
+    bat_status status = take_data(set, curve, options, &keys, error);
+    if (status != BAT_OK)
+        return status;
+    status = make_spline(set, curve, options, &keys, spline, error);
+    bat_hermite_free(&keys);
+    return status;
+}
+
 /// The columns of the result.
 typedef struct result_columns
 {
@@ -629,6 +645,31 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
     return bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, NULL, error);
 }
 
+/// Count the keys and the outliers of a curve.
+static bat_status add_report(const bat_motion_spline *spline, size_t curve, bat_motion_report *report, bat_error *error)
+{
+    size_t count = bat_motion_spline_key_count(spline);
+    double *numbers = memory_array(2 * count, sizeof *numbers), *times = numbers + count;
+    report->keys += count;
+    if (numbers == NULL)
+        return error_memory(error, 2 * count * sizeof *numbers);
+    bat_motion_spline_deviations(spline, numbers);
+    bat_motion_spline_keys(spline, times, NULL);
+    for (size_t i = 0; report->threshold > 0 && i < count; i++)
+    {
+        if (!(numbers[i] > report->threshold))
+            continue;
+        if (report->outliers++ == 0)
+        {
+            report->outlier = i;
+            report->outlier_curve = curve;
+            report->outlier_time = times[i];
+        }
+    }
+    free(numbers);
+    return BAT_OK;
+}
+
 static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_options *options,
                                    const bat_hermite_curve *keys, bat_hermite_curve *smooth, bat_error *error)
 {
@@ -637,6 +678,8 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
     if (status != BAT_OK)
         return status;
     status = sample_spline(spline, keys, options, smooth, error);
+    if (status == BAT_OK && options->report != NULL)
+        status = add_report(spline, index, options->report, error);
     bat_motion_spline_free(spline);
     if (status != BAT_OK && error != NULL)
         error->index = BAT_NO_INDEX; // of a sample, not of a keyframe
@@ -689,6 +732,10 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_op
         status = choose_columns(keyframes, options, &columns, error);
     if (status != BAT_OK)
         return status;
+    if (options->report != NULL)
+        *options->report = (bat_motion_report){.threshold = bat_motion_outliers_threshold(options->spline.outliers),
+                                               .outlier = BAT_NO_INDEX,
+                                               .outlier_curve = BAT_NO_INDEX};
     bat_curve *curves = calloc(keyframes->count, sizeof *curves);
     status = curves != NULL ? BAT_OK : error_memory(error, keyframes->count * sizeof *curves);
     size_t count = 0;

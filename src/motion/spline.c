@@ -42,6 +42,7 @@ struct bat_motion_spline
     double bucket_rate; ///< parts a unit of time
     double *points;     ///< count x point_dim; the signs of quaternions do not jump
     double *velocities; ///< count x tangent_dim
+    double *deviations; ///< count: of the given keys from the motion, in units of sigma
     double *records;    ///< intervals x record_size
     size_t record_size;
 };
@@ -76,6 +77,13 @@ static const bat_choice OUTLIERS[] = {
 };
 static const choice_table OUTLIERS_TABLE = CHOICE_TABLE("rule for outliers", OUTLIERS);
 CHOICE_FUNCTIONS(bat_motion_outliers, OUTLIERS_TABLE, 0)
+
+double bat_motion_outliers_threshold(bat_motion_outliers outliers)
+{
+    return outliers == BAT_MOTION_OUTLIERS_HUBER   ? BAT_MOTION_HUBER
+           : outliers == BAT_MOTION_OUTLIERS_TUKEY ? BAT_MOTION_TUKEY
+                                                   : 0;
+}
 
 bat_motion_spline_options bat_motion_spline_defaults(void)
 {
@@ -117,6 +125,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
     free(spline->buckets);
     free(spline->points);
     free(spline->velocities);
+    free(spline->deviations);
     free(spline->records);
     free(spline);
 }
@@ -161,9 +170,10 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
     spline->buckets = memory_array(spline->intervals + 1, sizeof(size_t));
     spline->points = memory_array(keys->count, space->point_dim * sizeof(double));
     spline->velocities = memory_array(keys->count, space->tangent_dim * sizeof(double));
+    spline->deviations = calloc(keys->count, sizeof(double));
     spline->records = memory_array(spline->intervals, spline->record_size * sizeof(double));
     if (spline->times == NULL || spline->buckets == NULL || spline->points == NULL || spline->velocities == NULL ||
-        spline->records == NULL)
+        spline->deviations == NULL || spline->records == NULL)
         return error_memory(error, spline->intervals * spline->record_size * sizeof(double));
     return BAT_OK;
 }
@@ -251,7 +261,7 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
         double sigma = sigma_of(spline, options, index);
         if (sigma > 0)
         {
-            status = spline_smooth(f, spline->count, lengths, sigma, options->outliers, points, error);
+            status = spline_smooth(f, spline->count, lengths, sigma, options->outliers, points, spline->deviations, error);
             continue_signs(f, spline->count, points);
         }
         scatter(points, spline->count, all, f->point_at, dim, spline->points);
@@ -363,6 +373,23 @@ void bat_motion_spline_range(const bat_motion_spline *spline, double *begin, dou
 void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities)
 {
     memcpy(velocities, spline->velocities, spline->count * spline->space.tangent_dim * sizeof *velocities);
+}
+
+size_t bat_motion_spline_key_count(const bat_motion_spline *spline)
+{
+    return spline->count;
+}
+
+void bat_motion_spline_keys(const bat_motion_spline *spline, double *times, double *points)
+{
+    memcpy(times, spline->times, spline->count * sizeof *times);
+    if (points != NULL)
+        memcpy(points, spline->points, spline->count * spline->space.point_dim * sizeof *points);
+}
+
+void bat_motion_spline_deviations(const bat_motion_spline *spline, double *deviations)
+{
+    memcpy(deviations, spline->deviations, spline->count * sizeof *deviations);
 }
 
 // Evaluation

@@ -27,7 +27,7 @@ static const double NEAR = 1e-4, SETTLED = 1e-10;
 /// The weight is found to this relative accuracy of the mean square.
 static const double ACCURACY = 1e-6;
 /// Distances in units of sigma from which keys are outliers: Huber's and Tukey's constants, and the least weight.
-static const double HUBER = 1.345, TUKEY = 4.685, MIN_WEIGHT = 1e-6;
+static const double HUBER = BAT_MOTION_HUBER, TUKEY = BAT_MOTION_TUKEY, MIN_WEIGHT = 1e-6;
 /// Keys farther than this, in units of sigma, from a motion whose mean square is CLOSE do not count in the mean square.
 static const double OUTLYING = 3, CLOSE = 0.5;
 
@@ -341,7 +341,7 @@ static bat_status smooth(smoother *s, bat_error *error)
 }
 
 bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, double sigma,
-                         bat_motion_outliers outliers, double *points, bat_error *error)
+                         bat_motion_outliers outliers, double *points, double *deviations, bat_error *error)
 {
     size_t dim = f->space.point_dim, n = f->space.tangent_dim;
     smoother s = {.f = f, .count = count, .dim = dim, .n = n, .sigma = sigma, .outliers = outliers, .given = points};
@@ -370,6 +370,8 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
         memcpy(s.points, points, count * dim * sizeof *points);
         status = smooth(&s, error);
     }
+    for (size_t i = 0; status == BAT_OK && i < count; i++)
+        deviations[i] = fmax(deviations[i], sqrt(square(n, s.residuals + i * n)) / sigma);
     if (status == BAT_OK)
         memcpy(points, s.points, count * dim * sizeof *points);
     free(s.points);

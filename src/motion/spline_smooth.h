@@ -10,8 +10,9 @@
 /// @param lengths of the count - 1 intervals in time
 /// @param sigma   above 0
 /// @param points  count x point_dim; replaced
+/// @param deviations receives, for each key, the larger of what it has and the distance of the given key in units of sigma
 /// @return BAT_OK; BAT_CUT_LOCUS with the key whose measurement is half a turn from the motion; BAT_NO_MEMORY
 bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, double sigma,
-                         bat_motion_outliers outliers, double *points, bat_error *error);
+                         bat_motion_outliers outliers, double *points, double *deviations, bat_error *error);
 
 #endif

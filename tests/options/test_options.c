@@ -377,6 +377,18 @@ static bat_status call_hermite_refine(const void *options, digest *result, bat_e
     return BAT_OK;
 }
 
+static bat_status call_motion_picture(const void *options, digest *result, bat_error *error)
+{
+    bat_curve_set keys;
+    bat_motion_options motion = bat_motion_defaults();
+    motion.method = BAT_MOTION_SPLINE;
+    check_status(bat_curve_read_memory(CSV, sizeof CSV - 1, NULL, &keys, NULL), BAT_OK);
+    const char *path = output(".svg");
+    bat_status status = finish_file(path, bat_motion_picture_write(path, &keys, &motion, options, error), result);
+    bat_curve_set_free(&keys);
+    return status;
+}
+
 static bat_status call_motion_curves(const void *options, digest *result, bat_error *error)
 {
     bat_curve_set keys, fine;
@@ -726,6 +738,7 @@ FAMILY(curve_refine_file, bat_curve_refine_file_defaults)
 FAMILY(curve_picture, bat_curve_picture_defaults)
 FAMILY(hermite, bat_hermite_defaults)
 FAMILY(motion, bat_motion_defaults)
+FAMILY(motion_picture, bat_motion_picture_defaults)
 FAMILY(mesh_refine, bat_mesh_refine_defaults)
 FAMILY(mesh_decimate, bat_mesh_decimate_defaults)
 FAMILY(mesh_compare, bat_mesh_compare_defaults)
@@ -807,6 +820,10 @@ static const option_family FAMILIES[] = {
       BAD(motion, spline.threads, BAD_INT, -1), BAD(motion, rate, BAD_NUMBER, -1), BAD(motion, rate, BAD_NUMBER, NAN),
       BAD(motion, tangent_order, BAD_SIZE, 1), BAD(motion, tangent_order, BAD_SIZE, 3),
       BAD(motion, scheme.order, BAD_SIZE, 0)}},
+    {HEAD(motion_picture),
+     {call_motion_picture},
+     {BAD(motion_picture, width, BAD_NUMBER, 99), BAD(motion_picture, height, BAD_NUMBER, NAN),
+      BAD(motion_picture, pixels_per_point, BAD_NUMBER, 0), BAD(motion_picture, poses, BAD_SIZE, 1001)}},
     {HEAD(mesh_refine),
      {call_mesh_refine},
      {BAD(mesh_refine, scheme, BAD_INT, 17), BAD(mesh_refine, scheme, BAD_INT, -1),

@@ -288,9 +288,9 @@ static void draw_series(cairo_t *cairo, const bat_chart *chart, const plot_axis 
     }
 }
 
-/// Place the axes: y first, because its labels determine the start of x.
-static void set_axes(cairo_t *cairo, const bat_chart *chart, const double box[4], plot_axis *x, plot_axis *y,
-                     tick_list *across, tick_list *upwards)
+/// Place the y axis, with room below for the x axis. Returns the room to its left.
+static double set_upright(cairo_t *cairo, const bat_chart *chart, const double box[4], const plot_axis *x, plot_axis *y,
+                          tick_list *upwards)
 {
     char text[AXIS_TEXT_SIZE];
     axis_text(x, chart->x_label, text, sizeof text);
@@ -301,7 +301,20 @@ static void set_axes(cairo_t *cairo, const bat_chart *chart, const double box[4]
     y->end = box[1] + TOP;
     y->start = fmax(y->end + 10.0, box[1] + box[3] - below);
     *upwards = axis_ticks(y, 36.0);
-    x->start = box[0] + beside + widest_label(cairo, upwards) + TICK_LENGTH + TICK_GAP;
+    return beside + widest_label(cairo, upwards) + TICK_LENGTH + TICK_GAP;
+}
+
+double plot_margin(cairo_t *cairo, const bat_chart *chart, plot_axis x, plot_axis y, const double box[4])
+{
+    tick_list upwards;
+    return set_upright(cairo, chart, box, &x, &y, &upwards);
+}
+
+/// Place the axes: y first, because its labels determine the start of x.
+static void set_axes(cairo_t *cairo, const bat_chart *chart, const double box[4], plot_axis *x, plot_axis *y,
+                     tick_list *across, tick_list *upwards)
+{
+    x->start = box[0] + set_upright(cairo, chart, box, x, y, upwards);
     x->end = fmax(x->start + 10.0, box[0] + box[2] - RIGHT);
     *across = axis_ticks(x, 52.0);
 }

@@ -1,0 +1,397 @@
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/number_digits.h"
+#include "base/option.h"
+#include "draw/common/sheet.h"
+#include "draw/common/text.h"
+#include "draw/curve/panel.h"
+#include "draw/curve/plot.h"
+#include "draw/motion/film.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/// @file
+/// Pages of motions: the motions themselves above charts of their speeds.
+
+enum
+{
+    /// Coordinates that are drawn over time.
+    MAX_COORDINATES = 7,
+    MAX_CHARTS = BAT_MOTION_PICTURE_MOTIONS + 2,
+    MAX_SERIES = MAX_COORDINATES * BAT_MOTION_PICTURE_MOTIONS + 4 * BAT_MOTION_PICTURE_MOTIONS,
+    MAX_ITEMS = MAX_SERIES + 8,
+    LABEL_SIZE = 160,
+    /// Keyframes that are marked in a chart.
+    MARKED_KEYS = 100,
+    /// Ellipses of a tensor's motion.
+    TENSORS = 25
+};
+
+#define WIDTH 520.0
+#define CHART_ASPECT 0.27
+#define SHAPE_TALLEST 0.9
+
+/// The page of a film.
+typedef struct film_page
+{
+    film film;
+    path_view view;
+    scene scene; ///< of FILM_SHAPE
+    bat_curve curves[BAT_MOTION_PICTURE_MOTIONS];
+    double *shapes[BAT_MOTION_PICTURE_MOTIONS]; ///< points of tensors at equal times
+    bat_curve_picture_layer layers[2 * BAT_MOTION_PICTURE_MOTIONS];
+    bat_curve_picture_panel panel;
+    bool has_scene;
+    size_t first_chart; ///< the number of boxes above the charts: 0 or 1
+    bat_chart charts[MAX_CHARTS];
+    plot_axis axes[2 * MAX_CHARTS];
+    size_t chart_count;
+    bat_chart_series series[MAX_SERIES];
+    size_t series_count;
+    double *columns[MAX_COORDINATES * BAT_MOTION_PICTURE_MOTIONS];
+    char labels[MAX_SERIES][LABEL_SIZE];
+    char time_label[LABEL_SIZE], speed_label[LABEL_SIZE], turn_label[LABEL_SIZE];
+    legend_item items[MAX_ITEMS];
+    size_t item_count;
+    bat_curve_picture_options page, shape; ///< options of the page and of FILM_SHAPE
+} film_page;
+
+bat_motion_picture_options bat_motion_picture_defaults(void)
+{
+    return (bat_motion_picture_options){.pixels_per_point = 2, .legend = true};
+}
+
+bat_status bat_motion_picture_options_check(const bat_motion_picture_options *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_motion_picture_options, width, OPTION_ZERO, 100, 10000),
+        OPTION_FIELD(bat_motion_picture_options, height, OPTION_ZERO, 100, 10000),
+        OPTION_FIELD(bat_motion_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
+        OPTION_FIELD(bat_motion_picture_options, poses, OPTION_SIZE, 0, 1000),
+    };
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    if (status == BAT_OK &&
+        !(text_is_valid(options->title) && text_is_valid(options->length_unit) && text_is_valid(options->time_unit)))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "title and units must be UTF-8 without control characters");
+    return status;
+}
+
+// Charts
+
+static bat_chart *add_chart(film_page *page, const char *label)
+{
+    bat_chart *chart = &page->charts[page->chart_count++];
+    *chart = bat_chart_defaults();
+    chart->series = page->series + page->series_count;
+    chart->y_label = label;
+    chart->x_low = page->film.begin;
+    chart->x_high = page->film.end;
+    return chart;
+}
+
+static void add_series(film_page *page, bat_chart *chart, bat_chart_series series)
+{
+    page->series[page->series_count++] = series;
+    chart->series_count++;
+}
+
+static int colour_of(const film_page *page, size_t track)
+{
+    return page->film.count == 1 ? BAT_CURVE_PICTURE_COLOURS : (int)track + 1;
+}
+
+/// A chart of speeds, or of angular speeds, from 0 on.
+static void add_speeds(film_page *page, bool turns, const char *label)
+{
+    bat_chart *chart = add_chart(page, label);
+    double highest = 0;
+    for (size_t k = 0; k < page->film.count; k++)
+    {
+        const film_track *track = &page->film.tracks[k];
+        const double *values = turns ? track->turns : track->speeds, *at_keys = turns ? track->key_turns : track->key_speeds;
+        for (size_t i = 0; i < track->count; i++)
+            highest = fmax(highest, values[i]);
+        add_series(page, chart,
+                   (bat_chart_series){.x = track->times, .y = values, .count = track->count, .colour = colour_of(page, k)});
+        if (track->key_count <= MARKED_KEYS)
+            add_series(page, chart,
+                       (bat_chart_series){.x = track->key_times,
+                                          .y = at_keys,
+                                          .count = track->key_count,
+                                          .mark = BAT_CHART_POINTS,
+                                          .colour = colour_of(page, k)});
+    }
+    chart->y_low = 0;
+    chart->y_high = highest > 0 ? 1.06 * highest : 1;
+}
+
+/// The coordinates of a motion over time.
+static bat_status add_coordinates(film_page *page, size_t index, bat_error *error)
+{
+    const film_track *track = &page->film.tracks[index];
+    size_t dim = page->film.space->point_dim, shown = dim < MAX_COORDINATES ? dim : MAX_COORDINATES;
+    bat_chart *chart = add_chart(page, "coordinates");
+    for (size_t c = 0; c < shown; c++)
+    {
+        double *column = memory_array(track->count, sizeof *column);
+        char *label = page->labels[page->series_count];
+        if (column == NULL)
+            return error_memory(error, track->count * sizeof *column);
+        page->columns[index * MAX_COORDINATES + c] = column;
+        for (size_t i = 0; i < track->count; i++)
+            column[i] = track->points[i * dim + c];
+        (void)snprintf(label, LABEL_SIZE, c + 1 == shown && shown < dim ? "coordinate %zu (of %zu)" : "coordinate %zu",
+                       c + 1, dim);
+        add_series(
+            page, chart,
+            (bat_chart_series){.x = track->times, .y = column, .count = track->count, .label = label, .colour = (int)c + 1});
+    }
+    return BAT_OK;
+}
+
+/// "speed (m/s)", "speed (m per unit of time)", "speed (1/s)" or "speed".
+static void write_label(const char *name, const char *length, const char *time, char *label)
+{
+    bool timed = time[0] != '\0', measured = length[0] != '\0';
+    (void)snprintf(label, LABEL_SIZE, measured || timed ? "%s (%.40s%s%.40s)" : "%s", name, measured ? length : "1",
+                   timed ? "/" : " per unit of time", time);
+}
+
+static void write_labels(film_page *page)
+{
+    const film *shown = &page->film;
+    char digits[NUMBER_DIGITS_SIZE];
+    bool timed = shown->time_unit[0] != '\0', angular = shown->kind == FILM_STRIP;
+    int length = snprintf(page->time_label, LABEL_SIZE, timed ? "time (%.40s)" : "time", shown->time_unit);
+    if (shown->origin != 0)
+        (void)snprintf(page->time_label + length, LABEL_SIZE - (size_t)length, " since %s",
+                       number_digits(shown->origin, digits));
+    write_label("speed", shown->length_unit, shown->time_unit, page->speed_label);
+    write_label("angular speed", "°", shown->time_unit, page->turn_label);
+    if (angular)
+        page->speed_label[0] = '\0';
+}
+
+static bat_status add_charts(film_page *page, bat_error *error)
+{
+    const film *shown = &page->film;
+    bat_status status = BAT_OK;
+    write_labels(page);
+    for (size_t k = 0; k < shown->count && shown->kind == FILM_COORDINATES && status == BAT_OK; k++)
+        status = add_coordinates(page, k, error);
+    if (status != BAT_OK)
+        return status;
+    if (shown->tracks[0].speeds != NULL)
+        add_speeds(page, false, page->speed_label);
+    if (shown->tracks[0].turns != NULL)
+        add_speeds(page, true, page->turn_label);
+    page->charts[page->chart_count - 1].x_label = page->time_label;
+    for (size_t i = 0; i < page->chart_count && status == BAT_OK; i++)
+        status = plot_measure(&page->charts[i], i, &page->axes[2 * i], &page->axes[2 * i + 1], error);
+    return status;
+}
+
+// Curves and tensors
+
+/// Points at equal times.
+static bat_status sample_tensors(film_page *page, size_t index, bat_error *error)
+{
+    const film_track *track = &page->film.tracks[index];
+    size_t dim = page->film.space->point_dim;
+    double *points = page->shapes[index] = memory_array(TENSORS, dim * sizeof *points);
+    if (points == NULL)
+        return error_memory(error, TENSORS * dim * sizeof *points);
+    double begin = track->times[0], end = track->times[track->count - 1];
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < TENSORS && status == BAT_OK; i++)
+        status = film_at(&page->film, track, begin + (end - begin) * ((double)i / (TENSORS - 1)), points + i * dim, error);
+    page->curves[index].points = points;
+    page->curves[index].count = TENSORS;
+    return status;
+}
+
+static bat_status make_shape(film_page *page, bat_error *error)
+{
+    const film *shown = &page->film;
+    bat_status status = BAT_OK;
+    bool tensors = view_space_of(shown->space) == VIEW_TENSOR;
+    for (size_t k = 0; k < shown->count && status == BAT_OK; k++)
+    {
+        const film_track *track = &shown->tracks[k];
+        page->curves[k] = (bat_curve){.space = shown->space, .points = track->points, .count = track->count};
+        page->layers[2 * k] = (bat_curve_picture_layer){
+            .curve = &shown->keyframes->curves[k], .role = BAT_CURVE_LAYER_CONTROL, .label = "keyframes"};
+        page->layers[2 * k + 1] = (bat_curve_picture_layer){.curve = &page->curves[k],
+                                                            .label = tensors ? "motion at equal times" : "motion",
+                                                            .colour = tensors ? (int)k + 1 : colour_of(page, k)};
+        if (tensors)
+            status = sample_tensors(page, k, error);
+    }
+    page->panel = (bat_curve_picture_panel){.layers = page->layers, .layer_count = 2 * shown->count};
+    if (status == BAT_OK)
+        status = scene_make(&page->panel, 1, &page->shape, &page->scene, error);
+    page->has_scene = status == BAT_OK;
+    return status;
+}
+
+// The legend
+
+static void add_item(film_page *page, const char *label, line_style line, legend_mark mark)
+{
+    if (page->item_count < MAX_ITEMS)
+        legend_add(page->items, &page->item_count, (legend_item){label, line, mark});
+}
+
+static void add_path_items(film_page *page)
+{
+    static const char *const axes[] = {"body x", "body y", "body z"};
+    const film *shown = &page->film;
+    for (size_t k = 0; k < shown->count; k++)
+    {
+        char *label = page->labels[k];
+        (void)snprintf(label, LABEL_SIZE, shown->count > 1 ? "motion %zu" : "motion", k + 1);
+        if (shown->kind != FILM_STRIP || shown->count > 1)
+            add_item(page, label, (line_style){shown->tracks[k].colour, LINE_CURVE, 0, 0}, LEGEND_NO_MARK);
+    }
+    bool few = false;
+    for (size_t k = 0; k < shown->count; k++)
+        few = few || shown->tracks[k].key_count <= MARKED_KEYS;
+    if (shown->kind == FILM_PATH)
+        add_item(page, "keyframe", (line_style){COLOUR_CONTROL, 0, 0, 0}, LEGEND_RING);
+    else if (few)
+        add_item(page, "keyframe", (line_style){shown->tracks[0].colour, 0, 0, 0}, LEGEND_DOT);
+    if (shown->kind == FILM_PATH && shown->any_outlier)
+        add_item(page, "outlier", (line_style){style_palette(4), 0, 0, 0}, LEGEND_DOT);
+    if (shown->kind == FILM_PATH && shown->space->point_dim > 2)
+        add_item(page, "on the floor", (line_style){COLOUR_TRUTH, LINE_CONTROL, 0, 0}, LEGEND_NO_MARK);
+    for (size_t a = 0; a < 3 && (shown->body || shown->kind == FILM_STRIP); a++)
+        add_item(page, axes[a], (line_style){film_axis_colour(a), 1.6, 0, 0}, LEGEND_NO_MARK);
+}
+
+static void add_items(film_page *page)
+{
+    for (size_t i = 0; i < page->series_count && page->film.kind == FILM_COORDINATES; i++)
+        if (page->series[i].label != NULL)
+            add_item(page, page->series[i].label, style_curve(page->series[i].colour), LEGEND_NO_MARK);
+    for (size_t i = 0; i < page->panel.layer_count && page->has_scene; i++)
+        if (page->item_count < MAX_ITEMS)
+            legend_add(page->items, &page->item_count, panel_legend_item(&page->scene.panels[0], i, &page->shape));
+    if (page->film.kind == FILM_PATH || page->film.kind == FILM_STRIP)
+        add_path_items(page);
+}
+
+// The page
+
+static double content_height(const void *context, size_t index, double width)
+{
+    const film_page *page = context;
+    if (index >= page->first_chart)
+        return CHART_ASPECT * width;
+    if (page->film.kind == FILM_PATH)
+        return path_aspect(&page->view) * width;
+    if (page->film.kind == FILM_STRIP)
+        return strip_height(&page->film, width);
+    return fmin(panel_height(&page->scene.panels[0], &page->shape, SHAPE_TALLEST, width), SHAPE_TALLEST * width);
+}
+
+static const char *content_caption(const void *context, size_t index)
+{
+    (void)context;
+    (void)index;
+    return NULL;
+}
+
+static bat_status content_draw(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
+{
+    const film_page *page = context;
+    if (index >= page->first_chart)
+    {
+        size_t chart = index - page->first_chart;
+        double widest = 0, own, inner[4] = {box[0], box[1], box[2], box[3]};
+        for (size_t i = 0; i < page->chart_count; i++)
+            widest = fmax(widest, plot_margin(cairo, &page->charts[i], page->axes[2 * i], page->axes[2 * i + 1], box));
+        own = plot_margin(cairo, &page->charts[chart], page->axes[2 * chart], page->axes[2 * chart + 1], box);
+        inner[0] += widest - own;
+        inner[2] -= widest - own;
+        return plot_draw(cairo, &page->charts[chart], &page->page, page->axes[2 * chart], page->axes[2 * chart + 1], inner,
+                         error);
+    }
+    if (page->film.kind == FILM_PATH)
+        return path_draw(&page->film, &page->view, cairo, box, error);
+    if (page->film.kind == FILM_STRIP)
+        return strip_draw(&page->film, cairo, box, error);
+    return panel_draw(cairo, &page->scene.panels[0], &page->shape, box, error);
+}
+
+static bat_status write_page(const char *path, film_page *page, const bat_motion_picture_options *options, bat_error *error)
+{
+    page->page = page->shape = bat_curve_picture_defaults();
+    page->page.width = options->width;
+    page->page.height = options->height;
+    page->page.pixels_per_point = page->shape.pixels_per_point = options->pixels_per_point;
+    page->page.title = options->title;
+    page->shape.control_polygon = false;
+    page->first_chart = page->film.kind != FILM_COORDINATES;
+    bat_status status = add_charts(page, error);
+    if (status == BAT_OK && page->film.kind == FILM_SHAPE)
+        status = make_shape(page, error);
+    if (status != BAT_OK)
+        return status;
+    if (page->film.kind == FILM_PATH)
+        path_view_make(&page->film, &page->view);
+    if (options->legend)
+        add_items(page);
+    sheet_content content = {.count = page->first_chart + page->chart_count,
+                             .columns = 1,
+                             .options = &page->page,
+                             .items = page->items,
+                             .item_count = page->item_count,
+                             .natural_width = WIDTH,
+                             .context = page,
+                             .height = content_height,
+                             .caption = content_caption,
+                             .draw = content_draw};
+    return sheet_write(path, &content, error);
+}
+
+static void free_page(film_page *page)
+{
+    if (page->has_scene)
+        scene_free(&page->scene);
+    for (size_t k = 0; k < BAT_MOTION_PICTURE_MOTIONS; k++)
+        free(page->shapes[k]);
+    for (size_t i = 0; i < sizeof page->columns / sizeof *page->columns; i++)
+        free(page->columns[i]);
+    film_free(&page->film);
+    free(page);
+}
+
+bat_status bat_motion_picture_write(const char *path, const bat_curve_set *keyframes, const bat_motion_options *motion,
+                                    const bat_motion_picture_options *options, bat_error *error)
+{
+    bat_motion_picture_options defaults = bat_motion_picture_defaults();
+    bat_motion_options how = bat_motion_defaults();
+    canvas_format format;
+    if (path == NULL || keyframes == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and keyframes");
+    options = options != NULL ? options : &defaults;
+    motion = motion != NULL ? motion : &how;
+    bat_status status = canvas_format_of(path, &format, error);
+    if (status == BAT_OK)
+        status = bat_motion_picture_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
+    film_page *page = calloc(1, sizeof *page);
+    if (page == NULL)
+        return error_memory(error, sizeof *page);
+    status = film_make(keyframes, motion, options, &page->film, error);
+    if (status == BAT_OK)
+        status = write_page(path, page, options, error);
+    free_page(page);
+    return status;
+}
