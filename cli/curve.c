@@ -623,8 +623,10 @@ int curve_run(const arguments *given, curve_job *job)
 {
     curve_sets sets = {.fine = {0}};
     curve_findings findings;
+    bat_motion_report moved = {.keys = 0};
     if (!read_job(given, job))
         return EXIT_BAD_USAGE;
+    job->moved = &moved;
     int code = outputs_open(given, &job->files);
     if (code != EXIT_DONE)
         return code;

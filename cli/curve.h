@@ -39,7 +39,7 @@ typedef struct curve_job
     double *times;          ///< what it holds
     const char *scheme;     ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;
-    bat_motion_report moved;         ///< of motions
+    bat_motion_report *moved;        ///< receives what was done to a motion; null for none
     char units[2][32];               ///< of lengths and times in pictures of motions; empty: by the file
     size_t panels[CURVE_MAX_PANELS]; ///< the levels drawn side by side
     size_t panel_count;              ///< 0: one panel, of refine.levels

@@ -194,6 +194,20 @@ static void print_left_out(FILE *stream, const curve_job *job, const bat_curve_s
                   place[0] != '\0' ? ", the first in " : "", place);
 }
 
+/// "3 of 40 keyframes are farther than 4.685 sigma from the motion and do not count, the first at time 1.4".
+static void print_outliers(const curve_job *job)
+{
+    const bat_motion_report *moved = job->moved;
+    bool tukey = job->motion.spline.outliers == BAT_MOTION_OUTLIERS_TUKEY;
+    if (!job->is_motion || !(moved->threshold > 0))
+        return;
+    (void)printf("outliers: %zu of %zu keyframes are farther than %.4g sigma from the motion and %s", moved->outliers,
+                 moved->keys, moved->threshold, tukey ? "do not count" : "count less");
+    if (moved->outliers > 0)
+        (void)printf(", the first at time %.10g", moved->outlier_time);
+    (void)printf("\n");
+}
+
 static void print_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     char place[32];
@@ -210,6 +224,7 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
         (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
     if (job->is_motion && job->motion.rate == 0 && strcmp(job->scheme, "spline") != 0 && bat_motion_has_times(fine))
         (void)printf("times do not steer this scheme; --scheme spline makes motions in time\n");
+    print_outliers(job);
     if (has_corners(job, findings))
         (void)printf("%zu corner%s kept\n", findings->done.curves.corners, findings->done.curves.corners == 1 ? "" : "s");
     (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
@@ -258,6 +273,23 @@ static json_t *map_json(const bat_curve_map_report *map)
                      map->largest_area_error);
 }
 
+/// Add a member to an object and keep the object; null where either is, or where memory runs out.
+static json_t *with_member(json_t *object, const char *name, json_t *member)
+{
+    if (json_object_set_new(object, name, member) == 0)
+        return object;
+    json_decref(object);
+    return NULL;
+}
+
+static json_t *outliers_json(const curve_job *job)
+{
+    const bat_motion_report *moved = job->moved;
+    return json_pack("{s:s, s:f, s:I, s:I, s:o}", "rule", bat_motion_outliers_name(job->motion.spline.outliers), "threshold",
+                     moved->threshold, "keyframes", (json_int_t)moved->keys, "count", (json_int_t)moved->outliers,
+                     "first_time", moved->outliers > 0 ? json_real(moved->outlier_time) : json_null());
+}
+
 static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
 {
     bool sampled = job->motion.rate > 0, timed = job->motion.times != NULL;
@@ -276,44 +308,25 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
                                          : "levels",
                                amount, "curves", (json_int_t)fine->count, "given", totals_json(&findings->before), "refined",
                                totals_json(&findings->after));
-    if (bat_curve_set_note(fine, 0) != NULL && json_object_set_new(object, "notes", notes_json(fine)) != 0)
-    {
-        json_decref(object);
-        return NULL;
-    }
-    json_int_t left_out = (json_int_t)findings->written.left_out;
-    if (left_out > 0 && json_object_set_new(object, "left_out", json_integer(left_out)) != 0)
-    {
-        json_decref(object);
-        return NULL;
-    }
-    bool map = findings->done.map;
-    if (!job->is_motion && json_object_set_new(object, map ? "map" : "simple",
-                                               map ? map_json(&findings->done) : simple_json(&findings->done.curves)) != 0)
-    {
-        json_decref(object);
-        return NULL;
-    }
-    if (object != NULL && has_corners(job, findings) &&
-        json_object_set_new(object, "corners", json_integer((json_int_t)findings->done.curves.corners)) != 0)
-    {
-        json_decref(object);
-        return NULL;
-    }
-    if (object != NULL && findings->projection != BAT_CURVE_PROJECTION_AUTO &&
-        json_object_set_new(object, "projection", json_string(bat_curve_projection_name(findings->projection))) != 0)
-    {
-        json_decref(object);
-        return NULL;
-    }
-    if (!findings->compared)
-        return object;
-    json_t *pair = json_pack("{s:o, s:o}", "mean_nn", report_number(findings->mean_nn), "hausdorff",
-                             report_number(findings->hausdorff));
-    if (json_object_set_new(object, "distance", pair) == 0)
-        return object;
-    json_decref(object);
-    return NULL;
+    if (bat_curve_set_note(fine, 0) != NULL)
+        object = with_member(object, "notes", notes_json(fine));
+    if (findings->written.left_out > 0)
+        object = with_member(object, "left_out", json_integer((json_int_t)findings->written.left_out));
+    if (job->is_motion && job->moved->threshold > 0)
+        object = with_member(object, "outliers", outliers_json(job));
+    if (!job->is_motion && findings->done.map)
+        object = with_member(object, "map", map_json(&findings->done));
+    else if (!job->is_motion)
+        object = with_member(object, "simple", simple_json(&findings->done.curves));
+    if (has_corners(job, findings))
+        object = with_member(object, "corners", json_integer((json_int_t)findings->done.curves.corners));
+    if (findings->projection != BAT_CURVE_PROJECTION_AUTO)
+        object = with_member(object, "projection", json_string(bat_curve_projection_name(findings->projection)));
+    if (findings->compared)
+        object = with_member(object, "distance",
+                             json_pack("{s:o, s:o}", "mean_nn", report_number(findings->mean_nn), "hausdorff",
+                                       report_number(findings->hausdorff)));
+    return object;
 }
 
 int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)

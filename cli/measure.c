@@ -14,6 +14,8 @@ static const option_spec OPTIONS[] = {
     {"geodesic", 0, NULL, "geodesic distances; default: straight ones between coordinates, as published"},
     {"to-segments", 0, NULL, "distances to the other curve's edges instead of its points"},
     {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the files imply"},
+    {"columns", 0, "LIST", "CSV: the columns of the coordinates, names or numbers from 1, as x,y; default: by names"},
+    {"group", 0, "COLUMN", "CSV: rows with one value in this column make one curve; default: blank lines separate curves"},
     {"from", 0, "FORMAT", "csv, geojson or obj; of meshes obj, ply, off or stl; default: by the files' endings"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
@@ -287,6 +289,8 @@ static bool read_job(const arguments *given, measure_job *job)
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
     job->read.space = argument(given, "space");
+    job->read.columns = argument(given, "columns");
+    job->read.group = argument(given, "group");
     job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
     job->read.project = argument_flag(given, "project");
     job->measure.geodesic = argument_flag(given, "geodesic");

@@ -28,6 +28,8 @@ static const option_spec OPTIONS[] = {
     {"extrapolate", 0, NULL, "spline: go on before the first and after the last keyframe, with constant velocity"},
     {"space", 0, "NAME",
      "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: by the file"},
+    {"columns", 0, "LIST", "CSV: the columns of the coordinates, names or numbers from 1, as x,y; default: by names"},
+    {"group", 0, "COLUMN", "CSV: rows with one value in this column make one curve; default: blank lines separate curves"},
     {"euler", 0, "ORDER", "CSV: the order and unit of roll, pitch and yaw, as zyx,degrees or xyz,radians"},
     {"key-times", 0, "FILE", "KITTI: the times of the poses, a number a line; default: 0, 1, 2, ..."},
     {"translation-weight", 0, "W", "rigid: how many radians a unit of length counts as much as; default 1"},
@@ -286,6 +288,7 @@ int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t l
         return report_failure(job->input, &error);
     }
     how.scheme.levels = levels;
+    how.report = job->moved;
     how.scheme.progress = report_progress("refining");
     bat_status status = bat_motion_curves(keyframes, &how, fine, &failed, &error);
     report_progress_end();

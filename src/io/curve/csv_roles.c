@@ -596,6 +596,17 @@ static bool note_coordinates(csv_reader *reader)
     bool named = columns->names != NULL && !choice->by_place;
     bool guessed =
         named ? choice->spelled || (channels > 0 && !choice->degrees) : columns->names != NULL || columns->other_count > 0;
+    enum
+    {
+        PLAIN_DIMENSION = 3
+    };
+    bool bare = columns->names == NULL && columns->other_count == 0 && reader->options->space == NULL &&
+                reader->space_name[0] == '\0' && reader->coordinate_count > PLAIN_DIMENSION;
+    if (bare && !reader->strict && !reader->chosen && !reader->tum)
+        return attributes_note(reader->attributes,
+                               "nothing names the columns: rows of %zu numbers are taken as points of R^%zu; a header, "
+                               "--columns or --from tells otherwise",
+                               reader->coordinate_count, reader->coordinate_count);
     if (reader->strict || reader->chosen || reader->tum || !guessed)
         return true;
     static const char *const flat[] = {"x", "y", "z", "w"}, *const globe[] = {"longitude", "latitude", "altitude", "w"};
