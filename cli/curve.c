@@ -507,7 +507,7 @@ static int read_sets(curve_job *job, curve_sets *sets)
     if (bat_curve_read(job->input, &job->read, &sets->coarse, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
     convert_lengths(job, sets->coarse.space);
-    if (job->times_file != NULL && motion_read_times(job) != EXIT_DONE)
+    if (job->times_file != NULL && motion_read_times(job, &sets->coarse) != EXIT_DONE)
         return EXIT_BAD_INPUT;
     if (job->scheme == NULL)
         choose_scheme(job, &sets->coarse);

@@ -62,7 +62,7 @@ bool motion_read(const arguments *given, curve_job *job);
 /// The name of the scheme that a motion gets when the user names none.
 const char *motion_scheme(const curve_job *job, const bat_curve_set *keyframes);
 /// Read the file of times. Returns the program's exit code, after a message where it is not EXIT_DONE.
-int motion_read_times(curve_job *job);
+int motion_read_times(curve_job *job, const bat_curve_set *keyframes);
 /// Draw the picture of a motion in time. Returns the program's exit code.
 int motion_draw(const curve_job *job, const bat_curve_set *keyframes);
 /// Whether the picture is that of a motion in time, and not of its shape.

@@ -5,6 +5,8 @@
 
 #include "batten/curve_measure.h"
 
+#include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -194,8 +196,18 @@ static void print_left_out(FILE *stream, const curve_job *job, const bat_curve_s
                   place[0] != '\0' ? ", the first in " : "", place);
 }
 
+/// ", the first at time 1403715524.907": to the microsecond where the origin is kept apart.
+static void print_time(int64_t origin, double seconds)
+{
+    double whole = floor(seconds);
+    if (origin == 0)
+        (void)printf(", the first at time %.10g", seconds);
+    else
+        (void)printf(", the first at time %" PRId64 ".%06.0f", origin + (int64_t)whole, floor((seconds - whole) * 1e6));
+}
+
 /// "3 of 40 keyframes are farther than 4.685 sigma from the motion and do not count, the first at time 1.4".
-static void print_outliers(const curve_job *job)
+static void print_outliers(const curve_job *job, const bat_curve_set *fine)
 {
     const bat_motion_report *moved = job->moved;
     bool tukey = job->motion.spline.outliers == BAT_MOTION_OUTLIERS_TUKEY;
@@ -204,7 +216,7 @@ static void print_outliers(const curve_job *job)
     (void)printf("outliers: %zu of %zu keyframes are farther than %.4g sigma from the motion and %s", moved->outliers,
                  moved->keys, moved->threshold, tukey ? "do not count" : "count less");
     if (moved->outliers > 0)
-        (void)printf(", the first at time %.10g", moved->outlier_time);
+        print_time(bat_curve_set_time_origin(fine), moved->outlier_time);
     (void)printf("\n");
 }
 
@@ -224,7 +236,7 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
         (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
     if (job->is_motion && job->motion.rate == 0 && strcmp(job->scheme, "spline") != 0 && bat_motion_has_times(fine))
         (void)printf("times do not steer this scheme; --scheme spline makes motions in time\n");
-    print_outliers(job);
+    print_outliers(job, fine);
     if (has_corners(job, findings))
         (void)printf("%zu corner%s kept\n", findings->done.curves.corners, findings->done.curves.corners == 1 ? "" : "s");
     (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
@@ -282,12 +294,13 @@ static json_t *with_member(json_t *object, const char *name, json_t *member)
     return NULL;
 }
 
-static json_t *outliers_json(const curve_job *job)
+static json_t *outliers_json(const curve_job *job, const bat_curve_set *fine)
 {
     const bat_motion_report *moved = job->moved;
-    return json_pack("{s:s, s:f, s:I, s:I, s:o}", "rule", bat_motion_outliers_name(job->motion.spline.outliers), "threshold",
-                     moved->threshold, "keyframes", (json_int_t)moved->keys, "count", (json_int_t)moved->outliers,
-                     "first_time", moved->outliers > 0 ? json_real(moved->outlier_time) : json_null());
+    return json_pack(
+        "{s:s, s:f, s:I, s:I, s:o}", "rule", bat_motion_outliers_name(job->motion.spline.outliers), "threshold",
+        moved->threshold, "keyframes", (json_int_t)moved->keys, "count", (json_int_t)moved->outliers, "first_time",
+        moved->outliers > 0 ? json_real((double)bat_curve_set_time_origin(fine) + moved->outlier_time) : json_null());
 }
 
 static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
@@ -313,7 +326,7 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
     if (findings->written.left_out > 0)
         object = with_member(object, "left_out", json_integer((json_int_t)findings->written.left_out));
     if (job->is_motion && job->moved->threshold > 0)
-        object = with_member(object, "outliers", outliers_json(job));
+        object = with_member(object, "outliers", outliers_json(job, fine));
     if (!job->is_motion && findings->done.map)
         object = with_member(object, "map", map_json(&findings->done));
     else if (!job->is_motion)

@@ -228,7 +228,7 @@ static bool check_options(const arguments *given, const curve_job *job)
 bool motion_read(const arguments *given, curve_job *job)
 {
     bat_error error;
-    job->is_verb = job->is_motion;
+    job->is_verb = job->read.dates = job->is_motion;
     job->scheme = argument(given, "scheme");
     job->motion = bat_motion_defaults();
     job->motion.scheme.threads = job->motion.spline.threads = job->refine.threads;
@@ -265,11 +265,12 @@ const char *motion_scheme(const curve_job *job, const bat_curve_set *keyframes)
     return bat_motion_method_for(keyframes, &options) == BAT_MOTION_SPLINE ? "spline" : "hermite";
 }
 
-int motion_read_times(curve_job *job)
+int motion_read_times(curve_job *job, const bat_curve_set *keyframes)
 {
     bat_error error;
     size_t count;
-    if (bat_motion_times_read(job->times_file, &job->times, &count, &error) != BAT_OK)
+    if (bat_motion_times_read_since(job->times_file, bat_curve_set_time_origin(keyframes), &job->times, &count, &error) !=
+        BAT_OK)
         return report_bad_input(job->given, job->times_file, &error);
     job->motion.times = job->times;
     job->motion.time_count = count;

@@ -40,6 +40,9 @@ typedef struct bat_curve_read_options
     /// CSV: the name or number of a column; all rows with one value in it make one curve, in the order of the file, and the
     /// curves follow each other in the order of their first rows. Default null: blank lines separate curves.
     const char *group;
+    /// CSV: take dates with times of day (ISO 8601) in a column of times as times, in seconds, as motions need them; see
+    /// bat_curve_set_time_origin(). They are written as such dates again. Default false: as texts, with new ones between.
+    bool dates;
     const char *layer; ///< formats with layers: its name; default null: the only one with lines or polygons
     bool on_sphere;    ///< take projected coordinates to the sphere, and back when they are written, by PROJ;
                        ///< default false

@@ -80,6 +80,11 @@ BAT_API size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t
 /// @param text  receives at most `size` bytes with a final zero; 160 suffice
 BAT_API void bat_curve_set_place(const bat_curve_set *set, size_t curve, size_t point, char *text, size_t size);
 
+/// The whole seconds since 1970 that the times of a set count from: those in its channel plus this are the times of the
+/// file, with all of their digits. 0 where a double holds these: for times of less than eleven days, or of at most 15
+/// digits.
+BAT_API int64_t bat_curve_set_time_origin(const bat_curve_set *set);
+
 /// What the reader guessed or changed, a short sentence each: the meaning of columns, dropped points, joined polygons.
 /// @param index from 0 on
 /// @return null past the last; the text lives as long as the attributes

@@ -126,6 +126,10 @@ BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_m
 /// @return BAT_OK, BAT_BAD_FILE (no number, more than one in a line, a time that does not come after the one before),
 ///         BAT_FILE_ACCESS or BAT_NO_MEMORY; `times` is untouched on failure
 BAT_API bat_status bat_motion_times_read(const char *path, double **times, size_t *count, bat_error *error);
+/// The same for times that count from an origin, as those of a set do (bat_curve_set_time_origin()). The file has the times
+/// themselves: seconds, ISO 8601, or whole nanoseconds from 1e17 on; all of their digits count.
+BAT_API bat_status bat_motion_times_read_since(const char *path, int64_t origin, double **times, size_t *count,
+                                               bat_error *error);
 
 BAT_C_END
 

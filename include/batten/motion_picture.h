@@ -16,7 +16,7 @@ typedef struct bat_motion_picture_options
     double pixels_per_point; ///< PNG only, 0.1 to 20; default 2
     size_t poses;            ///< frames along a path, poses of a strip, up to 1000; 0: by the motion; default 0
     const char *length_unit; ///< UTF-8; null: m for TUM, EuRoC and KITTI files, else none; default null
-    const char *time_unit;   ///< the same; null: s for TUM and EuRoC files, else none; default null
+    const char *time_unit;   ///< the same; null: s for TUM and EuRoC files, and dates, else none; default null
     bool legend;             ///< explain lines and marks; default true
     const char *title;       ///< UTF-8, above the picture; null or "" for none; default null
 } bat_motion_picture_options;

@@ -58,6 +58,12 @@ typedef struct csv_columns
     char *chosen;           ///< the columns of coordinates, by their numbers from 1, where they were chosen; else null
 } csv_columns;
 
+enum
+{
+    /// Of a date with the time of day, ISO 8601.
+    ATTRIBUTES_TIME_SIZE = 49
+};
+
 /// What else a format keeps of a file.
 typedef struct file_remainder
 {
@@ -87,6 +93,8 @@ struct bat_curve_attributes
     bool on_sphere; ///< the curves were taken from the plane of that system to the sphere, and go back when written
     char **notes;   ///< note_count sentences about the reading; see bat_curve_set_note()
     size_t note_count;
+    int64_t time_origin; ///< whole seconds since 1970 that times, a channel, count from; see bat_curve_set_time_origin()
+    char time_text[ATTRIBUTES_TIME_SIZE]; ///< a time of the file, where times were dates and are written as such; else empty
 };
 
 /// Whether curves come from GeoJSON or a sequence of it. Null is allowed.

@@ -63,6 +63,11 @@ bool attributes_note(bat_curve_attributes *attributes, const char *format, ...)
     return notes[attributes->note_count] != NULL && ++attributes->note_count > 0;
 }
 
+int64_t bat_curve_set_time_origin(const bat_curve_set *set)
+{
+    return set->attributes != NULL ? set->attributes->time_origin : 0;
+}
+
 const char *bat_curve_set_note(const bat_curve_set *set, size_t index)
 {
     const bat_curve_attributes *attributes = set->attributes;

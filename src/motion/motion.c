@@ -7,6 +7,7 @@
 #include "base/option.h"
 #include "curve/csv_columns.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -466,6 +467,11 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_opti
                                   : BAT_CURVE_FORMAT_CSV;
     *result = (result_columns){attributes_new(format), form, wanted, wanted.velocity_count + (wanted.time == 0)};
     bool good = result->attributes != NULL && name_columns(set, form, &wanted, &result->attributes->csv);
+    if (good && set->attributes != NULL)
+    {
+        result->attributes->time_origin = set->attributes->time_origin;
+        memcpy(result->attributes->time_text, set->attributes->time_text, sizeof result->attributes->time_text);
+    }
     const char *note;
     for (size_t i = 0; good && (note = bat_curve_set_note(set, i)) != NULL; i++)
         good = attributes_note(result->attributes, "%s", note);
@@ -670,6 +676,19 @@ static bat_status add_report(const bat_motion_spline *spline, size_t curve, bat_
     return BAT_OK;
 }
 
+/// Tell in a message about times what they count from.
+static void name_origin(int64_t origin, bat_error *error)
+{
+    char text[BAT_ERROR_TEXT_SIZE];
+    const char *end = strchr(error->text, ';');
+    size_t length = end != NULL ? (size_t)(end - error->text) : strlen(error->text);
+    if (origin == 0)
+        return;
+    (void)snprintf(text, sizeof text, "%.*s, from %" PRId64 " on%s", (int)length, error->text, origin,
+                   end != NULL ? end : "");
+    memcpy(error->text, text, sizeof text);
+}
+
 static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_options *options,
                                    const bat_hermite_curve *keys, bat_hermite_curve *smooth, bat_error *error)
 {
@@ -682,7 +701,10 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
         status = add_report(spline, index, options->report, error);
     bat_motion_spline_free(spline);
     if (status != BAT_OK && error != NULL)
+    {
         error->index = BAT_NO_INDEX; // of a sample, not of a keyframe
+        name_origin(bat_curve_set_time_origin(set), error);
+    }
     return status;
 }
 

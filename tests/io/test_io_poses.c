@@ -7,6 +7,8 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 static const bat_curve_format AUTO = BAT_CURVE_FORMAT_AUTO;
 
@@ -20,8 +22,9 @@ static void assert_poses(const bat_curve_set *set, double first, double second)
         for (size_t j = 0; j < 7; j++)
             assert_true(fabs(set->curves[0].points[7 * i + j] - expected[i][j]) < 1e-6);
     assert_true(bat_motion_has_times(set));
-    assert_true(set->curves[0].channels[0] == first);
-    assert_true(set->curves[0].channels[1] == second);
+    double origin = (double)bat_curve_set_time_origin(set);
+    assert_true(origin + set->curves[0].channels[0] == first);
+    assert_true(origin + set->curves[0].channels[1] == second);
 }
 
 static void poses_are_recognized(void **state)
@@ -123,6 +126,73 @@ static void other_tables_stay_as_they_are(void **state)
     bat_curve_set_free(&set);
 }
 
+/// Stamps of nanoseconds, and dates, come back digit by digit, also between formats.
+static void stamps_keep_their_digits(void **state)
+{
+    (void)state;
+    static const char euroc[] = "1403715524907143168,1,2,3,1,0,0,0\n1403715524912143105,1,2,3,1,0,0,0\n"
+                                "1403799999999999999,1,2,3,1,0,0,0\n";
+    static const char *const seconds[] = {"1403715524.907143168", "1403715524.912143105", "1403799999.999999999"};
+    static const char *const stamps[] = {"1403715524907143168", "1403715524912143105", "1403799999999999999"};
+    bat_curve_set set = must_read(euroc, AUTO, NULL);
+    assert_true(bat_curve_set_time_origin(&set) == 1403715524);
+    assert_true(set.curves[0].channels[0] == 0.907143168);
+    char *text = must_write(&set, BAT_CURVE_FORMAT_TUM);
+    bat_curve_set again = must_read(text, BAT_CURVE_FORMAT_TUM, NULL);
+    char *back = must_write(&again, BAT_CURVE_FORMAT_EUROC), *table = must_write(&again, BAT_CURVE_FORMAT_CSV);
+    for (size_t i = 0; i < 3; i++)
+    {
+        assert_non_null(strstr(text, seconds[i]));
+        assert_non_null(strstr(back, stamps[i]));
+        assert_non_null(strstr(table, seconds[i]));
+    }
+    free(text);
+    free(back);
+    free(table);
+    bat_curve_set_free(&set);
+    bat_curve_set_free(&again);
+}
+
+/// Dates are times where they are wanted, and are written as they were.
+static void dates_are_times(void **state)
+{
+    (void)state;
+    static const char text[] = "time,x,y\n2024-05-01T10:00:00.125+02:00,8,47\n2024-05-01T10:00:10.5+02:00,9,48\n";
+    bat_curve_read_options options = bat_curve_read_defaults();
+    bat_curve_set set;
+    assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, NULL), BAT_OK);
+    assert_false(bat_motion_has_times(&set));
+    bat_curve_set_free(&set);
+    options.dates = true;
+    assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, NULL), BAT_OK);
+    assert_true(bat_motion_has_times(&set));
+    assert_true(set.curves[0].channels[0] == 0.125);
+    assert_true(set.curves[0].channels[1] == 10.5);
+    char *written = must_write(&set, BAT_CURVE_FORMAT_CSV);
+    assert_non_null(strstr(written, "\n2024-05-01T10:00:00.125+02:00,8,47\n"));
+    assert_non_null(strstr(written, "\n2024-05-01T10:00:10.500+02:00,9,48\n"));
+    free(written);
+    bat_curve_set_free(&set);
+}
+
+/// A file of times has seconds, nanoseconds and dates, all less the origin.
+static void times_count_from_an_origin(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/batten-times-XXXXXX";
+    int file = mkstemp(path);
+    static const char text[] = "1403715524.907143168\n1403715524907143169\n2014-06-25T16:58:44.9071432Z\n1403715526\n";
+    double *times;
+    size_t count;
+    assert_true(file >= 0 && write(file, text, sizeof text - 1) == (ssize_t)(sizeof text - 1));
+    (void)close(file);
+    assert_int_equal(bat_motion_times_read_since(path, 1403715524, &times, &count, NULL), BAT_OK);
+    assert_int_equal(count, 4);
+    assert_true(times[0] == 0.907143168 && times[1] == 0.907143169 && times[2] == 0.9071432 && times[3] == 2);
+    free(times);
+    (void)remove(path);
+}
+
 static void trajectories_come_back(void **state)
 {
     (void)state;
@@ -142,9 +212,14 @@ static void trajectories_come_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(poses_are_recognized),       cmocka_unit_test(turns_follow_the_order),
-        cmocka_unit_test(doubtful_poses_are_refused), cmocka_unit_test(other_tables_stay_as_they_are),
+        cmocka_unit_test(poses_are_recognized),
+        cmocka_unit_test(turns_follow_the_order),
+        cmocka_unit_test(doubtful_poses_are_refused),
+        cmocka_unit_test(other_tables_stay_as_they_are),
         cmocka_unit_test(trajectories_come_back),
+        cmocka_unit_test(stamps_keep_their_digits),
+        cmocka_unit_test(dates_are_times),
+        cmocka_unit_test(times_count_from_an_origin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,10 +58,11 @@ static void choose_units(const bat_motion_picture_options *options, film *made)
 {
     const bat_curve_attributes *attributes = made->keyframes->attributes;
     bat_curve_format format = attributes != NULL ? attributes->format : BAT_CURVE_FORMAT_AUTO;
-    bool seconds = format == BAT_CURVE_FORMAT_TUM || format == BAT_CURVE_FORMAT_EUROC;
+    bool metric = format == BAT_CURVE_FORMAT_TUM || format == BAT_CURVE_FORMAT_EUROC;
+    bool seconds = metric || (attributes != NULL && (attributes->time_origin != 0 || attributes->time_text[0] != '\0'));
     bool earth = space_is_sphere(made->space) && attributes != NULL &&
                  (attributes_are_geojson(attributes) || attributes->csv.degrees);
-    bool metres = seconds || format == BAT_CURVE_FORMAT_KITTI || earth;
+    bool metres = metric || format == BAT_CURVE_FORMAT_KITTI || earth;
     made->length_unit = options->length_unit != NULL ? options->length_unit : metres ? "m" : "";
     made->time_unit = options->time_unit != NULL         ? options->time_unit
                       : seconds                          ? "s"
@@ -188,7 +189,8 @@ static void shift_times(film *made)
         made->begin = fmin(made->begin, made->tracks[k].times[0]);
         made->end = fmax(made->end, made->tracks[k].times[made->tracks[k].count - 1]);
     }
-    made->origin = fabs(made->begin) > FAR_TIMES * (made->end - made->begin) ? made->begin : 0;
+    made->since = bat_curve_set_time_origin(made->keyframes);
+    made->origin = made->since != 0 || fabs(made->begin) > FAR_TIMES * (made->end - made->begin) ? made->begin : 0;
     for (size_t k = 0; k < made->count; k++)
     {
         film_track *track = &made->tracks[k];
@@ -197,6 +199,10 @@ static void shift_times(film *made)
         for (size_t i = 0; i < track->key_count; i++)
             track->key_times[i] -= made->origin;
     }
+    const bat_curve_attributes *attributes = made->keyframes->attributes;
+    made->date = attributes != NULL && attributes->time_text[0] != '\0' && made->tracks[0].times[0] == 0
+                     ? attributes->time_text
+                     : NULL;
     made->begin -= made->origin;
     made->end -= made->origin;
 }

@@ -44,6 +44,8 @@ typedef struct film
     size_t count;
     double begin, end; ///< times
     double origin;     ///< the time that is subtracted
+    int64_t since;     ///< the origin of the keyframes' own times
+    const char *date;  ///< the first time where times are dates; else null
     size_t poses;      ///< of the options
     double outlying;   ///< deviations above it are marked; 0: none are
     bool any_outlier;

@@ -8,6 +8,7 @@
 #include "draw/curve/plot.h"
 #include "draw/motion/film.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -168,7 +169,13 @@ static void write_labels(film_page *page)
     char digits[NUMBER_DIGITS_SIZE];
     bool timed = shown->time_unit[0] != '\0', angular = shown->kind == FILM_STRIP;
     int length = snprintf(page->time_label, LABEL_SIZE, timed ? "time (%.40s)" : "time", shown->time_unit);
-    if (shown->origin != 0)
+    double whole = floor(shown->origin);
+    if (shown->date != NULL)
+        (void)snprintf(page->time_label + length, LABEL_SIZE - (size_t)length, " since %s", shown->date);
+    else if (shown->since != 0)
+        (void)snprintf(page->time_label + length, LABEL_SIZE - (size_t)length, " since %" PRId64 ".%06.0f",
+                       shown->since + (int64_t)whole, floor((shown->origin - whole) * 1e6));
+    else if (shown->origin != 0)
         (void)snprintf(page->time_label + length, LABEL_SIZE - (size_t)length, " since %s",
                        number_digits(shown->origin, digits));
     write_label("speed", shown->length_unit, shown->time_unit, page->speed_label);

@@ -1,4 +1,7 @@
 #include "io/curve/csv_reader.h"
+
+#include "io/common/exact_time.h"
+#include "io/common/iso_time.h"
 #include "space/degrees.h"
 
 #include <math.h>
@@ -112,6 +115,35 @@ static bat_status read_corner(csv_reader *reader, const text_line *line, bool *c
     return BAT_OK;
 }
 
+/// Read a time that is a date, or that has more digits than a double. The first one sets the origin and the form of all.
+/// False for other times.
+static bool read_time(csv_reader *reader, size_t column, double *seconds)
+{
+    enum
+    {
+        DOUBLE_DIGITS = 15
+    };
+    iso_time date;
+    int64_t nanoseconds;
+    bat_curve_attributes *attributes = reader->attributes;
+    csv_field field = csv_unquoted(reader->fields[column]);
+    bool first = reader->row_count == 0;
+    if (csv_takes_dates(reader, column) && iso_time_read(field.begin, field.end, &date))
+    {
+        nanoseconds = date.nanoseconds;
+        if (first)
+            (void)snprintf(attributes->time_text, sizeof attributes->time_text, "%.*s", (int)(field.end - field.begin),
+                           field.begin);
+    }
+    else if ((!first && attributes->time_origin == 0) || field.end - field.begin <= (first ? DOUBLE_DIGITS : 0) ||
+             !exact_time_read(field.begin, field.end, &nanoseconds))
+        return false;
+    if (first)
+        attributes->time_origin = exact_time_origin(nanoseconds);
+    *seconds = exact_time_since(nanoseconds, attributes->time_origin);
+    return true;
+}
+
 static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_error *error)
 {
     const csv_columns *columns = &reader->attributes->csv;
@@ -122,8 +154,12 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
         size_t place = columns->places != NULL ? columns->places[i] : i;
         if (place == BAT_NO_INDEX)
             continue;
-        const char *fault =
-            field->begin == field->end ? "is empty" : number_read(field->begin, field->end, &reader->numbers[place]);
+        bool timed = reader->time_channel != BAT_NO_INDEX && place == reader->coordinate_count + reader->time_channel;
+        const char *fault = NULL;
+        if (field->begin == field->end)
+            fault = "is empty";
+        else if (!timed || !read_time(reader, i, &reader->numbers[place]))
+            fault = number_read(field->begin, field->end, &reader->numbers[place]);
         if (fault != NULL)
             fault = csv_read_number(*field, reader->separator, &reader->numbers[place], &reader->comma);
         if (fault != NULL && !csv_change_kind(reader, i))

@@ -85,6 +85,9 @@ bat_status csv_take_cells(csv_reader *reader, const text_line *line, bat_error *
 /// Whether a column's cell that is no number changes its kind: then the file is read again.
 bool csv_change_kind(csv_reader *reader, size_t column);
 
+/// Whether a column has dates that are taken as times.
+bool csv_takes_dates(const csv_reader *reader, size_t column);
+
 /// Count what the notes tell about a cell.
 void csv_watch_cell(csv_reader *reader, const text_line *line, size_t column);
 

@@ -126,6 +126,13 @@ static bool is_storable(csv_field field)
     return !marked && (size == 0 || memchr(field.begin, '\0', size) == NULL);
 }
 
+bool csv_takes_dates(const csv_reader *reader, size_t column)
+{
+    const csv_columns *columns = &reader->attributes->csv;
+    column_names names = {columns->names, columns->count};
+    return reader->options->dates && columns->names != NULL && column_find_time(&names) == column;
+}
+
 /// The kind of a column by its first cell. A file without a header may have texts and times, but no misspelled numbers.
 static csv_kind first_kind(const csv_reader *reader, size_t column)
 {
@@ -142,7 +149,7 @@ static csv_kind first_kind(const csv_reader *reader, size_t column)
         return code ? CSV_TEXT : CSV_NUMBER;
     }
     if (is_iso_time(field))
-        return CSV_TIME;
+        return csv_takes_dates(reader, column) ? CSV_NUMBER : CSV_TIME;
     if (!named)
         return number_resembles(field.begin, field.end) || field.begin == field.end || !is_storable(field) ? CSV_NUMBER
                                                                                                            : CSV_TEXT;

@@ -1,6 +1,8 @@
 #include "base/error.h"
 #include "curve/csv_columns.h"
 #include "curve/csv_names.h"
+#include "io/common/exact_time.h"
+#include "io/common/iso_time.h"
 #include "io/common/number_text.h"
 #include "io/curve/csv_cells.h"
 #include "io/curve/csv_split.h"
@@ -35,6 +37,9 @@ typedef struct csv_layout
     size_t corner;            ///< the column before which that of the corners stands, or BAT_NO_INDEX
     double *places;           ///< of all points between the rows of the input file; null where they are not needed
     const size_t *first_rows; ///< of each curve
+    size_t time_place;        ///< of the times among the numbers; BAT_NO_INDEX without
+    int64_t origin;           ///< of the times
+    const char *date;         ///< the form of the times where they are dates; else null
 } csv_layout;
 
 static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_options *options, csv_layout *layout,
@@ -56,7 +61,9 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
                            .form = form,
                            .degrees = degrees,
                            .decimals = options->precision,
-                           .corner = BAT_NO_INDEX};
+                           .corner = BAT_NO_INDEX,
+                           .time_place = BAT_NO_INDEX,
+                           .origin = bat_curve_set_time_origin(set)};
     const csv_columns *columns = attributes != NULL ? &attributes->csv : NULL;
     if (columns != NULL && (columns->names != NULL || columns->places != NULL) && columns->degrees == degrees &&
         csv_columns_fit(columns, coordinates, channels))
@@ -65,6 +72,10 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
         layout->column_count = columns->count;
         layout->channel_count = channels - (columns->has_places ? CSV_PLACE_CHANNELS : 0);
         layout->corner = columns->corner;
+        motion_channels known;
+        csv_columns_channels(columns, coordinates, NULL, &known);
+        layout->time_place = known.time != BAT_NO_INDEX ? coordinates + known.time : BAT_NO_INDEX;
+        layout->date = attributes->time_text[0] != '\0' ? attributes->time_text : NULL;
     }
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].corners == NULL)
@@ -207,9 +218,24 @@ typedef struct csv_row
     size_t curve, index; ///< of the point
 } csv_row;
 
+/// A date with the time of day, in the form of the file.
+static char *write_date(char *out, const csv_layout *layout, double seconds)
+{
+    iso_time form;
+    int64_t nanoseconds;
+    if (iso_time_read(layout->date, layout->date + strlen(layout->date), &form) &&
+        exact_time_nanoseconds(layout->origin, seconds, &nanoseconds))
+        return iso_time_write(out, &form, nanoseconds);
+    return exact_time_write(out, layout->origin, seconds);
+}
+
 static char *write_number(char *out, const csv_row *row, size_t place)
 {
     const csv_layout *layout = row->layout;
+    if (layout->date != NULL && place == layout->time_place && row->channels != NULL)
+        return write_date(out, layout, row->channels[place - layout->coordinate_count]);
+    if (layout->origin != 0 && place == layout->time_place && row->channels != NULL)
+        return exact_time_write(out, layout->origin, row->channels[place - layout->coordinate_count]);
     if (place >= layout->coordinate_count && row->channels != NULL)
         return number_write(out, row->channels[place - layout->coordinate_count]);
     if (layout->degrees)
@@ -333,7 +359,8 @@ typedef struct pose_layout
     size_t coordinates[7]; ///< those of a rigid motion in the order of a row
     bool matrix;           ///< 3 rows and 4 columns instead
     bool nanoseconds;
-    size_t time; ///< the channel of the times; BAT_NO_INDEX: they are not written
+    size_t time;    ///< the channel of the times; BAT_NO_INDEX: they are not written
+    int64_t origin; ///< of the times
 } pose_layout;
 
 enum
@@ -342,15 +369,11 @@ enum
     MAX_POSE_NUMBERS = 12
 };
 
-/// Write seconds as whole nanoseconds. Returns null where they are too many.
-static char *write_nanoseconds(char *out, double seconds)
+/// Write seconds since an origin as whole nanoseconds. Returns null where they are too many.
+static char *write_nanoseconds(char *out, int64_t origin, double seconds)
 {
-    static const double LIMIT = 9e9, BILLION = 1e9;
-    double whole = floor(seconds);
-    if (!(fabs(seconds) < LIMIT))
-        return NULL;
-    int64_t units = (int64_t)whole * (int64_t)BILLION + (int64_t)round((seconds - whole) * BILLION);
-    return out + snprintf(out, NUMBER_TEXT_SIZE, "%lld", (long long)units);
+    int64_t units;
+    return exact_time_nanoseconds(origin, seconds, &units) ? out + snprintf(out, NUMBER_TEXT_SIZE, "%" PRId64, units) : NULL;
 }
 
 /// The numbers of a pose after its time. Returns their count.
@@ -387,7 +410,8 @@ static bat_status format_poses(const void *context, const row_span *span, text_b
             return row_not_finite(span, i, error);
         if (layout->time != BAT_NO_INDEX)
         {
-            out = layout->nanoseconds ? write_nanoseconds(out, time) : number_write(out, time);
+            out = layout->nanoseconds ? write_nanoseconds(out, layout->origin, time)
+                                      : exact_time_write(out, layout->origin, time);
             if (out == NULL)
                 return error_set(error, BAT_UNSUPPORTED, i, 0, "the time of point %zu is too large for nanoseconds", i);
             *out++ = layout->separator;
@@ -418,6 +442,7 @@ static bat_status write_poses(const bat_curve_set *set, pose_layout layout, cons
                               text_sink *sink, bat_error *error)
 {
     layout.time = layout.matrix ? BAT_NO_INDEX : time_channel(set);
+    layout.origin = bat_curve_set_time_origin(set);
     if (quaternion_place(set->space) != 3)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory holds rigid motions, not the space %s",
                          layout.name, set->space->name);

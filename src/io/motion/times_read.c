@@ -3,7 +3,10 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
 #include "base/number_digits.h"
+#include "io/common/exact_time.h"
+#include "io/common/iso_time.h"
 #include "io/common/number_text.h"
+#include "io/motion/pose_times.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +21,29 @@ typedef struct time_list
 {
     double *times;
     size_t count, capacity;
+    int64_t origin;
 } time_list;
+
+/// Read a time, less the origin. Returns null or an error text.
+static const char *read_time(const char *begin, const char *end, int64_t origin, double *time)
+{
+    static const int64_t LEAST = 100000000000000000;
+    int64_t whole;
+    iso_time date;
+    if (iso_time_read(begin, end, &date))
+        *time = exact_time_since(date.nanoseconds, origin);
+    else if (pose_read_whole((csv_field){begin, end}, &whole) && whole >= LEAST)
+        *time = exact_time_since(whole, origin);
+    else if (origin != 0 && exact_time_read(begin, end, &whole))
+        *time = exact_time_since(whole, origin);
+    else
+    {
+        const char *fault = number_read(begin, end, time);
+        *time -= fault == NULL ? (double)origin : 0;
+        return fault;
+    }
+    return NULL;
+}
 
 static bat_status add_line(time_list *list, const char *begin, const char *end, size_t line, bat_error *error)
 {
@@ -31,7 +56,7 @@ static bat_status add_line(time_list *list, const char *begin, const char *end, 
     bool title = list->count == 0 && end - begin == 4 && strncmp(begin, "time", 4) == 0;
     if (begin == end || *begin == '#' || title)
         return BAT_OK;
-    const char *fault = number_read(begin, end, &time);
+    const char *fault = read_time(begin, end, list->origin, &time);
     if (fault != NULL)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a time (%s): a line has one number",
                          text_excerpt(excerpt, begin, end), fault);
@@ -53,8 +78,13 @@ static bat_status add_line(time_list *list, const char *begin, const char *end, 
 
 bat_status bat_motion_times_read(const char *path, double **times, size_t *count, bat_error *error)
 {
+    return bat_motion_times_read_since(path, 0, times, count, error);
+}
+
+bat_status bat_motion_times_read_since(const char *path, int64_t origin, double **times, size_t *count, bat_error *error)
+{
     text_buffer text = {0};
-    time_list list = {0};
+    time_list list = {.origin = origin};
     bat_status status = file_bytes_read(path, FILE_MAX_BYTES, &text, error);
     size_t line = 1;
     for (const char *at = text.data, *end = text.data + text.size; status == BAT_OK && at < end; line++)

@@ -1,0 +1,146 @@
+#include "io/motion/pose_names.h"
+
+#include <string.h>
+
+enum
+{
+    /// Decimals of seconds in whole nanoseconds.
+    NANO = 9
+};
+
+/// Names of columns after normalized_name(). The canonical ones come first; the CSV reader knows them itself.
+static const struct
+{
+    const char *name;
+    role role;
+    bool canonical;
+} NAMES[] = {
+    {"time", TIME, true},
+    {"t", TIME, true},
+    {"timestamp", TIME, true},
+    {"stamp", TIME, false},
+    {"sec", SECONDS, false},
+    {"secs", SECONDS, false},
+    {"stamp_sec", SECONDS, false},
+    {"stamp_secs", SECONDS, false},
+    {"nsec", NANOSECONDS, false},
+    {"nsecs", NANOSECONDS, false},
+    {"nanosec", NANOSECONDS, false},
+    {"stamp_nsec", NANOSECONDS, false},
+    {"stamp_nsecs", NANOSECONDS, false},
+    {"stamp_nanosec", NANOSECONDS, false},
+    {"x", X, true},
+    {"y", Y, true},
+    {"z", Z, true},
+    {"tx", X, true},
+    {"ty", Y, true},
+    {"tz", Z, true},
+    {"qw", QW, true},
+    {"qx", QX, true},
+    {"qy", QY, true},
+    {"qz", QZ, true},
+    {"roll", ROLL, false},
+    {"pitch", PITCH, false},
+    {"yaw", YAW, false},
+    {"vx", VX, true},
+    {"vy", VY, true},
+    {"vz", VZ, true},
+    {"wx", WX, true},
+    {"wy", WY, true},
+    {"wz", WZ, true},
+};
+
+/// Prefixes of an axis: "position_x", "q_w".
+static const char *const PLACES[] = {"p_", "p", "pos_", "position_", "translation_", "transform_translation_", "p_rs_r_"};
+static const char *const TURNS[] = {"q_",   "quat_",     "quaternion_",         "orientation_",
+                                    "rot_", "rotation_", "transform_rotation_", "q_rs_"};
+/// Prefixes of messages, which are dropped.
+static const char *const PREFIXES[] = {"%", "#", "field_", "header_", "pose_", "msg_", "data_"};
+
+static const struct
+{
+    const char *name;
+    column_unit unit;
+} UNITS[] = {{"s", UNIT_SECONDS},   {"sec", UNIT_SECONDS},    {"seconds", UNIT_SECONDS}, {"ms", UNIT_MILLI},
+             {"us", UNIT_MICRO},    {"ns", UNIT_NANO},        {"nsec", UNIT_NANO},       {"nanoseconds", UNIT_NANO},
+             {"deg", UNIT_DEGREES}, {"degree", UNIT_DEGREES}, {"degrees", UNIT_DEGREES}, {"\xC2\xB0", UNIT_DEGREES},
+             {"rad", UNIT_RADIANS}, {"radian", UNIT_RADIANS}, {"radians", UNIT_RADIANS}};
+
+int pose_unit_decimals(column_unit unit)
+{
+    return unit == UNIT_NANO ? NANO : unit == UNIT_MICRO ? 6 : unit == UNIT_MILLI ? 3 : 0;
+}
+
+void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit *found)
+{
+    size_t length = 0;
+    field = csv_unquoted(field);
+    *found = UNIT_NONE;
+    char unit_name[POSE_NAME_SIZE] = "";
+    for (const char *at = field.begin; at < field.end && length + 1 < POSE_NAME_SIZE; at++)
+    {
+        if (*at == '[' || *at == '(')
+        {
+            size_t size = 0;
+            while (++at < field.end && *at != ']' && *at != ')' && size + 1 < POSE_NAME_SIZE)
+                unit_name[size++] = (char)(*at >= 'A' && *at <= 'Z' ? *at - 'A' + 'a' : *at);
+            unit_name[size] = '\0';
+            *found = size > 0 ? UNIT_OTHER : UNIT_NONE;
+            break;
+        }
+        char c = *at >= 'A' && *at <= 'Z' ? (char)(*at - 'A' + 'a') : *at;
+        name[length++] = (char)(strchr("./ -", c) != NULL ? '_' : c);
+    }
+    while (length > 0 && name[length - 1] == '_')
+        length--;
+    name[length] = '\0';
+    for (bool stripped = true; stripped;)
+    {
+        stripped = false;
+        while (name[0] == '_')
+            memmove(name, name + 1, strlen(name));
+        for (size_t i = 0; i < sizeof PREFIXES / sizeof *PREFIXES; i++)
+        {
+            size_t size = strlen(PREFIXES[i]);
+            if (strncmp(name, PREFIXES[i], size) == 0 && name[size] != '\0')
+            {
+                memmove(name, name + size, strlen(name + size) + 1);
+                stripped = true;
+            }
+        }
+    }
+    char *last = strrchr(name, '_');
+    for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++)
+        if (strcmp(unit_name, UNITS[i].name) == 0)
+            *found = UNITS[i].unit;
+    // "time_ns", "yaw_deg"; "stamp_sec" has a meaning of its own.
+    bool angle = strncmp(name, "roll_", 5) == 0 || strncmp(name, "pitch_", 6) == 0 || strncmp(name, "yaw_", 4) == 0;
+    bool time = strncmp(name, "time_", 5) == 0 || strncmp(name, "timestamp_", 10) == 0 || strncmp(name, "t_", 2) == 0;
+    for (size_t i = 0; last != NULL && (angle || time) && i < sizeof UNITS / sizeof *UNITS; i++)
+        if (*found == UNIT_NONE && strcmp(last + 1, UNITS[i].name) == 0)
+        {
+            *found = UNITS[i].unit;
+            *last = '\0';
+            break;
+        }
+}
+
+role pose_name_role(const char *name, bool *canonical)
+{
+    *canonical = false;
+    for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++)
+        if (strcmp(name, NAMES[i].name) == 0)
+        {
+            *canonical = NAMES[i].canonical;
+            return NAMES[i].role;
+        }
+    size_t length = strlen(name);
+    const char axis = length > 0 ? name[length - 1] : '\0';
+    for (size_t i = 0; axis >= 'x' && axis <= 'z' && i < sizeof PLACES / sizeof *PLACES; i++)
+        if (strlen(PLACES[i]) + 1 == length && strncmp(name, PLACES[i], length - 1) == 0)
+            return (role)(X + (axis - 'x'));
+    for (size_t i = 0; axis >= 'w' && axis <= 'z' && i < sizeof TURNS / sizeof *TURNS; i++)
+        if (strlen(TURNS[i]) + 1 == length && strncmp(name, TURNS[i], length - 1) == 0)
+            return (role)(QW + (axis - 'w'));
+    return ROLES;
+}

@@ -1,0 +1,298 @@
+#include "io/common/iso_time.h"
+#include "io/common/number_text.h"
+#include "io/motion/pose_translation.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/// @file
+/// Tables of poses with the names of columns.
+
+static const char *const OUTPUT_NAMES[ROLES] = {
+    [TIME] = "time", [X] = "tx",  [Y] = "ty",  [Z] = "tz",  [QW] = "qw", [QX] = "qx", [QY] = "qy",
+    [QZ] = "qz",     [VX] = "vx", [VY] = "vy", [VZ] = "vz", [WX] = "wx", [WY] = "wy", [WZ] = "wz"};
+
+/// How many of `count` roles have columns.
+static size_t count_roles(const pose_translation *work, role first, size_t count)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < count; i++)
+        found += work->columns[(size_t)first + i] != BAT_NO_INDEX;
+    return found;
+}
+
+static void read_roles(pose_translation *work, const csv_field *fields, size_t count, pose_header *names)
+{
+    *names = (pose_header){.twice = BAT_NO_INDEX};
+    for (size_t i = 0; i < ROLES; i++)
+        work->columns[i] = BAT_NO_INDEX;
+    work->time_unit = UNIT_NONE;
+    for (size_t i = 0; i < count; i++)
+    {
+        char name[POSE_NAME_SIZE];
+        bool canonical;
+        column_unit found;
+        pose_name_normalize(fields[i], name, &found);
+        role what = pose_name_role(name, &canonical);
+        names->globe = names->globe || strncmp(name, "lon", 3) == 0 || strncmp(name, "lat", 3) == 0;
+        names->euroc = names->euroc || strncmp(name, "q_rs_", 5) == 0;
+        if (what == ROLES)
+        {
+            csv_field other = csv_unquoted(fields[i]);
+            if (names->others++ == 0)
+                (void)snprintf(names->other, sizeof names->other, "%.*s", (int)(other.end - other.begin), other.begin);
+            continue;
+        }
+        bool stamp = what == TIME && strcmp(name, "stamp") == 0;
+        size_t bare = strlen(name);
+        csv_field plain = csv_unquoted(fields[i]);
+        names->foreign = names->foreign || !canonical || (size_t)(plain.end - plain.begin) != bare;
+        if (work->columns[what] != BAT_NO_INDEX && !stamp)
+        {
+            names->twice = what == TIME ? names->twice : i;
+            continue;
+        }
+        work->columns[what] = i;
+        if (what == TIME)
+            work->time_unit = found;
+        if (what >= ROLL && what <= YAW)
+            names->angles[what - ROLL] = found;
+    }
+    work->width = count;
+}
+
+static bool has_orientation(const pose_translation *work)
+{
+    return count_roles(work, QW, 4) == 4 || count_roles(work, ROLL, 3) == 3;
+}
+
+/// The order and the unit of angles, by the names and the option.
+static bat_status choose_angles(pose_translation *work, const pose_header *names, size_t line, bat_error *error)
+{
+    const char *euler = work->options->euler;
+    column_unit found = names->angles[0], asked = UNIT_NONE;
+    (void)snprintf(work->order, sizeof work->order, "%.3s", euler != NULL ? euler : "zyx");
+    if (euler != NULL && strlen(euler) > 3)
+        asked = strcmp(euler + 4, "degrees") == 0 ? UNIT_DEGREES : UNIT_RADIANS;
+    if (names->angles[1] != found || names->angles[2] != found)
+        return pose_fail(error, line, "roll, pitch and yaw have different units in their names");
+    bool named = found == UNIT_DEGREES || found == UNIT_RADIANS;
+    if (!named && asked == UNIT_NONE)
+        return pose_fail(
+            error, line,
+            "roll, pitch and yaw have no unit in their names: --euler zyx,degrees or --euler zyx,radians tells it");
+    if (named && asked != UNIT_NONE && asked != found)
+        return pose_fail(error, line, "the names of roll, pitch and yaw tell another unit than --euler");
+    work->angle_unit = named ? found : asked;
+    return BAT_OK;
+}
+
+static void note_table(pose_translation *work, const pose_header *names, bool by_size)
+{
+    static const char *const units[] = {
+        [UNIT_NONE] = "seconds",       [UNIT_SECONDS] = "seconds",  [UNIT_MILLI] = "milliseconds",
+        [UNIT_MICRO] = "microseconds", [UNIT_NANO] = "nanoseconds", [UNIT_DEGREES] = "seconds",
+        [UNIT_RADIANS] = "seconds",    [UNIT_OTHER] = "seconds"};
+    bool split = work->columns[SECONDS] != BAT_NO_INDEX, timed = split || work->columns[TIME] != BAT_NO_INDEX;
+    bool angles = count_roles(work, QW, 4) < 4 && count_roles(work, ROLL, 3) == 3;
+    bool turned = has_orientation(work);
+    if (names->euroc)
+        pose_note(work, "EuRoC poses of the body S in the reference frame R, quaternions w x y z");
+    else if (angles)
+        pose_note(work, "poses by roll, pitch and yaw in %s, turned about the body's axes in the order %s%s",
+                  work->angle_unit == UNIT_DEGREES ? "degrees" : "radians", work->order,
+                  work->options->euler != NULL ? "" : " (--euler names another)");
+    else if (turned)
+        pose_note(work, "poses by names of columns: quaternions from the body's frame to the fixed one");
+    if (timed)
+        pose_note(work, "times in %s%s%s", split ? "seconds and nanoseconds" : units[work->time_unit],
+                  by_size ? " (by their size)" : "",
+                  split || pose_unit_decimals(work->time_unit) > 0 ? " are seconds, with all of their digits" : "");
+    if (names->others > 0)
+        pose_note(work, "%zu column%s no part of a pose and left out, the first '%.40s'", names->others,
+                  names->others > 1 ? "s are" : " is", names->other);
+}
+
+/// Append the quaternion of three angles: turns about the body's axes in the order of the letters.
+static void turn_by_angles(const pose_translation *work, const double angles[3], double *quaternion)
+{
+    static const double DEGREE = 3.14159265358979323846 / 180;
+    double q[4] = {1, 0, 0, 0};
+    for (int k = 0; k < 3; k++)
+    {
+        int axis = work->order[k] - 'x';
+        double half = angles[axis] * (work->angle_unit == UNIT_DEGREES ? DEGREE : 1) / 2, c = cos(half), s = sin(half);
+        double t[4] = {c, 0, 0, 0};
+        t[1 + axis] = s;
+        double made[4] = {
+            q[0] * t[0] - q[1] * t[1] - q[2] * t[2] - q[3] * t[3], q[0] * t[1] + q[1] * t[0] + q[2] * t[3] - q[3] * t[2],
+            q[0] * t[2] + q[2] * t[0] + q[3] * t[1] - q[1] * t[3], q[0] * t[3] + q[3] * t[0] + q[1] * t[2] - q[2] * t[1]};
+        memcpy(q, made, sizeof q);
+    }
+    memcpy(quaternion, q, sizeof q);
+}
+
+static bat_status cell_fault(const csv_field *fields, size_t column, size_t line, const char *fault, bat_error *error)
+{
+    char excerpt[EXCERPT_SIZE];
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "column %zu: '%s' %s", column + 1,
+                     text_excerpt(excerpt, fields[column].begin, fields[column].end), fault);
+}
+
+static bat_status translate_row(pose_translation *work, const text_line *line, bat_error *error)
+{
+    csv_field fields[BAT_SPACE_MAX_DIM];
+    size_t count;
+    bool comma = false;
+    char time[NUMBER_TEXT_SIZE + 32], *out;
+    double numbers[ROLES] = {0};
+    const char *fault = csv_split(work->source, line, work->separator, fields, &count);
+    if (fault != NULL)
+        return pose_fail(error, line->number, fault);
+    while (count > work->width && fields[count - 1].begin == fields[count - 1].end)
+        count--;
+    if (count != work->width)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%zu columns, but the header has %zu", count,
+                         work->width);
+    size_t timed = work->columns[SECONDS] != BAT_NO_INDEX ? work->columns[SECONDS] : work->columns[TIME];
+    if (work->columns[SECONDS] != BAT_NO_INDEX)
+        fault = pose_time_write_split(&work->clock, fields[timed], fields[work->columns[NANOSECONDS]], time, sizeof time);
+    else if (timed != BAT_NO_INDEX)
+        fault = pose_time_write(&work->clock, fields[timed], work->separator, work->time_unit, time, sizeof time);
+    if (fault != NULL)
+        return cell_fault(fields, timed, line->number, fault, error);
+    for (size_t i = X; i < ROLES; i++)
+        if (work->columns[i] != BAT_NO_INDEX &&
+            (fault = csv_read_number(fields[work->columns[i]], work->separator, &numbers[i], &comma)) != NULL)
+            return cell_fault(fields, work->columns[i], line->number, fault, error);
+    bool angles = count_roles(work, QW, 4) < 4 && count_roles(work, ROLL, 3) == 3;
+    if (angles)
+        turn_by_angles(work, numbers + ROLL, numbers + QW);
+    if (timed != BAT_NO_INDEX)
+        text_append_string(&work->text, time);
+    if ((out = text_reserve(&work->text, ROLES * (NUMBER_TEXT_SIZE + 1))) == NULL)
+        return BAT_OK; // told at the end
+    bool first = timed == BAT_NO_INDEX;
+    for (size_t i = X; i < ROLES; i++)
+    {
+        bool turned = angles && i >= QW && i <= QZ;
+        if (OUTPUT_NAMES[i] == NULL || (work->columns[i] == BAT_NO_INDEX && !turned))
+            continue;
+        if (!first)
+            *out++ = ',';
+        first = false;
+        out = number_write(out, numbers[i]);
+    }
+    text_advance(&work->text, out);
+    return BAT_OK;
+}
+
+static void write_names(pose_translation *work)
+{
+    bool turned = has_orientation(work), first = true;
+    for (size_t i = 0; i < ROLES; i++)
+    {
+        bool there = work->columns[i] != BAT_NO_INDEX || (turned && i >= QW && i <= QZ) ||
+                     (i == TIME && work->columns[SECONDS] != BAT_NO_INDEX);
+        if (OUTPUT_NAMES[i] == NULL || !there)
+            continue;
+        bool plain = !turned && i >= X && i <= Z;
+        text_append_string(&work->text, first ? "" : ",");
+        text_append_string(&work->text, OUTPUT_NAMES[i] + plain);
+        first = false;
+    }
+}
+
+/// Check that the columns of a table make poses, and forget those that do not belong to one.
+static bat_status check_table(pose_translation *work, const pose_header *names, size_t line, bat_error *error)
+{
+    size_t places = count_roles(work, X, 3), speeds = count_roles(work, VX, 3), turns = count_roles(work, WX, 3);
+    if (names->twice != BAT_NO_INDEX)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line,
+                         "column %zu has the meaning of another one; --columns names the coordinates", names->twice + 1);
+    if ((work->columns[SECONDS] != BAT_NO_INDEX) != (work->columns[NANOSECONDS] != BAT_NO_INDEX))
+        return pose_fail(error, line, "of seconds and nanoseconds, only one column is there");
+    if (places != 0 && places != 3)
+        return pose_fail(error, line, "a pose needs columns x, y and z, or none of them");
+    bool whole = has_orientation(work) ? turns == 3 && (speeds == 3 || places == 0) : speeds == 3;
+    for (size_t i = VX; i <= WZ && !whole; i++)
+        work->columns[i] = BAT_NO_INDEX;
+    return BAT_OK;
+}
+
+bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time, bool *by_size)
+{
+    iso_time iso;
+    const char *space = work->options->space;
+    bool turned = has_orientation(work), stamped = work->columns[SECONDS] != BAT_NO_INDEX;
+    csv_field bare = csv_unquoted(time);
+    *by_size = work->time_unit == UNIT_NONE && pose_unit_by_size(time) != UNIT_NONE;
+    bool scaled = stamped || *by_size || pose_unit_decimals(work->time_unit) > 0;
+    bool placed = count_roles(work, X, 3) == 3;
+    if (names->globe || (space != NULL && strcmp(space, "rigid") != 0 && strcmp(space, "rotation") != 0))
+        return false;
+    if (turned)
+        return names->foreign || scaled || iso_time_read(bare.begin, bare.end, &iso);
+    return placed && (stamped || pose_unit_decimals(work->time_unit) > 0) && space == NULL;
+}
+
+bat_status pose_translate_table(pose_translation *work, const text_line *head, const pose_header *names, bool by_size,
+                                bat_error *error)
+{
+    bat_status status = check_table(work, names, head->number, error);
+    if (status == BAT_OK && count_roles(work, QW, 4) < 4 && has_orientation(work))
+        status = choose_angles(work, names, head->number, error);
+    text_line line = text_line_start(work->source);
+    while (status == BAT_OK && text_line_next(work->source, &line))
+    {
+        if (line.number == head->number)
+            write_names(work);
+        else if (line.begin != line.end && *line.begin == '#')
+            text_append(&work->text, line.begin, (size_t)(line.end - line.begin));
+        else if (line.begin != line.end)
+            status = translate_row(work, &line, error);
+        text_append_string(&work->text, "\n");
+    }
+    work->reader = BAT_CURVE_FORMAT_CSV;
+    work->format = names->euroc && has_orientation(work) && count_roles(work, X, 3) == 3 ? BAT_CURVE_FORMAT_EUROC
+                                                                                         : BAT_CURVE_FORMAT_CSV;
+    note_table(work, names, by_size);
+    return status;
+}
+
+bool pose_find_header(pose_translation *work, text_line *head, pose_header *names, csv_field *time)
+{
+    csv_field fields[BAT_SPACE_MAX_DIM];
+    text_line line = text_line_start(work->source);
+    size_t count;
+    bool found = false;
+    while (text_line_next(work->source, &line))
+    {
+        if (line.begin == line.end)
+            continue;
+        bool comment = *line.begin == '#';
+        char separator = csv_find_separator(&line);
+        if ((comment && (separator == ' ' || found)) || csv_split(work->source, &line, separator, fields, &count) != NULL)
+        {
+            if (comment)
+                continue;
+            return false;
+        }
+        if (found)
+        {
+            size_t place = work->columns[TIME];
+            *time = place != BAT_NO_INDEX && place < count ? fields[place] : (csv_field){line.end, line.end};
+            return true;
+        }
+        for (size_t i = 0; i < count && !comment; i++)
+            if (number_resembles(fields[i].begin, fields[i].end) && !csv_is_missing(fields[i]))
+                return false;
+        read_roles(work, fields, count, names);
+        bool timed = count_roles(work, X, 3) == 3 && pose_unit_decimals(work->time_unit) > 0;
+        found = !comment || has_orientation(work) || timed;
+        work->separator = separator;
+        *head = line;
+    }
+    return false;
+}
