@@ -41,6 +41,7 @@ static const struct
     {BAT_BAD_FILE, "a longitude outside", "space", "plane takes plane coordinates"},
     {BAT_UNSUPPORTED, "option `crs`", "crs", "NAME names their system, as in --crs EPSG:25833"},
     {BAT_INVALID_ARGUMENT, "option extrapolate", "extrapolate", "goes on with constant velocity"},
+    {BAT_NO_CONVERGENCE, "acceleration continuous", "tangents", "limited does without"},
     {BAT_INVALID_POINT, "rounding makes", "precision", "N keeps more decimals"},
     {BAT_INVALID_POINT, "repeats", "drop-duplicates", "leaves it out"},
 };

@@ -15,7 +15,7 @@
 enum
 {
     DIM = BAT_SPACE_MAX_DIM,
-    MAX_STEPS = 200,
+    MAX_STEPS = 1000,
     /// Steps that put the slopes right once the velocities are.
     FINISH_STEPS = 20
 };
@@ -26,6 +26,8 @@ static const double REST = 1e-9;
 static const double SETTLED = 1e-13;
 /// and below this one they are errors of differences, or rounding, when they cease to fall.
 static const double ACCURATE = 1e-9;
+/// Corrections are halved whenever they grow, down to this share: neighbours far apart need small steps.
+static const double LEAST_SHARE = 1.0 / 128;
 
 /// The acceleration's roughness up to which not-a-knot ends are the best, and then natural ones (docs/motion.md).
 static const double SLOW = 0.3;
@@ -479,13 +481,13 @@ static bat_status iterate(spline_system *system, bat_motion_ends ends, double *d
         if (change <= SETTLED * speed || settles || linear || (change <= ACCURATE * speed && change >= 0.5 * before))
             return BAT_OK;
         if (change > before)
-            share = fmax(0.5 * share, 1.0 / 16);
+            share = fmax(0.5 * share, LEAST_SHARE);
         before = change;
     }
     return error_set(
         error, BAT_NO_CONVERGENCE, key, 0,
-        "no velocities were found near point %zu with which the acceleration is continuous: points turn too far "
-        "from one to the next; limited tangents do without",
+        "no velocities near point %zu make the acceleration continuous: points turn too far from one to the next; the shape "
+        "limited does without",
         key);
 }
 
