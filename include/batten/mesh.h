@@ -35,6 +35,15 @@ typedef struct bat_mesh_corner
     double sharpness; ///< as of a crease
 } bat_mesh_corner;
 
+/// Names that faces of a file share. Null: the file gives no such name.
+typedef struct bat_mesh_label
+{
+    char *object;    ///< `o` in OBJ, the node in glTF
+    char *group;     ///< `g` in OBJ, the mesh in glTF
+    char *material;  ///< `usemtl` in OBJ, the material's name in glTF
+    char *smoothing; ///< the smoothing group: `s` in OBJ
+} bat_mesh_label;
+
 /// A triangle mesh. All zero: empty. Everything in it is owned and comes from malloc(); release it with bat_mesh_free().
 typedef struct bat_mesh
 {
@@ -55,6 +64,13 @@ typedef struct bat_mesh
     size_t crease_count;
     bat_mesh_corner *corners; ///< in any order; null for none
     size_t corner_count;
+
+    uint32_t *face_labels;  ///< face_count: the label of each face; null for none
+    bat_mesh_label *labels; ///< label_count
+    size_t label_count;
+    char *material_files; ///< the files of the materials, as `mtllib` in OBJ names them; null for none
+    /// The materials of glTF: a JSON object with its arrays materials, textures, images and samplers; null for none.
+    char *material_json;
 } bat_mesh;
 
 /// Free what a mesh owns and make it empty. Does nothing to a mesh that is empty already.
@@ -72,7 +88,7 @@ typedef struct bat_mesh_point
 } bat_mesh_point;
 
 /// Check the conditions of every call that takes a mesh: at least one face, finite coordinates, and faces of three different
-/// existing vertices. Texture coordinates, creases and corners must name what exists.
+/// existing vertices. Texture coordinates, labels, creases and corners must name what exists.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for no faces or a crease between vertices that do not exist; BAT_TOO_LARGE;
 ///         BAT_INVALID_POINT with the failing vertex or face
 BAT_API bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error);
@@ -157,8 +173,8 @@ BAT_API size_t bat_mesh_repair_places(const bat_mesh_repair_report *report);
 /// vertex, as Guéziec et al., "Cutting and Stitching" (2001). Separate sheets at such an edge stay whole.
 ///
 /// The first fan keeps the vertex; the others follow after all vertices, in the order of their first faces. Vertices without
-/// a face are dropped. Texture coordinates and channels stay with their corners and vertices. Creases and corners are copied
-/// with their vertices, and dropped with edges and vertices that no face has.
+/// a face are dropped. Texture coordinates, labels and channels stay with their corners, faces and vertices. Creases and
+/// corners are copied with their vertices, and dropped with edges and vertices that no face has.
 ///
 /// @param broken   faces may be anything but must name vertices that exist
 /// @param report   receives the changes; may be null

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/check.h"
+#include "mesh/labels.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,6 +24,7 @@ void bat_mesh_free(bat_mesh *mesh)
     free(mesh->channel_names);
     free(mesh->creases);
     free(mesh->corners);
+    mesh_labels_free(mesh);
     *mesh = (bat_mesh){0};
 }
 
@@ -60,6 +62,7 @@ bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
 {
     bat_mesh made = *mesh;
     made.channel_names = NULL;
+    mesh_labels_forget(&made);
     bool positions = copy_array(mesh->positions, mesh->vertex_count, 3 * sizeof(double), (void **)&made.positions);
     bool faces = copy_array(mesh->faces, mesh->face_count, 3 * sizeof(uint32_t), (void **)&made.faces);
     bool texture = copy_array(mesh->texture, mesh->texture_count, 2 * sizeof(double), (void **)&made.texture);
@@ -70,13 +73,16 @@ bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
     bool creases = copy_array(mesh->creases, mesh->crease_count, sizeof *mesh->creases, (void **)&made.creases);
     bool corners = copy_array(mesh->corners, mesh->corner_count, sizeof *mesh->corners, (void **)&made.corners);
     bool names = copy_names(mesh, &made);
+    bat_status status = BAT_OK;
     if (!positions || !faces || !texture || !texture_faces || !channels || !creases || !corners || !names)
-    {
+        status = error_memory(error, mesh->vertex_count * 3 * sizeof(double));
+    if (status == BAT_OK)
+        status = mesh_labels_carry(mesh, NULL, 1, &made, error);
+    if (status == BAT_OK)
+        *copy = made;
+    else
         bat_mesh_free(&made);
-        return error_memory(error, mesh->vertex_count * 3 * sizeof(double));
-    }
-    *copy = made;
-    return BAT_OK;
+    return status;
 }
 
 static bat_status check_vertices(const bat_mesh *mesh, bat_error *error)
@@ -113,6 +119,10 @@ static bat_status check_faces(const bat_mesh *mesh, bat_error *error)
         if (mesh->texture_faces[i] >= mesh->texture_count)
             return error_set(error, BAT_INVALID_POINT, i / 3, 0, "face %zu names texture coordinate %u, but there are %zu",
                              i / 3, mesh->texture_faces[i], mesh->texture_count);
+    for (size_t f = 0; mesh->face_labels != NULL && f < mesh->face_count; f++)
+        if (mesh->face_labels[f] >= mesh->label_count)
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has label %u, but there are %zu", f,
+                             mesh->face_labels[f], mesh->label_count);
     return BAT_OK;
 }
 

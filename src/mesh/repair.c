@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/check.h"
+#include "mesh/labels.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -572,14 +573,17 @@ static bool carry_creases(const repair_work *work, bat_mesh *made)
 static bat_status carry_all(const repair_work *work, bat_mesh *repaired, bat_error *error)
 {
     bat_mesh made = {0};
+    bat_status status;
     if (carry_vertices(work, &made) && carry_texture(work, &made) && carry_channels(work, &made) &&
         carry_corners(work, &made) && carry_creases(work, &made))
-    {
+        status = mesh_labels_carry(work->mesh, work->sources, 1, &made, error);
+    else
+        status = error_memory(error, work->face_count * 3 * sizeof *made.faces);
+    if (status == BAT_OK)
         *repaired = made;
-        return BAT_OK;
-    }
-    bat_mesh_free(&made);
-    return error_memory(error, work->face_count * 3 * sizeof *made.faces);
+    else
+        bat_mesh_free(&made);
+    return status;
 }
 
 bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *report, bat_mesh *repaired, bat_error *error)

@@ -8,6 +8,7 @@
 #include "mesh/decimate/edge_queue.h"
 #include "mesh/decimate/flatten.h"
 #include "mesh/decimate/map.h"
+#include "mesh/labels.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -283,6 +284,21 @@ static void copy_faces(const decimation *all, bat_mesh *coarse)
     }
 }
 
+/// Every coarse face keeps the label of the fine face that it remained from.
+static bat_status carry_labels(const bat_mesh *fine, const collapse_mesh *mesh, bat_mesh *coarse, bat_error *error)
+{
+    size_t count = 0;
+    uint32_t *kept = memory_array(coarse->face_count, sizeof *kept);
+    if (kept == NULL)
+        return error_memory(error, coarse->face_count * sizeof *kept);
+    for (size_t f = 0; f < mesh->face_count; f++)
+        if (mesh->corner[3 * f] != BAT_MESH_NONE)
+            kept[count++] = (uint32_t)f;
+    bat_status status = mesh_labels_carry(fine, kept, 1, coarse, error);
+    free(kept);
+    return status;
+}
+
 static bat_status finish(const bat_mesh *fine, decimation *all, bat_mesh *coarse, bat_error *error)
 {
     bat_status status = allocate_coarse(all, coarse, error);
@@ -290,7 +306,8 @@ static bat_status finish(const bat_mesh *fine, decimation *all, bat_mesh *coarse
         return status;
     copy_vertices(all, coarse);
     copy_faces(all, coarse);
-    if (all->map != NULL)
+    status = carry_labels(fine, &all->mesh, coarse, error);
+    if (status == BAT_OK && all->map != NULL)
         status = map_finish(all->map, fine, coarse, error);
     if (status != BAT_OK)
         bat_mesh_free(coarse);

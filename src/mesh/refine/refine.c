@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/labels.h"
 #include "mesh/refine/level.h"
 #include "mesh/refine/plan.h"
 #include "mesh/refine/sharpness.h"
@@ -453,8 +454,13 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = refine_checked(coarse, &how, &made, &fallbacks, error);
     bat_mesh_model_free(model);
+    if (status == BAT_OK && how.levels > 0) // the children of a face follow each other
+        status = mesh_labels_carry(coarse, NULL, made.face_count / coarse->face_count, &made, error);
     if (status != BAT_OK)
+    {
+        bat_mesh_free(&made);
         return status;
+    }
     *fine = made;
     if (fallback != NULL)
         *fallback = fallbacks;

@@ -1,0 +1,28 @@
+#ifndef MESH_LABELS_H
+#define MESH_LABELS_H
+
+#include "batten/mesh.h"
+
+/// @file
+/// The labels of faces and the materials of a mesh: bat_mesh::face_labels to bat_mesh::material_json.
+
+/// Free the labels and materials of a mesh; the mesh then has none.
+void mesh_labels_free(bat_mesh *mesh);
+
+/// Set the labels and materials of a mesh to none without freeing them, where they belong to another mesh.
+void mesh_labels_forget(bat_mesh *mesh);
+
+/// Copy the labels and materials of a mesh to one that has none. Face f of `to` is a part of face sources[f], or of face
+/// f / each where `sources` is null.
+/// @return BAT_OK or BAT_NO_MEMORY; what was copied before a failure belongs to `to`
+bat_status mesh_labels_carry(const bat_mesh *from, const uint32_t *sources, size_t each, bat_mesh *to, bat_error *error);
+
+/// The number of names in a label, and the name of this number, from 0 on: object, group, material, smoothing.
+enum
+{
+    MESH_LABEL_NAMES = 4
+};
+char **mesh_label_name(bat_mesh_label *label, int index);
+const char *mesh_label_text(const bat_mesh_label *label, int index);
+
+#endif
