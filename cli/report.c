@@ -35,7 +35,6 @@ static const struct
 } WAYS_OUT[] = {
     {BAT_NOT_MANIFOLD, "", "repair", "cuts the mesh there"},
     {BAT_BAD_FILE, "twice", "repair", "drops the face"},
-    {BAT_BAD_FILE, "option `triangulate`", "triangulate", "cuts it into triangles"},
     {BAT_BAD_FILE, "unit length", "project", "moves points onto the space"},
     {BAT_BAD_FILE, "a latitude outside", "space", "plane takes plane coordinates"},
     {BAT_BAD_FILE, "a longitude outside", "space", "plane takes plane coordinates"},

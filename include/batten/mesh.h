@@ -35,7 +35,7 @@ typedef struct bat_mesh_corner
     double sharpness; ///< as of a crease
 } bat_mesh_corner;
 
-/// Names that faces of a file share. Null: the file gives no such name.
+/// Names that faces of a file share, in UTF-8. Null: the file gives no such name.
 typedef struct bat_mesh_label
 {
     char *object;    ///< `o` in OBJ, the node in glTF
@@ -148,6 +148,25 @@ static inline uint32_t bat_mesh_previous_around(const bat_mesh_connectivity *con
     uint32_t twin = connectivity->twin[half_edge];
     return twin == BAT_MESH_NONE ? BAT_MESH_NONE : bat_mesh_next(twin);
 }
+
+// Normals.
+
+/// Vertex normals: sums of the normals of the faces around, with weights.
+typedef enum bat_mesh_normals
+{
+    BAT_MESH_NORMALS_NONE,
+    BAT_MESH_NORMALS_ANGLE, ///< by the face's angle at the vertex (Thürmer and Wüthrich, 1998); independent of the triangles
+    BAT_MESH_NORMALS_AREA   ///< by the face's area
+} bat_mesh_normals;
+
+/// The unit normals of the vertices; zero for a vertex without a face of positive area.
+///
+/// @param weights not BAT_MESH_NORMALS_NONE
+/// @param normals receives vertex_count x 3 numbers
+/// @return BAT_OK, BAT_INVALID_ARGUMENT for the weights, or the failures of bat_mesh_check(); `normals` is untouched on
+///         failure
+BAT_API bat_status bat_mesh_vertex_normals(const bat_mesh *mesh, bat_mesh_normals weights, double *normals,
+                                           bat_error *error);
 
 // Repair.
 

@@ -6,16 +6,19 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of meshes: OBJ, PLY, OFF and STL. docs/formats.md tells what each format holds.
+/// Readers and writers of meshes: OBJ, PLY, OFF, STL and glTF. docs/formats.md tells what each format holds.
 
 /// The formats of meshes.
 typedef enum bat_mesh_format
 {
-    BAT_MESH_FORMAT_AUTO, ///< by the file's ending; failing that by the content (reading only)
+    /// Reading: by the signature of the content, else by the file's ending. Writing: by the file's ending.
+    BAT_MESH_FORMAT_AUTO,
     BAT_MESH_FORMAT_OBJ,
     BAT_MESH_FORMAT_PLY,
     BAT_MESH_FORMAT_OFF,
-    BAT_MESH_FORMAT_STL
+    BAT_MESH_FORMAT_STL,
+    BAT_MESH_FORMAT_GLTF, ///< glTF 2.0 as JSON; its buffers are written as data URIs. The reader takes GLB, too
+    BAT_MESH_FORMAT_GLB   ///< glTF 2.0 as a binary file. The reader takes JSON, too
 } bat_mesh_format;
 
 /// A format, or "auto", by name.
@@ -26,8 +29,19 @@ BAT_API const char *bat_mesh_format_name(bat_mesh_format value);
 /// The table, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_mesh_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case: .obj, .ply, .off, .stl; else BAT_MESH_FORMAT_AUTO.
+/// The format that a path's ending stands for, in either case: .obj, .ply, .off, .stl, .gltf, .glb; else
+/// BAT_MESH_FORMAT_AUTO.
 BAT_API bat_mesh_format bat_mesh_format_of_path(const char *path);
+
+/// Remarks on what a file holds and a mesh cannot, or a mesh holds and a format cannot, and on guesses. All zero: none.
+typedef struct bat_mesh_notes
+{
+    char **texts; ///< `count` texts of one line
+    size_t count;
+} bat_mesh_notes;
+
+/// Free the notes; none are left.
+BAT_API void bat_mesh_notes_free(bat_mesh_notes *notes);
 
 /// Options of reading. Begin with bat_mesh_read_defaults().
 typedef struct bat_mesh_read_options
@@ -40,6 +54,7 @@ typedef struct bat_mesh_read_options
     bool keep_degenerate;
     bool repair;                     ///< bat_mesh_repair() the mesh; default false
     bat_mesh_repair_report *repairs; ///< receives what was repaired, all 0 without `repair`; may be null, the default
+    bat_mesh_notes *notes;           ///< notes of a successful reading are appended; may be null, the default
 } bat_mesh_read_options;
 
 /// The options' default values.
@@ -51,7 +66,7 @@ BAT_API bat_status bat_mesh_read_options_check(const bat_mesh_read_options *opti
 /// Read the mesh of a file: at least one face, finite numbers, faces of existing vertices. bat_mesh_connect() tells whether
 /// the faces are a manifold.
 ///
-/// @param path    "-" is standard input
+/// @param path    "-" is standard input. Buffers of glTF are searched in the folder of the file and below it
 /// @param options null for the defaults
 /// @param mesh    receives the mesh; release it with bat_mesh_free()
 /// @param error   `line` is the failing line in formats with lines; `index` the failing vertex or face of the file
@@ -76,6 +91,11 @@ typedef struct bat_mesh_write_options
     bat_mesh_format format;     ///< default BAT_MESH_FORMAT_AUTO
     bat_mesh_encoding encoding; ///< default BAT_MESH_ENCODING_BINARY
     int threads;                ///< 0: as many as OpenMP gives; the bytes do not depend on it; default 0
+    bat_mesh_normals normals;   ///< vertex normals, in OBJ, PLY and glTF; default BAT_MESH_NORMALS_NONE
+    /// vertex_count x 3 normals to write instead, such as those of bat_mesh_limit_normals(); null: none, the default. Zero
+    /// normals become those of `normals`, or of BAT_MESH_NORMALS_ANGLE.
+    const double *vertex_normals;
+    bat_mesh_notes *notes; ///< notes of a successful writing are appended; may be null, the default
 } bat_mesh_write_options;
 
 /// The options' default values.

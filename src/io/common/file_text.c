@@ -18,7 +18,7 @@ static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *e
         text_free(buffer);
         return error_memory(error, size);
     }
-    *text = (file_text){buffer->data, buffer->size - 1};
+    *text = (file_text){.data = buffer->data, .size = buffer->size - 1};
     size_t skipped = 0;
     while (text->size - skipped >= mark && memcmp(text->data + skipped, BYTE_ORDER_MARK, mark) == 0)
         skipped += mark;
@@ -32,7 +32,11 @@ bat_status file_text_read(const char *path, file_text *text, bat_error *error)
 {
     text_buffer buffer = {0};
     bat_status status = file_bytes_read(path, FILE_MAX_BYTES, &buffer, error);
-    return status == BAT_OK ? text_finish(&buffer, text, error) : status;
+    if (status == BAT_OK)
+        status = text_finish(&buffer, text, error);
+    if (status == BAT_OK)
+        text->path = path;
+    return status;
 }
 
 bat_status file_text_copy(const char *bytes, size_t size, file_text *text, bat_error *error)

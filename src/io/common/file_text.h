@@ -11,6 +11,7 @@ typedef struct file_text
 {
     char *data; ///< `size` bytes without a byte order mark, then a zero byte
     size_t size;
+    const char *path; ///< the file, as the caller named it; null for bytes in memory
 } file_text;
 
 /// Read a file into memory; pipes are allowed, and "-" is standard input.

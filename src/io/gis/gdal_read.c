@@ -562,7 +562,7 @@ static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, const b
     {
         bat_curve_read_options rest = *options;
         rest.space = system.space;
-        file_text text = {reader->text.data, reader->text.size};
+        file_text text = {.data = reader->text.data, .size = reader->text.size};
         status = geojson_read(&text, &rest, &made, error);
         if (status != BAT_OK && error != NULL)
             error->line = 0; // of a text that nobody sees

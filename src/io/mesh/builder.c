@@ -21,6 +21,10 @@ void mesh_builder_free(mesh_builder *builder)
     free(builder->sizes);
     free(builder->creases);
     free(builder->marks);
+    label_table_free(&builder->labels);
+    free(builder->face_labels);
+    free(builder->material_files);
+    free(builder->material_json);
     *builder = (mesh_builder){0};
 }
 
@@ -114,9 +118,36 @@ bool mesh_builder_corner(mesh_builder *builder, uint32_t vertex, uint32_t textur
     return true;
 }
 
+bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL_NAMES])
+{
+    static const label_name none[MESH_LABEL_NAMES] = {{0}};
+    size_t faces = builder->face_count;
+    if (!builder->labelled && faces > 0)
+    {
+        uint32_t nameless = label_table_add(&builder->labels, none);
+        if (nameless == BAT_MESH_NONE || !GROW(builder->face_labels, builder->face_label_capacity, faces))
+            return false;
+        memset(builder->face_labels, 0, faces * sizeof *builder->face_labels); // the first label is that without names
+    }
+    builder->labelled = true;
+    builder->label = label_table_add(&builder->labels, names);
+    return builder->label != BAT_MESH_NONE;
+}
+
+/// Store the label of the current face.
+static bool add_face_label(mesh_builder *builder)
+{
+    if (!builder->labelled)
+        return true;
+    if (!GROW(builder->face_labels, builder->face_label_capacity, builder->face_count + 1))
+        return false;
+    builder->face_labels[builder->face_count] = builder->label;
+    return true;
+}
+
 bool mesh_builder_end_face(mesh_builder *builder, uint32_t size)
 {
-    if (!GROW(builder->sizes, builder->size_capacity, builder->face_count + 1))
+    if (!GROW(builder->sizes, builder->size_capacity, builder->face_count + 1) || !add_face_label(builder))
         return false;
     builder->sizes[builder->face_count++] = size;
     return true;
@@ -148,8 +179,8 @@ static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat
         if (size < 3)
             return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners, fewer than 3", f, size);
         if (size > 3 && !triangulate)
-            return error_set(error, BAT_BAD_FILE, f, 0,
-                             "face %zu has %zu corners; the option `triangulate` divides it into triangles", f, size);
+            return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners; --triangulate cuts it into triangles", f,
+                             size);
         for (size_t i = begin; i < begin + size; i++)
         {
             if (builder->corners[i] >= builder->vertex_count)
@@ -234,6 +265,23 @@ static bat_status cut_all(triangle_cutter *cutter, bat_error *error)
     return status;
 }
 
+/// Give every triangle the label of its polygon.
+static bat_status cut_labels(mesh_builder *builder, size_t triangle_count, bat_error *error)
+{
+    if (!builder->labelled)
+        return BAT_OK;
+    uint32_t *labels = memory_array(triangle_count, sizeof *labels);
+    if (labels == NULL)
+        return error_memory(error, triangle_count * sizeof *labels);
+    size_t triangle = 0;
+    for (size_t f = 0; f < builder->face_count; f++)
+        for (size_t i = 2; i < builder->sizes[f]; i++)
+            labels[triangle++] = builder->face_labels[f];
+    free(builder->face_labels);
+    builder->face_labels = labels;
+    return BAT_OK;
+}
+
 /// Replace the polygons by `triangle_count` triangles. `sizes` still holds the sizes of the polygons.
 static bat_status cut_polygons(mesh_builder *builder, size_t triangle_count, bat_error *error)
 {
@@ -291,7 +339,11 @@ static bat_status prepare(mesh_builder *builder, const bat_mesh_read_options *op
     if (status == BAT_OK && !complete_texture(builder))
         status = error_memory(error, builder->texture_capacity * sizeof(double));
     if (status == BAT_OK && triangle_count > builder->face_count)
+    {
         status = cut_polygons(builder, triangle_count, error);
+        if (status == BAT_OK)
+            status = cut_labels(builder, triangle_count, error);
+    }
     if (status == BAT_OK && !options->keep_degenerate)
         status = check_triangles(builder, error);
     return status;
@@ -332,7 +384,13 @@ bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_option
         .crease_count = builder->crease_count,
         .corners = trim(builder->marks, builder->mark_count, sizeof *builder->marks),
         .corner_count = builder->mark_count,
+        .face_labels = trim(builder->face_labels, builder->labelled ? corners / 3 : 0, sizeof *builder->face_labels),
+        .labels = builder->labels.labels,
+        .label_count = builder->labels.count,
+        .material_files = builder->material_files,
+        .material_json = builder->material_json,
     };
+    free(builder->labels.slots);
     free(builder->sizes);
     if (builder->channel_count == 0)
         free(builder->channel_names);

@@ -3,6 +3,7 @@
 
 #include "base/array_grow.h"
 #include "batten/mesh_file.h"
+#include "io/mesh/label_table.h"
 
 /// @file
 /// Construction of a mesh from the faces of a file.
@@ -30,6 +31,13 @@ typedef struct mesh_builder
     bat_mesh_corner *marks; ///< sharp vertices
     size_t mark_count, mark_capacity;
 
+    label_table labels;
+    uint32_t *face_labels; ///< the label of each face; null while no face has one
+    size_t face_label_capacity;
+    uint32_t label; ///< of further faces
+    bool labelled;  ///< whether faces have labels
+    char *material_files, *material_json;
+
     bool faceless; ///< a mesh without faces is allowed
 } mesh_builder;
 
@@ -55,6 +63,9 @@ bool mesh_builder_end_face(mesh_builder *builder, uint32_t size);
 /// Add a crease or a sharp vertex; the vertices must exist. False when out of memory.
 bool mesh_builder_crease(mesh_builder *builder, bat_mesh_crease crease);
 bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark);
+
+/// Set the label of the faces that follow. Faces without one have no names. False when out of memory.
+bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL_NAMES]);
 
 /// Check the faces, triangulate polygons and return the mesh. If only some faces have texture coordinates, the others get
 /// (0, 0). The builder is empty afterwards, also on failure.

@@ -5,7 +5,9 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "io/mesh/formats.h"
+#include "io/mesh/notes.h"
 
+#include <math.h>
 #include <string.h>
 
 /// @file
@@ -21,7 +23,22 @@ typedef struct mesh_format
     bat_status (*read)(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
     bat_status (*write)(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
     bool (*resembles)(const file_text *text);
+    unsigned holds; ///< what a file of the format can hold
 } mesh_format;
+
+/// What a format can hold beside positions and faces.
+enum
+{
+    HOLDS_TEXTURE = 1,
+    HOLDS_VERTEX_TEXTURE = 2, ///< one texture coordinate for each vertex
+    HOLDS_COLOURS = 4,
+    HOLDS_CHANNELS = 8,
+    HOLDS_CREASES = 16,
+    HOLDS_LABELS = 32,
+    HOLDS_SMOOTHING = 64,
+    HOLDS_MATERIALS = 128, ///< material_json
+    HOLDS_NORMALS = 256
+};
 
 static const mesh_format FORMATS[] = {
     {.choice = {.name = "auto", .summary = "by the file's ending", .value = BAT_MESH_FORMAT_AUTO}},
@@ -33,7 +50,8 @@ static const mesh_format FORMATS[] = {
       .value = BAT_MESH_FORMAT_OBJ},
      mesh_obj_read,
      mesh_obj_write,
-     NULL},
+     NULL,
+     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_CREASES | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_NORMALS},
     {{.name = "ply",
       .summary = "meshes: binary or text, with values at the vertices",
       .endings = ".ply",
@@ -42,7 +60,8 @@ static const mesh_format FORMATS[] = {
       .value = BAT_MESH_FORMAT_PLY},
      mesh_ply_read,
      mesh_ply_write,
-     mesh_ply_resembles},
+     mesh_ply_resembles,
+     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_CHANNELS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_NORMALS},
     {{.name = "off",
       .summary = "meshes: text, with colours",
       .endings = ".off",
@@ -51,7 +70,8 @@ static const mesh_format FORMATS[] = {
       .value = BAT_MESH_FORMAT_OFF},
      mesh_off_read,
      mesh_off_write,
-     mesh_off_resembles},
+     mesh_off_resembles,
+     HOLDS_VERTEX_TEXTURE | HOLDS_COLOURS},
     {{.name = "stl",
       .summary = "meshes: separate triangles in single precision",
       .endings = ".stl",
@@ -60,7 +80,28 @@ static const mesh_format FORMATS[] = {
       .value = BAT_MESH_FORMAT_STL},
      mesh_stl_read,
      mesh_stl_write,
-     mesh_stl_resembles},
+     mesh_stl_resembles,
+     0},
+    {{.name = "gltf",
+      .summary = "meshes: glTF 2.0 as JSON, with materials",
+      .endings = ".gltf",
+      .reads = true,
+      .writes = true,
+      .value = BAT_MESH_FORMAT_GLTF},
+     mesh_gltf_read,
+     mesh_gltf_write,
+     mesh_gltf_resembles,
+     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_MATERIALS | HOLDS_NORMALS},
+    {{.name = "glb",
+      .summary = "meshes: glTF 2.0 as a binary file, with materials",
+      .endings = ".glb",
+      .reads = true,
+      .writes = true,
+      .value = BAT_MESH_FORMAT_GLB},
+     mesh_gltf_read,
+     mesh_glb_write,
+     mesh_glb_resembles,
+     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_MATERIALS | HOLDS_NORMALS},
 };
 static const choice_table TABLE = CHOICE_TABLE("mesh format", FORMATS);
 
@@ -153,7 +194,7 @@ bat_mesh_write_options bat_mesh_write_defaults(void)
 bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_read_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_STL),
+        OPTION_FIELD(bat_mesh_read_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_GLB),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
@@ -161,47 +202,75 @@ bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat
 bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_write_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_STL),
+        OPTION_FIELD(bat_mesh_write_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_GLB),
         OPTION_FIELD(bat_mesh_write_options, encoding, OPTION_CHOICE, 0, BAT_MESH_ENCODING_TEXT),
         OPTION_THREADS(bat_mesh_write_options),
+        OPTION_FIELD(bat_mesh_write_options, normals, OPTION_CHOICE, 0, BAT_MESH_NORMALS_AREA),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
 
-/// The format of a text. OBJ has no signature; texts without another format's signature are OBJ.
+/// The format whose signature a text has; BAT_MESH_FORMAT_AUTO for none. OBJ has no signature.
 static bat_mesh_format format_of_text(const file_text *text)
 {
     for (size_t i = 0; i < sizeof FORMATS / sizeof *FORMATS; i++)
         if (FORMATS[i].resembles != NULL && FORMATS[i].resembles(text))
             return (bat_mesh_format)FORMATS[i].choice.value;
-    return BAT_MESH_FORMAT_OBJ;
+    return BAT_MESH_FORMAT_AUTO;
 }
 
-static bat_status read_format(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
-                              bat_mesh *mesh, bat_error *error)
+/// Choose the format of a text: that of the options, else by its signature, else by the file's ending, else OBJ.
+static bat_status choose_format(const file_text *text, bat_mesh_format wanted, bat_mesh_format *format,
+                                bat_mesh_notes *notes, bat_error *error)
 {
-    if (format == BAT_MESH_FORMAT_AUTO)
-        format = format_of_text(text);
-    return row_of(format)->read(text, options, mesh, error);
+    bat_mesh_format ending = *format, found = BAT_MESH_FORMAT_AUTO;
+    *format = wanted != BAT_MESH_FORMAT_AUTO ? wanted : ending;
+    if (wanted != BAT_MESH_FORMAT_AUTO ||
+        (ending != BAT_MESH_FORMAT_AUTO && row_of(ending)->resembles != NULL && row_of(ending)->resembles(text)))
+        return BAT_OK;
+    found = format_of_text(text);
+    if (ending == BAT_MESH_FORMAT_AUTO)
+        *format = found != BAT_MESH_FORMAT_AUTO ? found : BAT_MESH_FORMAT_OBJ;
+    if (ending == BAT_MESH_FORMAT_AUTO || found == BAT_MESH_FORMAT_AUTO || row_of(found)->read == row_of(ending)->read)
+        return BAT_OK;
+    *format = found;
+    return mesh_note(notes, error, "the content is %s, not %s as the ending says; --from %s would insist on it",
+                     row_of(found)->choice.name, row_of(ending)->choice.name, row_of(ending)->choice.name);
 }
 
-/// Read a mesh, and repair it where that is asked for.
+/// Read a mesh whose file's ending stands for `format`, and repair it where that is asked for.
 static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
                             bat_mesh *mesh, bat_error *error)
 {
     bat_mesh_read_options lenient = *options;
     bat_mesh_repair_report report = {0};
-    bat_mesh broken;
+    bat_mesh_notes notes = {0};
+    bat_mesh read, repaired;
     lenient.keep_degenerate = options->keep_degenerate || options->repair;
-    bat_status status = read_format(text, format, &lenient, options->repair ? &broken : mesh, error);
+    lenient.notes = options->notes != NULL ? &notes : NULL;
+    bat_status status = choose_format(text, options->format, &format, lenient.notes, error);
+    if (status == BAT_OK)
+        status = row_of(format)->read(text, &lenient, &read, error);
     if (status == BAT_OK && options->repair)
     {
-        status = bat_mesh_repair(&broken, &report, mesh, error);
-        bat_mesh_free(&broken);
+        status = bat_mesh_repair(&read, &report, &repaired, error);
+        bat_mesh_free(&read);
+        if (status == BAT_OK)
+            read = repaired;
     }
-    if (status == BAT_OK && options->repairs != NULL)
+    if (status == BAT_OK)
+    {
+        status = mesh_notes_move(&notes, options->notes, error);
+        if (status != BAT_OK)
+            bat_mesh_free(&read);
+    }
+    bat_mesh_notes_free(&notes);
+    if (status != BAT_OK)
+        return status;
+    *mesh = read;
+    if (options->repairs != NULL)
         *options->repairs = report;
-    return status;
+    return BAT_OK;
 }
 
 bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
@@ -235,7 +304,7 @@ bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_r
         status = file_text_copy(bytes, size, &text, error);
     if (status != BAT_OK)
         return status;
-    status = read_text(&text, options->format, options, mesh, error);
+    status = read_text(&text, BAT_MESH_FORMAT_AUTO, options, mesh, error);
     file_text_free(&text);
     return status;
 }
@@ -256,6 +325,88 @@ static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, cons
     return bat_mesh_check(mesh, error);
 }
 
+/// Note what a mesh has and a format cannot hold.
+static bat_status note_losses(const bat_mesh *mesh, const mesh_format *row, const bat_mesh_write_options *options,
+                              bat_mesh_notes *notes, bat_error *error)
+{
+    size_t places[MESH_COLOURS], colours = mesh_colours(mesh, places);
+    bool smoothing = false, names = false;
+    for (size_t i = 0; i < mesh->label_count && mesh->face_labels != NULL; i++)
+    {
+        const bat_mesh_label *label = &mesh->labels[i];
+        smoothing = smoothing || label->smoothing != NULL;
+        names = names || label->object != NULL || label->group != NULL || label->material != NULL;
+    }
+    const struct
+    {
+        bool there;
+        unsigned holds;
+        const char *what;
+    } parts[] = {
+        {mesh->texture_faces != NULL, HOLDS_TEXTURE | (mesh_texture_by_vertex(mesh) ? (unsigned)HOLDS_VERTEX_TEXTURE : 0),
+         "texture coordinates"},
+        {colours > 0, HOLDS_COLOURS, "colours"},
+        {mesh->channel_count > colours, HOLDS_CHANNELS, "numbers at the vertices other than colours"},
+        {mesh->crease_count > 0 || mesh->corner_count > 0, HOLDS_CREASES, "creases and corners"},
+        {names, HOLDS_LABELS, "names of objects, groups and materials"},
+        {smoothing, HOLDS_SMOOTHING, "smoothing groups"},
+        {mesh->material_files != NULL, HOLDS_LABELS, "files of materials"},
+        {mesh->material_json != NULL, HOLDS_MATERIALS, "the properties of materials"},
+        {options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL, HOLDS_NORMALS, "vertex normals"},
+    };
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
+        if (parts[i].there && (parts[i].holds & row->holds) == 0)
+            status = mesh_note(notes, error, "the output lacks %s: %s does not hold them", parts[i].what, row->choice.name);
+    return status;
+}
+
+/// The normals to write, in a new array.
+static bat_status make_normals(const bat_mesh *mesh, const bat_mesh_write_options *options, double **normals,
+                               bat_error *error)
+{
+    *normals = memory_array(mesh->vertex_count, 3 * sizeof **normals);
+    if (*normals == NULL)
+        return error_memory(error, mesh->vertex_count * 3 * sizeof **normals);
+    bat_mesh_normals weights = options->normals != BAT_MESH_NORMALS_NONE ? options->normals : BAT_MESH_NORMALS_ANGLE;
+    bat_status status = bat_mesh_vertex_normals(mesh, weights, *normals, error);
+    for (size_t v = 0; v < mesh->vertex_count && options->vertex_normals != NULL && status == BAT_OK; v++)
+    {
+        const double *given = options->vertex_normals + 3 * v;
+        if (!isfinite(given[0]) || !isfinite(given[1]) || !isfinite(given[2]))
+            status = error_set(error, BAT_INVALID_POINT, v, 0, "the normal of vertex %zu is not finite", v);
+        if (given[0] != 0 || given[1] != 0 || given[2] != 0)
+            memcpy(*normals + 3 * v, given, 3 * sizeof *given);
+    }
+    return status;
+}
+
+/// Write a checked mesh to a sink.
+static bat_status write_format(const bat_mesh *mesh, bat_mesh_format format, const bat_mesh_write_options *options,
+                               text_sink *sink, bat_error *error)
+{
+    const mesh_format *row = row_of(format);
+    bat_mesh_write_options complete = *options;
+    bat_mesh_notes notes = {0};
+    double *normals = NULL;
+    bool wanted = options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL;
+    complete.vertex_normals = NULL;
+    complete.notes = options->notes != NULL ? &notes : NULL;
+    bat_status status = note_losses(mesh, row, options, complete.notes, error);
+    if (status == BAT_OK && wanted && (row->holds & HOLDS_NORMALS) != 0)
+    {
+        status = make_normals(mesh, options, &normals, error);
+        complete.vertex_normals = normals;
+    }
+    if (status == BAT_OK)
+        status = row->write(mesh, &complete, sink, error);
+    if (status == BAT_OK)
+        status = mesh_notes_move(&notes, options->notes, error);
+    bat_mesh_notes_free(&notes);
+    free(normals);
+    return status;
+}
+
 bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options, bat_error *error)
 {
     bat_mesh_write_options defaults = bat_mesh_write_defaults();
@@ -271,7 +422,7 @@ bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh
     if (status != BAT_OK)
         return status;
     text_sink sink = {.stream = file.stream};
-    status = row_of(format)->write(mesh, options, &sink, error);
+    status = write_format(mesh, format, options, &sink, error);
     return atomic_file_end(&file, status, error);
 }
 
@@ -286,7 +437,7 @@ bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_opti
         return status;
     text_buffer buffer = {0};
     text_sink sink = {.buffer = &buffer};
-    status = row_of(options->format)->write(mesh, options, &sink, error);
+    status = write_format(mesh, options->format, options, &sink, error);
     text_append(&buffer, "", 1);
     if (status == BAT_OK && buffer.failed)
         status = error_memory(error, buffer.size);

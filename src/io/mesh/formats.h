@@ -12,11 +12,14 @@ bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *opt
 bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
+bat_status mesh_gltf_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 
 bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
+bat_status mesh_gltf_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
+bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
 
 /// Read a file that may have only vertices; the mesh then has no faces.
 bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
@@ -24,10 +27,12 @@ bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_optio
 bat_status mesh_ply_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
                                 bat_error *error);
 
-/// Whether a text begins like PLY, OFF or STL. OBJ has no signature.
+/// Whether a text begins like PLY, OFF, STL, glTF or GLB. OBJ has no signature.
 bool mesh_ply_resembles(const file_text *text);
 bool mesh_off_resembles(const file_text *text);
 bool mesh_stl_resembles(const file_text *text);
+bool mesh_gltf_resembles(const file_text *text);
+bool mesh_glb_resembles(const file_text *text);
 
 /// The names of colour channels, whose values are 0 to 1. Formats with integer colours scale them.
 enum

@@ -2,6 +2,7 @@
 #include "io/common/word_scan.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
+#include "io/mesh/obj_labels.h"
 
 #include <math.h>
 
@@ -12,6 +13,7 @@ typedef struct obj_reader
 {
     mesh_builder builder;
     word_scan scan;
+    obj_labels labels;
     size_t colours; ///< the number of colour values of every vertex
 } obj_reader;
 
@@ -142,6 +144,8 @@ static bat_status read_face(obj_reader *reader, bat_error *error)
     mesh_builder *builder = &reader->builder;
     size_t size = 0, index = builder->face_count;
     bool textured = false;
+    if (!obj_labels_apply(&reader->labels, builder))
+        return no_memory(reader, error);
     for (; !scan_line_done(&reader->scan); size++)
     {
         uint32_t vertex, texture;
@@ -239,22 +243,15 @@ static bat_status read_statement(obj_reader *reader, bat_error *error)
     word_scan *scan = &reader->scan;
     if (scan_line_done(scan))
         return BAT_OK;
-    const char *word = scan->at;
-    if (scan_word_ends(scan, word + 1))
-    {
-        scan->at++;
-        if (*word == 'v')
-            return read_vertex(reader, error);
-        if (*word == 'f')
-            return read_face(reader, error);
-        if (*word == 't')
-            return read_tag(reader, error);
-    }
-    else if (word[0] == 'v' && word[1] == 't' && scan_word_ends(scan, word + 2))
-    {
-        scan->at += 2;
+    if (scan_word(scan, "v"))
+        return read_vertex(reader, error);
+    if (scan_word(scan, "f"))
+        return read_face(reader, error);
+    if (scan_word(scan, "t"))
+        return read_tag(reader, error);
+    if (scan_word(scan, "vt"))
         return read_texture(reader, error);
-    }
+    obj_labels_read(&reader->labels, scan);
     return BAT_OK;
 }
 
@@ -278,6 +275,9 @@ static bat_status read_obj(const file_text *text, const bat_mesh_read_options *o
     do
         status = read_statement(&reader, error);
     while (status == BAT_OK && scan_next_line(&reader.scan));
+    if (status == BAT_OK)
+        status = obj_labels_finish(&reader.labels, &reader.builder, options->notes, error);
+    obj_labels_free(&reader.labels);
     if (status != BAT_OK)
     {
         mesh_builder_free(&reader.builder);
@@ -320,16 +320,17 @@ static double finite_sharpness(double sharpness)
     return isfinite(sharpness) ? sharpness : BAT_MESH_SHARP;
 }
 
-/// The positions of the colours among the channels.
-typedef struct obj_colours
+/// What is written beside positions.
+typedef struct obj_plan
 {
-    size_t places[MESH_COLOURS];
-    size_t count;
-} obj_colours;
+    size_t places[MESH_COLOURS]; ///< the positions of the colours among the channels
+    size_t colours;
+    const double *normals; ///< null: none
+} obj_plan;
 
 static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
 {
-    const obj_colours *colours = context;
+    const obj_plan *plan = context;
     for (size_t v = begin; v < end; v++)
     {
         char *out = text_reserve(text, (3 + MESH_COLOURS) * (NUMBER_TEXT_SIZE + 1) + 2);
@@ -337,8 +338,8 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
             return;
         *out++ = 'v';
         out = write_numbers(out, mesh->positions + 3 * v, 3);
-        for (size_t i = 0; i < colours->count; i++)
-            out = write_numbers(out, mesh->channels + v * mesh->channel_count + colours->places[i], 1);
+        for (size_t i = 0; i < plan->colours; i++)
+            out = write_numbers(out, mesh->channels + v * mesh->channel_count + plan->places[i], 1);
         *out++ = '\n';
         text_advance(text, out);
     }
@@ -360,12 +361,37 @@ static void format_texture(const bat_mesh *mesh, const void *context, size_t beg
     }
 }
 
+static void format_normals(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)mesh;
+    const obj_plan *plan = context;
+    for (size_t i = begin; i < end; i++)
+    {
+        char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 3);
+        if (out == NULL)
+            return;
+        *out++ = 'v';
+        *out++ = 'n';
+        out = write_numbers(out, plan->normals + 3 * i, 3);
+        *out++ = '\n';
+        text_advance(text, out);
+    }
+}
+
+/// Write a slash and an index, which counts from 1.
+static char *write_index(char *out, uint32_t index)
+{
+    *out++ = '/';
+    return number_write_fixed(out, (int64_t)index + 1, 0);
+}
+
 static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
 {
-    (void)context;
+    const obj_plan *plan = context;
     for (size_t f = begin; f < end; f++)
     {
-        char *out = text_reserve(text, 6 * NUMBER_TEXT_SIZE);
+        obj_labels_write(mesh, f, text);
+        char *out = text_reserve(text, 9 * NUMBER_TEXT_SIZE);
         if (out == NULL)
             return;
         *out++ = 'f';
@@ -373,10 +399,12 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
         {
             *out++ = ' ';
             out = number_write_fixed(out, (int64_t)mesh->faces[h] + 1, 0);
-            if (mesh->texture_faces == NULL)
-                continue;
-            *out++ = '/';
-            out = number_write_fixed(out, (int64_t)mesh->texture_faces[h] + 1, 0);
+            if (mesh->texture_faces != NULL)
+                out = write_index(out, mesh->texture_faces[h]);
+            else if (plan->normals != NULL)
+                *out++ = '/';
+            if (plan->normals != NULL)
+                out = write_index(out, mesh->faces[h]);
         }
         *out++ = '\n';
         text_advance(text, out);
@@ -417,19 +445,25 @@ static void format_corners(const bat_mesh *mesh, const void *context, size_t beg
 
 bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    obj_colours colours;
-    colours.count = mesh_colours(mesh, colours.places);
+    obj_plan plan = {.normals = options->vertex_normals};
+    plan.colours = mesh_colours(mesh, plan.places);
+    text_buffer files = {0};
+    bat_status status = obj_labels_check(mesh, error);
+    obj_labels_write_files(mesh, &files);
+    if (status == BAT_OK)
+        status = sink_write(sink, &files, error);
+    text_free(&files);
     const struct
     {
         size_t count;
         mesh_row_format *format;
     } parts[] = {{mesh->vertex_count, format_vertices},
                  {mesh->texture_faces != NULL ? mesh->texture_count : 0, format_texture},
+                 {plan.normals != NULL ? mesh->vertex_count : 0, format_normals},
                  {mesh->face_count, format_faces},
                  {mesh->crease_count, format_creases},
                  {mesh->corner_count, format_corners}};
-    bat_status status = BAT_OK;
     for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
-        status = mesh_rows_write(mesh, parts[i].count, parts[i].format, &colours, options->threads, sink, error);
+        status = mesh_rows_write(mesh, parts[i].count, parts[i].format, &plan, options->threads, sink, error);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "io/common/word_scan.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
+#include "io/mesh/notes.h"
 
 /// @file
 /// The Object File Format of Geomview in text form, [ST][C][N]OFF: texture coordinates, colours and normals at vertices.
@@ -241,11 +242,17 @@ bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *opt
     }
     scale_colours(&reader.builder);
     bat_error found = {.index = BAT_NO_INDEX};
-    status = mesh_builder_finish(&reader.builder, options, mesh, &found);
+    if (reader.with_normals)
+        status =
+            mesh_note(options->notes, &found,
+                      "%zu normals are left out: they follow from the mesh; --normals writes new ones", reader.vertices);
+    if (status == BAT_OK)
+        status = mesh_builder_finish(&reader.builder, options, mesh, &found);
     if (status != BAT_OK && found.index != BAT_NO_INDEX)
         found.line = line_of_face(&reader, text, found.index);
     if (status != BAT_OK && error != NULL)
         *error = found;
+    mesh_builder_free(&reader.builder);
     return status;
 }
 

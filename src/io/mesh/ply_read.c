@@ -1,6 +1,8 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
+#include "io/mesh/notes.h"
 #include "io/mesh/ply.h"
+#include "io/mesh/ply_labels.h"
 #include "mesh/point_table.h"
 
 /// @file
@@ -30,9 +32,12 @@ typedef struct ply_reader
     size_t vertices; ///< from the header
     ply_place *places;
     double *row;
-    bool textured;        ///< vertices have texture coordinates
-    size_t corners_at;    ///< index of the list of corners among a face's properties
-    size_t texture_at;    ///< index of the list of texture coordinates, or property_count
+    bool textured;     ///< vertices have texture coordinates
+    size_t corners_at; ///< index of the list of corners among a face's properties
+    size_t texture_at; ///< index of the list of texture coordinates, or property_count
+    size_t label_at;   ///< index of the label, or property_count
+    uint32_t *labels;  ///< for each label of the header: its number in the builder
+    size_t label_count;
     word_scan first_face; ///< the position of the first face
     uint32_t *face;       ///< the corners of the current face
     size_t face_capacity;
@@ -48,6 +53,7 @@ static void reader_free(ply_reader *reader)
     point_table_free(&reader->texture_table);
     free(reader->places);
     free(reader->row);
+    free(reader->labels);
     free(reader->face);
     free(reader->texture_keys);
 }
@@ -232,6 +238,9 @@ static bat_status plan_faces(ply_reader *reader, const ply_element *face, bat_er
     reader->texture_at = ply_property_find(face, "texcoord");
     if (reader->texture_at < count && !face->properties[reader->texture_at].list)
         reader->texture_at = count;
+    reader->label_at = reader->label_count > 0 ? ply_property_find(face, PLY_LABEL) : count;
+    if (reader->label_at < count && face->properties[reader->label_at].list)
+        reader->label_at = count;
     return BAT_OK;
 }
 
@@ -376,6 +385,21 @@ static bat_status add_corners(ply_reader *reader, size_t size, bat_error *error)
     return BAT_OK;
 }
 
+/// Read the label of a face.
+static bat_status read_label(ply_reader *reader, const ply_element *element, size_t row, bat_error *error)
+{
+    const ply_property *property = &element->properties[reader->label_at];
+    double value;
+    if (!ply_number(&reader->source, property->type, &value))
+        return number_fault(reader, element, row, property, error);
+    if (!(value >= 0 && value < (double)reader->label_count))
+        return error_set(error, BAT_BAD_FILE, row, line_of(reader), "face %zu has label %g, but there are %zu", row, value,
+                         reader->label_count);
+    reader->builder.label = reader->labels[(size_t)value];
+    reader->builder.labelled = true;
+    return BAT_OK;
+}
+
 static bat_status read_face(ply_reader *reader, const ply_element *element, size_t row, bat_error *error)
 {
     size_t size = 0;
@@ -387,6 +411,8 @@ static bat_status read_face(ply_reader *reader, const ply_element *element, size
             texture_place = reader->source.scan;
         if (i == reader->corners_at)
             status = read_corners(reader, element, row, &size, error);
+        else if (i == reader->label_at)
+            status = read_label(reader, element, row, error);
         else
             status = skip_property(reader, element, row, &element->properties[i], error);
     }
@@ -443,8 +469,12 @@ static bat_status read_element(ply_reader *reader, const ply_element *element, b
 
 static bat_status read_all(ply_reader *reader, bat_error *error)
 {
+    const char *begin = reader->source.scan.at;
     bat_status status = ply_header_read(&reader->source.scan, &reader->header, error);
     reader->source.encoding = reader->header.encoding;
+    if (status == BAT_OK)
+        status = ply_labels_read(begin, (size_t)(reader->source.scan.at - begin), &reader->builder, &reader->labels,
+                                 &reader->label_count, error);
     if (status == BAT_OK)
         status = plan(reader, error);
     for (size_t i = 0; i < reader->header.element_count && status == BAT_OK; i++)
@@ -466,6 +496,35 @@ static size_t line_of_face(const ply_reader *reader, size_t face)
     return scan.line;
 }
 
+/// Note what is in the file but not in the mesh.
+static bat_status note_losses(const ply_reader *reader, bat_mesh_notes *notes, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < reader->header.element_count && status == BAT_OK; i++)
+    {
+        const ply_element *element = &reader->header.elements[i];
+        char name[EXCERPT_SIZE];
+        (void)text_excerpt(name, element->name.begin, element->name.begin + element->name.size);
+        if (ply_name_is(element->name, "vertex"))
+            status = ply_property_find(element, "nx") < element->property_count
+                         ? mesh_note(notes, error,
+                                     "%zu normals are left out: they follow from the mesh; --normals writes new ones",
+                                     element->count)
+                         : BAT_OK;
+        else if (!ply_name_is(element->name, "face") && element->count > 0)
+            status =
+                mesh_note(notes, error, "%zu elements '%s' are left out: a mesh does not hold them", element->count, name);
+        for (size_t k = 0; k < element->property_count && status == BAT_OK && ply_name_is(element->name, "face"); k++)
+        {
+            const ply_property *property = &element->properties[k];
+            (void)text_excerpt(name, property->name.begin, property->name.begin + property->name.size);
+            if (k != reader->corners_at && k != reader->texture_at && k != reader->label_at)
+                status = mesh_note(notes, error, "the property '%s' of faces is left out: a mesh does not hold it", name);
+        }
+    }
+    return status;
+}
+
 static bat_status read_ply(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
                            bat_error *error)
 {
@@ -474,7 +533,9 @@ static bat_status read_ply(const file_text *text, const bat_mesh_read_options *o
     if (status == BAT_OK)
     {
         bat_error found = {.index = BAT_NO_INDEX};
-        status = mesh_builder_finish(&reader.builder, options, mesh, &found);
+        status = note_losses(&reader, options->notes, &found);
+        if (status == BAT_OK)
+            status = mesh_builder_finish(&reader.builder, options, mesh, &found);
         if (status != BAT_OK && reader.source.encoding == PLY_TEXT && found.index != BAT_NO_INDEX)
             found.line = line_of_face(&reader, found.index);
         if (status != BAT_OK && error != NULL)

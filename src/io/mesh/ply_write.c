@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/ply.h"
+#include "io/mesh/ply_labels.h"
 
 #include <math.h>
 
@@ -13,6 +14,7 @@ typedef struct ply_plan
     bool *bytes; ///< for each channel: whether it is a colour and all values are multiples of 1/255
     bool texture_by_vertex, texture_by_corner;
     bool text, big_endian;
+    const double *normals; ///< null: none
 } ply_plan;
 
 /// Whether bytes represent a channel exactly, as a colour.
@@ -91,8 +93,12 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     text_buffer text = {0};
     text_append_string(&text, "ply\nformat ");
     text_append_string(&text, plan->text ? "ascii" : plan->big_endian ? "binary_big_endian" : "binary_little_endian");
-    append_number(&text, " 1.0\nelement vertex ", (double)mesh->vertex_count,
+    text_append_string(&text, " 1.0\n");
+    ply_labels_write(mesh, &text);
+    append_number(&text, "element vertex ", (double)mesh->vertex_count,
                   "\nproperty double x\nproperty double y\nproperty double z\n");
+    if (plan->normals != NULL)
+        text_append_string(&text, "property double nx\nproperty double ny\nproperty double nz\n");
     if (plan->texture_by_vertex)
         text_append_string(&text, "property double s\nproperty double t\n");
     for (size_t i = 0; i < mesh->channel_count; i++)
@@ -106,6 +112,8 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     text_append_string(&text, " vertex_indices\n");
     if (plan->texture_by_corner)
         text_append_string(&text, "property list uchar double texcoord\n");
+    if (mesh->face_labels != NULL)
+        text_append_string(&text, "property uint " PLY_LABEL "\n");
     text_append_string(&text, "end_header\n");
     bat_status status = sink_write(sink, &text, error);
     text_free(&text);
@@ -154,7 +162,7 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
 {
     enum
     {
-        MAX_NUMBERS = 5
+        MAX_NUMBERS = 8
     };
     const ply_plan *plan = context;
     for (size_t v = begin; v < end; v++)
@@ -164,6 +172,8 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
             return;
         for (size_t k = 0; k < 3; k++)
             out = put_double(out, mesh->positions[3 * v + k], plan);
+        for (size_t k = 0; k < 3 && plan->normals != NULL; k++)
+            out = put_double(out, plan->normals[3 * v + k], plan);
         for (size_t k = 0; k < 2 && plan->texture_by_vertex; k++)
             out = put_double(out, mesh->texture[2 * v + k], plan);
         for (size_t i = 0; i < mesh->channel_count; i++)
@@ -180,7 +190,7 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
 {
     enum
     {
-        MAX_NUMBERS = 11,
+        MAX_NUMBERS = 12,
         CORNERS = 3,
         INDEX_SIZE = 4
     };
@@ -198,6 +208,8 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
         for (size_t h = 3 * f; h < 3 * f + CORNERS && plan->texture_by_corner; h++)
             for (size_t k = 0; k < 2; k++)
                 out = put_double(out, mesh->texture[2 * (size_t)mesh->texture_faces[h] + k], plan);
+        if (mesh->face_labels != NULL)
+            out = put_integer(out, mesh->face_labels[f], INDEX_SIZE, plan);
         text_advance(text, end_row(out, plan));
     }
 }
@@ -206,7 +218,8 @@ bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *op
 {
     ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh),
                      .text = options->encoding == BAT_MESH_ENCODING_TEXT,
-                     .big_endian = options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN};
+                     .big_endian = options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN,
+                     .normals = options->vertex_normals};
     plan.texture_by_corner = mesh->texture_faces != NULL && !plan.texture_by_vertex;
     bat_status status = check_names(mesh, &plan, error);
     if (status != BAT_OK)

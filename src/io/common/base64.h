@@ -1,0 +1,16 @@
+#ifndef IO_COMMON_BASE64_H
+#define IO_COMMON_BASE64_H
+
+#include "base/text_buffer.h"
+
+/// @file
+/// Base64 (RFC 4648, section 4).
+
+/// Append bytes in base64, with padding.
+void base64_append(text_buffer *text, const void *bytes, size_t size);
+
+/// Append the bytes of base64 text, whose padding may be missing. False for other characters or a wrong length. Out of
+/// memory: `bytes->failed` is set.
+bool base64_decode(text_buffer *bytes, const char *text, size_t size);
+
+#endif

@@ -1,0 +1,397 @@
+#include "io/mesh/gltf.h"
+
+#include "base/error.h"
+#include "base/file_bytes.h"
+#include "base/json_parse.h"
+#include "io/common/base64.h"
+#include "io/common/number_text.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// The JSON of a glTF file, and its buffers: the binary chunk, data URIs, or files beside it.
+
+/// The largest whole number that a double holds with all its neighbours; JSON has no larger ones.
+#define MAX_WHOLE ((size_t)1 << 53)
+
+static uint32_t word_at(const void *bytes)
+{
+    const unsigned char *b = bytes;
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+bool mesh_glb_resembles(const file_text *text)
+{
+    return text->size >= 4 && word_at(text->data) == GLB_MAGIC;
+}
+
+bool mesh_gltf_resembles(const file_text *text)
+{
+    size_t blanks = strspn(text->data, " \t\r\n");
+    return text->data[blanks] == '{';
+}
+
+bat_status gltf_fault(gltf_place place, bat_error *error, const char *format, ...)
+{
+    char fault[BAT_ERROR_TEXT_SIZE / 2];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(fault, sizeof fault, format, arguments);
+    va_end(arguments);
+    if (place.index == SIZE_MAX)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s: %s", place.what, fault);
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s %zu: %s", place.what, place.index, fault);
+}
+
+bat_status gltf_size(const json_t *object, const char *key, gltf_place place, size_t *value, bat_error *error)
+{
+    const json_t *member = json_object_get(object, key);
+    if (member == NULL)
+        return BAT_OK;
+    double number = json_number_value(member);
+    if (!json_is_number(member) || !(number >= 0 && number <= (double)MAX_WHOLE) || number != floor(number))
+        return gltf_fault(place, error, "'%s' is no whole number of 0 or more", key);
+    *value = (size_t)number;
+    return BAT_OK;
+}
+
+bat_status gltf_numbers(const json_t *object, const char *key, size_t count, gltf_place place, double *values,
+                        bat_error *error)
+{
+    const json_t *member = json_object_get(object, key);
+    if (member == NULL)
+        return BAT_OK;
+    bool good = json_array_size(member) == count;
+    for (size_t i = 0; i < count && good; i++)
+    {
+        const json_t *number = json_array_get(member, i);
+        good = json_is_number(number) && isfinite(json_number_value(number));
+        if (good)
+            values[i] = json_number_value(number);
+    }
+    return good ? BAT_OK : gltf_fault(place, error, "'%s' is no list of %zu numbers", key, count);
+}
+
+bat_status gltf_array(const json_t *object, const char *key, gltf_place place, const json_t **array, bat_error *error)
+{
+    *array = json_object_get(object, key);
+    return *array == NULL || json_is_array(*array) ? BAT_OK : gltf_fault(place, error, "'%s' is no list", key);
+}
+
+bat_status gltf_element(const gltf_document *document, const char *array, const char *what, size_t index, json_t **element,
+                        bat_error *error)
+{
+    const json_t *list = json_object_get(document->root, array);
+    *element = json_array_get(list, index);
+    if (*element == NULL)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no %s %zu: the file has %zu %s", what, index,
+                         json_array_size(list), array);
+    return json_is_object(*element) ? BAT_OK : gltf_fault((gltf_place){what, index}, error, "it is no object");
+}
+
+// The file
+
+/// Find the chunks of a GLB file.
+static bat_status read_chunks(const file_text *text, gltf_document *document, const char **json, size_t *json_size,
+                              bat_error *error)
+{
+    const char *bytes = text->data;
+    if (text->size < GLB_HEADER + GLB_CHUNK_HEADER)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file ends in the header of GLB");
+    if (word_at(bytes + 4) != GLB_VERSION)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GLB of version %u is not read, only version 2",
+                         word_at(bytes + 4));
+    if (word_at(bytes + 8) != text->size)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has %zu bytes, but its header tells %u", text->size,
+                         word_at(bytes + 8));
+    size_t at = GLB_HEADER;
+    for (size_t number = 0; text->size - at >= GLB_CHUNK_HEADER; number++)
+    {
+        size_t size = word_at(bytes + at);
+        uint32_t kind = word_at(bytes + at + 4);
+        at += GLB_CHUNK_HEADER;
+        if (size > text->size - at)
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "chunk %zu of GLB is longer than the file", number);
+        if (number == 0 && kind != GLB_JSON)
+            break;
+        if (number == 0)
+        {
+            *json = bytes + at;
+            *json_size = size;
+        }
+        else if (kind == GLB_BIN && document->chunk == NULL)
+        {
+            document->chunk = (const unsigned char *)bytes + at;
+            document->chunk_size = size;
+        }
+        at += size;
+    }
+    return *json != NULL ? BAT_OK : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the first chunk of GLB is not JSON");
+}
+
+/// Whether batten reads files that require an extension. Extensions of materials are kept as they are.
+static bool is_known_extension(const char *name)
+{
+    static const char *const known[] = {"KHR_mesh_quantization", "KHR_texture_",       "KHR_materials_", "KHR_lights_",
+                                        "EXT_texture_",          "EXT_lights_",        "KHR_xmp_",       "KHR_xmp",
+                                        "MSFT_texture_",         "KHR_node_visibility"};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strncmp(name, known[i], strlen(known[i])) == 0)
+            return true;
+    return false;
+}
+
+static bat_status check_extensions(const json_t *root, bat_error *error)
+{
+    const json_t *required;
+    bat_status status = gltf_array(root, "extensionsRequired", (gltf_place){"the file", SIZE_MAX}, &required, error);
+    for (size_t i = 0; i < json_array_size(required) && status == BAT_OK; i++)
+    {
+        const char *name = json_string_value(json_array_get(required, i));
+        char excerpt[EXCERPT_SIZE];
+        if (name == NULL)
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "'extensionsRequired' holds other values than texts");
+        if (!is_known_extension(name))
+            status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the file requires the extension '%s'%s",
+                               text_excerpt(excerpt, name, name + strlen(name)),
+                               strstr(name, "draco") != NULL || strstr(name, "meshopt") != NULL
+                                   ? ": compressed meshes are not read"
+                                   : ", which is not read");
+    }
+    return status;
+}
+
+static bat_status check_version(const json_t *root, bat_error *error)
+{
+    const json_t *asset = json_object_get(root, "asset");
+    const char *minimum = json_string_value(json_object_get(asset, "minVersion"));
+    const char *version = json_string_value(json_object_get(asset, "version"));
+    char excerpt[EXCERPT_SIZE];
+    if (version == NULL)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no 'asset' with a 'version': the JSON is no glTF");
+    if (minimum != NULL)
+        version = minimum;
+    if (strncmp(version, "2.", 2) != 0 || (minimum != NULL && strcmp(minimum, "2.0") != 0))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "glTF of version '%s' is not read, only version 2.0",
+                         text_excerpt(excerpt, version, version + strlen(version)));
+    return BAT_OK;
+}
+
+bat_status gltf_open(const file_text *text, gltf_document *document, bat_error *error)
+{
+    *document = (gltf_document){.text = text, .total_size = text->size};
+    const char *json = NULL;
+    size_t size = 0;
+    bool binary = mesh_glb_resembles(text);
+    if (!binary && !mesh_gltf_resembles(text))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file begins neither as GLB, with 'glTF', nor as JSON");
+    bat_status status = BAT_OK;
+    if (binary)
+        status = read_chunks(text, document, &json, &size, error);
+    else
+    {
+        json = text->data;
+        size = text->size;
+    }
+    if (status == BAT_OK)
+        status = json_parse(json, size, 0, 1, &document->root, error);
+    if (status != BAT_OK)
+    {
+        document->root = NULL;
+        return status;
+    }
+    if (!json_is_object(document->root))
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the JSON is no object");
+    status = check_version(document->root, error);
+    if (status == BAT_OK)
+        status = check_extensions(document->root, error);
+    if (status != BAT_OK)
+        return status;
+    document->buffer_count = json_array_size(json_object_get(document->root, "buffers"));
+    document->buffers = calloc(document->buffer_count + 1, sizeof *document->buffers);
+    return document->buffers != NULL ? BAT_OK : error_memory(error, document->buffer_count * sizeof *document->buffers);
+}
+
+void gltf_close(gltf_document *document)
+{
+    for (size_t i = 0; i < document->buffer_count && document->buffers != NULL; i++)
+        free(document->buffers[i].owned);
+    free(document->buffers);
+    json_decref(document->root);
+    *document = (gltf_document){0};
+}
+
+// Buffers
+
+/// Decode a data URI after "data:".
+static bat_status decode_data(const char *uri, size_t index, gltf_buffer *buffer, bat_error *error)
+{
+    const char *comma = strchr(uri, ',');
+    static const char encoding[] = ";base64";
+    size_t size = sizeof encoding - 1;
+    if (comma == NULL || (size_t)(comma - uri) < size || memcmp(comma - size, encoding, size) != 0)
+        return gltf_fault((gltf_place){"buffer", index}, error, "its data URI is not in base64");
+    text_buffer bytes = {0};
+    bool decoded = base64_decode(&bytes, comma + 1, strlen(comma + 1));
+    if (!decoded || bytes.failed)
+    {
+        text_free(&bytes);
+        return decoded ? error_memory(error, strlen(uri))
+                       : gltf_fault((gltf_place){"buffer", index}, error, "its data URI is invalid base64");
+    }
+    *buffer = (gltf_buffer){(const unsigned char *)bytes.data, bytes.size, bytes.data};
+    return BAT_OK;
+}
+
+static int hex_value(char c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+/// Append a URI with its percent escapes replaced (RFC 3986, section 2.1). False for an escaped zero byte.
+static bool append_unescaped(text_buffer *path, const char *uri)
+{
+    for (const char *at = uri; *at != '\0'; at++)
+    {
+        char c = *at;
+        int high = c == '%' ? hex_value(at[1]) : -1, low = high >= 0 ? hex_value(at[2]) : -1;
+        if (low >= 0)
+        {
+            c = (char)(16 * high + low);
+            at += 2;
+        }
+        if (c == '\0')
+            return false;
+        text_append(path, &c, 1);
+    }
+    return true;
+}
+
+/// Whether a path stays in its folder and the folders below.
+static bool stays_below(const char *path)
+{
+    if (*path == '/' || *path == '\0' || strchr(path, ':') != NULL || strchr(path, '\\') != NULL)
+        return false;
+    for (const char *part = path; part != NULL; part = strchr(part, '/'))
+    {
+        part += *part == '/';
+        if (strncmp(part, "..", 2) == 0 && (part[2] == '/' || part[2] == '\0'))
+            return false;
+    }
+    return true;
+}
+
+/// Read the file of a buffer, which is in the folder of the glTF file or below it.
+static bat_status read_file(const gltf_document *document, const char *uri, size_t index, gltf_buffer *buffer,
+                            bat_error *error)
+{
+    char excerpt[EXCERPT_SIZE];
+    gltf_place place = {"buffer", index};
+    const char *own = document->text->path;
+    (void)text_excerpt(excerpt, uri, uri + strlen(uri));
+    if (own == NULL || strcmp(own, "-") == 0)
+        return gltf_fault(place, error, "its file '%s' cannot be found from bytes without a folder", excerpt);
+    text_buffer path = {0}, bytes = {0};
+    const char *slash = strrchr(own, '/');
+    size_t folder = slash != NULL ? (size_t)(slash + 1 - own) : 0;
+    text_append(&path, own, folder);
+    bool plain = append_unescaped(&path, uri);
+    text_append(&path, "", 1);
+    bat_status status = BAT_OK;
+    if (path.failed)
+        status = error_memory(error, path.size);
+    else if (!plain || !stays_below(path.data + folder))
+        status = gltf_fault(place, error, "'%s' is no file in the folder of the glTF file or below", excerpt);
+    else
+    {
+        status = file_bytes_read(path.data, FILE_MAX_BYTES, &bytes, error);
+        if (status != BAT_OK && status != BAT_NO_MEMORY)
+        {
+            char reason[BAT_ERROR_TEXT_SIZE / 2];
+            (void)snprintf(reason, sizeof reason, "%.*s", (int)sizeof reason - 1, error != NULL ? error->text : "");
+            status = error_set(error, status, BAT_NO_INDEX, 0, "buffer %zu: its file '%s': %s", index, excerpt, reason);
+        }
+    }
+    text_free(&path);
+    if (status == BAT_OK)
+        *buffer = (gltf_buffer){(const unsigned char *)bytes.data, bytes.size, bytes.data};
+    return status;
+}
+
+/// Load a buffer on its first use.
+static bat_status load_buffer(gltf_document *document, size_t index, gltf_buffer **loaded, bat_error *error)
+{
+    gltf_place place = {"buffer", index};
+    json_t *object;
+    size_t size = SIZE_MAX;
+    bat_status status = gltf_element(document, "buffers", "buffer", index, &object, error);
+    if (status != BAT_OK)
+        return status;
+    *loaded = &document->buffers[index];
+    if ((*loaded)->bytes != NULL)
+        return BAT_OK;
+    status = gltf_size(object, "byteLength", place, &size, error);
+    if (status == BAT_OK && size == SIZE_MAX)
+        status = gltf_fault(place, error, "'byteLength' is missing");
+    if (status != BAT_OK)
+        return status;
+    const json_t *uri = json_object_get(object, "uri");
+    gltf_buffer buffer = {0};
+    if (uri == NULL && (json_object_get(json_object_get(object, "extensions"), "EXT_meshopt_compression") != NULL ||
+                        json_object_get(json_object_get(object, "extensions"), "KHR_meshopt_compression") != NULL))
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "buffer %zu exists only in the form of meshopt compression, which is not read", index);
+    if (uri == NULL && index == 0 && document->chunk != NULL)
+        buffer = (gltf_buffer){document->chunk, document->chunk_size, NULL};
+    else if (!json_is_string(uri))
+        status = gltf_fault(place, error, "it has neither 'uri' nor a binary chunk");
+    else if (strncmp(json_string_value(uri), "data:", 5) == 0)
+        status = decode_data(json_string_value(uri) + 5, index, &buffer, error);
+    else
+        status = read_file(document, json_string_value(uri), index, &buffer, error);
+    if (status == BAT_OK && buffer.size < size)
+        status = gltf_fault(place, error, "it has %zu bytes instead of %zu", buffer.size, size);
+    if (status != BAT_OK)
+    {
+        free(buffer.owned);
+        return status;
+    }
+    static const unsigned char nothing[1] = {0};
+    document->total_size += buffer.owned != NULL ? buffer.size : 0;
+    buffer.size = size;
+    if (buffer.bytes == NULL)
+        buffer.bytes = nothing;
+    **loaded = buffer;
+    return BAT_OK;
+}
+
+bat_status gltf_view_find(gltf_document *document, size_t index, gltf_view *view, bat_error *error)
+{
+    gltf_place place = {"buffer view", index};
+    json_t *object;
+    gltf_buffer *buffer;
+    size_t number = SIZE_MAX, offset = 0, size = SIZE_MAX, stride = 0;
+    bat_status status = gltf_element(document, "bufferViews", "buffer view", index, &object, error);
+    if (status == BAT_OK)
+        status = gltf_size(object, "buffer", place, &number, error);
+    if (status == BAT_OK)
+        status = gltf_size(object, "byteOffset", place, &offset, error);
+    if (status == BAT_OK)
+        status = gltf_size(object, "byteLength", place, &size, error);
+    if (status == BAT_OK)
+        status = gltf_size(object, "byteStride", place, &stride, error);
+    if (status == BAT_OK && (number == SIZE_MAX || size == SIZE_MAX))
+        status = gltf_fault(place, error, "'%s' is missing", number == SIZE_MAX ? "buffer" : "byteLength");
+    if (status == BAT_OK)
+        status = load_buffer(document, number, &buffer, error);
+    if (status == BAT_OK && (offset > buffer->size || size > buffer->size - offset))
+        status = gltf_fault(place, error, "%zu bytes from byte %zu on are not within buffer %zu of %zu bytes", size, offset,
+                            number, buffer->size);
+    if (status == BAT_OK)
+        *view = (gltf_view){buffer->bytes + offset, size, stride};
+    return status;
+}

@@ -1,0 +1,775 @@
+#include "base/error.h"
+#include "base/json_parse.h"
+#include "io/common/base64.h"
+#include "io/mesh/formats.h"
+#include "io/mesh/gltf.h"
+#include "io/mesh/label_table.h"
+#include "io/mesh/notes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/// @file
+/// Writer of glTF 2.0: a node for each object, a primitive for each label, one buffer.
+///
+/// A vertex is written once for each of its texture coordinates. The primitives of a node share the vertices of the node, so
+/// that groups and materials do not cut the mesh.
+
+enum
+{
+    AXES = 3,
+    WORD = 4, ///< bytes of an index, and of a number
+    TARGET_VERTICES = 34962,
+    TARGET_INDICES = 34963
+};
+
+/// The parts of the buffer, in their order.
+typedef enum gltf_part
+{
+    PART_INDICES,
+    PART_POSITIONS,
+    PART_NORMALS,
+    PART_TEXTURE,
+    PART_COLOURS,
+    PART_COUNT
+} gltf_part;
+
+typedef struct gltf_writer
+{
+    const bat_mesh *mesh;
+    const bat_mesh_write_options *options;
+    size_t colour_places[MESH_COLOURS], colours;
+    bool byte_colours;  ///< all colours are multiples of 1/255
+    double shift[AXES]; ///< subtracted from all positions, the translation of all nodes
+
+    size_t label_count;    ///< at least 1
+    size_t node_count;     ///< at least 1
+    uint32_t *node_of;     ///< for each label
+    label_table objects;   ///< of the nodes; without labels, or where objects share vertices, there is one node
+    bool one_node;         ///< objects share vertices: `extras` name them
+    uint32_t *label_order; ///< the labels, ordered by their nodes
+    size_t *label_faces;   ///< label_count + 1: where the faces of label_order[i] begin in `faces`
+    uint32_t *faces;       ///< the faces, ordered by node and label
+
+    uint32_t *corners;      ///< face_count x 3, in the order of `faces`: written vertices
+    uint32_t *origins;      ///< for each written vertex: its vertex of the mesh
+    uint32_t *textures;     ///< for each written vertex: its texture coordinate
+    uint32_t *next;         ///< for each written vertex: the next one of the same vertex of the mesh, or BAT_MESH_NONE
+    size_t vertex_count;    ///< of written vertices
+    size_t vertex_capacity; ///< 3 x face_count at most
+    size_t *node_vertices;  ///< node_count + 1: where the vertices of a node begin
+    size_t begins[PART_COUNT + 1];
+
+    json_t *root;
+    text_buffer bytes;
+} gltf_writer;
+
+static void writer_free(gltf_writer *writer)
+{
+    free(writer->node_of);
+    free(writer->label_order);
+    free(writer->label_faces);
+    free(writer->faces);
+    free(writer->corners);
+    free(writer->origins);
+    free(writer->textures);
+    free(writer->next);
+    free(writer->node_vertices);
+    label_table_free(&writer->objects);
+    json_decref(writer->root);
+    text_free(&writer->bytes);
+}
+
+static bat_status no_memory(const gltf_writer *writer, bat_error *error)
+{
+    return error_memory(error, writer->mesh->face_count * 3 * sizeof(double));
+}
+
+static uint32_t label_of(const gltf_writer *writer, size_t face)
+{
+    return writer->mesh->face_labels != NULL ? writer->mesh->face_labels[face] : 0;
+}
+
+// Order
+
+/// Whether faces of two nodes have a vertex in common.
+static bool nodes_touch(const gltf_writer *writer, uint32_t *owner)
+{
+    const bat_mesh *mesh = writer->mesh;
+    memset(owner, 0xff, mesh->vertex_count * sizeof *owner);
+    for (size_t h = 0; h < 3 * mesh->face_count; h++)
+    {
+        uint32_t node = writer->node_of[label_of(writer, h / 3)], *known = &owner[mesh->faces[h]];
+        if (*known != BAT_MESH_NONE && *known != node)
+            return true;
+        *known = node;
+    }
+    return false;
+}
+
+/// Assign the labels to nodes.
+static bool find_nodes(gltf_writer *writer)
+{
+    const bat_mesh *mesh = writer->mesh;
+    writer->label_count = mesh->face_labels != NULL ? mesh->label_count : 1;
+    writer->node_of = memory_array(writer->label_count, sizeof *writer->node_of);
+    uint32_t *owner = memory_array(mesh->vertex_count, sizeof *owner);
+    bool room = writer->node_of != NULL && owner != NULL;
+    for (size_t i = 0; i < writer->label_count && room; i++)
+    {
+        const char *object = mesh->face_labels != NULL ? mesh->labels[i].object : NULL;
+        const label_name names[MESH_LABEL_NAMES] = {{object, object != NULL ? strlen(object) : 0}};
+        writer->node_of[i] = label_table_add(&writer->objects, names);
+        room = writer->node_of[i] != BAT_MESH_NONE;
+    }
+    if (room)
+    {
+        writer->one_node = nodes_touch(writer, owner);
+        writer->node_count = writer->one_node ? 1 : writer->objects.count;
+        if (writer->one_node)
+            memset(writer->node_of, 0, writer->label_count * sizeof *writer->node_of);
+    }
+    free(owner);
+    return room;
+}
+
+/// Order the labels by node, and the faces by label: two counting sorts.
+static bool order_faces(gltf_writer *writer)
+{
+    const bat_mesh *mesh = writer->mesh;
+    size_t labels = writer->label_count;
+    writer->label_order = memory_array(labels, sizeof *writer->label_order);
+    writer->label_faces = calloc(labels + 1, sizeof *writer->label_faces);
+    writer->faces = memory_array(mesh->face_count, sizeof *writer->faces);
+    size_t *starts = calloc(writer->node_count + 1, sizeof *starts), *place = calloc(labels + 1, sizeof *place);
+    bool room = writer->label_order != NULL && writer->label_faces != NULL && writer->faces != NULL && starts != NULL &&
+                place != NULL;
+    if (room)
+    {
+        for (size_t i = 0; i < labels; i++)
+            starts[writer->node_of[i] + 1]++;
+        for (size_t n = 0; n < writer->node_count; n++)
+            starts[n + 1] += starts[n];
+        for (size_t i = 0; i < labels; i++)
+        {
+            place[i] = starts[writer->node_of[i]]++;
+            writer->label_order[place[i]] = (uint32_t)i;
+        }
+        for (size_t f = 0; f < mesh->face_count; f++)
+            writer->label_faces[place[label_of(writer, f)] + 1]++;
+        for (size_t i = 0; i < labels; i++)
+            writer->label_faces[i + 1] += writer->label_faces[i];
+        for (size_t f = 0; f < mesh->face_count; f++)
+            writer->faces[writer->label_faces[place[label_of(writer, f)]]++] = (uint32_t)f;
+        memmove(writer->label_faces + 1, writer->label_faces, labels * sizeof *writer->label_faces);
+        writer->label_faces[0] = 0;
+    }
+    free(starts);
+    free(place);
+    return room;
+}
+
+/// Number the written vertices: pairs of a vertex and a texture coordinate, in the order of the faces.
+static bool number_vertices(gltf_writer *writer)
+{
+    const bat_mesh *mesh = writer->mesh;
+    size_t corners = 3 * mesh->face_count, label = 0;
+    uint32_t *first = memory_array(mesh->vertex_count, sizeof *first);
+    writer->corners = memory_array(corners, sizeof *writer->corners);
+    writer->origins = memory_array(corners, sizeof *writer->origins);
+    writer->textures = memory_array(corners, sizeof *writer->textures);
+    writer->next = memory_array(corners, sizeof *writer->next);
+    writer->node_vertices = calloc(writer->node_count + 1, sizeof *writer->node_vertices);
+    bool room = first != NULL && writer->corners != NULL && writer->origins != NULL && writer->textures != NULL &&
+                writer->next != NULL && writer->node_vertices != NULL;
+    if (room)
+        memset(first, 0xff, mesh->vertex_count * sizeof *first);
+    for (size_t i = 0; i < corners && room; i++)
+    {
+        size_t h = 3 * (size_t)writer->faces[i / 3] + i % 3;
+        uint32_t vertex = mesh->faces[h], texture = mesh->texture_faces != NULL ? mesh->texture_faces[h] : 0,
+                 found = first[vertex];
+        while (found != BAT_MESH_NONE && writer->textures[found] != texture)
+            found = writer->next[found];
+        if (found == BAT_MESH_NONE)
+        {
+            found = (uint32_t)writer->vertex_count++;
+            writer->origins[found] = vertex;
+            writer->textures[found] = texture;
+            writer->next[found] = first[vertex];
+            first[vertex] = found;
+        }
+        writer->corners[i] = found;
+        while (i / 3 >= writer->label_faces[label + 1])
+            label++;
+        writer->node_vertices[writer->node_of[writer->label_order[label]] + 1] = writer->vertex_count;
+    }
+    for (size_t n = 0; n < writer->node_count && room; n++) // a node without faces
+        if (writer->node_vertices[n + 1] < writer->node_vertices[n])
+            writer->node_vertices[n + 1] = writer->node_vertices[n];
+    free(first);
+    return room;
+}
+
+// Bytes
+
+static char *put_word(char *out, uint32_t bits)
+{
+    for (int i = 0; i < WORD; i++)
+        *out++ = (char)(bits >> 8 * i & 0xff);
+    return out;
+}
+
+static char *put_float(char *out, double value)
+{
+    float single = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &single, sizeof bits);
+    return put_word(out, bits);
+}
+
+static const double *position_of(const gltf_writer *writer, size_t written)
+{
+    return writer->mesh->positions + 3 * (size_t)writer->origins[written];
+}
+
+/// The position of a written vertex in its node, in single precision.
+static float coordinate(const gltf_writer *writer, size_t written, size_t axis)
+{
+    return (float)(position_of(writer, written)[axis] - writer->shift[axis]);
+}
+
+static double colour(const gltf_writer *writer, size_t written, size_t k)
+{
+    const bat_mesh *mesh = writer->mesh;
+    return mesh->channels[(size_t)writer->origins[written] * mesh->channel_count + writer->colour_places[k]];
+}
+
+/// Choose the translation: the middle of meshes far from the origin, whose digits single precision would lose.
+static void choose_shift(gltf_writer *writer)
+{
+    static const double far = 4;
+    for (size_t k = 0; k < AXES; k++)
+    {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < writer->vertex_count; i++)
+        {
+            low = fmin(low, position_of(writer, i)[k]);
+            high = fmax(high, position_of(writer, i)[k]);
+        }
+        double middle = low / 2 + high / 2;
+        writer->shift[k] = fabs(middle) > far * (high - low) ? middle : 0;
+    }
+}
+
+static bool has_byte_colours(const gltf_writer *writer)
+{
+    for (size_t i = 0; i < writer->vertex_count; i++)
+        for (size_t k = 0; k < writer->colours; k++)
+        {
+            double value = colour(writer, i, k);
+            if (!(value >= 0 && value <= 1) || round(value * UINT8_MAX) / UINT8_MAX != value)
+                return false;
+        }
+    return true;
+}
+
+/// The bytes of a written vertex in a part.
+static size_t width_of(const gltf_writer *writer, gltf_part part)
+{
+    switch (part)
+    {
+    case PART_POSITIONS:
+        return (size_t)AXES * WORD;
+    case PART_NORMALS:
+        return writer->options->vertex_normals != NULL ? (size_t)AXES * WORD : 0;
+    case PART_TEXTURE:
+        return writer->mesh->texture_faces != NULL ? 2 * (size_t)WORD : 0;
+    case PART_COLOURS:
+        return writer->colours == 0 ? 0 : writer->byte_colours ? WORD : writer->colours * WORD;
+    default:
+        return 0;
+    }
+}
+
+static char *put_vertex(const gltf_writer *writer, gltf_part part, size_t i, char *out)
+{
+    const bat_mesh *mesh = writer->mesh;
+    const double *normal = part == PART_NORMALS ? writer->options->vertex_normals + 3 * (size_t)writer->origins[i] : NULL;
+    bool undefined = normal != NULL && normal[0] == 0 && normal[1] == 0 && normal[2] == 0;
+    uint32_t bytes = 0;
+    switch (part)
+    {
+    case PART_POSITIONS:
+        for (size_t k = 0; k < AXES; k++)
+            out = put_float(out, (double)coordinate(writer, i, k));
+        break;
+    case PART_NORMALS:
+        for (size_t k = 0; k < AXES; k++)
+            out = put_float(out, undefined ? k == 2 : normal[k]);
+        break;
+    case PART_TEXTURE:
+        out = put_float(out, mesh->texture[2 * (size_t)writer->textures[i]]);
+        out = put_float(out, 1 - mesh->texture[2 * (size_t)writer->textures[i] + 1]);
+        break;
+    case PART_COLOURS:
+        for (size_t k = 0; k < writer->colours && writer->byte_colours; k++)
+            bytes |= (uint32_t)round(colour(writer, i, k) * UINT8_MAX) << 8 * k;
+        for (size_t k = 0; k < writer->colours && !writer->byte_colours; k++)
+            out = put_float(out, colour(writer, i, k));
+        if (writer->byte_colours)
+            out = put_word(out, bytes);
+        break;
+    default:
+        break;
+    }
+    return out;
+}
+
+/// Write the indices, counted within each node, and the vertices.
+static bat_status fill_bytes(gltf_writer *writer, bat_error *error)
+{
+    const bat_mesh *mesh = writer->mesh;
+    size_t corners = 3 * mesh->face_count, label = 0, size = 0;
+    for (gltf_part part = PART_INDICES; part < PART_COUNT; part++)
+    {
+        writer->begins[part] = size;
+        size += part == PART_INDICES ? corners * WORD : writer->vertex_count * width_of(writer, part);
+    }
+    writer->begins[PART_COUNT] = size;
+    char *out = size < UINT32_MAX ? text_reserve(&writer->bytes, size) : NULL;
+    if (out == NULL)
+        return size < UINT32_MAX ? no_memory(writer, error)
+                                 : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                                             "the mesh takes %zu bytes in glTF, more than GLB holds", size);
+    for (size_t i = 0; i < corners; i++)
+    {
+        while (i / 3 >= writer->label_faces[label + 1])
+            label++;
+        size_t first = writer->node_vertices[writer->node_of[writer->label_order[label]]];
+        out = put_word(out, writer->corners[i] - (uint32_t)first);
+    }
+    for (gltf_part part = PART_POSITIONS; part < PART_COUNT; part++)
+        for (size_t i = 0; i < writer->vertex_count && width_of(writer, part) > 0; i++)
+            out = put_vertex(writer, part, i, out);
+    text_advance(&writer->bytes, out);
+    return BAT_OK;
+}
+
+/// Check that single precision represents all numbers, and note what it rounds away.
+static bat_status check_range(const gltf_writer *writer, bat_error *error)
+{
+    const bat_mesh *mesh = writer->mesh;
+    size_t merged = 0;
+    for (size_t i = 0; i < writer->vertex_count; i++)
+    {
+        bool good = true;
+        for (size_t k = 0; k < AXES; k++)
+            good = good && isfinite(coordinate(writer, i, k));
+        for (size_t k = 0; k < 2 && mesh->texture_faces != NULL; k++)
+            good = good && isfinite((float)mesh->texture[2 * (size_t)writer->textures[i] + k]);
+        for (size_t k = 0; k < writer->colours; k++)
+            good = good && isfinite((float)colour(writer, i, k));
+        if (!good)
+            return error_set(error, BAT_UNSUPPORTED, writer->origins[i], 0,
+                             "glTF holds numbers in single precision, and one of vertex %u is too large",
+                             writer->origins[i]);
+    }
+    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+    {
+        uint32_t a = writer->corners[i], b = writer->corners[i % 3 == 2 ? i - 2 : i + 1];
+        merged += writer->origins[a] != writer->origins[b] && coordinate(writer, a, 0) == coordinate(writer, b, 0) &&
+                  coordinate(writer, a, 1) == coordinate(writer, b, 1) &&
+                  coordinate(writer, a, 2) == coordinate(writer, b, 2);
+    }
+    bat_status status = BAT_OK;
+    if (merged > 0)
+        status = mesh_note(writer->options->notes, error,
+                           "glTF holds single precision, in which the ends of %zu edges of faces coincide", merged);
+    size_t used = 0;
+    for (size_t i = 0; i < writer->vertex_count; i++)
+        used += writer->next[i] == BAT_MESH_NONE;
+    if (status == BAT_OK && used < mesh->vertex_count)
+        status = mesh_note(writer->options->notes, error, "the output lacks %zu vertices without a face: glTF has none",
+                           mesh->vertex_count - used);
+    return status;
+}
+
+// JSON
+
+/// Append an object to an array of the root. Returns its index, SIZE_MAX when out of memory.
+static size_t add_to(const gltf_writer *writer, const char *array, json_t *object)
+{
+    json_t *list = json_object_get(writer->root, array);
+    if (list == NULL)
+    {
+        list = json_array();
+        if (json_object_set_new(writer->root, array, list) != 0)
+        {
+            json_decref(object);
+            return SIZE_MAX;
+        }
+    }
+    return json_array_append_new(list, object) == 0 ? json_array_size(list) - 1 : SIZE_MAX;
+}
+
+static json_t *text_json(const char *text)
+{
+    char *copy = label_name_copy((label_name){text, strlen(text)});
+    json_t *made = copy != NULL ? json_string(copy) : NULL;
+    free(copy);
+    return made;
+}
+
+static json_t *numbers_json(const double *numbers, size_t count)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < count && list != NULL; i++)
+        if (json_array_append_new(list, json_real(numbers[i])) != 0)
+        {
+            json_decref(list);
+            list = NULL;
+        }
+    return list;
+}
+
+/// Add the accessor of `count` elements from element `first` on of a part.
+static bool add_accessor(const gltf_writer *writer, gltf_part part, size_t first, size_t count, json_t **number)
+{
+    static const char *const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+    const size_t components[PART_COUNT] = {1, 3, 3, 2, writer->colours};
+    int type = part == PART_INDICES ? GLTF_UINT32 : part == PART_COLOURS && writer->byte_colours ? GLTF_UINT8 : GLTF_FLOAT;
+    size_t width = part == PART_INDICES ? WORD : width_of(writer, part), view = 0;
+    for (gltf_part before = PART_INDICES; before < part; before++)
+        view += writer->begins[before + 1] > writer->begins[before];
+    json_t *accessor =
+        json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "byteOffset", (json_int_t)(first * width),
+                  "componentType", type, "count", (json_int_t)count, "type", types[components[part] - 1]);
+    bool made = accessor != NULL;
+    if (made && type == GLTF_UINT8)
+        made = json_object_set_new(accessor, "normalized", json_true()) == 0;
+    if (made && part == PART_POSITIONS)
+    {
+        double low[AXES], high[AXES];
+        for (size_t k = 0; k < AXES; k++)
+        {
+            low[k] = INFINITY;
+            high[k] = -INFINITY;
+            for (size_t i = first; i < first + count; i++)
+            {
+                low[k] = fmin(low[k], (double)coordinate(writer, i, k));
+                high[k] = fmax(high[k], (double)coordinate(writer, i, k));
+            }
+        }
+        made = json_object_set_new(accessor, "min", numbers_json(low, AXES)) == 0 &&
+               json_object_set_new(accessor, "max", numbers_json(high, AXES)) == 0;
+    }
+    if (!made)
+    {
+        json_decref(accessor);
+        return false;
+    }
+    size_t index = add_to(writer, "accessors", accessor);
+    *number = index != SIZE_MAX ? json_integer((json_int_t)index) : NULL;
+    return *number != NULL;
+}
+
+static bool add_views(const gltf_writer *writer)
+{
+    for (gltf_part part = PART_INDICES; part < PART_COUNT; part++)
+    {
+        size_t size = writer->begins[part + 1] - writer->begins[part];
+        json_t *view =
+            json_pack("{s:i, s:I, s:I, s:i}", "buffer", 0, "byteOffset", (json_int_t)writer->begins[part], "byteLength",
+                      (json_int_t)size, "target", part == PART_INDICES ? (int)TARGET_INDICES : (int)TARGET_VERTICES);
+        bool made = view != NULL;
+        if (made && part != PART_INDICES)
+            made = json_object_set_new(view, "byteStride", json_integer((json_int_t)width_of(writer, part))) == 0;
+        if (!made || size == 0)
+            json_decref(view);
+        if (!made || (size > 0 && add_to(writer, "bufferViews", view) == SIZE_MAX))
+            return false;
+    }
+    return true;
+}
+
+/// Collect the extensions that a JSON value has.
+static bool collect_extensions(const json_t *value, json_t *used)
+{
+    const char *key;
+    json_t *member;
+    size_t index;
+    bool room = true;
+    json_t *object = (json_t *)(uintptr_t)value; // the iterators do not change it, but their parameters are not const
+    json_object_foreach(object, key, member)
+    {
+        const char *name;
+        json_t *extension;
+        if (strcmp(key, "extensions") == 0)
+            json_object_foreach(member, name, extension) room = room && json_object_set_new(used, name, json_null()) == 0;
+        room = room && collect_extensions(member, used);
+    }
+    json_array_foreach(value, index, member) room = room && collect_extensions(member, used);
+    return room;
+}
+
+/// Put the definitions of materials into the root.
+static bat_status add_definitions(const gltf_writer *writer, bat_error *error)
+{
+    const char *text = writer->mesh->material_json, *key;
+    json_t *definitions, *member, *used = json_object();
+    if (text == NULL || used == NULL)
+    {
+        json_decref(used);
+        return text == NULL ? BAT_OK : no_memory(writer, error);
+    }
+    bat_status status = json_parse(text, strlen(text), 0, 1, &definitions, error);
+    if (status != BAT_OK)
+    {
+        json_decref(used);
+        return status == BAT_NO_MEMORY ? status
+                                       : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "material_json is no JSON");
+    }
+    bool room = json_is_object(definitions) && collect_extensions(definitions, used);
+    json_object_foreach(definitions, key, member)
+    {
+        if (json_array_size(member) > 0)
+            room = room && json_object_set(writer->root, key, member) == 0;
+    }
+    json_object_foreach(used, key, member)
+    {
+        room = room && add_to(writer, "extensionsUsed", json_string(key)) != SIZE_MAX;
+    }
+    json_decref(definitions);
+    json_decref(used);
+    return room ? BAT_OK : no_memory(writer, error);
+}
+
+/// Find or add the material of a name.
+static bool find_material(const gltf_writer *writer, const char *name, json_t **number)
+{
+    json_t *materials = json_object_get(writer->root, "materials"), *material, *made = text_json(name);
+    size_t index, found = SIZE_MAX;
+    if (made == NULL)
+        return false;
+    json_array_foreach(materials, index, material)
+    {
+        if (found == SIZE_MAX && json_equal(json_object_get(material, "name"), made))
+            found = index;
+    }
+    if (found == SIZE_MAX)
+        found = add_to(writer, "materials", json_pack("{s:O}", "name", made));
+    json_decref(made);
+    *number = found != SIZE_MAX ? json_integer((json_int_t)found) : NULL;
+    return *number != NULL;
+}
+
+static bool set_text(json_t *object, const char *key, const char *text)
+{
+    return text == NULL || json_object_set_new(object, key, text_json(text)) == 0;
+}
+
+/// Set the material of a primitive, and as extras the names that glTF has no place for.
+static bool set_names(const gltf_writer *writer, const bat_mesh_label *label, json_t *primitive)
+{
+    json_t *extras = json_object(), *material = NULL;
+    bool room = extras != NULL && set_text(extras, "group", label->group) &&
+                set_text(extras, "smoothing", label->smoothing) &&
+                (!writer->one_node || set_text(extras, "object", label->object));
+    if (room && label->material != NULL)
+        room =
+            find_material(writer, label->material, &material) && json_object_set_new(primitive, "material", material) == 0;
+    if (room && json_object_size(extras) > 0)
+        room = json_object_set(primitive, "extras", extras) == 0;
+    json_decref(extras);
+    return room;
+}
+
+/// The attributes that the primitives of a node share.
+static json_t *attributes_of(const gltf_writer *writer, size_t node)
+{
+    static const char *const names[PART_COUNT] = {NULL, "POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0"};
+    size_t first = writer->node_vertices[node], count = writer->node_vertices[node + 1] - first;
+    json_t *attributes = json_object(), *number;
+    for (gltf_part part = PART_POSITIONS; part < PART_COUNT && attributes != NULL; part++)
+        if (width_of(writer, part) > 0 && (!add_accessor(writer, part, first, count, &number) ||
+                                           json_object_set_new(attributes, names[part], number) != 0))
+        {
+            json_decref(attributes);
+            attributes = NULL;
+        }
+    return attributes;
+}
+
+/// The primitives of a node: its labels that have faces. `*at` is the node's first place in label_order, then its end.
+static json_t *primitives_of(const gltf_writer *writer, size_t node, size_t *at)
+{
+    json_t *attributes = attributes_of(writer, node), *list = json_array();
+    bool room = attributes != NULL && list != NULL;
+    for (; *at < writer->label_count && writer->node_of[writer->label_order[*at]] == node; ++*at)
+    {
+        size_t begin = writer->label_faces[*at], end = writer->label_faces[*at + 1];
+        json_t *number = NULL, *primitive = NULL;
+        if (begin == end || !room)
+            continue;
+        room = add_accessor(writer, PART_INDICES, 3 * begin, 3 * (end - begin), &number);
+        if (room)
+            primitive = json_pack("{s:O, s:o, s:i}", "attributes", attributes, "indices", number, "mode", GLTF_TRIANGLES);
+        room = primitive != NULL && (writer->mesh->face_labels == NULL ||
+                                     set_names(writer, &writer->mesh->labels[writer->label_order[*at]], primitive));
+        if (room)
+            room = json_array_append(list, primitive) == 0;
+        json_decref(primitive);
+    }
+    json_decref(attributes);
+    if (!room)
+        json_decref(list);
+    return room ? list : NULL;
+}
+
+/// Add a node with its mesh to the scene.
+static bool add_node(const gltf_writer *writer, size_t number, size_t *at, json_t *scene)
+{
+    size_t first = *at;
+    if (writer->node_vertices[number] == writer->node_vertices[number + 1]) // no faces
+    {
+        while (*at < writer->label_count && writer->node_of[writer->label_order[*at]] == number)
+            ++*at;
+        return true;
+    }
+    json_t *primitives = primitives_of(writer, number, at);
+    const char *name = writer->mesh->face_labels != NULL && !writer->one_node
+                           ? writer->mesh->labels[writer->label_order[first]].object
+                           : NULL;
+    json_t *mesh = primitives != NULL ? json_pack("{s:o}", "primitives", primitives) : NULL;
+    bool room = mesh != NULL && (name == NULL || set_text(mesh, "name", name));
+    if (!room)
+    {
+        json_decref(mesh);
+        return false;
+    }
+    size_t index = add_to(writer, "meshes", mesh);
+    json_t *node = index != SIZE_MAX ? json_pack("{s:I}", "mesh", (json_int_t)index) : NULL;
+    room = node != NULL && (name == NULL || set_text(node, "name", name));
+    if (room && (writer->shift[0] != 0 || writer->shift[1] != 0 || writer->shift[2] != 0))
+        room = json_object_set_new(node, "translation", numbers_json(writer->shift, AXES)) == 0;
+    if (!room)
+    {
+        json_decref(node);
+        return false;
+    }
+    index = add_to(writer, "nodes", node);
+    return index != SIZE_MAX && json_array_append_new(scene, json_integer((json_int_t)index)) == 0;
+}
+
+static bat_status fill_json(gltf_writer *writer, bat_error *error)
+{
+    const char *files = writer->mesh->material_files;
+    json_t *scene = json_array();
+    size_t at = 0;
+    char generator[32];
+    (void)snprintf(generator, sizeof generator, "batten %s", bat_version());
+    writer->root = json_pack("{s:{s:s, s:s}, s:i}", "asset", "version", "2.0", "generator", generator, "scene", 0);
+    bool room = scene != NULL && writer->root != NULL;
+    bat_status status = room ? add_definitions(writer, error) : no_memory(writer, error);
+    room = status == BAT_OK;
+    for (size_t n = 0; n < writer->node_count && room; n++)
+        room = add_node(writer, n, &at, scene);
+    room = room && add_views(writer) && add_to(writer, "scenes", json_pack("{s:O}", "nodes", scene)) != SIZE_MAX;
+    if (room && files != NULL)
+    {
+        json_t *extras = json_object();
+        room = extras != NULL && set_text(extras, "material_files", files) &&
+               json_object_set(writer->root, "extras", extras) == 0;
+        json_decref(extras);
+    }
+    json_decref(scene);
+    return status == BAT_OK && !room ? no_memory(writer, error) : status;
+}
+
+/// Make the JSON and the bytes, but for the buffer's own entry.
+static bat_status writer_fill(gltf_writer *writer, bat_error *error)
+{
+    writer->colours = mesh_colours(writer->mesh, writer->colour_places);
+    if (!find_nodes(writer) || !order_faces(writer) || !number_vertices(writer))
+        return no_memory(writer, error);
+    choose_shift(writer);
+    writer->byte_colours = writer->colours > 0 && has_byte_colours(writer);
+    bat_status status = check_range(writer, error);
+    if (status == BAT_OK)
+        status = fill_bytes(writer, error);
+    return status == BAT_OK ? fill_json(writer, error) : status;
+}
+
+/// Add the buffer's entry and write the JSON as text.
+static bat_status finish_json(const gltf_writer *writer, bool embedded, text_buffer *text, bat_error *error)
+{
+    json_t *buffer = json_pack("{s:I}", "byteLength", (json_int_t)writer->bytes.size);
+    bool room = buffer != NULL;
+    if (room && embedded)
+    {
+        text_buffer uri = {0};
+        text_append_string(&uri, "data:application/octet-stream;base64,");
+        base64_append(&uri, writer->bytes.data, writer->bytes.size);
+        room = !uri.failed && json_object_set_new(buffer, "uri", json_stringn(uri.data, uri.size)) == 0;
+        text_free(&uri);
+    }
+    if (!room)
+        json_decref(buffer);
+    if (!room || add_to(writer, "buffers", buffer) == SIZE_MAX)
+        return no_memory(writer, error);
+    json_text(text, writer->root);
+    return text->failed ? no_memory(writer, error) : BAT_OK;
+}
+
+bat_status mesh_gltf_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+{
+    gltf_writer writer = {.mesh = mesh, .options = options};
+    text_buffer text = {0};
+    bat_status status = writer_fill(&writer, error);
+    if (status == BAT_OK)
+        status = finish_json(&writer, true, &text, error);
+    text_append(&text, "\n", 1);
+    if (status == BAT_OK)
+        status = sink_write(sink, &text, error);
+    text_free(&text);
+    writer_free(&writer);
+    return status;
+}
+
+/// Append the header of a chunk.
+static void append_chunk(text_buffer *text, size_t size, uint32_t kind)
+{
+    char header[GLB_CHUNK_HEADER];
+    (void)put_word(put_word(header, (uint32_t)size), kind);
+    text_append(text, header, sizeof header);
+}
+
+bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+{
+    gltf_writer writer = {.mesh = mesh, .options = options};
+    text_buffer json = {0}, head = {0}, middle = {0};
+    bat_status status = writer_fill(&writer, error);
+    if (status == BAT_OK)
+        status = finish_json(&writer, false, &json, error);
+    while (status == BAT_OK && json.size % WORD != 0)
+        text_append(&json, " ", 1);
+    size_t total = GLB_HEADER + 2 * (size_t)GLB_CHUNK_HEADER + json.size + writer.bytes.size;
+    if (status == BAT_OK && total > UINT32_MAX)
+        status =
+            error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh takes %zu bytes in glTF, more than GLB holds", total);
+    char header[GLB_HEADER];
+    (void)put_word(put_word(put_word(header, GLB_MAGIC), GLB_VERSION), (uint32_t)total);
+    text_append(&head, header, sizeof header);
+    append_chunk(&head, json.size, GLB_JSON);
+    append_chunk(&middle, writer.bytes.size, GLB_BIN);
+    const text_buffer *const parts[] = {&head, &json, &middle, &writer.bytes};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
+        status = sink_write(sink, parts[i], error);
+    text_free(&json);
+    text_free(&head);
+    text_free(&middle);
+    writer_free(&writer);
+    return status;
+}
