@@ -240,6 +240,6 @@ bool argument_mesh_ending(const arguments *given, bat_mesh_format to)
     const char *path = argument(given, "output");
     if (path == NULL || to != BAT_MESH_FORMAT_AUTO || bat_mesh_format_of_path(path) != BAT_MESH_FORMAT_AUTO)
         return true;
-    (void)usage_error(given, "the ending of '%s' names no format (.obj, .ply, .off, .stl); --to does", path);
+    (void)usage_error(given, "the ending of '%s' names no format (.obj, .ply, .off, .stl, .gltf, .glb); --to does", path);
     return false;
 }

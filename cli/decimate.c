@@ -22,7 +22,8 @@ static const option_spec OPTIONS[] = {
     {"boundary-weight", 0, "W", "the weight of the error at a boundary, that of a face being 1; default 1000"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
     {"repair", 0, NULL, "split edges of more than two faces and vertices of several fans first"},
-    {"from", 0, "FORMAT", "obj, ply, off or stl; default: by the file's ending"},
+    {"normals", 0, NULL, "write vertex normals (OBJ, PLY, glTF)"},
+    {"from", 0, "FORMAT", "obj, ply, off, stl, gltf or glb; default: by content and ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"threads", 0, "N", "of writing; default: all; the result does not depend on it"},
     {"json", 0, NULL, "print the report as one JSON object"},
@@ -36,7 +37,7 @@ static const verb_spec SPEC = {
     .usage = "batten decimate IN -o OUT --vertices N [--map FILE] [options]",
     .summary =
         "Make a coarse triangle mesh of a fine one by collapsing its edges, those first that change the surface least\n"
-        "(OBJ, PLY, OFF, STL; - for standard input). Topology, boundaries and creases stay; texture coordinates and\n"
+        "(OBJ, PLY, OFF, STL, glTF; - for standard input). Topology, boundaries and creases stay; texture coordinates and\n"
         "values at the vertices go along by the map between the two meshes.",
     .options = OPTIONS,
     .min_positional = 1,
@@ -63,6 +64,7 @@ typedef struct decimate_result
     bat_mesh fine, coarse;
     bat_mesh_map *map; ///< null when none was needed
     bat_mesh_repair_report repairs;
+    bat_mesh_notes notes;
 } decimate_result;
 
 static bool read_numbers(const arguments *given, bat_mesh_decimate_options *options)
@@ -123,6 +125,7 @@ static int read_fine(const decimate_job *job, decimate_result *result)
     bat_error error;
     bat_mesh_read_options options = job->read;
     options.repairs = &result->repairs;
+    options.notes = &result->notes;
     return bat_mesh_read(job->input, &options, &result->fine, &error) == BAT_OK
                ? EXIT_DONE
                : report_bad_input(job->given, job->input, &error);
@@ -142,10 +145,13 @@ static int decimate(const decimate_job *job, decimate_result *result)
     return status == BAT_OK ? EXIT_DONE : report_bad_input(job->given, job->input, &error);
 }
 
-static int write_mesh(const decimate_job *job, const bat_mesh *coarse, const char *path)
+static int write_mesh(const decimate_job *job, decimate_result *result, const char *path)
 {
     bat_error error;
-    if (path == NULL || bat_mesh_write(path, coarse, &job->write, &error) == BAT_OK)
+    bat_mesh_write_options options = job->write;
+    options.normals = argument_flag(job->given, "normals") ? BAT_MESH_NORMALS_ANGLE : BAT_MESH_NORMALS_NONE;
+    options.notes = &result->notes;
+    if (path == NULL || bat_mesh_write(path, &result->coarse, &options, &error) == BAT_OK)
         return EXIT_DONE;
     return report_failure(job->output, &error);
 }
@@ -162,11 +168,14 @@ static int report(const decimate_job *job, const decimate_result *result)
     const bat_mesh *fine = &result->fine, *coarse = &result->coarse;
     bool reached = coarse->vertex_count <= job->decimate.vertices;
     if (job->json)
-        return report_json(json_pack("{s:{s:I, s:I}, s:{s:I, s:I}, s:I, s:b, s:I, s:s?}", "fine", "vertices",
+        return report_json(json_pack("{s:{s:I, s:I}, s:{s:I, s:I}, s:I, s:b, s:I, s:s?, s:o}", "fine", "vertices",
                                      (json_int_t)fine->vertex_count, "faces", (json_int_t)fine->face_count, "coarse",
                                      "vertices", (json_int_t)coarse->vertex_count, "faces", (json_int_t)coarse->face_count,
                                      "wanted", (json_int_t)job->decimate.vertices, "reached", (int)reached, "repaired",
-                                     (json_int_t)bat_mesh_repair_places(&result->repairs), "map", job->map));
+                                     (json_int_t)bat_mesh_repair_places(&result->repairs), "map", job->map, "notes",
+                                     report_notes_json(&result->notes)));
+    if (!argument_flag(job->given, "quiet"))
+        report_notes(&result->notes, is_standard_output(job->output) ? stderr : stdout);
     if (job->quiet)
         return EXIT_DONE;
     if (job->read.repair)
@@ -186,7 +195,7 @@ static int make(const decimate_job *job, decimate_result *result)
         code = decimate(job, result);
     if (code == EXIT_DONE && job->map != NULL)
         code = write_map(job, result->map);
-    return code == EXIT_DONE ? write_mesh(job, &result->coarse, output_path(&job->files, "output")) : code;
+    return code == EXIT_DONE ? write_mesh(job, result, output_path(&job->files, "output")) : code;
 }
 
 int verb_decimate(int argc, char **argv)
@@ -204,11 +213,12 @@ int verb_decimate(int argc, char **argv)
         return code;
     code = outputs_close(&job.files, make(&job, &result));
     if (code == EXIT_DONE && is_standard_output(job.output))
-        code = write_mesh(&job, &result.coarse, "-");
+        code = write_mesh(&job, &result, "-");
     if (code == EXIT_DONE)
         code = report(&job, &result);
     bat_mesh_free(&result.fine);
     bat_mesh_free(&result.coarse);
+    bat_mesh_notes_free(&result.notes);
     bat_mesh_map_free(result.map);
     return code;
 }

@@ -16,7 +16,7 @@ static const option_spec OPTIONS[] = {
     {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the files imply"},
     {"columns", 0, "LIST", "CSV: the columns of the coordinates, names or numbers from 1, as x,y; default: by names"},
     {"group", 0, "COLUMN", "CSV: rows with one value in this column make one curve; default: blank lines separate curves"},
-    {"from", 0, "FORMAT", "csv, geojson or obj; of meshes obj, ply, off or stl; default: by the files' endings"},
+    {"from", 0, "FORMAT", "csv, geojson or obj; of meshes obj, ply, off, stl, gltf or glb; default: by the files' endings"},
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
     {"project", 0, NULL, "move points that are off their space onto it"},

@@ -29,7 +29,9 @@ static const option_spec OPTIONS[] = {
     {"beside", 0, "NAME", "draw also what this scheme makes of the mesh"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
     {"repair", 0, NULL, "split edges of more than two faces and vertices of several fans first"},
-    {"from", 0, "FORMAT", "obj, ply, off or stl; default: by the file's ending"},
+    {"normals", 0, NULL, "write vertex normals, with --limit those of the limit surface (OBJ, PLY, glTF)"},
+    {"max-memory", 0, "GB", "refuse refinements that need more memory; default: what the machine has available"},
+    {"from", 0, "FORMAT", "obj, ply, off, stl, gltf or glb; default: by content and ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"threads", 0, "N", "default: all"},
     {"json", 0, NULL, "print the report as one JSON object"},
@@ -42,8 +44,9 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_D
 static const verb_spec SPEC = {
     .usage = "batten mesh IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
     .summary =
-        "Refine a triangle mesh by subdivision (OBJ, PLY, OFF, STL; - for standard input).\n"
-        "Texture coordinates, values at the vertices, creases and corners go along as far as OUT's format holds them.",
+        "Refine a triangle mesh by subdivision (OBJ, PLY, OFF, STL, glTF; - for standard input).\n"
+        "Texture coordinates, values at the vertices, creases, corners, groups and materials go along as far as OUT's\n"
+        "format holds them; notes tell what it does not hold.",
     .options = OPTIONS,
     .min_positional = 1,
     .max_positional = 1,
@@ -72,6 +75,8 @@ typedef struct mesh_result
     bat_mesh_model *model; ///< of --model; null for none
     bat_mesh_repair_report repairs;
     size_t boundary_edges, fallback; ///< boundary edges of the coarse mesh
+    double *normals;                 ///< of the limit surface; null for none
+    bat_mesh_notes notes;
 } mesh_result;
 
 /// Read the name of a scheme, which stays as it is where the option was not given.
@@ -89,7 +94,7 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
 {
     bat_error error;
     long levels;
-    double degrees;
+    double degrees, gigabytes;
     if (!read_scheme(given, "scheme", &options->scheme) || !read_scheme(given, "then", &options->then) ||
         !argument_whole(given, "levels", 0, MAX_LEVELS, (long)options->levels, &levels) ||
         !argument_threads(given, &options->threads) ||
@@ -98,6 +103,14 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
     options->levels = (size_t)levels;
     options->crease_angle = degrees * DEGREE;
     options->limit = argument_flag(given, "limit");
+    if (!argument_number(given, "max-memory", 0, &gigabytes))
+        return false;
+    if (!(gigabytes >= 0 && gigabytes < 1e9) || (gigabytes == 0 && argument(given, "max-memory") != NULL))
+    {
+        (void)usage_error(given, "--max-memory takes a number of gigabytes above 0");
+        return false;
+    }
+    options->max_memory = (size_t)(1e9 * gigabytes);
     if (!(degrees >= 0 && degrees <= 180))
     {
         (void)usage_error(given, "--crease-angle takes 0 to 180 degrees");
@@ -150,6 +163,7 @@ static bool read_job(const arguments *given, mesh_job *job)
         !argument_mesh_format(given, "to", &job->write.format))
         return false;
     job->write.threads = job->refine.threads;
+    job->write.normals = argument_flag(given, "normals") ? BAT_MESH_NORMALS_ANGLE : BAT_MESH_NORMALS_NONE;
     const char *fault = find_fault(given, job);
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
@@ -162,6 +176,7 @@ static int read_coarse(const mesh_job *job, mesh_result *result)
     bat_error error;
     bat_mesh_read_options options = job->read;
     options.repairs = &result->repairs;
+    options.notes = &result->notes;
     if (bat_mesh_read(job->input, &options, &result->coarse, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
     bat_mesh_connectivity links;
@@ -183,6 +198,8 @@ static int refine(const mesh_job *job, mesh_result *result)
         options.rule = bat_mesh_model_rule(result->model);
     }
     options.progress = report_progress("refining");
+    if (options.limit && argument_flag(job->given, "normals"))
+        options.limit_normals = &result->normals;
     bat_status status = bat_mesh_refine(&result->coarse, &options, &result->fine, &result->fallback, &error);
     report_progress_end();
     return status == BAT_OK ? EXIT_DONE : report_bad_input(job->given, job->input, &error);
@@ -228,10 +245,13 @@ static int draw(const mesh_job *job, const mesh_result *result)
     return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
 }
 
-static int write_mesh(const mesh_job *job, const bat_mesh *fine, const char *path)
+static int write_mesh(const mesh_job *job, mesh_result *result, const char *path)
 {
     bat_error error;
-    if (path == NULL || bat_mesh_write(path, fine, &job->write, &error) == BAT_OK)
+    bat_mesh_write_options options = job->write;
+    options.vertex_normals = result->normals;
+    options.notes = &result->notes;
+    if (path == NULL || bat_mesh_write(path, &result->fine, &options, &error) == BAT_OK)
         return EXIT_DONE;
     return report_failure(job->output, &error);
 }
@@ -258,11 +278,13 @@ static int report(const mesh_job *job, const mesh_result *result)
 {
     const bat_mesh *coarse = &result->coarse, *fine = &result->fine;
     if (job->json)
-        return report_json(json_pack("{s:s, s:I, s:o, s:o, s:I, s:I, s:I}", "scheme",
-                                     bat_mesh_scheme_name(job->refine.scheme), "levels", (json_int_t)job->refine.levels,
-                                     "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
-                                     (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback,
-                                     "repaired", (json_int_t)bat_mesh_repair_places(&result->repairs)));
+        return report_json(json_pack(
+            "{s:s, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme", bat_mesh_scheme_name(job->refine.scheme), "levels",
+            (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
+            (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback, "repaired",
+            (json_int_t)bat_mesh_repair_places(&result->repairs), "notes", report_notes_json(&result->notes)));
+    if (!argument_flag(job->given, "quiet"))
+        report_notes(&result->notes, is_standard_output(job->output) ? stderr : stdout);
     if (job->quiet)
         return EXIT_DONE;
     if (job->read.repair)
@@ -281,7 +303,7 @@ static int make(const mesh_job *job, mesh_result *result)
         code = refine(job, result);
     if (code == EXIT_DONE && job->picture != NULL)
         code = draw(job, result);
-    return code == EXIT_DONE ? write_mesh(job, &result->fine, output_path(&job->files, "output")) : code;
+    return code == EXIT_DONE ? write_mesh(job, result, output_path(&job->files, "output")) : code;
 }
 
 int verb_mesh(int argc, char **argv)
@@ -301,11 +323,13 @@ int verb_mesh(int argc, char **argv)
     if (code == EXIT_DONE)
         warn(&job, &result);
     if (code == EXIT_DONE && is_standard_output(job.output))
-        code = write_mesh(&job, &result.fine, "-");
+        code = write_mesh(&job, &result, "-");
     if (code == EXIT_DONE)
         code = report(&job, &result);
     bat_mesh_free(&result.coarse);
     bat_mesh_free(&result.fine);
+    free(result.normals);
+    bat_mesh_notes_free(&result.notes);
     bat_mesh_model_free(result.model);
     return code;
 }

@@ -62,6 +62,20 @@ int report_bad_input(const arguments *given, const char *file, const bat_error *
     return report_failure(file, &whole);
 }
 
+void report_notes(const bat_mesh_notes *notes, FILE *stream)
+{
+    for (size_t i = 0; i < notes->count; i++)
+        (void)fprintf(stream, "note: %s\n", notes->texts[i]);
+}
+
+json_t *report_notes_json(const bat_mesh_notes *notes)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < notes->count; i++)
+        (void)json_array_append_new(list, json_string(notes->texts[i]));
+    return list;
+}
+
 static bool draw_progress(void *context, double fraction)
 {
     (void)context;

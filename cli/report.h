@@ -6,6 +6,7 @@
 #include "batten/base.h"
 
 #include <jansson.h>
+#include <stdio.h>
 
 /// @file
 /// Errors in one line, progress, JSON.
@@ -15,6 +16,11 @@ int report_failure(const char *file, const bat_error *error);
 
 /// report_failure() for a file that was read, with the option of the verb that leads out, where there is one.
 int report_bad_input(const arguments *given, const char *file, const bat_error *error);
+
+/// Print each note as a line "note: text".
+void report_notes(const bat_mesh_notes *notes, FILE *stream);
+/// The notes as a JSON array.
+json_t *report_notes_json(const bat_mesh_notes *notes);
 
 /// A progress function that draws a line on standard error when that is a terminal, and stops the work once a signal such as
 /// that of Ctrl-C has come. `what` names the work and must outlive it. A second signal ends the program at once.

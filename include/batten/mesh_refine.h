@@ -63,6 +63,12 @@ typedef struct bat_mesh_refine_options
     /// Radians, 0 to pi, for Loop's scheme: edges whose faces' normals differ by more are creases for ever. 0: none. Default
     /// 0.
     double crease_angle;
+    /// With `limit` and Loop's scheme at the end: receives the normals of the limit surface at the fine vertices, as
+    /// bat_mesh_limit_normals() gives them; release the array with free(). Null: none, the default.
+    double **limit_normals;
+    /// Bytes. A refinement that needs more is refused with BAT_TOO_LARGE before it begins. 0, the default: what the machine
+    /// has available.
+    size_t max_memory;
     int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
 } bat_mesh_refine_options;
@@ -78,7 +84,8 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 /// Boundaries depend on their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the four-point
 /// rule in the butterfly. Vertices without a face stay. Channels use the scheme's weights, or midpoints under a learned
 /// scheme, and are not moved to the limit. Texture coordinates are averaged along edges, on each side of a seam. Creases and
-/// corners act in Loop's scheme only; all schemes pass them on, with their remaining sharpness.
+/// corners act in Loop's scheme only; all schemes pass them on, with their remaining sharpness. Labels go from each face to
+/// the faces that it becomes.
 /// Square-root-three flips edges across seams and creases: its fine mesh has no texture, creases or corners.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
@@ -87,7 +94,8 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
 /// @return BAT_OK; the failures of bat_mesh_check() and bat_mesh_connect(); BAT_INVALID_ARGUMENT for an option out of range
 ///         or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit` or a
-///         crease angle without Loop's scheme; BAT_TOO_LARGE for more faces than 32-bit indices can number; BAT_NO_MEMORY;
+///         crease angle without Loop's scheme; BAT_TOO_LARGE for more faces than 32-bit indices can number, or more
+///         memory than `max_memory`; BAT_NO_MEMORY;
 ///         BAT_CANCELLED. Results are untouched on failure
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);

@@ -211,7 +211,7 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
 
 static bat_status read_translated(pose_translation *work, bat_curve_set *set, bat_error *error)
 {
-    file_text made = {work->text.data, work->text.size};
+    file_text made = {.data = work->text.data, .size = work->text.size};
     bat_curve_read_options options = *work->options;
     options.format = BAT_CURVE_FORMAT_AUTO;
     const file_text *text = work->as_it_is ? work->source : &made;

@@ -1,6 +1,7 @@
 #include "mesh/refine/plan.h"
 
 #include "base/error.h"
+#include "base/memory_available.h"
 #include "base/option.h"
 
 #include <math.h>
@@ -35,6 +36,7 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
         OPTION_FIELD(bat_mesh_refine_options, then, OPTION_CHOICE, 0, BAT_MESH_SCHEME_LEARNED),
         OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
         OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
+        OPTION_FIELD(bat_mesh_refine_options, max_memory, OPTION_SIZE, 0, INFINITY),
         OPTION_THREADS(bat_mesh_refine_options),
     };
     if (options == NULL)
@@ -48,6 +50,9 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
                          bat_mesh_scheme_name(options->then));
     if (options->rule != NULL && (options->rule->levels == 0 || options->rule->refine == NULL))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "rule has no levels or no function");
+    if (options->limit_normals != NULL && (!options->limit || last_scheme(options) != mesh_scheme_of(BAT_MESH_SCHEME_LOOP)))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "limit_normals need --limit and Loop's scheme at the end");
     return BAT_OK;
 }
 
@@ -112,10 +117,80 @@ static bool is_numbered(mesh_size size)
     return size.faces <= BAT_MESH_MAX_FACES && size.vertices < BAT_MESH_NONE;
 }
 
+/// The sizes of a level: of the mesh, and of its texture.
+typedef struct level_size
+{
+    mesh_size mesh, texture;
+} level_size;
+
+/// Bytes of the arrays of a level that become a mesh.
+static double bytes_of_mesh(const bat_mesh *coarse, level_size size)
+{
+    double vertex = (double)(3 + coarse->channel_count) * sizeof(double), face = 3 * sizeof(uint32_t);
+    return vertex * (double)size.mesh.vertices + face * (double)size.mesh.faces +
+           2 * sizeof(double) * (double)size.texture.vertices + face * (double)size.texture.faces;
+}
+
+/// Bytes of the connectivity of a level.
+static double bytes_of_links(level_size size)
+{
+    double face = 2 * 3 * sizeof(uint32_t);
+    return face * (double)(size.mesh.faces + size.texture.faces) + sizeof(uint32_t) * (double)size.mesh.vertices;
+}
+
+/// The most bytes that a refinement by `levels` levels of known sizes holds at once: two levels, what remains of a third
+/// one, and sharpness.
+static double bytes_of_levels(const mesh_plan *plan, const bat_mesh *coarse, const level_size *sizes, size_t levels)
+{
+    bool limit = plan->options.limit, sharp = coarse->crease_count > 0 || plan->options.crease_angle > 0;
+    double most = 0;
+    for (size_t level = 0; level < levels; level++)
+    {
+        level_size before = level > 0 ? sizes[level - 1] : (level_size){{0}, {0}}, now = sizes[level],
+                   next = sizes[level + 1];
+        bool last = level + 1 == levels;
+        double bytes = bytes_of_links(before) + 3 * sizeof(uint32_t) * (double)before.mesh.faces +
+                       bytes_of_mesh(coarse, now) + bytes_of_links(now) + bytes_of_mesh(coarse, next);
+        if (!last || limit)
+            bytes += bytes_of_links(next);
+        if (last && limit)
+            bytes += 3 * sizeof(double) * (double)next.mesh.vertices;
+        if (last && plan->options.limit_normals != NULL)
+            bytes += bytes_of_links(next) + 3 * sizeof(double) * (double)next.mesh.vertices;
+        if (sharp)
+            bytes += sizeof(double) * (double)(now.mesh.edges + next.mesh.edges);
+        if (coarse->face_labels != NULL)
+            bytes += sizeof(uint32_t) * (double)next.mesh.faces;
+        most = fmax(most, bytes);
+    }
+    return most;
+}
+
+/// Compare the memory with the limit.
+static bat_status check_memory(const mesh_plan *plan, const bat_mesh *coarse, const level_size *sizes, bat_error *error)
+{
+    static const double gigabyte = 1e9, unasked = 1 << 26; // bytes that need no question
+    size_t levels = plan->options.levels, given = plan->options.max_memory;
+    double bytes = bytes_of_levels(plan, coarse, sizes, levels);
+    if (given == 0 && bytes < unasked)
+        return BAT_OK;
+    double most = given > 0 ? (double)given : (double)memory_available();
+    if (most == 0 || bytes <= most)
+        return BAT_OK;
+    size_t fitting = levels;
+    while (fitting > 0 && bytes_of_levels(plan, coarse, sizes, fitting) > most)
+        fitting--;
+    return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                     "%zu levels take %.3g GB of memory for %.3g faces, more than the %.3g GB %s; --levels %zu fits", levels,
+                     bytes / gigabyte, (double)sizes[levels].mesh.faces, most / gigabyte,
+                     given > 0 ? "of --max-memory" : "available", fitting);
+}
+
 bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const bat_mesh_connectivity *links,
                                 const bat_mesh_connectivity *texture_links, bat_error *error)
 {
     mesh_size mesh = size_of(links), texture = size_of(texture_links);
+    level_size sizes[MAX_LEVELS + 1] = {{mesh, texture}};
     for (size_t level = 0; level < plan->options.levels; level++)
     {
         bool turned = mesh_plan_scheme(plan, level)->turns;
@@ -124,10 +199,11 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
         if (!is_numbered(mesh) || !is_numbered(texture))
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
                              "level %zu of %zu has more faces or vertices than 32-bit indices can number: the mesh has %zu "
-                             "faces already",
-                             level + 1, plan->options.levels, coarse->face_count);
+                             "faces already; --levels %zu is possible",
+                             level + 1, plan->options.levels, coarse->face_count, level);
+        sizes[level + 1] = (level_size){mesh, texture};
     }
-    return BAT_OK;
+    return check_memory(plan, coarse, sizes, error);
 }
 
 double mesh_plan_share(const mesh_plan *plan, size_t level)

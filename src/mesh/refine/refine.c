@@ -74,6 +74,7 @@ typedef struct refinement
     double *vertex_sharpness; ///< one number for each coarse vertex; null: none is sharp
     uint32_t *irregular;      ///< as in mesh_level
     size_t *fallback;
+    double *normals; ///< of the limit surface; null: not wanted, or not yet
 } refinement;
 
 static void refined_level_free(refined_level *held)
@@ -303,6 +304,15 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
 static bat_status move_to_limit(refinement *work, bat_error *error)
 {
     bat_mesh *mesh = &work->now.mesh;
+    if (work->plan->options.limit_normals != NULL)
+    {
+        work->normals = memory_array(mesh->vertex_count, 3 * sizeof *work->normals);
+        if (work->normals == NULL)
+            return error_memory(error, mesh->vertex_count * 3 * sizeof *work->normals);
+        bat_status status = bat_mesh_limit_normals(mesh, work->plan->options.threads, work->normals, error);
+        if (status != BAT_OK)
+            return status;
+    }
     double *moved = memory_array(mesh->vertex_count, 3 * sizeof *moved);
     if (moved == NULL)
         return error_memory(error, mesh->vertex_count * 3 * sizeof *moved);
@@ -354,6 +364,14 @@ static bat_status copy_names(const bat_mesh *coarse, bat_mesh *fine, bat_error *
     return status;
 }
 
+/// Hand the limit normals to the caller.
+static void give_normals(refinement *work)
+{
+    if (work->normals != NULL)
+        *work->plan->options.limit_normals = work->normals;
+    work->normals = NULL;
+}
+
 /// Refine a mesh with known connectivity.
 static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
                                    bat_mesh *fine, size_t *fallback, bat_error *error)
@@ -372,7 +390,9 @@ static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connec
     {
         *fine = work.now.mesh;
         work.now.mesh = (bat_mesh){0};
+        give_normals(&work);
     }
+    free(work.normals);
     refined_level_free(&work.now);
     refined_level_free(&work.before);
     free(work.vertex_sharpness);
@@ -391,9 +411,13 @@ static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivit
     if (status == BAT_OK && plan->limit != NULL)
         status = move_to_limit(&work, error);
     if (status == BAT_OK)
+    {
         *fine = work.now.mesh;
+        give_normals(&work);
+    }
     else
         bat_mesh_free(&work.now.mesh);
+    free(work.normals);
     bat_mesh_connectivity_free(&work.now.texture_links);
     free(work.now.edge_sharpness);
     free(work.vertex_sharpness);
@@ -443,6 +467,9 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     bat_mesh_model *model = NULL;
     size_t fallbacks = 0;
     bat_mesh made = {0};
+    double *normals = NULL;
+    if (how.limit_normals != NULL)
+        how.limit_normals = &normals;
     bat_status status = bat_mesh_check(coarse, error);
     if (status == BAT_OK)
         status = bat_mesh_refine_options_check(&how, error);
@@ -458,9 +485,12 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
         status = mesh_labels_carry(coarse, NULL, made.face_count / coarse->face_count, &made, error);
     if (status != BAT_OK)
     {
+        free(normals);
         bat_mesh_free(&made);
         return status;
     }
+    if (options != NULL && options->limit_normals != NULL)
+        *options->limit_normals = normals;
     *fine = made;
     if (fallback != NULL)
         *fallback = fallbacks;
