@@ -16,11 +16,17 @@
             abort();                                                                                                        \
     } while (0)
 
-/// Compare a mesh before and after a file. STL rounds and renumbers.
+/// Whether a format rounds and renumbers: STL and glTF.
+static inline bool renumbers(bat_mesh_format format)
+{
+    return format >= BAT_MESH_FORMAT_STL;
+}
+
+/// Compare a mesh before and after a file.
 static inline void compare_meshes(const bat_mesh *before, const bat_mesh *after, bat_mesh_format format)
 {
     PROMISE(after->face_count == before->face_count);
-    if (format == BAT_MESH_FORMAT_STL)
+    if (renumbers(format))
         return;
     PROMISE(after->vertex_count == before->vertex_count);
     for (size_t i = 0; i < 3 * before->vertex_count; i++)
@@ -31,7 +37,7 @@ static inline void compare_meshes(const bat_mesh *before, const bat_mesh *after,
 /// A mesh that was read can be written in any format or is refused with a reason; what is written can be read again.
 static inline void write_and_read(const bat_mesh *mesh)
 {
-    for (int i = BAT_MESH_FORMAT_OBJ; i <= BAT_MESH_FORMAT_STL; i++)
+    for (int i = BAT_MESH_FORMAT_OBJ; i <= BAT_MESH_FORMAT_GLB; i++)
         for (int encoding = BAT_MESH_ENCODING_BINARY; encoding <= BAT_MESH_ENCODING_TEXT; encoding += 2)
         {
             bat_mesh_write_options writing = bat_mesh_write_defaults();
@@ -39,7 +45,8 @@ static inline void write_and_read(const bat_mesh *mesh)
             writing.format = reading.format = (bat_mesh_format)i;
             writing.encoding = (bat_mesh_encoding)encoding;
             writing.threads = 1;
-            reading.keep_degenerate = i == BAT_MESH_FORMAT_STL; // vertices were equal or become equal
+            writing.normals = encoding == BAT_MESH_ENCODING_TEXT ? BAT_MESH_NORMALS_AREA : BAT_MESH_NORMALS_NONE;
+            reading.keep_degenerate = renumbers(reading.format); // vertices were equal or become equal
             char *bytes = NULL;
             size_t size = 0;
             bat_status status = bat_mesh_write_memory(mesh, &writing, &bytes, &size, NULL);
@@ -77,8 +84,12 @@ static inline void mesh_round_trip(const uint8_t *data, size_t size, bat_mesh_fo
         reading.keep_degenerate = choice > 1;
         bat_mesh mesh = {0};
         bat_error error = {0};
+        bat_mesh_notes notes = {0};
+        reading.notes = &notes;
         bat_status status = bat_mesh_read_memory(data, size, &reading, &mesh, &error);
         PROMISE(status == error.status);
+        PROMISE(status == BAT_OK || notes.count == 0);
+        bat_mesh_notes_free(&notes);
         if (status != BAT_OK)
             continue;
         bool checked = bat_mesh_check(&mesh, NULL) == BAT_OK;
