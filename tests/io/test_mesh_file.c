@@ -13,9 +13,9 @@
 static void test_formats_by_name_and_ending(void **state)
 {
     (void)state;
-    static const char *const names[] = {"auto", "obj", "ply", "off", "stl"};
+    static const char *const names[] = {"auto", "obj", "ply", "off", "stl", "gltf", "glb"};
     bat_error error = {0};
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 7; i++)
     {
         bat_mesh_format format;
         char path[32];
@@ -26,7 +26,7 @@ static void test_formats_by_name_and_ending(void **state)
     }
     bat_mesh_format format = BAT_MESH_FORMAT_OFF;
     assert_int_equal(bat_mesh_format_by_name("fbx", &format, &error), BAT_INVALID_ARGUMENT);
-    assert_non_null(strstr(error.text, "there are auto, obj, ply, off, stl"));
+    assert_non_null(strstr(error.text, "there are auto, obj, ply, off, stl, gltf, glb"));
     assert_int_equal(format, BAT_MESH_FORMAT_OFF);
     assert_int_equal(bat_mesh_format_of_path("A.StL"), BAT_MESH_FORMAT_STL);
     assert_int_equal(bat_mesh_format_of_path("obj"), BAT_MESH_FORMAT_AUTO);
@@ -39,7 +39,7 @@ static void test_options_are_checked(void **state)
     bat_mesh mesh = must_read(TRIANGLE, BAT_MESH_FORMAT_OBJ);
     bat_mesh_read_options reading = bat_mesh_read_defaults();
     reading.format = (bat_mesh_format)9;
-    assert_refused(TRIANGLE, strlen(TRIANGLE), &reading, BAT_INVALID_ARGUMENT, 0, "format is 9, but must be from 0 to 4");
+    assert_refused(TRIANGLE, strlen(TRIANGLE), &reading, BAT_INVALID_ARGUMENT, 0, "format is 9, but must be from 0 to 6");
     bat_mesh back = {0};
     assert_int_equal(bat_mesh_read("/dev/null", &reading, &back, NULL), BAT_INVALID_ARGUMENT);
     assert_unwritable(&mesh, BAT_MESH_FORMAT_AUTO, BAT_MESH_ENCODING_TEXT, BAT_INVALID_ARGUMENT, "cannot tell what format");
