@@ -118,6 +118,17 @@ for device in /dev/full /dev/zero; do
     refused 1 "^batten: $device: cannot read: a device" surface $device --from xyz -o out.csv --to xml
     refused 1 "^batten: $device: cannot read: a device" curve nan.in.csv --scheme learned --model $device -o out.csv
 done
+# Meshes.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n' > quad.in.obj
+printf '{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]}' > bare.in.gltf
+printf '{"asset":{"version":"2.0"},"nodes":[{"children":[1]},{"children":[1]}]}' > cycle.in.gltf
+printf 'glTF\002\000\000\000\377\000\000\000\000\000\000\000JSON' > short.in.glb
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > one.in.obj
+refused 1 'quad\.in\.obj:5: face 0 has 4 corners; --triangulate cuts it' mesh quad.in.obj -o out.csv --to obj
+refused 1 'bare\.in\.gltf: there is no accessor 0' mesh bare.in.gltf -o out.csv --to obj
+refused 1 'cycle\.in\.gltf: node 1: .*descendant' mesh cycle.in.gltf -o out.csv --to obj
+refused 1 'short\.in\.glb: the file has 20 bytes, but its header tells 255' mesh short.in.glb -o out.csv --to obj
+refused 1 'one\.in\.obj: .*GB of --max-memory; --levels [0-9]+ fits' mesh one.in.obj --levels 15 --max-memory 1 -o out.csv --to obj
 # Keyframes.
 key() { printf 'time,qw,qx,qy,qz\n0,1,0,0,0\n'; printf "$@"; }
 key '1,nan,0,0,1\n' > keynan.in.csv
