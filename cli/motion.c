@@ -3,7 +3,7 @@
 #include "report.h"
 #include "verbs.h"
 
-#include "batten/motion_picture.h"
+#include "batten/curve_picture.h"
 
 #include <math.h>
 #include <stdlib.h>

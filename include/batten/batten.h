@@ -54,7 +54,6 @@
 #if BAT_HAS_PICTURES
 #include "batten/curve_picture.h"
 #include "batten/mesh_picture.h"
-#include "batten/motion_picture.h"
 #if BAT_HAS_SURFACES
 #include "batten/surface_picture.h"
 #endif

@@ -2,7 +2,7 @@
 #include "picture_helpers.h"
 #include "pixel_helpers.h"
 
-#include "batten/motion_picture.h"
+#include "batten/curve_picture.h"
 #include "draw/motion/film.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 #ifndef DRAW_MOTION_FILM_H
 #define DRAW_MOTION_FILM_H
 
-#include "batten/motion_picture.h"
+#include "batten/curve_picture.h"
 #include "draw/common/legend.h"
 
 #include <cairo.h>
