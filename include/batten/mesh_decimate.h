@@ -7,14 +7,42 @@ BAT_C_BEGIN
 
 /// @file
 /// Decimation of meshes by edge collapses, and the bijective map between both meshes. Sources: the quadric errors of Garland
-/// and Heckbert (1997); successive self-parameterization of Liu et al., "Neural Subdivision" (2020), section 4 and
-/// appendices B to E. docs/algorithms/decimation.md describes the algorithm.
+/// and Heckbert (1997), with attributes as Hoppe (1999); memoryless simplification, Lindstrom and Turk (1998, 1999);
+/// successive self-parameterization of Liu et al., "Neural Subdivision" (2020), section 4 and appendices B to E.
+/// docs/algorithms/decimation.md describes the algorithm.
+
+/// The error of a collapse.
+typedef enum bat_mesh_decimate_method
+{
+    /// The squared distances from the planes of all given faces that became the new vertex, weighted by area (Garland and
+    /// Heckbert, 1997).
+    BAT_MESH_DECIMATE_QUADRIC,
+    /// The squared volumes between the new vertex and the present faces, at preserved volume (Lindstrom and Turk, 1998,
+    /// 1999).
+    BAT_MESH_DECIMATE_MEMORYLESS
+} bat_mesh_decimate_method;
+
+/// The methods, by their numbers. @return false past the last one
+BAT_API bool bat_mesh_decimate_method_list(size_t index, bat_choice *choice);
+/// The name of a method; "unknown" for none.
+BAT_API const char *bat_mesh_decimate_method_name(bat_mesh_decimate_method method);
+/// The method of a name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that lists the names
+BAT_API bat_status bat_mesh_decimate_method_by_name(const char *name, bat_mesh_decimate_method *method, bat_error *error);
 
 /// Options of decimation. Begin with bat_mesh_decimate_defaults().
 typedef struct bat_mesh_decimate_options
 {
-    /// Stop at this number of vertices. 0: collapse as long as possible. Default 0.
+    /// Stop at this number of vertices. At most one of `vertices`, `faces`, `ratio` and `error` may be set; without any,
+    /// edges collapse as long as possible. Default 0.
     size_t vertices;
+    size_t faces; ///< stop at this number of faces, or one fewer; default 0
+    double ratio; ///< stop at this share of the faces, above 0 to 1; default 0
+    /// Collapse as long as no point of either surface is farther than this from the other. The result is measured by
+    /// bat_mesh_compare(), and its proven bound does not exceed the given one. Default 0.
+    double error;
+    bool relative_error; ///< `error` is a share of the diagonal of the mesh's box; default false
+    bat_mesh_decimate_method method;
     /// 0: always collapse the edge of least error. Else the edge of least error among this number of random ones (appendix
     /// E: 100). Default 0.
     size_t candidates;
@@ -28,6 +56,11 @@ typedef struct bat_mesh_decimate_options
     /// The weight of a boundary or crease edge, at least 0, relative to a face with the area of the square over the edge;
     /// default 1000.
     double boundary_weight;
+    /// The weight of texture coordinates and channels in the error, at least 0. 1: a shift of the texture counts as a shift
+    /// of the surface by the same length, and the whole range of a channel as a tenth of the box's diagonal. 0: they are
+    /// ignored and dropped, and seams of the texture may vanish. Default 1.
+    double attributes;
+    int threads; ///< for the first errors and for measuring; 0: as many as OpenMP gives; the result does not depend on it
     bat_progress progress;
 } bat_mesh_decimate_options;
 

@@ -338,7 +338,7 @@ static bool may_collapse(const uint32_t *faces, size_t count, size_t vertices, u
     bat_mesh mesh = {.positions = positions, .vertex_count = vertices, .faces = copy, .face_count = count};
     collapse_mesh topology;
     collapse_ring ring;
-    assert_int_equal(collapse_mesh_make(&mesh, &topology, NULL), BAT_OK);
+    assert_int_equal(collapse_mesh_make(&mesh, false, &topology, NULL), BAT_OK);
     uint32_t h = 0;
     while (!(copy[h] == a && copy[bat_mesh_next(h)] == b) && !(copy[h] == b && copy[bat_mesh_next(h)] == a))
         h++;
@@ -382,7 +382,7 @@ static void test_random_collapses_keep_the_structure(void **state)
     {
         collapse_mesh topology;
         collapse_ring ring;
-        assert_int_equal(collapse_mesh_make(&shapes[s], &topology, NULL), BAT_OK);
+        assert_int_equal(collapse_mesh_make(&shapes[s], false, &topology, NULL), BAT_OK);
         long euler = shape_topology_of(&shapes[s]).euler;
         for (int i = 0; i < 3000; i++)
         {

@@ -18,6 +18,7 @@ void collapse_mesh_free(collapse_mesh *mesh)
     free(mesh->half_edge);
     free(mesh->freedom);
     free(mesh->sharpness);
+    free(mesh->seam);
     free(mesh->stamp);
     *mesh = (collapse_mesh){0};
 }
@@ -50,29 +51,78 @@ static uint32_t find_edge(const collapse_mesh *mesh, uint32_t a, uint32_t b)
     return BAT_MESH_NONE;
 }
 
-static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, bat_error *error)
+/// Count the curve edges at both ends of an edge that becomes one, up to 3.
+static void count_ends(uint32_t a, uint32_t b, uint8_t *meeting)
+{
+    meeting[a] = meeting[a] < 3 ? meeting[a] + 1 : 3;
+    meeting[b] = meeting[b] < 3 ? meeting[b] + 1 : 3;
+}
+
+static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, uint8_t *meeting, bat_error *error)
 {
     if (mesh->crease_count == 0)
         return BAT_OK;
     made->sharpness = calloc(made->edge_count + 1, sizeof *made->sharpness);
-    uint8_t *meeting = calloc(made->vertex_count + 1, sizeof *meeting);
-    bat_status status = made->sharpness != NULL && meeting != NULL
-                            ? BAT_OK
-                            : error_memory(error, made->edge_count * sizeof *made->sharpness);
-    for (size_t i = 0; i < mesh->crease_count && status == BAT_OK; i++)
+    if (made->sharpness == NULL)
+        return error_memory(error, made->edge_count * sizeof *made->sharpness);
+    for (size_t i = 0; i < mesh->crease_count; i++)
     {
         const bat_mesh_crease *crease = &mesh->creases[i];
         uint32_t edge = find_edge(made, crease->a, crease->b);
         if (edge == BAT_MESH_NONE)
-            status = error_set(error, BAT_INVALID_ARGUMENT, i, 0,
-                               "crease %zu joins vertices %u and %u, which are not an edge", i, crease->a, crease->b);
-        else if (crease->sharpness > 0 && made->sharpness[edge] == 0 && made->twin[made->half_edge[edge]] != BAT_MESH_NONE)
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are not an edge",
+                             i, crease->a, crease->b);
+        if (crease->sharpness > 0 && made->sharpness[edge] == 0 && made->twin[made->half_edge[edge]] != BAT_MESH_NONE)
         {
-            meeting[crease->a] = meeting[crease->a] < 3 ? meeting[crease->a] + 1 : 3;
-            meeting[crease->b] = meeting[crease->b] < 3 ? meeting[crease->b] + 1 : 3;
+            count_ends(crease->a, crease->b, meeting);
             made->sharpness[edge] = crease->sharpness;
         }
     }
+    return BAT_OK;
+}
+
+/// Mark the edges at which the texture jumps. Where not exactly two of them meet, each with a jump at the vertex itself, the
+/// vertex is fixed.
+static bat_status set_seams(const bat_mesh *mesh, collapse_mesh *made, uint8_t *meeting, bat_error *error)
+{
+    made->seam = calloc(made->edge_count + 1, sizeof *made->seam);
+    uint8_t *edges = calloc(made->vertex_count + 1, sizeof *edges), *jumps = calloc(made->vertex_count + 1, sizeof *jumps);
+    bool room = made->seam != NULL && edges != NULL && jumps != NULL;
+    for (uint32_t h = 0; h < 3 * made->face_count && room; h++)
+    {
+        uint32_t twin = made->twin[h], a = made->corner[h], b = made->corner[bat_mesh_next(h)];
+        if (twin == BAT_MESH_NONE || twin < h)
+            continue;
+        bool at_a = collapse_texture_jumps(mesh, h, bat_mesh_next(twin)),
+             at_b = collapse_texture_jumps(mesh, bat_mesh_next(h), twin);
+        if (!at_a && !at_b)
+            continue;
+        count_ends(a, b, edges);
+        jumps[a] = (uint8_t)(jumps[a] < 3 ? jumps[a] + at_a : 3);
+        jumps[b] = (uint8_t)(jumps[b] < 3 ? jumps[b] + at_b : 3);
+        if (made->sharpness == NULL || made->sharpness[made->edge[h]] == 0)
+            count_ends(a, b, meeting);
+        made->seam[made->edge[h]] = 1;
+    }
+    for (size_t v = 0; v < made->vertex_count && room; v++)
+        if (edges[v] > 0 && (edges[v] != 2 || jumps[v] != 2))
+            made->freedom[v] = COLLAPSE_FIXED;
+    free(edges);
+    free(jumps);
+    return room ? BAT_OK : error_memory(error, made->edge_count * sizeof *made->seam);
+}
+
+static bat_status set_curves(const bat_mesh *mesh, bool seams, collapse_mesh *made, bat_error *error)
+{
+    seams = seams && mesh->texture != NULL;
+    if (mesh->crease_count == 0 && !seams)
+        return BAT_OK;
+    uint8_t *meeting = calloc(made->vertex_count + 1, sizeof *meeting);
+    if (meeting == NULL)
+        return error_memory(error, made->vertex_count * sizeof *meeting);
+    bat_status status = set_creases(mesh, made, meeting, error);
+    if (status == BAT_OK && seams)
+        status = set_seams(mesh, made, meeting, error);
     for (size_t v = 0; v < made->vertex_count && status == BAT_OK; v++)
         if (meeting[v] > 0)
             made->freedom[v] = meeting[v] == 2 && made->freedom[v] == COLLAPSE_FREE ? COLLAPSE_ON_CURVE : COLLAPSE_FIXED;
@@ -96,7 +146,7 @@ static void set_freedom(const bat_mesh *mesh, collapse_mesh *made)
         made->half_edge[made->edge[h]] = (uint32_t)h;
 }
 
-bat_status collapse_mesh_make(const bat_mesh *mesh, collapse_mesh *made, bat_error *error)
+bat_status collapse_mesh_make(const bat_mesh *mesh, bool seams, collapse_mesh *made, bat_error *error)
 {
     bat_mesh_connectivity connectivity;
     bat_status status = bat_mesh_connect(mesh, &connectivity, error);
@@ -119,7 +169,7 @@ bat_status collapse_mesh_make(const bat_mesh *mesh, collapse_mesh *made, bat_err
     {
         memcpy(new.corner, mesh->faces, 3 * mesh->face_count * sizeof *new.corner);
         set_freedom(mesh, &new);
-        status = set_creases(mesh, &new, error);
+        status = set_curves(mesh, seams, &new, error);
     }
     if (status != BAT_OK)
     {
@@ -130,9 +180,14 @@ bat_status collapse_mesh_make(const bat_mesh *mesh, collapse_mesh *made, bat_err
     return BAT_OK;
 }
 
-bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge)
+bool collapse_edge_is_rim(const collapse_mesh *mesh, uint32_t edge)
 {
     return mesh->twin[mesh->half_edge[edge]] == BAT_MESH_NONE || (mesh->sharpness != NULL && mesh->sharpness[edge] > 0);
+}
+
+bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge)
+{
+    return collapse_edge_is_rim(mesh, edge) || (mesh->seam != NULL && mesh->seam[edge] != 0);
 }
 
 bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept)
@@ -256,6 +311,8 @@ static uint32_t close_face(collapse_mesh *mesh, uint32_t half_edge)
     mesh->half_edge[goes] = BAT_MESH_NONE;
     if (mesh->sharpness != NULL && mesh->sharpness[goes] > 0)
         mesh->sharpness[stays] = mesh->sharpness[goes];
+    if (mesh->seam != NULL && mesh->seam[goes] != 0)
+        mesh->seam[stays] = 1;
     if (mesh->first[opposite] == previous)
         mesh->first[opposite] = a;
     uint32_t *corner = mesh->corner + half_edge / 3 * 3;

@@ -11,8 +11,8 @@
 typedef enum collapse_freedom
 {
     COLLAPSE_FREE,
-    COLLAPSE_ON_CURVE, ///< on a boundary or a crease
-    COLLAPSE_FIXED     ///< a corner, or a vertex where creases meet or end
+    COLLAPSE_ON_CURVE, ///< on a boundary, a crease or a seam
+    COLLAPSE_FIXED     ///< a corner, or a vertex where creases or seams meet or end
 } collapse_freedom;
 
 typedef struct collapse_mesh
@@ -24,6 +24,7 @@ typedef struct collapse_mesh
     uint32_t *half_edge; ///< for each edge: one of its half-edges; BAT_MESH_NONE for a removed edge
     uint8_t *freedom;    ///< for each vertex: a collapse_freedom
     double *sharpness;   ///< for each edge: the sharpness of its crease, or 0; null for a mesh without creases
+    uint8_t *seam;       ///< for each edge: whether it is a seam of the texture; null without seams
     uint32_t *stamp;     ///< for each vertex: the last search that visited it
     uint32_t last_stamp;
     size_t vertex_count, face_count, edge_count; ///< of the original mesh
@@ -55,12 +56,23 @@ typedef struct collapse_ring
 } collapse_ring;
 
 /// Make a collapse_mesh from a mesh that passes bat_mesh_check(), with its creases and corners.
+/// @param seams whether seams of the texture are curves
 /// @return BAT_OK, the failures of bat_mesh_connect(), or BAT_INVALID_ARGUMENT for a crease that is not an edge
-bat_status collapse_mesh_make(const bat_mesh *mesh, collapse_mesh *made, bat_error *error);
+bat_status collapse_mesh_make(const bat_mesh *mesh, bool seams, collapse_mesh *made, bat_error *error);
 void collapse_mesh_free(collapse_mesh *mesh);
 
-/// Whether an edge is on the boundary or on a crease.
+/// Whether the texture coordinates at two half-edges that begin at the same vertex differ.
+static inline bool collapse_texture_jumps(const bat_mesh *mesh, uint32_t a, uint32_t b)
+{
+    const double *of_a = mesh->texture + 2 * (size_t)mesh->texture_faces[a],
+                 *of_b = mesh->texture + 2 * (size_t)mesh->texture_faces[b];
+    return of_a[0] != of_b[0] || of_a[1] != of_b[1];
+}
+
+/// Whether an edge is on the boundary, a crease or a seam.
 bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge);
+/// Whether an edge is on the boundary or a crease.
+bool collapse_edge_is_rim(const collapse_mesh *mesh, uint32_t edge);
 /// Whether the constraints at both ends of an edge allow its collapse: fixed vertices do not move, vertices on curves stay
 /// on them, and curves do not touch. `kept` receives the end where the new vertex must be, or BAT_MESH_NONE.
 bool collapse_edge_is_allowed(const collapse_mesh *mesh, uint32_t edge, uint32_t *kept);

@@ -61,7 +61,8 @@ void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, dou
             uint32_t ends[2] = {corner[c], corner[(c + 1) % 3]};
             quadric_add_plane(&vertices[corner[c]].planes, normal, twice_area / 2);
             if (collapse_edge_is_curve(topology, topology->edge[3 * f + c]))
-                add_curve_plane(ends, normal, curve_weight, vertices);
+                add_curve_plane(ends, normal, collapse_edge_is_rim(topology, topology->edge[3 * f + c]) ? curve_weight : 1,
+                                vertices);
         }
     }
 }
@@ -79,12 +80,15 @@ static quadric planes_of_edge(const error_vertex *a, const error_vertex *b, doub
     return quadric_sum(&of_a, &of_b);
 }
 
-error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j, uint32_t kept)
+error_placement error_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields, uint32_t edge,
+                            uint32_t kept)
 {
+    uint32_t h = mesh->half_edge[edge], i = mesh->corner[h], j = mesh->corner[bat_mesh_next(h)];
     const error_vertex *a = &vertices[i], *b = &vertices[j];
     double half[3], offset[3] = {0};
     quadric planes = planes_of_edge(a, b, half);
     double square = 4 * vector3_dot(half, half), weight = quadric_weight(&planes), penalty = LENGTH_SHARE * weight * square;
+    attributes_minimize(fields, mesh, edge, half, kept, &planes);
     error_placement placed;
     const double back[3] = {-half[0], -half[1], -half[2]};
     if (kept != BAT_MESH_NONE)

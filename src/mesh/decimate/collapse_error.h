@@ -1,6 +1,7 @@
 #ifndef MESH_DECIMATE_COLLAPSE_ERROR_H
 #define MESH_DECIMATE_COLLAPSE_ERROR_H
 
+#include "mesh/decimate/attributes.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/decimate/quadric.h"
 
@@ -22,12 +23,14 @@ typedef struct error_placement
 } error_placement;
 
 /// Set the quadrics: the planes of each vertex's faces, weighted by area. Each boundary and crease edge adds the plane
-/// through it that is perpendicular to its face, weighted by its squared length times `curve_weight`.
+/// through it that is perpendicular to its face, weighted by its squared length times `curve_weight`; at a seam, where no
+/// gap can open, by its squared length alone.
 void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, double curve_weight, error_vertex *vertices);
 
 /// Place the new vertex of the edge from i to j at the minimum of the error. An end or the midpoint is preferred where it is
 /// as good. `kept` is the prescribed end, or BAT_MESH_NONE.
-error_placement error_place(const error_vertex *vertices, uint32_t i, uint32_t j, uint32_t kept);
+error_placement error_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields, uint32_t edge,
+                            uint32_t kept);
 
 /// Move vertex i to the new position and add the quadrics of both vertices.
 void error_merge(error_vertex *vertices, uint32_t i, uint32_t j, const double *position);

@@ -1,316 +1,153 @@
 #include "batten/mesh_decimate.h"
+#include "batten/mesh_measure.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
-#include "mesh/decimate/collapse.h"
-#include "mesh/decimate/collapse_error.h"
-#include "mesh/decimate/edge_queue.h"
-#include "mesh/decimate/flatten.h"
-#include "mesh/decimate/map.h"
-#include "mesh/labels.h"
+#include "mesh/decimate/decimation.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// @file
-/// Decimation by edge collapses in order of their errors, optionally with a bijective map to the result (Liu et al., "Neural
-/// Subdivision", 2020, section 4).
+/// Options and targets of decimation, and the measured bound on the distance.
 
 enum
 {
-    /// Attempts between two reports of progress.
-    REPORT_INTERVAL = 1024
+    /// Runs with ever smaller tolerances until the measured distance keeps the bound.
+    MAX_RUNS = 8
 };
+
+/// The factor between a tolerance and the next one, beside the ratio by which the result exceeded the bound.
+static const double SHRINK = 0.98;
+
+static const bat_choice METHODS[] = {
+    {.name = "quadric",
+     .value = BAT_MESH_DECIMATE_QUADRIC,
+     .summary = "squared distances from the planes of the given faces (Garland and Heckbert)"},
+    {.name = "memoryless",
+     .value = BAT_MESH_DECIMATE_MEMORYLESS,
+     .summary = "squared volumes to the present faces, at preserved volume (Lindstrom and Turk)"},
+};
+static const choice_table TABLE = CHOICE_TABLE("decimation method", METHODS);
+
+CHOICE_FUNCTIONS(bat_mesh_decimate_method, TABLE, 0)
 
 bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
 {
-    return (bat_mesh_decimate_options){.seed = 1, .least_normal = 0.2, .least_quality = 0.2, .boundary_weight = 1000};
+    return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_QUADRIC,
+                                       .seed = 1,
+                                       .least_normal = 0.2,
+                                       .least_quality = 0.2,
+                                       .boundary_weight = 1000,
+                                       .attributes = 1};
 }
-
-/// The state of a decimation.
-typedef struct decimation
-{
-    const bat_mesh_decimate_options *options;
-    collapse_mesh mesh;
-    error_vertex *vertices;
-    edge_queue queue;
-    double *errors;            ///< for each edge; infinite where it must not collapse
-    uint8_t *waiting;          ///< for each vertex: whether one of its edges was refused and waits for changes nearby
-    double *corners;           ///< for each vertex: its sharpness as a corner; null for a mesh without corners
-    bat_mesh_map *map;         ///< null without a map
-    flat_workspace *workspace; ///< null without a map
-    collapse_ring ring;        ///< of the current edge
-    double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
-} decimation;
 
 bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
+        OPTION_FIELD(bat_mesh_decimate_options, error, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_mesh_decimate_options, method, OPTION_CHOICE, 0, BAT_MESH_DECIMATE_MEMORYLESS),
         OPTION_FIELD(bat_mesh_decimate_options, least_normal, OPTION_NUMBER, -1, 1),
         OPTION_FIELD(bat_mesh_decimate_options, least_quality, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, boundary_weight, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_mesh_decimate_options, attributes, OPTION_NUMBER, 0, INFINITY),
+        OPTION_THREADS(bat_mesh_decimate_options),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
+    int targets = (options->vertices > 0) + (options->faces > 0) + (options->ratio > 0) + (options->error > 0);
+    if (status == BAT_OK && targets > 1)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "vertices, faces, ratio and error exclude each other, but %d of them are set", targets);
+    return status;
 }
 
-static void free_all(decimation *all)
+/// The numbers of vertices and faces to stop at.
+static bat_status find_target(const bat_mesh *fine, const bat_mesh_decimate_options *options, decimation_target *target,
+                              bat_error *error)
 {
-    collapse_mesh_free(&all->mesh);
-    edge_queue_free(&all->queue);
-    free(all->vertices);
-    free(all->errors);
-    free(all->waiting);
-    free(all->corners);
-    free(all->workspace);
-    bat_mesh_map_free(all->map);
-    free(all);
-}
-
-static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, bat_error *error)
-{
-    all->vertices = memory_array(fine->vertex_count, sizeof *all->vertices);
-    all->errors = memory_array(all->mesh.edge_count, sizeof *all->errors);
-    all->waiting = calloc(fine->vertex_count + 1, sizeof *all->waiting);
-    all->corners = fine->corner_count > 0 ? calloc(fine->vertex_count, sizeof *all->corners) : NULL;
-    all->workspace = mapped ? malloc(sizeof *all->workspace) : NULL;
-    if (all->vertices == NULL || all->errors == NULL || all->waiting == NULL || (mapped && all->workspace == NULL) ||
-        (fine->corner_count > 0 && all->corners == NULL))
-        return error_memory(error, fine->vertex_count * sizeof *all->vertices);
-    bat_status status =
-        edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->queue, error);
-    return status == BAT_OK && mapped ? map_make(fine->face_count, &all->map, error) : status;
-}
-
-/// Compute the new vertex of an edge. False where it must not collapse.
-static bool place(const decimation *all, uint32_t edge, error_placement *placed)
-{
-    uint32_t kept, h = all->mesh.half_edge[edge];
-    if (!collapse_edge_is_allowed(&all->mesh, edge, &kept))
-        return false;
-    *placed = error_place(all->vertices, all->mesh.corner[h], all->mesh.corner[bat_mesh_next(h)], kept);
-    return isfinite(placed->error);
-}
-
-/// Compute the error of an edge again and update the queue.
-static void update_error(decimation *all, uint32_t edge)
-{
-    error_placement placed;
-    bool allowed = place(all, edge, &placed);
-    all->errors[edge] = allowed ? placed.error : INFINITY;
-    if (allowed)
-        edge_queue_put(&all->queue, edge, placed.error);
-    else
-        edge_queue_remove(&all->queue, edge);
-}
-
-static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_error *error)
-{
-    bat_status status = collapse_mesh_make(fine, &all->mesh, error);
-    if (status == BAT_OK)
-        status = allocate(fine, mapped, all, error);
-    if (status != BAT_OK)
-        return status;
-    for (size_t i = 0; i < fine->corner_count; i++)
-        all->corners[fine->corners[i].vertex] = fine->corners[i].sharpness;
-    error_vertices_set(fine, &all->mesh, all->options->boundary_weight, all->vertices);
-    for (size_t e = 0; e < all->mesh.edge_count; e++)
-        update_error(all, (uint32_t)e);
+    if (options->vertices > fine->vertex_count)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the mesh has %zu vertices, fewer than the %zu wanted", fine->vertex_count, options->vertices);
+    if (options->faces > fine->face_count)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has %zu faces, fewer than the %zu wanted",
+                         fine->face_count, options->faces);
+    *target = (decimation_target){options->vertices, options->faces};
+    if (options->ratio > 0)
+        target->faces = (size_t)fmax(1, options->ratio * (double)fine->face_count);
     return BAT_OK;
 }
 
-/// Flatten the ring before and after the collapse. False where that gives no valid map.
-static bool flatten(decimation *all, const double *position)
+/// The bound on the distance as a length.
+static double bound_of(const bat_mesh *fine, const bat_mesh_decimate_options *options)
 {
-    const collapse_ring *ring = &all->ring;
-    memcpy(all->points[FLAT_I], all->vertices[ring->i].position, sizeof all->points[0]);
-    memcpy(all->points[FLAT_J], all->vertices[ring->j].position, sizeof all->points[0]);
-    memcpy(all->points[FLAT_NEW], position, sizeof all->points[0]);
-    for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
-        memcpy(all->points[FLAT_RING + k], all->vertices[ring->vertex[k]].position, sizeof all->points[0]);
-    return flatten_ring(ring, (const double(*)[3])all->points, all->workspace, all->flat) &&
-           flat_is_valid(ring, (const double(*)[2])all->flat, all->options->least_quality);
-}
-
-/// Put the refused edges around a vertex back into the queue.
-static void retry_around(decimation *all, uint32_t vertex)
-{
-    const collapse_mesh *mesh = &all->mesh;
-    uint32_t first = mesh->first[vertex], h = first;
-    all->waiting[vertex] = 0;
-    do
+    if (!options->relative_error)
+        return options->error;
+    double square = 0;
+    for (size_t c = 0; c < 3; c++)
     {
-        const uint32_t edges[2] = {mesh->edge[h], mesh->edge[bat_mesh_previous(h)]};
-        for (int k = 0; k < 2; k++)
-            if (isfinite(all->errors[edges[k]]) && !edge_queue_has(&all->queue, edges[k]))
-                edge_queue_put(&all->queue, edges[k], all->errors[edges[k]]);
-        h = mesh->twin[bat_mesh_previous(h)];
-    } while (h != BAT_MESH_NONE && h != first);
-}
-
-static void collapse(decimation *all, const error_placement *placed)
-{
-    const collapse_ring *ring = &all->ring;
-    uint32_t gone[3], gone_count;
-    error_merge(all->vertices, ring->i, ring->j, placed->position);
-    collapse_apply(&all->mesh, ring, gone, &gone_count);
-    if (all->corners != NULL)
-        all->corners[ring->i] = fmax(all->corners[ring->i], all->corners[ring->j]);
-    for (uint32_t k = 0; k < gone_count; k++)
-        edge_queue_remove(&all->queue, gone[k]);
-    all->waiting[ring->i] = 0;
-    for (uint32_t k = 0; k < ring->count; k++)
-        update_error(all, all->mesh.edge[ring->half_edge[k]]);
-    if (!ring->closed)
-        update_error(all, all->mesh.edge[bat_mesh_previous(ring->half_edge[ring->count - 1])]);
-    for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
-        if (all->waiting[ring->vertex[k]])
-            retry_around(all, ring->vertex[k]);
-}
-
-/// Collapse an edge if all checks allow it. Otherwise the edge waits for changes nearby.
-static bat_status attempt(decimation *all, uint32_t edge, bat_error *error)
-{
-    error_placement placed;
-    uint32_t h = all->mesh.half_edge[edge];
-    bool sound = collapse_ring_find(&all->mesh, edge, &all->ring) && place(all, edge, &placed) &&
-                 error_faces_stay_valid(all->vertices, &all->ring, placed.position, all->options->least_normal,
-                                        all->options->least_quality) &&
-                 (all->map == NULL || flatten(all, placed.position));
-    if (!sound)
-    {
-        all->waiting[all->mesh.corner[h]] = all->waiting[all->mesh.corner[bat_mesh_next(h)]] = 1;
-        return BAT_OK;
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < 3 * fine->face_count; i++)
+        {
+            double coordinate = fine->positions[3 * (size_t)fine->faces[i] + c];
+            low = fmin(low, coordinate);
+            high = fmax(high, coordinate);
+        }
+        square += (high - low) * (high - low);
     }
-    bat_status status = all->map == NULL ? BAT_OK : map_append(all->map, &all->ring, (const double(*)[2])all->flat, error);
+    return options->error * sqrt(square);
+}
+
+/// Measure a result. `distance` receives the proven bound on the distance of the surfaces.
+static bat_status measure(const bat_mesh *fine, const bat_mesh *coarse, const bat_mesh_decimate_options *options,
+                          double *distance, bat_error *error)
+{
+    bat_mesh_compare_options how = bat_mesh_compare_defaults();
+    bat_mesh_distance found;
+    how.threads = options->threads;
+    how.samples =
+        fmax((double)how.samples, 2 * (double)fine->face_count) > (double)how.samples ? 2 * fine->face_count : how.samples;
+    bat_status status = bat_mesh_compare(coarse, fine, &how, &found, error);
     if (status == BAT_OK)
-        collapse(all, &placed);
+        *distance = found.hausdorff_most;
     return status;
 }
 
-static bat_status report(const decimation *all, size_t initial_vertices, bat_error *error)
+/// Run with smaller and smaller tolerances until the measured distance keeps the bound. If none does, nothing collapses.
+static bat_status run_within(const bat_mesh *fine, const bat_mesh_decimate_options *options, bat_mesh *coarse,
+                             bat_mesh_map **map, bat_error *error)
 {
-    const bat_progress *progress = &all->options->progress;
-    size_t wanted = all->options->vertices;
-    if (progress->report == NULL)
-        return BAT_OK;
-    double done = (double)(initial_vertices - all->mesh.vertices_left) / (double)(initial_vertices - wanted);
-    return progress->report(progress->context, done)
-               ? BAT_OK
-               : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "decimation was stopped at %zu vertices",
-                           all->mesh.vertices_left);
-}
-
-static bat_status run(decimation *all, bat_error *error)
-{
-    size_t initial_vertices = all->mesh.vertices_left;
+    static const decimation_target END = {0, 0};
+    const decimation_target whole = {fine->vertex_count, fine->face_count};
+    double bound = bound_of(fine, options), allowed = bound;
     bat_status status = BAT_OK;
-    for (size_t i = 1; all->mesh.vertices_left > all->options->vertices && status == BAT_OK; i++)
+    for (int run = 0; run <= MAX_RUNS && status == BAT_OK; run++)
     {
-        uint32_t edge = edge_queue_take(&all->queue);
-        if (edge == EDGE_QUEUE_ABSENT)
+        tolerance checks;
+        double distance = 0;
+        status = tolerance_make(fine, allowed, &checks, error);
+        if (status != BAT_OK)
             break;
-        status = attempt(all, edge, error);
-        if (status == BAT_OK && i % REPORT_INTERVAL == 0)
-            status = report(all, initial_vertices, error);
-    }
-    return status;
-}
-
-// The result
-
-static bat_status allocate_coarse(const decimation *all, bat_mesh *coarse, bat_error *error)
-{
-    const collapse_mesh *mesh = &all->mesh;
-    size_t creases = 0, corners = 0;
-    for (size_t e = 0; e < mesh->edge_count && mesh->sharpness != NULL; e++)
-        creases += mesh->half_edge[e] != BAT_MESH_NONE && mesh->sharpness[e] > 0;
-    for (size_t v = 0; v < mesh->vertex_count && all->corners != NULL; v++)
-        corners += mesh->first[v] != BAT_MESH_NONE && all->corners[v] > 0;
-    *coarse = (bat_mesh){.vertex_count = mesh->vertices_left,
-                         .face_count = mesh->faces_left,
-                         .crease_count = creases,
-                         .corner_count = corners};
-    coarse->positions = memory_array(mesh->vertices_left, 3 * sizeof(double));
-    coarse->faces = memory_array(mesh->faces_left, 3 * sizeof(uint32_t));
-    coarse->creases = creases > 0 ? memory_array(creases, sizeof *coarse->creases) : NULL;
-    coarse->corners = corners > 0 ? memory_array(corners, sizeof *coarse->corners) : NULL;
-    if (all->map != NULL)
-        all->map->kept = memory_array(mesh->faces_left, sizeof *all->map->kept);
-    if (coarse->positions != NULL && coarse->faces != NULL && (creases == 0 || coarse->creases != NULL) &&
-        (corners == 0 || coarse->corners != NULL) && (all->map == NULL || all->map->kept != NULL))
-        return BAT_OK;
-    bat_mesh_free(coarse);
-    return error_memory(error, mesh->vertices_left * 3 * sizeof(double));
-}
-
-/// Copy the remaining vertices. The stamp of a vertex becomes its new number.
-static void copy_vertices(decimation *all, bat_mesh *coarse)
-{
-    collapse_mesh *mesh = &all->mesh;
-    uint32_t count = 0, corner = 0;
-    for (size_t v = 0; v < mesh->vertex_count; v++)
-    {
-        if (mesh->first[v] == BAT_MESH_NONE)
-            continue;
-        memcpy(coarse->positions + 3 * (size_t)count, all->vertices[v].position, 3 * sizeof(double));
-        if (coarse->corners != NULL && all->corners[v] > 0)
-            coarse->corners[corner++] = (bat_mesh_corner){count, all->corners[v]};
-        mesh->stamp[v] = count++;
-    }
-}
-
-static void copy_faces(const decimation *all, bat_mesh *coarse)
-{
-    const collapse_mesh *mesh = &all->mesh;
-    size_t count = 0, crease = 0;
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        if (mesh->corner[3 * f] == BAT_MESH_NONE)
-            continue;
-        for (size_t c = 0; c < 3; c++)
-            coarse->faces[3 * count + c] = mesh->stamp[mesh->corner[3 * f + c]];
-        if (all->map != NULL)
-            all->map->kept[count] = (uint32_t)f;
-        count++;
-    }
-    for (size_t e = 0; e < mesh->edge_count && coarse->creases != NULL; e++)
-    {
-        uint32_t h = mesh->half_edge[e];
-        if (h != BAT_MESH_NONE && mesh->sharpness[e] > 0)
-            coarse->creases[crease++] = (bat_mesh_crease){mesh->stamp[mesh->corner[h]],
-                                                          mesh->stamp[mesh->corner[bat_mesh_next(h)]], mesh->sharpness[e]};
-    }
-}
-
-/// Every coarse face keeps the label of the fine face that it remained from.
-static bat_status carry_labels(const bat_mesh *fine, const collapse_mesh *mesh, bat_mesh *coarse, bat_error *error)
-{
-    size_t count = 0;
-    uint32_t *kept = memory_array(coarse->face_count, sizeof *kept);
-    if (kept == NULL)
-        return error_memory(error, coarse->face_count * sizeof *kept);
-    for (size_t f = 0; f < mesh->face_count; f++)
-        if (mesh->corner[3 * f] != BAT_MESH_NONE)
-            kept[count++] = (uint32_t)f;
-    bat_status status = mesh_labels_carry(fine, kept, 1, coarse, error);
-    free(kept);
-    return status;
-}
-
-static bat_status finish(const bat_mesh *fine, decimation *all, bat_mesh *coarse, bat_error *error)
-{
-    bat_status status = allocate_coarse(all, coarse, error);
-    if (status != BAT_OK)
-        return status;
-    copy_vertices(all, coarse);
-    copy_faces(all, coarse);
-    status = carry_labels(fine, &all->mesh, coarse, error);
-    if (status == BAT_OK && all->map != NULL)
-        status = map_finish(all->map, fine, coarse, error);
-    if (status != BAT_OK)
+        status = decimation_run(fine, options, run < MAX_RUNS ? &END : &whole, &checks, coarse, map, error);
+        tolerance_free(&checks);
+        if (status == BAT_OK && run < MAX_RUNS)
+            status = measure(fine, coarse, options, &distance, error);
+        else if (status != BAT_OK)
+            break;
+        if (status == BAT_OK && distance <= bound)
+            return BAT_OK;
         bat_mesh_free(coarse);
+        if (map != NULL)
+        {
+            bat_mesh_map_free(*map);
+            *map = NULL;
+        }
+        allowed = fmin(allowed * bound / distance, allowed) * SHRINK;
+    }
     return status;
 }
 
@@ -318,29 +155,23 @@ bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_optio
                              bat_mesh_map **map, bat_error *error)
 {
     const bat_mesh_decimate_options defaults = bat_mesh_decimate_defaults();
+    decimation_target target;
     options = options != NULL ? options : &defaults;
     bat_status status = bat_mesh_decimate_options_check(options, error);
     if (status == BAT_OK)
         status = bat_mesh_check(fine, error);
+    if (status == BAT_OK)
+        status = find_target(fine, options, &target, error);
     if (status != BAT_OK)
         return status;
-    decimation *all = calloc(1, sizeof *all);
-    if (all == NULL)
-        return error_memory(error, sizeof *all);
-    all->options = options;
     bat_mesh made = {0};
-    status = begin(fine, map != NULL, all, error);
-    if (status == BAT_OK)
-        status = run(all, error);
-    if (status == BAT_OK)
-        status = finish(fine, all, &made, error);
-    if (status == BAT_OK)
-    {
-        *coarse = made;
-        if (map != NULL)
-            *map = all->map;
-        all->map = NULL;
-    }
-    free_all(all);
-    return status;
+    bat_mesh_map *made_map = NULL, **to = map != NULL ? &made_map : NULL;
+    status = options->error > 0 ? run_within(fine, options, &made, to, error)
+                                : decimation_run(fine, options, &target, NULL, &made, to, error);
+    if (status != BAT_OK)
+        return status;
+    *coarse = made;
+    if (map != NULL)
+        *map = made_map;
+    return BAT_OK;
 }

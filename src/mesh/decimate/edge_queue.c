@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -87,6 +88,16 @@ static void replace_item(edge_queue *queue, size_t place, edge_queue_item item)
         move_up(queue, place, item);
     else
         move_down(queue, place, item);
+}
+
+void edge_queue_fill(edge_queue *queue, const double *errors, size_t edges)
+{
+    for (size_t e = 0; e < edges; e++)
+        if (isfinite(errors[e]))
+            set_item(queue, queue->count++, (edge_queue_item){errors[e], (uint32_t)e});
+    for (size_t place = queue->count / CHILDREN + 1; place-- > 0 && queue->candidates == 0;)
+        if (place < queue->count)
+            move_down(queue, place, queue->items[place]);
 }
 
 void edge_queue_put(edge_queue *queue, uint32_t edge, double error)

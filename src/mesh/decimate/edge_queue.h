@@ -29,6 +29,8 @@ typedef struct edge_queue
 bat_status edge_queue_make(size_t edges, size_t candidates, uint64_t seed, edge_queue *queue, bat_error *error);
 void edge_queue_free(edge_queue *queue);
 
+/// Fill an empty queue with the edges of finite error, in linear time. `errors` has one for each edge.
+void edge_queue_fill(edge_queue *queue, const double *errors, size_t edges);
 /// Insert an edge or change its error. Of equal errors the smaller index comes first.
 void edge_queue_put(edge_queue *queue, uint32_t edge, double error);
 /// Remove an edge, if it is in the queue.

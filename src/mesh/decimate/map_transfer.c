@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/channels.h"
 #include "mesh/decimate/map.h"
 #include "mesh/decimate/map_transfer.h"
 
@@ -257,20 +258,9 @@ static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *image
     size_t width = fine->channel_count;
     if (width == 0)
         return BAT_OK;
-    signals->channels = memory_array(count, width * sizeof *signals->channels);
-    signals->channel_names = calloc(width, sizeof *signals->channel_names);
-    signals->channel_count = signals->channel_names != NULL ? width : 0;
-    bool room = signals->channels != NULL && signals->channel_names != NULL;
-    for (size_t i = 0; i < width && room; i++)
-    {
-        size_t size = strlen(fine->channel_names[i]) + 1;
-        signals->channel_names[i] = malloc(size);
-        room = signals->channel_names[i] != NULL;
-        if (room)
-            memcpy(signals->channel_names[i], fine->channel_names[i], size);
-    }
-    if (!room)
-        return error_memory(error, count * width * sizeof *signals->channels);
+    bat_status status = channels_make(fine, count, signals, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < count; i++)
         interpolate(fine->channels, width, fine->faces + 3 * (size_t)images[i].face, images[i].barycentric,
                     signals->channels + width * i);

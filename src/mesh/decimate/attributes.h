@@ -1,0 +1,56 @@
+#ifndef MESH_DECIMATE_ATTRIBUTES_H
+#define MESH_DECIMATE_ATTRIBUTES_H
+
+#include "mesh/decimate/collapse.h"
+#include "mesh/decimate/quadric.h"
+
+/// @file
+/// Texture coordinates and channels during decimation: Hoppe, "New quadric metric for simplifying meshes with appearance
+/// attributes" (1999).
+///
+/// On a face with the gradient g of a value, the value s at a vertex p has the error (g . (p - v) + t - s)^2, with t the
+/// value at the face's corner v. An owner has the weighted sums of all its faces: of the weights, of g and of the offsets
+/// g . (p - v) + t - s. With them the best value of a merged owner, and its error, follow for any position. The sums of
+/// g g^T, of offsets times g and of squared offsets belong to the quadric of the vertex.
+
+struct error_vertex;
+
+/// Values at owners, multiplied by scales that turn them into lengths: the texture's owners are the sectors of a vertex
+/// between seams; those of channels are the vertices.
+typedef struct attribute_field
+{
+    uint32_t *owner; ///< for each half-edge: the owner at its begin; null: the vertex
+    double *values;  ///< owner_count x width
+    double *sums;    ///< owner_count x (1 + 4 width): the weight; for each value the sums of gradients and of offsets
+    double *scales;  ///< width powers of two
+    size_t width, owner_count;
+} attribute_field;
+
+typedef struct attributes
+{
+    attribute_field texture, channels; ///< of width 0 where the mesh has none
+    bool in_error;                     ///< the quadrics of the vertices have the sums of these values
+} attributes;
+
+/// Set the values of a mesh. Their sums are added to the quadrics of `vertices`, unless that is null.
+/// @param weight a multiple of the scales
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, struct error_vertex *vertices,
+                           attributes *made, bat_error *error);
+void attributes_free(attributes *all);
+
+/// Subtract from the quadric of an edge, about its middle, what the best values of the new vertex save.
+void attributes_minimize(const attributes *all, const collapse_mesh *mesh, uint32_t edge, const double *half, uint32_t kept,
+                         quadric *planes);
+/// Whether no face of a ring turns over in the texture when its edge collapses to a position.
+bool attributes_stay_valid(const attributes *all, const collapse_mesh *mesh, const struct error_vertex *vertices,
+                           const collapse_ring *ring, const double *position, uint32_t kept);
+/// Merge the owners of an edge. It goes before error_merge() and collapse_apply().
+void attributes_merge(attributes *all, const collapse_mesh *mesh, const collapse_ring *ring, const double *position,
+                      uint32_t kept, struct error_vertex *vertices);
+/// Set texture and channels of the result. The stamp of a vertex is its number there.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status attributes_finish(const attributes *all, const bat_mesh *fine, const collapse_mesh *mesh, bat_mesh *coarse,
+                             bat_error *error);
+
+#endif
