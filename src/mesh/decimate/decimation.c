@@ -38,6 +38,9 @@ typedef struct decimation
     error_vertex *vertices;
     edge_queue queue;
     double *errors;            ///< for each edge; infinite where it must not collapse
+    uint32_t *changed;         ///< for each vertex: the last collapse that changed its faces; null but for memoryless errors
+    uint32_t *computed;        ///< for each edge: the last collapse before its error was computed; null as `changed`
+    uint32_t now;              ///< the number of the last collapse
     uint8_t *waiting;          ///< for each vertex: whether one of its edges was refused and waits for changes nearby
     double *corners;           ///< for each vertex: its sharpness as a corner; null for a mesh without corners
     bat_mesh_map *map;         ///< null without a map
@@ -52,6 +55,8 @@ static void free_all(decimation *all)
     edge_queue_free(&all->queue);
     free(all->vertices);
     free(all->errors);
+    free(all->changed);
+    free(all->computed);
     free(all->waiting);
     free(all->corners);
     free(all->workspace);
@@ -66,9 +71,12 @@ static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, b
     all->errors = memory_array(all->mesh.edge_count, sizeof *all->errors);
     all->waiting = calloc(fine->vertex_count + 1, sizeof *all->waiting);
     all->corners = fine->corner_count > 0 ? calloc(fine->vertex_count, sizeof *all->corners) : NULL;
+    bool dated = all->options->method == BAT_MESH_DECIMATE_MEMORYLESS;
+    all->changed = dated ? calloc(fine->vertex_count, sizeof *all->changed) : NULL;
+    all->computed = dated ? calloc(all->mesh.edge_count, sizeof *all->computed) : NULL;
     all->workspace = mapped ? malloc(sizeof *all->workspace) : NULL;
     if (all->vertices == NULL || all->errors == NULL || all->waiting == NULL || (mapped && all->workspace == NULL) ||
-        (fine->corner_count > 0 && all->corners == NULL))
+        (dated && (all->changed == NULL || all->computed == NULL)) || (fine->corner_count > 0 && all->corners == NULL))
         return error_memory(error, fine->vertex_count * sizeof *all->vertices);
     bat_status status =
         edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->queue, error);
@@ -94,6 +102,8 @@ static void update_error(decimation *all, uint32_t edge)
     uint32_t kept;
     bool allowed = place(all, edge, &kept, &placed);
     all->errors[edge] = allowed ? placed.error : INFINITY;
+    if (all->computed != NULL)
+        all->computed[edge] = all->now;
     if (allowed)
         edge_queue_put(&all->queue, edge, placed.error);
     else
@@ -171,32 +181,30 @@ static void retry_around(decimation *all, uint32_t vertex)
     } while (h != BAT_MESH_NONE && h != first);
 }
 
-/// Set the memoryless sums of the new vertex and those around it.
+/// Set the memoryless sums of the new vertex and those around it. The errors of their edges are out of date.
 static void update_sums(decimation *all)
 {
-    memoryless_vertex_set(&all->mesh, all->vertices, all->ring.i);
-    for (uint32_t k = 0; k < collapse_ring_vertices(&all->ring); k++)
-        memoryless_vertex_set(&all->mesh, all->vertices, all->ring.vertex[k]);
+    const collapse_ring *ring = &all->ring;
+    all->now++;
+    memoryless_vertex_set(&all->mesh, all->vertices, ring->i);
+    for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
+    {
+        memoryless_vertex_set(&all->mesh, all->vertices, ring->vertex[k]);
+        all->changed[ring->vertex[k]] = all->now;
+    }
 }
 
-/// Update the errors of all other edges of the vertices around the new one, each once. Vertices of the ring have the last
-/// stamp.
-static void update_outside(decimation *all)
+/// Whether the error of an edge that left the queue is that of the present mesh. Else it is computed again, and the edge
+/// goes back unless it still comes first.
+static bool is_current(decimation *all, uint32_t edge)
 {
-    const collapse_mesh *mesh = &all->mesh;
-    for (uint32_t k = 0; k < collapse_ring_vertices(&all->ring); k++)
-    {
-        uint32_t vertex = all->ring.vertex[k], first = mesh->first[vertex], h = first;
-        do
-        {
-            uint32_t previous = bat_mesh_previous(h);
-            const uint32_t edges[2] = {h, previous}, ends[2] = {mesh->corner[bat_mesh_next(h)], mesh->corner[previous]};
-            for (int side = 0; side < (mesh->twin[previous] == BAT_MESH_NONE ? 2 : 1); side++)
-                if (ends[side] != all->ring.i && (mesh->stamp[ends[side]] != mesh->last_stamp || ends[side] > vertex))
-                    update_error(all, mesh->edge[edges[side]]);
-            h = mesh->twin[previous];
-        } while (h != BAT_MESH_NONE && h != first);
-    }
+    if (all->changed == NULL)
+        return true;
+    uint32_t h = all->mesh.half_edge[edge], a = all->mesh.corner[h], b = all->mesh.corner[bat_mesh_next(h)];
+    if (all->changed[a] <= all->computed[edge] && all->changed[b] <= all->computed[edge])
+        return true;
+    update_error(all, edge);
+    return false;
 }
 
 static void collapse(decimation *all, const error_placement *placed, uint32_t kept)
@@ -219,8 +227,6 @@ static void collapse(decimation *all, const error_placement *placed, uint32_t ke
         update_error(all, all->mesh.edge[ring->half_edge[k]]);
     if (!ring->closed)
         update_error(all, all->mesh.edge[bat_mesh_previous(ring->half_edge[ring->count - 1])]);
-    if (all->options->method == BAT_MESH_DECIMATE_MEMORYLESS)
-        update_outside(all);
     for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
         if (all->waiting[ring->vertex[k]])
             retry_around(all, ring->vertex[k]);
@@ -284,7 +290,8 @@ static bat_status run(decimation *all, bat_error *error)
         uint32_t edge = edge_queue_take(&all->queue);
         if (edge == EDGE_QUEUE_ABSENT)
             break;
-        status = attempt(all, edge, error);
+        if (is_current(all, edge))
+            status = attempt(all, edge, error);
         if (status == BAT_OK && i % REPORT_INTERVAL == 0)
             status = report(all, initial_vertices, initial_faces, error);
     }
