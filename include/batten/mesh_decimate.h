@@ -41,6 +41,7 @@ typedef struct bat_mesh_decimate_options
     /// Collapse as long as no point of either surface is farther than this from the other. The result is measured by
     /// bat_mesh_compare(), and its proven bound does not exceed the given one. Default 0.
     double error;
+    double *distance;    ///< with `error`: receives the proven bound of the result; may be null
     bool relative_error; ///< `error` is a share of the diagonal of the mesh's box; default false
     bat_mesh_decimate_method method;
     /// 0: always collapse the edge of least error. Else the edge of least error among this number of random ones (appendix

@@ -16,8 +16,16 @@
 enum
 {
     /// Runs with ever smaller tolerances until the measured distance keeps the bound.
-    MAX_RUNS = 8
+    MAX_RUNS = 8,
+    /// The most samples of a measurement for each given face, beside the default ones, and the factor between attempts.
+    MAX_SAMPLES_PER_FACE = 200,
+    SAMPLE_FACTOR = 4
 };
+
+/// The greatest such ratio where the bound is not exceeded but not proven either.
+static const double UNPROVEN = 2;
+/// The relative accuracy of the measured distance.
+static const double ACCURACY = 0.01;
 
 /// The factor between a tolerance and the next one, beside the ratio by which the result exceeded the bound.
 static const double SHRINK = 0.98;
@@ -102,18 +110,20 @@ static double bound_of(const bat_mesh *fine, const bat_mesh_decimate_options *op
     return options->error * sqrt(square);
 }
 
-/// Measure a result. `distance` receives the proven bound on the distance of the surfaces.
+/// Measure a result. Samples are added as long as the greatest distance found keeps the bound and the proven one does not.
 static bat_status measure(const bat_mesh *fine, const bat_mesh *coarse, const bat_mesh_decimate_options *options,
-                          double *distance, bat_error *error)
+                          double bound, bat_mesh_distance *distance, bat_error *error)
 {
     bat_mesh_compare_options how = bat_mesh_compare_defaults();
-    bat_mesh_distance found;
+    bat_status status = BAT_OK;
     how.threads = options->threads;
-    how.samples =
-        fmax((double)how.samples, 2 * (double)fine->face_count) > (double)how.samples ? 2 * fine->face_count : how.samples;
-    bat_status status = bat_mesh_compare(coarse, fine, &how, &found, error);
-    if (status == BAT_OK)
-        *distance = found.hausdorff_most;
+    how.tolerance = ACCURACY;
+    size_t most = how.samples + MAX_SAMPLES_PER_FACE * fine->face_count;
+    for (bool again = true; again && status == BAT_OK; how.samples *= SAMPLE_FACTOR)
+    {
+        status = bat_mesh_compare(coarse, fine, &how, distance, error);
+        again = distance->hausdorff <= bound && distance->hausdorff_most > bound && SAMPLE_FACTOR * how.samples <= most;
+    }
     return status;
 }
 
@@ -124,30 +134,39 @@ static bat_status run_within(const bat_mesh *fine, const bat_mesh_decimate_optio
     static const decimation_target END = {0, 0};
     const decimation_target whole = {fine->vertex_count, fine->face_count};
     double bound = bound_of(fine, options), allowed = bound;
-    bat_status status = BAT_OK;
+    bat_mesh_connectivity topology;
+    bat_status status = bat_mesh_connect(fine, &topology, error);
+    if (status != BAT_OK)
+        return status;
     for (int run = 0; run <= MAX_RUNS && status == BAT_OK; run++)
     {
         tolerance checks;
-        double distance = 0;
-        status = tolerance_make(fine, allowed, &checks, error);
+        bat_mesh_distance distance = {0};
+        status = tolerance_make(fine, &topology, allowed, &checks, error);
         if (status != BAT_OK)
             break;
         status = decimation_run(fine, options, run < MAX_RUNS ? &END : &whole, &checks, coarse, map, error);
         tolerance_free(&checks);
         if (status == BAT_OK && run < MAX_RUNS)
-            status = measure(fine, coarse, options, &distance, error);
+            status = measure(fine, coarse, options, bound, &distance, error);
         else if (status != BAT_OK)
             break;
-        if (status == BAT_OK && distance <= bound)
-            return BAT_OK;
+        if (status == BAT_OK && distance.hausdorff_most <= bound)
+        {
+            if (options->distance != NULL)
+                *options->distance = distance.hausdorff_most;
+            break;
+        }
         bat_mesh_free(coarse);
         if (map != NULL)
         {
             bat_mesh_map_free(*map);
             *map = NULL;
         }
-        allowed = fmin(allowed * bound / distance, allowed) * SHRINK;
+        double exceeded = distance.hausdorff > bound ? distance.hausdorff : fmin(distance.hausdorff_most, UNPROVEN * bound);
+        allowed *= bound / exceeded * SHRINK;
     }
+    bat_mesh_connectivity_free(&topology);
     return status;
 }
 

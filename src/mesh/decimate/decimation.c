@@ -8,8 +8,8 @@
 #include "mesh/decimate/edge_queue.h"
 #include "mesh/decimate/flatten.h"
 #include "mesh/decimate/map.h"
-#include "mesh/labels.h"
 #include "mesh/decimate/memoryless.h"
+#include "mesh/labels.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -10,6 +10,7 @@
 void tolerance_free(tolerance *all)
 {
     closest_free(&all->tree);
+    free(all->samples);
     free(all->first);
     free(all->next);
     free(all->place);
@@ -18,35 +19,53 @@ void tolerance_free(tolerance *all)
     *all = (tolerance){0};
 }
 
-bat_status tolerance_make(const bat_mesh *fine, double bound, tolerance *made, bat_error *error)
+/// Add a sample to a face: the mean of its first `count` corners from `corner` on.
+static void add_sample(tolerance *all, const bat_mesh *fine, size_t face, size_t corner, size_t count)
 {
-    double largest = closest_largest(fine->positions, 3 * fine->vertex_count, 0);
-    *made = (tolerance){.bound = bound, .positions = fine->positions};
-    bat_status status = closest_build(fine, largest, &made->tree, error);
+    double *sample = all->samples + 3 * all->sample_count;
+    for (size_t k = 0; k < 3; k++)
+    {
+        sample[k] = 0;
+        for (size_t c = 0; c < count; c++)
+            sample[k] += fine->positions[3 * (size_t)fine->faces[3 * face + (corner + c) % 3] + k];
+        sample[k] /= (double)count;
+    }
+    all->next[all->sample_count] = all->first[face];
+    all->first[face] = (uint32_t)all->sample_count++;
+}
+
+bat_status tolerance_make(const bat_mesh *fine, const bat_mesh_connectivity *topology, double bound, tolerance *made,
+                          bat_error *error)
+{
+    size_t count = fine->vertex_count + topology->edge_count + fine->face_count;
+    *made = (tolerance){.bound = bound};
+    if (count >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a bound on the distance needs %zu samples, more than %u",
+                         count, BAT_MESH_NONE - 1);
+    bat_status status = closest_build(fine, closest_largest(fine->positions, 3 * fine->vertex_count, 0), &made->tree, error);
     if (status != BAT_OK)
         return status;
+    made->samples = memory_array(count, 3 * sizeof *made->samples);
     made->first = memory_array(fine->face_count, sizeof *made->first);
-    made->next = memory_array(fine->vertex_count, sizeof *made->next);
+    made->next = memory_array(count, sizeof *made->next);
     made->place = calloc(fine->vertex_count + 1, sizeof *made->place);
-    made->moved = memory_array(fine->vertex_count, sizeof *made->moved);
-    made->nearest = memory_array(fine->vertex_count, sizeof *made->nearest);
-    if (made->first == NULL || made->next == NULL || made->place == NULL || made->moved == NULL || made->nearest == NULL)
+    made->moved = memory_array(count, sizeof *made->moved);
+    made->nearest = memory_array(count, sizeof *made->nearest);
+    if (made->samples == NULL || made->first == NULL || made->next == NULL || made->place == NULL || made->moved == NULL ||
+        made->nearest == NULL)
     {
         tolerance_free(made);
-        return error_memory(error, fine->vertex_count * sizeof *made->next);
+        return error_memory(error, count * 3 * sizeof *made->samples);
     }
     memset(made->first, 0xff, fine->face_count * sizeof *made->first);
-    memset(made->next, 0xff, fine->vertex_count * sizeof *made->next);
-    // The vertex of a face gets its first face; `moved` marks the vertices that have one.
-    memset(made->moved, 0, fine->vertex_count * sizeof *made->moved);
     for (size_t h = 0; h < 3 * fine->face_count; h++)
     {
-        uint32_t vertex = fine->faces[h];
-        if (made->moved[vertex] != 0)
-            continue;
-        made->moved[vertex] = 1;
-        made->next[vertex] = made->first[h / 3];
-        made->first[h / 3] = vertex;
+        if (topology->first[fine->faces[h]] == h)
+            add_sample(made, fine, h / 3, h % 3, 1);
+        if (topology->twin[h] > h)
+            add_sample(made, fine, h / 3, h % 3, 2);
+        if (h % 3 == 0)
+            add_sample(made, fine, h / 3, 0, 3);
     }
     for (uint32_t place = 0; place < made->tree.face_count; place++)
         for (size_t c = 0; c < 3; c++)
@@ -109,33 +128,39 @@ static double squared_distance_to(const target *to, const double *point)
     return fmin(nearest, squared_distance(to, point, 1 - on_across, on_across));
 }
 
-/// Whether a sample of the result is near the given mesh.
-static bool is_near(const tolerance *all, const double *point, uint32_t *place)
+/// Whether the point of a new face with some shares of its corners is near the given mesh.
+static bool is_near(const tolerance *all, const double *const corners[3], const double *shares, uint32_t *place)
 {
+    double point[3];
+    for (int c = 0; c < 3; c++)
+        point[c] = shares[0] * corners[0][c] + shares[1] * corners[1][c] + shares[2] * corners[2][c];
     return closest_find(&all->tree, point, place) <= all->bound;
 }
 
-/// Whether the new faces are near the given mesh at their vertices and middles.
+/// Whether the new faces are near the given mesh at their samples.
 static bool result_is_near(const tolerance *all, const error_vertex *vertices, const collapse_ring *ring,
                            const double *position)
 {
+    static const double SPOKE[][3] = {{0.5, 0.5, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}},
+                        FACE[][3] = {{1 / 3.0, 1 / 3.0, 1 / 3.0},
+                                     {2 / 3.0, 1 / 6.0, 1 / 6.0},
+                                     {1 / 6.0, 2 / 3.0, 1 / 6.0},
+                                     {1 / 6.0, 1 / 6.0, 2 / 3.0}};
     uint32_t place = all->place[ring->i];
-    if (!is_near(all, position, &place))
+    if (!(closest_find(&all->tree, position, &place) <= all->bound))
         return false;
     uint32_t spokes = collapse_ring_vertices(ring);
     for (uint32_t k = 0; k < spokes; k++)
     {
-        const double *from = vertices[ring->vertex[k]].position,
-                     *to = vertices[ring->vertex[k + 1 < spokes ? k + 1 : 0]].position;
-        double middle[3], centre[3];
+        const double *corners[3] = {position, vertices[ring->vertex[k]].position,
+                                    vertices[ring->vertex[k + 1 < spokes ? k + 1 : 0]].position};
         uint32_t near = place;
-        for (int c = 0; c < 3; c++)
-        {
-            middle[c] = (position[c] + from[c]) / 2;
-            centre[c] = (position[c] + from[c] + to[c]) / 3;
-        }
-        if (!is_near(all, middle, &near) || (k < ring->count && !is_near(all, centre, &near)))
-            return false;
+        for (size_t n = 0; n < sizeof SPOKE / sizeof *SPOKE; n++)
+            if (!is_near(all, corners, SPOKE[n], &near))
+                return false;
+        for (size_t n = 0; n < sizeof FACE / sizeof *FACE && k < ring->count; n++)
+            if (!is_near(all, corners, FACE[n], &near))
+                return false;
     }
     return true;
 }
@@ -154,7 +179,7 @@ bool tolerance_allows(tolerance *all, const error_vertex *vertices, const collap
         {
             double point[3], least = INFINITY;
             uint8_t nearest = 0;
-            vector3_subtract(all->positions + 3 * (size_t)sample, position, point);
+            vector3_subtract(all->samples + 3 * (size_t)sample, position, point);
             for (uint32_t n = 0; n < ring->count; n++)
             {
                 double square = squared_distance_to(&targets[n], point);
