@@ -39,6 +39,7 @@ void attributes_free(attributes *all)
         free(fields[f]->sums);
         free(fields[f]->scales);
     }
+    free(all->errors);
     *all = (attributes){0};
 }
 
@@ -177,9 +178,9 @@ static bat_status set_channels(const bat_mesh *mesh, double weight, attribute_fi
     return BAT_OK;
 }
 
-/// Add the gradients of a face to the sums of its owners and to the quadrics of its vertices.
+/// Add the gradients of a face to the sums of its owners and to the errors of its vertices.
 static void add_face(const bat_mesh *mesh, const collapse_mesh *topology, uint32_t face, attribute_field *field,
-                     error_vertex *vertices)
+                     quadric *errors)
 {
     const uint32_t *corner = mesh->faces + 3 * (size_t)face;
     const double *p = mesh->positions + 3 * (size_t)corner[0];
@@ -212,17 +213,20 @@ static void add_face(const bat_mesh *mesh, const collapse_mesh *topology, uint32
             double *sum = sums_of(field, owner[c]) + 1 + 4 * k;
             for (int d = 0; d < 3; d++)
                 sum[d] += area * gradient[d];
-            if (vertices != NULL)
-                quadric_add_plane(&vertices[corner[c]].planes, gradient, area);
+            quadric_add_plane(&errors[corner[c]], gradient, area);
         }
     }
 }
 
-bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, error_vertex *vertices,
-                           attributes *made, bat_error *error)
+bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, attributes *made,
+                           bat_error *error)
 {
     bat_status status = BAT_OK;
-    *made = (attributes){.in_error = vertices != NULL};
+    if (mesh->texture == NULL && mesh->channel_count == 0)
+        return BAT_OK;
+    made->errors = calloc(mesh->vertex_count, sizeof *made->errors);
+    if (made->errors == NULL)
+        return error_memory(error, mesh->vertex_count * sizeof *made->errors);
     if (mesh->texture != NULL)
         status = set_texture(mesh, topology, weight, &made->texture, error);
     if (status == BAT_OK && mesh->channel_count > 0)
@@ -230,9 +234,9 @@ bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, 
     for (uint32_t f = 0; f < mesh->face_count && status == BAT_OK; f++)
     {
         if (made->texture.width > 0)
-            add_face(mesh, topology, f, &made->texture, vertices);
+            add_face(mesh, topology, f, &made->texture, made->errors);
         if (made->channels.width > 0)
-            add_face(mesh, topology, f, &made->channels, vertices);
+            add_face(mesh, topology, f, &made->channels, made->errors);
     }
     return status;
 }
@@ -250,6 +254,7 @@ static owner_pairs pairs_of(const attribute_field *field, const collapse_mesh *m
     return pairs;
 }
 
+/// Turn the sum of two owners' errors, each about its own value, into that of their best value or of the one at `kept`.
 static void minimize_pair(const attribute_field *field, uint32_t a, uint32_t b, const double *half, int kept,
                           quadric *planes)
 {
@@ -289,20 +294,30 @@ static void minimize_pair(const attribute_field *field, uint32_t a, uint32_t b, 
     }
 }
 
-void attributes_minimize(const attributes *all, const collapse_mesh *mesh, uint32_t edge, const double *half, uint32_t kept,
-                         quadric *planes)
+bool attributes_error(const attributes *all, const collapse_mesh *mesh, uint32_t edge, const double *half, uint32_t kept,
+                      quadric *sum, double *weight)
 {
     const attribute_field *fields[] = {&all->texture, &all->channels};
-    uint32_t h = mesh->half_edge[edge];
-    int end = kept == BAT_MESH_NONE ? 0 : kept == mesh->corner[h] ? 1 : 2;
-    for (int f = 0; f < 2 && all->in_error; f++)
+    if (all->errors == NULL)
+        return false;
+    const double back[3] = {-half[0], -half[1], -half[2]};
+    uint32_t h = mesh->half_edge[edge], i = mesh->corner[h], j = mesh->corner[bat_mesh_next(h)];
+    int end = kept == BAT_MESH_NONE ? 0 : kept == i ? 1 : 2;
+    quadric of_i = quadric_moved(&all->errors[i], half), of_j = quadric_moved(&all->errors[j], back);
+    *sum = quadric_sum(&of_i, &of_j);
+    *weight = 0;
+    for (int f = 0; f < 2; f++)
     {
         if (fields[f]->width == 0)
             continue;
         owner_pairs pairs = pairs_of(fields[f], mesh, h);
         for (int p = 0; p < pairs.count; p++)
-            minimize_pair(fields[f], pairs.a[p], pairs.b[p], half, end, planes);
+        {
+            minimize_pair(fields[f], pairs.a[p], pairs.b[p], half, end, sum);
+            *weight += *sums_of(fields[f], pairs.a[p]) + *sums_of(fields[f], pairs.b[p]);
+        }
     }
+    return true;
 }
 
 /// The value k of a merged owner at a position that is `from_i` and `from_j` away from the ends, and the offset there
@@ -359,7 +374,7 @@ bool attributes_stay_valid(const attributes *all, const collapse_mesh *mesh, con
     return true;
 }
 
-/// Put the sums of an owner about another value into the quadric of its vertex.
+/// Put the error of an owner about another value, in the error of its vertex.
 static void shift_quadric(const double *sums, const double *of_value, double shift, quadric *planes)
 {
     planes->x += of_value[0] * shift;
@@ -369,7 +384,7 @@ static void shift_quadric(const double *sums, const double *of_value, double shi
 }
 
 static void merge_pair(attribute_field *field, const collapse_ring *ring, uint32_t a, uint32_t b, const double *from_i,
-                       const double *from_j, int kept, error_vertex *vertices)
+                       const double *from_j, int kept, quadric *errors)
 {
     bool into_b = kept == 2 && field->owner != NULL;
     uint32_t target = into_b ? b : a, other = into_b ? a : b;
@@ -378,11 +393,8 @@ static void merge_pair(attribute_field *field, const collapse_ring *ring, uint32
     {
         double *of_a = sums_a + 1 + 4 * k, *of_b = sums_b + 1 + 4 * k, *merged = sums + 1 + 4 * k, offset;
         double value = merged_value(field, a, b, k, from_i, from_j, kept, &offset);
-        if (vertices != NULL)
-        {
-            shift_quadric(sums_a, of_a, values_of(field, a)[k] - value, &vertices[ring->i].planes);
-            shift_quadric(sums_b, of_b, values_of(field, b)[k] - value, &vertices[ring->j].planes);
-        }
+        shift_quadric(sums_a, of_a, values_of(field, a)[k] - value, &errors[ring->i]);
+        shift_quadric(sums_b, of_b, values_of(field, b)[k] - value, &errors[ring->j]);
         for (int c = 0; c < 3; c++)
             merged[c] = of_a[c] + of_b[c];
         merged[3] = offset;
@@ -395,8 +407,10 @@ static void merge_pair(attribute_field *field, const collapse_ring *ring, uint32
 }
 
 void attributes_merge(attributes *all, const collapse_mesh *mesh, const collapse_ring *ring, const double *position,
-                      uint32_t kept, error_vertex *vertices)
+                      uint32_t kept, const error_vertex *vertices)
 {
+    if (all->errors == NULL)
+        return;
     attribute_field *fields[] = {&all->texture, &all->channels};
     double from_i[3], from_j[3];
     vector3_subtract(position, vertices[ring->i].position, from_i);
@@ -407,9 +421,10 @@ void attributes_merge(attributes *all, const collapse_mesh *mesh, const collapse
             continue;
         owner_pairs pairs = pairs_of(fields[f], mesh, ring->half_edge[ring->count]);
         for (int p = 0; p < pairs.count; p++)
-            merge_pair(fields[f], ring, pairs.a[p], pairs.b[p], from_i, from_j, kept_end(ring, kept),
-                       all->in_error ? vertices : NULL);
+            merge_pair(fields[f], ring, pairs.a[p], pairs.b[p], from_i, from_j, kept_end(ring, kept), all->errors);
     }
+    quadric of_i = quadric_moved(&all->errors[ring->i], from_i), of_j = quadric_moved(&all->errors[ring->j], from_j);
+    all->errors[ring->i] = quadric_sum(&of_i, &of_j);
 }
 
 /// The texture of the remaining faces, each owner once, in the order of the faces.

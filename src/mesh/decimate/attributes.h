@@ -9,9 +9,9 @@
 /// attributes" (1999).
 ///
 /// On a face with the gradient g of a value, the value s at a vertex p has the error (g . (p - v) + t - s)^2, with t the
-/// value at the face's corner v. An owner has the weighted sums of all its faces: of the weights, of g and of the offsets
-/// g . (p - v) + t - s. With them the best value of a merged owner, and its error, follow for any position. The sums of
-/// g g^T, of offsets times g and of squared offsets belong to the quadric of the vertex.
+/// value at the face's corner v. An owner has the weighted sums of all given faces that became it: of the weights, of g and
+/// of the offsets g . (p - v) + t - s. A vertex has those of g g^T, of offsets times g and of squared offsets as a quadric.
+/// With them the best value of a merged owner, and its error, follow for any position.
 
 struct error_vertex;
 
@@ -29,25 +29,26 @@ typedef struct attribute_field
 typedef struct attributes
 {
     attribute_field texture, channels; ///< of width 0 where the mesh has none
-    bool in_error;                     ///< the quadrics of the vertices have the sums of these values
+    quadric *errors;                   ///< for each vertex, about it; null where the mesh has no values
 } attributes;
 
-/// Set the values of a mesh. Their sums are added to the quadrics of `vertices`, unless that is null.
+/// Set the values of a mesh.
 /// @param weight a multiple of the scales
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, struct error_vertex *vertices,
-                           attributes *made, bat_error *error);
+bat_status attributes_make(const bat_mesh *mesh, const collapse_mesh *topology, double weight, attributes *made,
+                           bat_error *error);
 void attributes_free(attributes *all);
 
-/// Subtract from the quadric of an edge, about its middle, what the best values of the new vertex save.
-void attributes_minimize(const attributes *all, const collapse_mesh *mesh, uint32_t edge, const double *half, uint32_t kept,
-                         quadric *planes);
+/// The error of the values of an edge's new vertex, about the edge's middle: of the best ones, or of those at `kept`.
+/// `weight` receives the sum of the weights. False without values.
+bool attributes_error(const attributes *all, const collapse_mesh *mesh, uint32_t edge, const double *half, uint32_t kept,
+                      quadric *sum, double *weight);
 /// Whether no face of a ring turns over in the texture when its edge collapses to a position.
 bool attributes_stay_valid(const attributes *all, const collapse_mesh *mesh, const struct error_vertex *vertices,
                            const collapse_ring *ring, const double *position, uint32_t kept);
 /// Merge the owners of an edge. It goes before error_merge() and collapse_apply().
 void attributes_merge(attributes *all, const collapse_mesh *mesh, const collapse_ring *ring, const double *position,
-                      uint32_t kept, struct error_vertex *vertices);
+                      uint32_t kept, const struct error_vertex *vertices);
 /// Set texture and channels of the result. The stamp of a vertex is its number there.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status attributes_finish(const attributes *all, const bat_mesh *fine, const collapse_mesh *mesh, bat_mesh *coarse,

@@ -88,7 +88,10 @@ error_placement error_place(const collapse_mesh *mesh, const error_vertex *verti
     double half[3], offset[3] = {0};
     quadric planes = planes_of_edge(a, b, half);
     double square = 4 * vector3_dot(half, half), weight = quadric_weight(&planes), penalty = LENGTH_SHARE * weight * square;
-    attributes_minimize(fields, mesh, edge, half, kept, &planes);
+    quadric of_values;
+    double of_weights;
+    if (attributes_error(fields, mesh, edge, half, kept, &of_values, &of_weights))
+        planes = quadric_sum(&planes, &of_values);
     error_placement placed;
     const double back[3] = {-half[0], -half[1], -half[2]};
     if (kept != BAT_MESH_NONE)

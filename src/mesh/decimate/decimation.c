@@ -89,7 +89,7 @@ static bool place(const decimation *all, uint32_t edge, uint32_t *kept, error_pl
     if (!collapse_edge_is_allowed(&all->mesh, edge, kept))
         return false;
     if (all->options->method == BAT_MESH_DECIMATE_MEMORYLESS)
-        *placed = memoryless_place(&all->mesh, all->vertices, edge, *kept);
+        *placed = memoryless_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
     else
         *placed = error_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
     return isfinite(placed->error);
@@ -144,9 +144,7 @@ static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_
         all->corners[fine->corners[i].vertex] = fine->corners[i].sharpness;
     error_vertices_set(fine, &all->mesh, all->options->boundary_weight, all->vertices);
     if (all->options->attributes > 0)
-        status =
-            attributes_make(fine, &all->mesh, all->options->attributes,
-                            all->options->method == BAT_MESH_DECIMATE_QUADRIC ? all->vertices : NULL, &all->fields, error);
+        status = attributes_make(fine, &all->mesh, all->options->attributes, &all->fields, error);
     if (status == BAT_OK)
         fill_queue(all);
     return status;

@@ -292,7 +292,8 @@ static quadric neighbours_of_edge(const collapse_mesh *mesh, const error_vertex 
     return sum;
 }
 
-error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, uint32_t kept)
+error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields,
+                                 uint32_t edge, uint32_t kept)
 {
     uint32_t h = mesh->half_edge[edge], i = mesh->corner[h];
     const error_vertex *a = &vertices[i], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
@@ -340,5 +341,9 @@ error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *
         memcpy(placed.position, vertices[kept].position, sizeof placed.position);
     }
     placed.error = fmax(quadric_error(&error, offset), 0) + LENGTH_SHARE * weight * square;
+    quadric of_values;
+    double of_weights;
+    if (attributes_error(fields, mesh, edge, half, kept, &of_values, &of_weights) && of_weights > 0)
+        placed.error += fmax(quadric_error(&of_values, offset), 0) * weight / of_weights;
     return placed;
 }

@@ -17,7 +17,9 @@
 /// Set the sums of a vertex from its current faces.
 void memoryless_vertex_set(const collapse_mesh *mesh, error_vertex *vertices, uint32_t vertex);
 
-/// Place the new vertex of an edge. `kept` is the prescribed end, or BAT_MESH_NONE.
-error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, uint32_t kept);
+/// Place the new vertex of an edge. The mean squared error of its values is added to that of the faces. `kept` is the
+/// prescribed end, or BAT_MESH_NONE.
+error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields,
+                                 uint32_t edge, uint32_t kept);
 
 #endif
