@@ -20,10 +20,10 @@ static const option_spec OPTIONS[] = {
      "instead: as few as keep both surfaces within the distance E of each other, in the units of IN; with % of the\n"
      "diagonal of its box (0.1%)"},
     {"method", 0, "NAME",
-     "quadric (default): squared distances from all planes of IN; memoryless: volumes to the present faces (Lindstrom\n"
-     "and Turk)"},
+     "memoryless (default): squared volumes to the present faces, at preserved volume (Lindstrom and Turk); quadric:\n"
+     "squared distances from the planes of all faces of IN, faster and less accurate"},
     {"attributes", 0, "W",
-     "the weight of texture and channels in the error; 0 drops them, and lets seams vanish; default 1"},
+     "the weight of texture and channels in the error; 0 drops them, and lets seams vanish; default 0.5"},
     {"map", 0, "FILE", "write the bijective map between IN and OUT, a safetensors file"},
     {"random", 0, "K", "each time collapse the edge of least error among K random ones; default: among all"},
     {"seed", 0, "N", "of --random; default 1"},

@@ -41,9 +41,9 @@ typedef struct bat_mesh_decimate_options
     /// Collapse as long as no point of either surface is farther than this from the other. The result is measured by
     /// bat_mesh_compare(), and its proven bound does not exceed the given one. Default 0.
     double error;
-    double *distance;    ///< with `error`: receives the proven bound of the result; may be null
-    bool relative_error; ///< `error` is a share of the diagonal of the mesh's box; default false
-    bat_mesh_decimate_method method;
+    double *distance;                ///< with `error`: receives the proven bound of the result; may be null
+    bool relative_error;             ///< `error` is a share of the diagonal of the mesh's box; default false
+    bat_mesh_decimate_method method; ///< default BAT_MESH_DECIMATE_MEMORYLESS
     /// 0: always collapse the edge of least error. Else the edge of least error among this number of random ones (appendix
     /// E: 100). Default 0.
     size_t candidates;
@@ -59,7 +59,7 @@ typedef struct bat_mesh_decimate_options
     double boundary_weight;
     /// The weight of texture coordinates and channels in the error, at least 0. 1: a shift of the texture counts as a shift
     /// of the surface by the same length, and the whole range of a channel as a tenth of the box's diagonal. 0: they are
-    /// ignored and dropped, and seams of the texture may vanish. Default 1.
+    /// ignored and dropped, and seams of the texture may vanish. Default 0.5.
     double attributes;
     int threads; ///< for the first errors and for measuring; 0: as many as OpenMP gives; the result does not depend on it
     bat_progress progress;

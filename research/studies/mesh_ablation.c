@@ -78,6 +78,8 @@ static bat_status trial_make(probe *p, size_t index, bat_error *error)
 {
     const bat_mesh_train_options recipe = bat_mesh_train_defaults(BAT_RECIPE_PUBLISHED);
     bat_mesh_decimate_options how = bat_mesh_decimate_defaults();
+    how.method = BAT_MESH_DECIMATE_QUADRIC;
+    how.attributes = 0;
     how.vertices = recipe.min_vertices + index * (recipe.max_vertices - recipe.min_vertices) / (TRIALS - 1);
     how.candidates = CANDIDATES;
     how.seed = TRIAL_SEED + index;

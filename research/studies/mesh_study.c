@@ -118,6 +118,8 @@ bat_status mesh_study_decimate(const bat_mesh *shape, const bat_mesh_study_optio
                                bat_mesh *coarse, bat_error *error)
 {
     bat_mesh_decimate_options how = bat_mesh_decimate_defaults();
+    how.method = BAT_MESH_DECIMATE_QUADRIC;
+    how.attributes = 0;
     how.vertices = options->vertices;
     how.progress = progress;
     if (how.vertices < 4)

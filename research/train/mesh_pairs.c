@@ -85,6 +85,8 @@ bat_status mesh_pair_make(const bat_mesh *shape, const mesh_pair_plan *plan, uin
     bat_random random = bat_random_seed(seed);
     double spread = (double)(plan->max_vertices - plan->min_vertices + 1);
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.method = BAT_MESH_DECIMATE_QUADRIC;
+    options.attributes = 0;
     options.vertices = plan->min_vertices + (size_t)(spread * bat_random_uniform(&random));
     options.candidates = CANDIDATES;
     options.seed = bat_random_bits(&random);

@@ -44,12 +44,12 @@ CHOICE_FUNCTIONS(bat_mesh_decimate_method, TABLE, 0)
 
 bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
 {
-    return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_QUADRIC,
+    return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_MEMORYLESS,
                                        .seed = 1,
                                        .least_normal = 0.2,
                                        .least_quality = 0.2,
                                        .boundary_weight = 1000,
-                                       .attributes = 1};
+                                       .attributes = 0.5};
 }
 
 bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *options, bat_error *error)

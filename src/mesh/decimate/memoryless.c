@@ -18,6 +18,9 @@ static const double LENGTH_SHARE = 1e-8;
 /// The largest distance of the new vertex from the middle, relative to the edge's length.
 static const double MAX_OFFSET = 4;
 
+/// A position nearer to an end than this share of the edge's length is that end.
+static const double SAME = 1e-9;
+
 /// Up to three independent equations row . d = right.
 typedef struct constraints
 {
@@ -292,6 +295,21 @@ static quadric neighbours_of_edge(const collapse_mesh *mesh, const error_vertex 
     return sum;
 }
 
+/// The position middle + offset; an end of the edge where it is that but for rounding errors, so that corners stay exactly.
+static void place_at(const error_vertex *a, const error_vertex *b, const double *half, const double *middle,
+                     const double *offset, double *position)
+{
+    double from_a = 0, from_b = 0, square = SAME * SAME * vector3_dot(half, half);
+    for (int c = 0; c < 3; c++)
+    {
+        from_a += (offset[c] + half[c]) * (offset[c] + half[c]);
+        from_b += (offset[c] - half[c]) * (offset[c] - half[c]);
+        position[c] = middle[c] + offset[c];
+    }
+    if (from_a <= square || from_b <= square)
+        memcpy(position, from_a <= from_b ? a->position : b->position, sizeof a->position);
+}
+
 error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields,
                                  uint32_t edge, uint32_t kept)
 {
@@ -331,8 +349,7 @@ error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *
             solve(&all, offset);
         if (all.count < 3 || !(vector3_dot(offset, offset) <= MAX_OFFSET * MAX_OFFSET * square))
             memset(offset, 0, sizeof offset);
-        for (int c = 0; c < 3; c++)
-            placed.position[c] = middle[c] + offset[c];
+        place_at(a, b, half, middle, offset, placed.position);
     }
     else
     {
