@@ -11,15 +11,19 @@
 /// A point moves through the collapses of its face in order, or in reverse order. In each it keeps its place in the plane
 /// and gets new barycentric coordinates (Liu et al., 2020, section 4.2).
 
+enum
+{
+    GROUP = 16,     ///< points that are carried in turns
+    CACHE_LINE = 64 ///< bytes
+};
+
 void bat_mesh_map_free(bat_mesh_map *map)
 {
     if (map == NULL)
         return;
     free(map->collapses);
     free(map->half_edge);
-    free(map->collapse);
-    free(map->previous);
-    free(map->next);
+    free(map->steps);
     free(map->points);
     free(map->first);
     free(map->last);
@@ -107,10 +111,8 @@ void map_link(bat_mesh_map *map)
         for (uint32_t k = 0; k < (uint32_t)collapse->count + collapse->vanishing; k++)
         {
             uint32_t entry = collapse->first_entry + k, face = map->half_edge[entry] / 3, before = map->last[face];
-            map->collapse[entry] = (uint32_t)c;
-            map->previous[entry] = before;
-            map->next[entry] = MAP_NONE;
-            *(before == MAP_NONE ? &map->first[face] : &map->next[before]) = entry;
+            map->steps[entry] = (map_step){map->half_edge[entry], before, MAP_NONE, *collapse};
+            *(before == MAP_NONE ? &map->first[face] : &map->steps[before].next) = entry;
             map->last[face] = entry;
         }
     }
@@ -118,12 +120,8 @@ void map_link(bat_mesh_map *map)
 
 bat_status map_allocate_links(bat_mesh_map *map, bat_error *error)
 {
-    map->collapse = memory_array(map->entry_count, sizeof *map->collapse);
-    map->previous = memory_array(map->entry_count, sizeof *map->previous);
-    map->next = memory_array(map->entry_count, sizeof *map->next);
-    if (map->collapse == NULL || map->previous == NULL || map->next == NULL)
-        return error_memory(error, map->entry_count * sizeof *map->next);
-    return BAT_OK;
+    map->steps = memory_array(map->entry_count, sizeof *map->steps);
+    return map->steps != NULL ? BAT_OK : error_memory(error, map->entry_count * sizeof *map->steps);
 }
 
 bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error)
@@ -171,15 +169,79 @@ bat_mesh_map_sizes bat_mesh_map_size(const bat_mesh_map *map)
 
 // Carrying points
 
-/// Find the face of a collapse that contains a point of the plane, before or after it. It is the face with the largest
-/// minimal barycentric coordinate. Points that rounding leaves outside are moved inside. `barycentric` counts from the apex.
-static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bool after, const double *point,
-                       double *barycentric)
+/// Find the face of a fan that contains a point of the plane: the faces from the apex to ring[k] and ring[k + 1], for
+/// `begin`
+/// <= k < `end`. `barycentric` receives twice the areas between the point and the face's edges, opposite to its corners.
+/// Returns `end` for none.
+static uint32_t find_in_fan(const double *apex, const double *ring, uint32_t begin, uint32_t end, uint32_t count,
+                            bool closed, const double *point, double *barycentric)
+{
+    if (begin >= end)
+        return end;
+    double x = apex[0] - point[0], y = apex[1] - point[1];
+    double from_x = ring[2 * (size_t)begin] - point[0], from_y = ring[2 * (size_t)begin + 1] - point[1];
+    double from = x * from_y - y * from_x;
+    for (uint32_t k = begin; k < end; k++)
+    {
+        const double *corner = ring + 2 * (size_t)(closed && k + 1 == count ? 0 : k + 1);
+        double to_x = corner[0] - point[0], to_y = corner[1] - point[1], to = x * to_y - y * to_x;
+        double outside = from_x * to_y - from_y * to_x;
+        if (from >= 0 && to <= 0 && outside >= 0)
+        {
+            barycentric[0] = outside;
+            barycentric[1] = -to;
+            barycentric[2] = from;
+            return k;
+        }
+        from = to;
+        from_x = to_x;
+        from_y = to_y;
+    }
+    return end;
+}
+
+/// Find the face of a collapse that contains a point of the plane, before or after it. Returns the number of faces where
+/// rounding leaves the point outside of all.
+static uint32_t find_face(const double *points, const map_collapse *collapse, bool after, const double *point,
+                          double *barycentric)
+{
+    const double *i = points + (size_t)2 * FLAT_I, *j = points + (size_t)2 * FLAT_J, *new = points + (size_t)2 * FLAT_NEW,
+                 *ring = points + (size_t)2 * FLAT_RING;
+    uint32_t count = collapse->count, begin = collapse->j_begin, end = collapse->j_end, found;
+    bool closed = collapse->closed != 0;
+    if (after)
+        return find_in_fan(new, ring, 0, count, count, closed, point, barycentric);
+    found = find_in_fan(i, ring, 0, begin, count, closed, point, barycentric);
+    if (found < begin)
+        return found;
+    found = find_in_fan(j, ring, begin, end, count, closed, point, barycentric);
+    if (found < end)
+        return found;
+    found = find_in_fan(i, ring, end, count, count, closed, point, barycentric);
+    for (uint32_t k = found; k >= count && k < count + collapse->vanishing; k++)
+    {
+        bool left = k == count;
+        uint32_t opposite = left ? end : begin;
+        const double *a = left ? i : j, *b = left ? j : i,
+                     *c = ring + 2 * (size_t)(closed && opposite == count ? 0 : opposite);
+        barycentric[0] = map_area(point, b, c);
+        barycentric[1] = map_area(point, c, a);
+        barycentric[2] = map_area(point, a, b);
+        if (barycentric[0] >= 0 && barycentric[1] >= 0 && barycentric[2] >= 0)
+            return k;
+        found = k + 1;
+    }
+    return found;
+}
+
+/// The face with the largest minimal barycentric coordinate; points that rounding leaves outside are moved inside.
+static uint32_t find_nearest_face(const bat_mesh_map *map, const map_collapse *collapse, bool after, const double *point,
+                                  double *barycentric)
 {
     uint32_t best = 0, faces = collapse->count + (after ? 0U : collapse->vanishing);
     double best_min = -INFINITY;
     barycentric[0] = barycentric[1] = barycentric[2] = 1;
-    for (uint32_t k = 0; k < faces && best_min < 0; k++)
+    for (uint32_t k = 0; k < faces; k++)
     {
         const double *corners[3];
         map_corners(map, collapse, k, after, corners);
@@ -195,19 +257,31 @@ static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bo
             barycentric[2] = fmax(c, 0);
         }
     }
+    return best;
+}
+
+/// Find the face of a collapse that contains a point of the plane, before or after it. `barycentric` counts from the apex.
+static uint32_t locate(const bat_mesh_map *map, const map_collapse *collapse, bool after, const double *point,
+                       double *barycentric)
+{
+    uint32_t faces = collapse->count + (after ? 0U : collapse->vanishing);
+    uint32_t found = find_face(map->points + 2 * (size_t)collapse->first_point, collapse, after, point, barycentric);
+    if (found >= faces)
+        found = find_nearest_face(map, collapse, after, point, barycentric);
     double sum = barycentric[0] + barycentric[1] + barycentric[2];
     for (int c = 0; c < 3; c++)
         barycentric[c] /= sum;
-    return best;
+    return found;
 }
 
 /// Move a point through one collapse, towards the fine mesh or the coarse one. Returns the entry of its new face.
 static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, double *barycentric)
 {
-    const map_collapse *collapse = &map->collapses[map->collapse[entry]];
+    const map_step *step = &map->steps[entry];
+    const map_collapse *collapse = &step->collapse;
     const double *corners[3];
     map_corners(map, collapse, entry - collapse->first_entry, to_fine, corners);
-    uint32_t corner = map->half_edge[entry] % 3;
+    uint32_t corner = step->half_edge % 3;
     double point[2] = {0};
     for (uint32_t c = 0; c < 3; c++)
     {
@@ -217,10 +291,89 @@ static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, dou
     }
     double turned[3];
     uint32_t found = collapse->first_entry + locate(map, collapse, !to_fine, point, turned);
-    corner = map->half_edge[found] % 3;
+    corner = map->steps[found].half_edge % 3;
     for (uint32_t c = 0; c < 3; c++)
         barycentric[(corner + c) % 3] = turned[c];
     return found;
+}
+
+/// Ask for the points and entries of a collapse before they are needed.
+static void prefetch_collapse(const bat_mesh_map *map, uint32_t entry)
+{
+#if defined(__GNUC__)
+    const map_collapse *collapse = &map->steps[entry].collapse;
+    const char *points = (const char *)(map->points + 2 * (size_t)collapse->first_point),
+               *steps = (const char *)(map->steps + collapse->first_entry);
+    size_t point_bytes = (FLAT_RING + (size_t)collapse->count + 1) * 2 * sizeof(double),
+           step_bytes = ((size_t)collapse->count + collapse->vanishing) * sizeof *map->steps;
+    for (size_t at = 0; at < point_bytes; at += CACHE_LINE)
+        __builtin_prefetch(points + at);
+    for (size_t at = 0; at < step_bytes; at += CACHE_LINE)
+        __builtin_prefetch(steps + at);
+#else
+    (void)map;
+    (void)entry;
+#endif
+}
+
+static void prefetch_step(const bat_mesh_map *map, uint32_t entry)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(&map->steps[entry]);
+#else
+    (void)map;
+    (void)entry;
+#endif
+}
+
+/// A point on its way: what is done next is the carrying through `entry`, in alternation with prefetching.
+typedef struct traveller
+{
+    uint32_t entry; ///< MAP_NONE at the end
+    bool ready;     ///< the collapse has been asked for
+} traveller;
+
+/// Carry points from faces of the fine mesh's numbering through all their collapses. Several points go in turns, so that
+/// each waits for memory while the others are carried.
+static void carry_all(const bat_mesh_map *map, bool to_fine, bat_mesh_point *points, size_t count)
+{
+    traveller group[GROUP];
+    for (size_t begin = 0; begin < count; begin += GROUP)
+    {
+        size_t size = count - begin < GROUP ? count - begin : GROUP, left = 0;
+        for (size_t i = 0; i < size; i++)
+        {
+            uint32_t face = points[begin + i].face;
+            group[i] = (traveller){to_fine ? map->last[face] : map->first[face], false};
+            if (group[i].entry == MAP_NONE)
+                continue;
+            prefetch_step(map, group[i].entry);
+            left++;
+        }
+        while (left > 0)
+            for (size_t i = 0; i < size; i++)
+            {
+                traveller *one = &group[i];
+                if (one->entry == MAP_NONE)
+                    continue;
+                if (!one->ready)
+                {
+                    if (size > 1)
+                        prefetch_collapse(map, one->entry);
+                    one->ready = true;
+                    continue;
+                }
+                bat_mesh_point *point = &points[begin + i];
+                uint32_t found = carry(map, one->entry, to_fine, point->barycentric);
+                const map_step *step = &map->steps[found];
+                point->face = step->half_edge / 3;
+                *one = (traveller){to_fine ? step->previous : step->next, false};
+                if (one->entry == MAP_NONE)
+                    left--;
+                else
+                    prefetch_step(map, one->entry);
+            }
+    }
 }
 
 /// Check that points lie on a mesh with `faces` faces.
@@ -243,18 +396,12 @@ static bat_status check_points(const bat_mesh_point *points, size_t count, size_
 bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error)
 {
     bat_status status = check_points(points, count, map->coarse_faces, error);
-    for (size_t i = 0; i < count && status == BAT_OK; i++)
-    {
-        uint32_t face = map->kept[points[i].face], entry = map->last[face];
-        while (entry != MAP_NONE)
-        {
-            entry = carry(map, entry, true, points[i].barycentric);
-            face = map->half_edge[entry] / 3;
-            entry = map->previous[entry];
-        }
-        points[i].face = face;
-    }
-    return status;
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < count; i++)
+        points[i].face = map->kept[points[i].face];
+    carry_all(map, true, points, count);
+    return BAT_OK;
 }
 
 /// The coarse face that a fine face became, by bisection.
@@ -272,18 +419,12 @@ static uint32_t find_kept(const bat_mesh_map *map, uint32_t face)
 bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error)
 {
     bat_status status = check_points(points, count, map->fine_faces, error);
-    for (size_t i = 0; i < count && status == BAT_OK; i++)
-    {
-        uint32_t face = points[i].face, entry = map->first[face];
-        while (entry != MAP_NONE)
-        {
-            entry = carry(map, entry, false, points[i].barycentric);
-            face = map->half_edge[entry] / 3;
-            entry = map->next[entry];
-        }
-        points[i].face = find_kept(map, face);
-    }
-    return status;
+    if (status != BAT_OK)
+        return status;
+    carry_all(map, false, points, count);
+    for (size_t i = 0; i < count; i++)
+        points[i].face = find_kept(map, points[i].face);
+    return BAT_OK;
 }
 
 static bat_status invalid_collapse(bat_error *error, size_t collapse, const char *what)

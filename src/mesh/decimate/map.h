@@ -22,15 +22,22 @@ typedef struct map_collapse
     uint8_t closed;
 } map_collapse;
 
+/// An entry with all that carrying a point needs, so that it reads few places of memory.
+typedef struct map_step
+{
+    uint32_t half_edge;    ///< as in the map
+    uint32_t previous;     ///< the entry of the same face in the previous collapse, or MAP_NONE
+    uint32_t next;         ///< the entry of the same face in the next collapse, or MAP_NONE
+    map_collapse collapse; ///< a copy
+} map_step;
+
 struct bat_mesh_map
 {
     map_collapse *collapses;
     size_t collapse_count;
 
     uint32_t *half_edge; ///< for each entry: the half-edge of its face that begins at i or j
-    uint32_t *collapse;  ///< for each entry: its collapse
-    uint32_t *previous;  ///< for each entry: the entry of the same face in the previous collapse, or MAP_NONE
-    uint32_t *next;      ///< for each entry: the entry of the same face in the next collapse, or MAP_NONE
+    map_step *steps;     ///< for each entry
     size_t entry_count;
 
     double *points; ///< point_count x 2
