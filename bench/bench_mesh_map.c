@@ -18,7 +18,7 @@
 
 enum
 {
-    POINTS = 200000,
+    POINTS = 50000,
     ROUNDS = 3,
     VERTICES = 50000
 };

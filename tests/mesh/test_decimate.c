@@ -1,5 +1,6 @@
 #include "decimate_helpers.h"
 
+#include "batten/mesh_measure.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/decimate/edge_queue.h"
 #include "mesh/decimate/quadric.h"
@@ -28,9 +29,10 @@ static bat_mesh_decimate_options options_to(size_t vertices, size_t candidates)
 static void check_topology(bat_mesh *fine, size_t vertices)
 {
     shape_topology before = shape_topology_of(fine);
-    for (int way = 0; way < 4; way++)
+    for (int way = 0; way < 8; way++)
     {
-        bat_mesh_decimate_options options = options_to(vertices, way < 2 ? 0 : 30);
+        bat_mesh_decimate_options options = options_to(vertices, way % 4 < 2 ? 0 : 30);
+        options.method = way < 4 ? BAT_MESH_DECIMATE_QUADRIC : BAT_MESH_DECIMATE_MEMORYLESS;
         bat_mesh coarse = decimate(fine, &options, way % 2 == 1);
         shape_topology after = shape_topology_of(&coarse);
         assert_int_equal(after.euler, before.euler);
@@ -82,11 +84,12 @@ static void test_pieces_stay(void **state)
 static void test_planes_decimate_exactly(void **state)
 {
     (void)state;
-    for (int mapped = 0; mapped < 2; mapped++)
+    for (int way = 0; way < 4; way++)
     {
         bat_mesh sheet = shape_sheet(20, 0, false);
         bat_mesh_decimate_options options = options_to(20, 0);
-        bat_mesh coarse = decimate(&sheet, &options, mapped == 1);
+        options.method = way < 2 ? BAT_MESH_DECIMATE_QUADRIC : BAT_MESH_DECIMATE_MEMORYLESS;
+        bat_mesh coarse = decimate(&sheet, &options, way % 2 == 1);
         assert_int_equal(coarse.vertex_count, 20);
         for (size_t v = 0; v < coarse.vertex_count; v++)
             check_near(0.8 * coarse.positions[3 * v] - 0.6 * coarse.positions[3 * v + 2], 0, 1e-14);
@@ -100,12 +103,13 @@ static void test_planes_decimate_exactly(void **state)
 static void test_sharp_edges_stay(void **state)
 {
     (void)state;
-    for (int mapped = 0; mapped < 2; mapped++)
+    for (int way = 0; way < 4; way++)
     {
         bat_mesh cube = shape_cube(10);
         check_near(shape_volume(&cube), 1, 1e-12);
         bat_mesh_decimate_options options = options_to(30, 0);
-        bat_mesh coarse = decimate(&cube, &options, mapped == 1);
+        options.method = way < 2 ? BAT_MESH_DECIMATE_QUADRIC : BAT_MESH_DECIMATE_MEMORYLESS;
+        bat_mesh coarse = decimate(&cube, &options, way % 2 == 1);
         assert_int_equal(coarse.vertex_count, 30);
         check_near(shape_volume(&coarse), 1, 1e-12);
         check_near(shape_area(&coarse), 6, 1e-12);
@@ -123,7 +127,7 @@ static void test_sharp_edges_stay(void **state)
     }
 }
 
-/// The error on a sphere is proportional to the area of the faces: half the vertices, twice the lost volume.
+/// The error of quadrics on a sphere is proportional to the area of the faces: half the vertices, twice the lost volume.
 static void test_error_follows_size(void **state)
 {
     (void)state;
@@ -132,6 +136,7 @@ static void test_error_follows_size(void **state)
     for (size_t i = 0; i < 2; i++)
     {
         bat_mesh_decimate_options options = options_to(400 / (i + 1), 0);
+        options.method = BAT_MESH_DECIMATE_QUADRIC;
         bat_mesh coarse = decimate(&sphere, &options, false);
         lost[i] = fabs(shape_volume(&sphere) - shape_volume(&coarse));
         for (size_t v = 0; v < coarse.vertex_count; v++)
@@ -143,6 +148,169 @@ static void test_error_follows_size(void **state)
     assert_true(lost[0] < 4 * 3.14159265358979 * (4 * 3.14159265358979 / 796) / (2 * sqrt(3)));
     check_near(lost[1] / lost[0], 2, 0.4);
     bat_mesh_free(&sphere);
+}
+
+/// Memoryless decimation preserves the volume, and is nearer to the surface than that by quadrics.
+static void test_volume_stays(void **state)
+{
+    (void)state;
+    bat_mesh sphere = shape_sphere(24, 0, 1);
+    double distances[2];
+    for (int method = 0; method < 2; method++)
+    {
+        bat_mesh_distance distance;
+        bat_mesh_decimate_options options = options_to(200, 0);
+        options.method = (bat_mesh_decimate_method)method;
+        bat_mesh coarse = decimate(&sphere, &options, false);
+        assert_int_equal(bat_mesh_compare(&coarse, &sphere, NULL, &distance, NULL), BAT_OK);
+        distances[method] = distance.mean;
+        if (options.method == BAT_MESH_DECIMATE_MEMORYLESS)
+            check_relative(shape_volume(&coarse), shape_volume(&sphere), 1e-10);
+        bat_mesh_free(&coarse);
+    }
+    assert_true(distances[BAT_MESH_DECIMATE_MEMORYLESS] < 0.9 * distances[BAT_MESH_DECIMATE_QUADRIC]);
+    bat_mesh_free(&sphere);
+}
+
+/// Targets by faces and by a ratio are reached; a target above the mesh's own number and two targets are refused.
+static void test_targets(void **state)
+{
+    (void)state;
+    bat_mesh sphere = shape_sphere(12, 0.05, 1), sheet = shape_sheet(24, 0.2, false), coarse;
+    bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.faces = 100;
+    coarse = decimate(&sphere, &options, false);
+    assert_int_equal(coarse.face_count, 100);
+    bat_mesh_free(&coarse);
+    coarse = decimate(&sheet, &options, true);
+    assert_true(coarse.face_count == 100 || coarse.face_count == 99);
+    bat_mesh_free(&coarse);
+    options.faces = 0;
+    options.ratio = 0.1;
+    coarse = decimate(&sphere, &options, false);
+    assert_true(coarse.face_count <= sphere.face_count / 10 && coarse.face_count + 2 > sphere.face_count / 10);
+    bat_mesh_free(&coarse);
+    bat_error error = {0};
+    options.faces = 100;
+    assert_int_equal(bat_mesh_decimate(&sphere, &options, &coarse, NULL, &error), BAT_INVALID_ARGUMENT);
+    options = bat_mesh_decimate_defaults();
+    options.faces = sphere.face_count + 1;
+    assert_int_equal(bat_mesh_decimate(&sphere, &options, &coarse, NULL, &error), BAT_INVALID_ARGUMENT);
+    options = options_to(sphere.vertex_count + 1, 0);
+    assert_int_equal(bat_mesh_decimate(&sphere, &options, &coarse, NULL, &error), BAT_INVALID_ARGUMENT);
+    bat_mesh_free(&sphere);
+    bat_mesh_free(&sheet);
+}
+
+/// The measured distance keeps the bound, with fewer vertices for a greater bound, for any number of threads.
+static void test_bounded_distance(void **state)
+{
+    (void)state;
+    static const double BOUNDS[] = {0.05, 0.01};
+    bat_mesh sheet = shape_sheet(40, 0.2, true);
+    size_t before = 0;
+    for (size_t i = 0; i < 2; i++)
+        for (int method = 0; method < 2; method++)
+        {
+            double proven = -1;
+            bat_mesh_distance distance;
+            bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+            options.method = (bat_mesh_decimate_method)method;
+            options.error = BOUNDS[i];
+            options.distance = &proven;
+            options.threads = method + 1;
+            bat_mesh coarse = decimate(&sheet, &options, method == 1);
+            assert_int_equal(bat_mesh_compare(&coarse, &sheet, NULL, &distance, NULL), BAT_OK);
+            assert_true(proven <= BOUNDS[i]);
+            assert_true(distance.hausdorff <= proven);
+            assert_true(coarse.vertex_count < sheet.vertex_count / 4);
+            assert_true(coarse.vertex_count > before);
+            if (method == 1)
+                before = coarse.vertex_count;
+            bat_mesh_free(&coarse);
+        }
+    bat_mesh_free(&sheet);
+}
+
+/// A torus with its angles as texture, which jumps along two circles, and with its height as a channel.
+static bat_mesh textured_torus(size_t n, size_t m)
+{
+    bat_mesh torus = shape_torus(n, m, 0.4);
+    torus.texture_count = (n + 1) * (m + 1);
+    torus.texture = malloc(2 * torus.texture_count * sizeof(double));
+    torus.texture_faces = malloc(3 * torus.face_count * sizeof(uint32_t));
+    torus.channels = malloc(torus.vertex_count * sizeof(double));
+    torus.channel_names = calloc(1, sizeof *torus.channel_names);
+    torus.channel_names[0] = calloc(2, 1);
+    torus.channel_names[0][0] = 'h';
+    torus.channel_count = 1;
+    for (size_t v = 0; v < torus.vertex_count; v++)
+        torus.channels[v] = 100 + 7 * torus.positions[3 * v + 2];
+    for (size_t i = 0; i <= n; i++)
+        for (size_t j = 0; j <= m; j++)
+        {
+            torus.texture[2 * (i * (m + 1) + j)] = (double)i / (double)n;
+            torus.texture[2 * (i * (m + 1) + j) + 1] = (double)j / (double)m;
+        }
+    for (size_t h = 0; h < 3 * torus.face_count; h++)
+    {
+        // The first corner of a cell tells on which side of a seam it lies.
+        size_t corner = torus.faces[h], cell = torus.faces[h / 6 * 6], i = corner / m, j = corner % m;
+        i = i == 0 && cell / m == n - 1 ? n : i;
+        j = j == 0 && cell % m == m - 1 ? m : j;
+        torus.texture_faces[h] = (uint32_t)(i * (m + 1) + j);
+    }
+    return torus;
+}
+
+static double texture_area(const bat_mesh *mesh, size_t face)
+{
+    const uint32_t *at = mesh->texture_faces + 3 * face;
+    const double *a = mesh->texture + 2 * (size_t)at[0], *b = mesh->texture + 2 * (size_t)at[1],
+                 *c = mesh->texture + 2 * (size_t)at[2];
+    return ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
+}
+
+/// No face of the texture turns over, its area stays, seams stay seams, and channels follow the surface.
+static void test_attributes(void **state)
+{
+    (void)state;
+    bat_mesh torus = textured_torus(60, 30);
+    for (int way = 0; way < 4; way++)
+    {
+        bat_mesh_decimate_options options = options_to(300, 0);
+        options.method = way < 2 ? BAT_MESH_DECIMATE_QUADRIC : BAT_MESH_DECIMATE_MEMORYLESS;
+        bat_mesh coarse = decimate(&torus, &options, way % 2 == 1);
+        assert_int_equal(coarse.vertex_count, 300);
+        assert_int_equal(bat_mesh_check(&coarse, NULL), BAT_OK);
+        assert_true(coarse.texture_count > coarse.vertex_count);
+        double area = 0;
+        for (size_t f = 0; f < coarse.face_count; f++)
+        {
+            assert_true(texture_area(&coarse, f) > 0);
+            area += texture_area(&coarse, f);
+        }
+        check_near(area, 1, 0.03);
+        assert_string_equal(coarse.channel_names[0], "h");
+        for (size_t v = 0; v < coarse.vertex_count; v++)
+            check_near(coarse.channels[v], 100 + 7 * coarse.positions[3 * v + 2], 0.2);
+        bat_mesh_free(&coarse);
+        options.attributes = 0;
+        coarse = decimate(&torus, &options, false);
+        assert_null(coarse.texture);
+        assert_int_equal(coarse.channel_count, 0);
+        bat_mesh_free(&coarse);
+    }
+    // Without a collapse, all values return exactly.
+    bat_mesh_decimate_options options = options_to(torus.vertex_count, 0);
+    bat_mesh same = decimate(&torus, &options, false);
+    for (size_t h = 0; h < 3 * torus.face_count; h++)
+        for (size_t k = 0; k < 2; k++)
+            check_near(same.texture[2 * same.texture_faces[h] + k], torus.texture[2 * torus.texture_faces[h] + k], 0);
+    for (size_t v = 0; v < torus.vertex_count; v++)
+        check_near(same.channels[v], torus.channels[v], 0);
+    bat_mesh_free(&same);
+    bat_mesh_free(&torus);
 }
 
 static void assert_same(const bat_mesh *a, const bat_mesh *b, bool same)
@@ -519,6 +687,10 @@ int main(void)
         cmocka_unit_test(test_planes_decimate_exactly),
         cmocka_unit_test(test_sharp_edges_stay),
         cmocka_unit_test(test_error_follows_size),
+        cmocka_unit_test(test_volume_stays),
+        cmocka_unit_test(test_targets),
+        cmocka_unit_test(test_bounded_distance),
+        cmocka_unit_test(test_attributes),
         cmocka_unit_test(test_seeds),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_degenerate_faces),

@@ -343,7 +343,12 @@ full --help
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > mesh.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.in.obj
 refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
-refused 2 '--vertices N is missing' decimate mesh.in.obj -o out.csv
+refused 2 '--error E is missing' decimate mesh.in.obj -o out.csv
+refused 2 '--vertices and --error exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --error 1
+refused 2 'vertices' decimate mesh.in.obj -o out.csv --to obj --vertices 0
+refused 2 "above 0, not 'nan'" decimate mesh.in.obj -o out.csv --to obj --error nan
+refused 2 'ratio is 2, but must be above 0' decimate mesh.in.obj -o out.csv --to obj --ratio 2
+refused 1 'fewer than the 999 wanted' decimate mesh.in.obj -o out.csv --to obj --faces 999
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
 refused 2 'least_quality is 2, but must be from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2

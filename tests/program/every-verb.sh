@@ -130,6 +130,7 @@ for mesh in cage.obj mask.ply sheet.obj; do
     works measure $mesh out.off --vertices --picture out.png
     works decimate $mesh -o coarse.obj --vertices 7 --map map.safetensors --json
     works decimate $mesh -o coarse.stl --vertices 7 --random 5 --seed 3
+    works decimate $mesh -o coarse.ply --error 5% --method quadric --json
 done
 
 # Surfaces.
