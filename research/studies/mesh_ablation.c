@@ -81,6 +81,8 @@ static bat_status trial_make(probe *p, size_t index, bat_error *error)
     how.method = BAT_MESH_DECIMATE_QUADRIC;
     how.attributes = 0;
     how.vertices = recipe.min_vertices + index * (recipe.max_vertices - recipe.min_vertices) / (TRIALS - 1);
+    if (how.vertices > p->shape->vertex_count)
+        how.vertices = p->shape->vertex_count;
     how.candidates = CANDIDATES;
     how.seed = TRIAL_SEED + index;
     bat_mesh_map *map = NULL;

@@ -88,6 +88,8 @@ bat_status mesh_pair_make(const bat_mesh *shape, const mesh_pair_plan *plan, uin
     options.method = BAT_MESH_DECIMATE_QUADRIC;
     options.attributes = 0;
     options.vertices = plan->min_vertices + (size_t)(spread * bat_random_uniform(&random));
+    if (options.vertices > shape->vertex_count)
+        options.vertices = shape->vertex_count;
     options.candidates = CANDIDATES;
     options.seed = bat_random_bits(&random);
     options.least_normal = plan->min_normal;
