@@ -18,6 +18,7 @@ typedef enum bat_cloud_parameterization
     BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,   ///< Floater (1997), on the Delaunay neighbours in the local plane
     BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,         ///< Floater (2003), for clouds that were meshes
     BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, ///< shape-preserving, then evened out: Yoshizawa, Belyaev and Seidel (2004)
+    BAT_CLOUD_PARAMETERIZE_ISOMETRIC,          ///< least symmetric Dirichlet energy of triangles: Rabinovich et al. (2017)
     BAT_CLOUD_PARAMETERIZE_COUNT               ///< how many there are
 } bat_cloud_parameterization;
 

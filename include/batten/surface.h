@@ -19,8 +19,9 @@ typedef enum bat_surface_parameters
     BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING,
     BAT_SURFACE_PARAMETERS_MEAN_VALUE, ///< for clouds that were meshes
     BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING,
-    BAT_SURFACE_PARAMETERS_GIVEN, ///< those of the caller
-    BAT_SURFACE_PARAMETERS_COUNT  ///< how many there are
+    BAT_SURFACE_PARAMETERS_ISOMETRIC, ///< least distortion, for deep shapes
+    BAT_SURFACE_PARAMETERS_GIVEN,     ///< those of the caller
+    BAT_SURFACE_PARAMETERS_COUNT      ///< how many there are
 } bat_surface_parameters;
 
 /// A choice (all but BAT_SURFACE_PARAMETERS_GIVEN) by name.

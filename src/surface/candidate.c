@@ -73,6 +73,7 @@ static bat_status parameterize_classical(const bat_cloud *cloud, const double *b
         [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,
         [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,
         [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
+        [BAT_SURFACE_PARAMETERS_ISOMETRIC] = BAT_CLOUD_PARAMETERIZE_ISOMETRIC,
     };
     bat_cloud_parameterize_options method_options = bat_cloud_parameterize_defaults();
     method_options.method = METHODS[kind];

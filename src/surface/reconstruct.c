@@ -49,6 +49,9 @@ static const bat_choice PARAMETERS[] = {
     {.name = "stretch-minimizing",
      .summary = "shape-preserving, evened out: for deep shapes",
      .value = BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING},
+    {.name = "isometric",
+     .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
+     .value = BAT_SURFACE_PARAMETERS_ISOMETRIC},
     {.name = "given", .summary = "brought by the caller", .value = BAT_SURFACE_PARAMETERS_GIVEN},
 };
 static const choice_table ALL = CHOICE_TABLE("parameterization", PARAMETERS);
@@ -134,6 +137,7 @@ static void list_kinds(reconstruction *work)
         work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_LEARNED;
         work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING;
         work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING;
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_ISOMETRIC;
         if (work->cloud->triangle_count > 0)
             work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_MEAN_VALUE;
     }

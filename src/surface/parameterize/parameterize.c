@@ -8,6 +8,7 @@
 
 #include "surface/cloud/spatial_order.h"
 #include "surface/parameterize/averages.h"
+#include "surface/parameterize/isometric.h"
 #include "surface/parameterize/stretch.h"
 #include "surface/parameterize/weights.h"
 
@@ -37,6 +38,9 @@ static const bat_choice METHODS[] = {
     {.name = "stretch-minimizing",
      .summary = "shape-preserving, evened out: for deep shapes",
      .value = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING},
+    {.name = "isometric",
+     .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
+     .value = BAT_CLOUD_PARAMETERIZE_ISOMETRIC},
 };
 static const choice_table TABLE = CHOICE_TABLE("parameterization", METHODS);
 
@@ -124,6 +128,8 @@ static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *bo
     }
     if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING)
         status = stretch_minimize(&order.cloud, &rows, (average_solver){.threads = options->threads}, ordered, error);
+    if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_ISOMETRIC)
+        status = isometric_minimize(&order.cloud, &rows, (average_solver){.threads = options->threads}, ordered, error);
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
     sparse_rows_free(&rows);

@@ -10,12 +10,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
+#include "surface/parameterize/delaunay.h"
 
 #include <float.h>
-#include <libqhull_r/libqhull_r.h>
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -200,23 +199,17 @@ static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, sp
 }
 
 /// Gather the corners of the triangles at `middle`. Returns their number, 0 if there are too many.
-static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, spoke spokes[STAR_MAX_RING])
+static size_t gather_spokes(const planar_triangles *triangles, const double (*planar)[2], size_t middle,
+                            spoke spokes[STAR_MAX_RING])
 {
     size_t count = 0;
-    facetT *facet;
-    vertexT *vertex, **vertexp;
-    FORALLfacets
+    for (size_t t = 0; t < triangles->count; t++)
     {
-        if (facet->upperdelaunay)
-            continue;
-        bool holds = false;
-        FOREACHvertex_(facet->vertices) holds |= (size_t)qh_pointid(qh, vertex->point) == middle;
-        FOREACHvertex_(facet->vertices)
-        {
-            size_t place = (size_t)qh_pointid(qh, vertex->point);
-            if (holds && place != middle && !add_spoke(planar, middle, place, spokes, &count))
+        const uint32_t *corners = triangles->corners + 3 * t;
+        bool holds = corners[0] == middle || corners[1] == middle || corners[2] == middle;
+        for (size_t k = 0; k < 3; k++)
+            if (holds && corners[k] != middle && !add_spoke(planar, middle, corners[k], spokes, &count))
                 return 0;
-        }
     }
     return count;
 }
@@ -224,39 +217,17 @@ static size_t gather_spokes(qhT *qh, const double (*planar)[2], size_t middle, s
 bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_t middle, size_t ring[STAR_MAX_RING],
                                   size_t *ring_count, bat_error *error)
 {
-    *ring_count = 0;
-    if (count < 4)
-        return BAT_OK;
-    char unread[256];
-    coordT *points = memory_array(count, 2 * sizeof *points);
-    FILE *messages = fmemopen(unread, sizeof unread, "w");
-    qhT *qh = malloc(sizeof *qh);
-    if (points == NULL || messages == NULL || qh == NULL)
-    {
-        free(points);
-        free(qh);
-        if (messages != NULL)
-            (void)fclose(messages);
-        return error_memory(error, count * 2 * sizeof *points);
-    }
-    memcpy(points, planar, count * 2 * sizeof *points);
-    qh_zero(qh, messages);
-    char options[] = "qhull d Qt Qbb Qc";
     spoke spokes[STAR_MAX_RING];
-    // Qhull fails for too few or collinear points.
-    if (qh_new_qhull(qh, 2, (int)count, points, False, options, NULL, messages) == 0)
-    {
-        size_t found = gather_spokes(qh, planar, middle, spokes);
-        qsort(spokes, found, sizeof *spokes, compare_spokes);
-        *ring_count = found >= 3 ? found : 0;
-    }
+    planar_triangles triangles;
+    *ring_count = 0;
+    bat_status status = planar_delaunay(planar, count, &triangles, error);
+    if (status != BAT_OK)
+        return status;
+    size_t found = gather_spokes(&triangles, planar, middle, spokes);
+    qsort(spokes, found, sizeof *spokes, compare_spokes);
+    *ring_count = found >= 3 ? found : 0;
     for (size_t k = 0; k < *ring_count; k++)
         ring[k] = spokes[k].place;
-    int left = 0, total = 0;
-    qh_freeqhull(qh, !qh_ALL);
-    qh_memfreeshort(qh, &left, &total);
-    (void)fclose(messages);
-    free(points);
-    free(qh);
+    planar_triangles_free(&triangles);
     return BAT_OK;
 }

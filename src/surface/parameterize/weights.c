@@ -164,7 +164,8 @@ bat_status weights_make(const bat_cloud *cloud, const neighbour_tree *tree, cons
     weight_source source = {
         .cloud = cloud, .tree = tree, .method = options->method, .radius = options->radius * weights_longest_side(cloud)};
     bool star = options->method == BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING ||
-                options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING;
+                options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING ||
+                options->method == BAT_CLOUD_PARAMETERIZE_ISOMETRIC;
     bat_status status =
         options->method == BAT_CLOUD_PARAMETERIZE_MEAN_VALUE
             ? weights_of_triangles(cloud, rows, error)
