@@ -125,7 +125,7 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     if (status == BAT_OK && options->parameters == BAT_SURFACE_PARAMETERS_AUTO)
         status = check_folds(cloud, &candidate->report.folds, &failure);
     if (status == BAT_OK && !options->no_repair && kind != BAT_SURFACE_PARAMETERS_GIVEN &&
-        has_faults(&candidate->report.folds))
+        kind != BAT_SURFACE_PARAMETERS_ISOMETRIC && has_faults(&candidate->report.folds))
         status = bat_cloud_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
     return record_failure(status, &failure, candidate, error);
 }

@@ -34,6 +34,10 @@ enum
 
 // Newton's method for a parameter stops when a step is at most this long, in cells.
 static const double STEP_TOLERANCE = 1e-3;
+// Parameters are corrected when at least NEAR_SHARE of the points are within this many sides of their cell. While a surface
+// is stiff, feet may be at other places of it, and corrections would fold the parameters of deep shapes.
+static const double CORRECTION_REACH = 0.25;
+static const double NEAR_SHARE = 0.9;
 // A budget counts as filled from this fraction on, because refinement adds at least a few functions at a time.
 static const double BUDGET_FILLED = 0.99;
 // Distances below this fraction of the size of the point set are rounding errors.
@@ -266,6 +270,10 @@ static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *err
     int threads = loop->options->threads;
     size_t moved;
     bat_status status = loop_check(loop, error);
+    double share = 1;
+    if (status == BAT_OK && correct)
+        status = fit_near_share(&loop->nets, &loop->points, CORRECTION_REACH, threads, &share, error);
+    correct = correct && share >= NEAR_SHARE;
     if (status == BAT_OK && !correct)
         status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
     if (status == BAT_OK && correct)

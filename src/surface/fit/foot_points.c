@@ -259,6 +259,17 @@ static foot_limits limits_of(const fit_points *points, size_t row)
     return limits;
 }
 
+/// Whether a point is so near the surface that its foot is that of the same place: at most `reach` times the shorter side of
+/// the cell in space.
+static bool is_near(const fit_nets *nets, const foot_point *foot, double reach)
+{
+    uint32_t level = nets->space->cells[foot->cell].level;
+    double side = INFINITY;
+    for (int k = 0; k < 2; k++)
+        side = fmin(side, sqrt(foot->gauss[2 * k]) / (double)hierarchical_spans(nets->space, level, k));
+    return foot->square <= reach * reach * side * side;
+}
+
 static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, fit_correction correction, double *scratch)
 {
     const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * row;
@@ -366,6 +377,31 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
         if (sqrt(found[k].square) < outlying[k].distance)
             *moved += store_foot(points, outlying[k].row, &found[k]);
     return BAT_OK;
+}
+
+bat_status fit_near_share(const fit_nets *nets, const fit_points *points, double reach, int threads, double *share,
+                          bat_error *error)
+{
+    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
+    double operations = (double)points->count * fit_nets_operations(nets, 2);
+    bool ok = true;
+#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : ok) reduction(+ : count)
+    {
+        double *scratch = memory_array(scratch_size, sizeof *scratch);
+        ok = scratch != NULL;
+#pragma omp for schedule(dynamic, 256)
+        for (size_t row = 0; row < points->count; row++)
+            if (scratch != NULL)
+            {
+                const double *at = points->parameter + 2 * row;
+                foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
+                foot_measure(nets, points->position + row * nets->dimension, scratch, &now);
+                count += is_near(nets, &now, reach);
+            }
+        free(scratch);
+    }
+    *share = (double)count / (double)points->count;
+    return ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
 }
 
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,

@@ -13,6 +13,8 @@
 #include "linalg/multifrontal.h"
 #include "linalg/vector3.h"
 #include "surface/parameterize/delaunay.h"
+#include "surface/parameterize/stretch.h"
+#include "surface/parameterize/weights.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,6 +40,8 @@ static const double STEP_SHARE = 0.8;
 static const double ARMIJO = 1e-4;
 /// Weight of the proximal term, relative to the mean diagonal entry.
 static const double PROXIMAL = 1e-6;
+/// Energy from which a triangulation is taken as spoilt by rounding.
+static const double MAX_START = 1e7;
 /// Limit of the weights of the proxy.
 static const double MAX_WEIGHT = 1e8;
 
@@ -56,6 +60,8 @@ typedef struct rest_triangle
 
 typedef struct isometric_problem
 {
+    bat_cloud part;    ///< the corners of triangles, with the triangles
+    uint32_t *members; ///< part.count: their indices in the whole cloud
     rest_triangle *triangles;
     size_t triangle_count;
     size_t point_count;
@@ -71,6 +77,8 @@ typedef struct isometric_problem
 
 static void problem_free(isometric_problem *problem)
 {
+    bat_cloud_free(&problem->part);
+    free(problem->members);
     free(problem->triangles);
     free(problem->unknown);
     free(problem->first);
@@ -251,15 +259,15 @@ static void set_entries(isometric_problem *problem)
 }
 
 /// Number the coordinates that move: a boundary point has none at a corner of the square, and one along a side.
-static void number_unknowns(const bat_cloud *cloud, const bool *used, isometric_problem *problem)
+static void number_unknowns(isometric_problem *problem)
 {
-    for (size_t i = 0; i < cloud->count; i++)
+    for (size_t i = 0; i < problem->point_count; i++)
     {
         const double *u = problem->parameters + 2 * i;
         bool on[2] = {u[0] == 0 || u[0] == 1, u[1] == 0 || u[1] == 1};
         for (size_t d = 0; d < 2; d++)
         {
-            bool boundary = i < cloud->boundary_count, stays = !used[i] || (boundary && (on[d] || !on[1 - d]));
+            bool boundary = i < problem->part.boundary_count, stays = boundary && (on[d] || !on[1 - d]);
             problem->unknown[2 * i + d] = stays ? FIXED : (int)problem->unknowns++;
         }
     }
@@ -408,74 +416,127 @@ static void choose_points(const bat_cloud *cloud, const double *parameters, bool
     }
 }
 
-/// Triangulate the chosen points and measure the triangles. `used` keeps the corners only.
-static bat_status make_triangles(const bat_cloud *cloud, bool *used, isometric_problem *problem, bat_error *error)
+/// Triangulate the chosen points. `used` keeps the corners of triangles only.
+/// @param points receives the chosen points' indices, at most cloud->count
+static bat_status triangulate(const bat_cloud *cloud, const double *parameters, bool *used, uint32_t *points,
+                              planar_triangles *found, bat_error *error)
 {
     size_t count = 0;
-    uint32_t *points = memory_array(cloud->count, sizeof *points);
     double(*planar)[2] = memory_array(cloud->count, sizeof *planar);
-    planar_triangles found = {0};
-    bat_status status = points == NULL || planar == NULL ? error_memory(error, cloud->count * sizeof *planar) : BAT_OK;
-    for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
+    if (planar == NULL)
+        return error_memory(error, cloud->count * sizeof *planar);
+    for (size_t i = 0; i < cloud->count; i++)
         if (used[i])
         {
             points[count] = (uint32_t)i;
-            memcpy(planar[count++], problem->parameters + 2 * i, sizeof *planar);
+            memcpy(planar[count++], parameters + 2 * i, sizeof *planar);
         }
-    if (status == BAT_OK)
-        status = planar_delaunay((const double(*)[2])planar, count, &found, error);
-    if (status == BAT_OK)
+    bat_status status = planar_delaunay((const double(*)[2])planar, count, found, error);
+    memset(used, 0, cloud->count * sizeof *used);
+    for (size_t k = 0; k < 3 * found->count; k++)
     {
-        problem->triangles = memory_array(found.count, sizeof *problem->triangles);
-        if (problem->triangles == NULL)
-            status = error_memory(error, found.count * sizeof *problem->triangles);
-        memset(used, 0, cloud->count * sizeof *used);
+        found->corners[k] = points[found->corners[k]];
+        used[found->corners[k]] = true;
     }
-    double total = 0;
-    for (size_t t = 0; status == BAT_OK && t < found.count; t++)
-    {
-        rest_triangle *triangle = &problem->triangles[t];
-        const double *corners[3];
-        for (size_t k = 0; k < 3; k++)
-        {
-            triangle->corners[k] = points[found.corners[3 * t + k]];
-            used[triangle->corners[k]] = true;
-            corners[k] = cloud->points + 3 * (size_t)triangle->corners[k];
-        }
-        rest_triangle_make(corners[0], corners[1], corners[2], triangle);
-        total += triangle->area;
-        problem->triangle_count++;
-    }
-    // Scale to the area of the square.
-    double scale = total > 0 ? sqrt(1 / total) : 1;
-    for (size_t t = 0; t < problem->triangle_count; t++)
-    {
-        problem->triangles[t].area *= scale * scale;
-        for (size_t k = 0; k < 6; k++)
-            problem->triangles[t].gradient[k / 2][k % 2] /= scale;
-    }
-    planar_triangles_free(&found);
-    free(points);
     free(planar);
     return status;
 }
 
-static bat_status problem_make(const bat_cloud *cloud, const double *parameters, bool *used, isometric_problem *problem,
-                               bat_error *error)
+/// Gather the corners of triangles as a cloud. `numbers` receives their indices in it.
+static bat_status gather_part(const bat_cloud *cloud, const bool *used, const planar_triangles *found, uint32_t *numbers,
+                              isometric_problem *problem, bat_error *error)
 {
-    size_t count = cloud->count;
-    *problem = (isometric_problem){.point_count = count,
-                                   .unknown = memory_array(count, 2 * sizeof(int)),
-                                   .parameters = memory_array(count, 2 * sizeof(double)),
-                                   .next = memory_array(count, 2 * sizeof(double))};
-    if (problem->unknown == NULL || problem->parameters == NULL || problem->next == NULL)
-        return error_memory(error, count * 2 * sizeof(double));
-    memcpy(problem->parameters, parameters, 2 * count * sizeof *parameters);
+    bat_cloud *part = &problem->part;
+    for (size_t i = 0; i < cloud->count; i++)
+        if (used[i])
+        {
+            numbers[i] = (uint32_t)part->count++;
+            part->boundary_count += i < cloud->boundary_count;
+        }
+    problem->members = memory_array(part->count, sizeof *problem->members);
+    part->points = memory_array(part->count, 3 * sizeof *part->points);
+    part->triangles = memory_array(found->count, 3 * sizeof *part->triangles);
+    part->triangle_count = found->count;
+    if (problem->members == NULL || part->points == NULL || part->triangles == NULL)
+        return error_memory(error, found->count * 3 * sizeof *part->points);
+    for (size_t i = 0; i < cloud->count; i++)
+        if (used[i])
+        {
+            problem->members[numbers[i]] = (uint32_t)i;
+            memcpy(part->points + 3 * (size_t)numbers[i], cloud->points + 3 * i, 3 * sizeof *part->points);
+        }
+    for (size_t k = 0; k < 3 * found->count; k++)
+        part->triangles[k] = numbers[found->corners[k]];
+    return BAT_OK;
+}
+
+static bat_status make_part(const bat_cloud *cloud, const double *parameters, bool *used, isometric_problem *problem,
+                            bat_error *error)
+{
+    planar_triangles found = {0};
+    uint32_t *points = memory_array(cloud->count, sizeof *points);
+    if (points == NULL)
+        return error_memory(error, cloud->count * sizeof *points);
     choose_points(cloud, parameters, used);
-    bat_status status = make_triangles(cloud, used, problem, error);
-    if (status != BAT_OK)
-        return status;
-    number_unknowns(cloud, used, problem);
+    bat_status status = triangulate(cloud, parameters, used, points, &found, error);
+    if (status == BAT_OK)
+        status = gather_part(cloud, used, &found, points, problem, error);
+    planar_triangles_free(&found);
+    free(points);
+    return status;
+}
+
+/// Measure the triangles, scaled to the area of the square.
+static bat_status measure_triangles(isometric_problem *problem, bat_error *error)
+{
+    const bat_cloud *part = &problem->part;
+    problem->triangle_count = part->triangle_count;
+    problem->triangles = memory_array(part->triangle_count, sizeof *problem->triangles);
+    if (problem->triangles == NULL)
+        return error_memory(error, part->triangle_count * sizeof *problem->triangles);
+    double total = 0;
+    for (size_t t = 0; t < part->triangle_count; t++)
+    {
+        const uint32_t *corners = part->triangles + 3 * t;
+        memcpy(problem->triangles[t].corners, corners, sizeof problem->triangles[t].corners);
+        rest_triangle_make(part->points + 3 * (size_t)corners[0], part->points + 3 * (size_t)corners[1],
+                           part->points + 3 * (size_t)corners[2], &problem->triangles[t]);
+        total += problem->triangles[t].area;
+    }
+    double scale = sqrt(total);
+    for (size_t t = 0; t < part->triangle_count; t++)
+    {
+        problem->triangles[t].area /= total;
+        for (size_t k = 0; k < 6; k++)
+            problem->triangles[t].gradient[k / 2][k % 2] *= scale;
+    }
+    return BAT_OK;
+}
+
+/// Even out the parameters by averages over the triangles, which turn no triangle over (Floater, 2003), with weights divided
+/// by the stretch (stretch.h). Rounding may prevent this where points crowd; then the given parameters stay.
+static bat_status even_out(isometric_problem *problem, average_solver solver, bat_error *error)
+{
+    sparse_rows rows = {0};
+    bat_error failure;
+    memcpy(problem->next, problem->parameters, 2 * problem->point_count * sizeof *problem->next);
+    bat_status status = weights_of_triangles(&problem->part, &rows, &failure);
+    if (status == BAT_OK)
+        status = averages_solve(&problem->part, &rows, NULL, solver, problem->next, &failure);
+    if (status == BAT_OK)
+        status = stretch_minimize(&problem->part, &rows, solver, problem->next, &failure);
+    sparse_rows_free(&rows);
+    if (status == BAT_NO_MEMORY)
+        return error_set(error, status, BAT_NO_INDEX, 0, "%s", failure.text);
+    if (status == BAT_OK && energy_of(problem, problem->next) < energy_of(problem, problem->parameters))
+        memcpy(problem->parameters, problem->next, 2 * problem->point_count * sizeof *problem->next);
+    return BAT_OK;
+}
+
+/// Make the matrix and its solver.
+static bat_status make_solver(isometric_problem *problem, bat_error *error)
+{
+    number_unknowns(problem);
     if (problem->unknowns == 0)
         return BAT_OK;
     if (!make_pattern(problem))
@@ -487,6 +548,27 @@ static bat_status problem_make(const bat_cloud *cloud, const double *parameters,
         return error_memory(error, problem->unknowns * sizeof *problem->values);
     const symmetric_pattern pattern = {problem->unknowns, problem->first, problem->row};
     return multifrontal_make(&pattern, true, &problem->solver, error);
+}
+
+static bat_status problem_make(const bat_cloud *cloud, const double *parameters, average_solver solver, bool *used,
+                               isometric_problem *problem, bat_error *error)
+{
+    bat_status status = make_part(cloud, parameters, used, problem, error);
+    size_t count = problem->part.count;
+    if (status != BAT_OK || count == 0)
+        return status;
+    problem->point_count = count;
+    problem->unknown = memory_array(count, 2 * sizeof(int));
+    problem->parameters = memory_array(count, 2 * sizeof(double));
+    problem->next = memory_array(count, 2 * sizeof(double));
+    if (problem->unknown == NULL || problem->parameters == NULL || problem->next == NULL)
+        return error_memory(error, count * 2 * sizeof(double));
+    for (size_t i = 0; i < count; i++)
+        memcpy(problem->parameters + 2 * i, parameters + 2 * (size_t)problem->members[i], 2 * sizeof *parameters);
+    status = measure_triangles(problem, error);
+    if (status == BAT_OK)
+        status = even_out(problem, solver, error);
+    return status == BAT_OK ? make_solver(problem, error) : status;
 }
 
 /// Move the boundary points that are no corners of triangles: between the nearest ones along the loop that are, in
@@ -523,7 +605,8 @@ static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average
     if (before == NULL)
         return error_memory(error, cloud->boundary_count * 2 * sizeof *before);
     memcpy(before, parameters, 2 * cloud->boundary_count * sizeof *before);
-    memcpy(parameters, problem->parameters, 2 * cloud->count * sizeof *parameters);
+    for (size_t i = 0; i < problem->point_count; i++)
+        memcpy(parameters + 2 * (size_t)problem->members[i], problem->parameters + 2 * i, 2 * sizeof *parameters);
     move_boundary(cloud, used, before, parameters);
     free(before);
     for (size_t i = 0; i < cloud->count; i++)
@@ -534,14 +617,28 @@ static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average
     return others > 0 ? averages_solve(cloud, rows, used, solver, parameters, error) : BAT_OK;
 }
 
-bat_status isometric_minimize(const bat_cloud *cloud, const sparse_rows *rows, average_solver solver, double *parameters,
+/// Whether points crowd so that rounding spoils their triangles.
+static bool is_crowded(const isometric_problem *problem)
+{
+    return problem->triangle_count == 0 || !(energy_of(problem, problem->parameters) < MAX_START);
+}
+
+bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
                               bat_error *error)
 {
     isometric_problem problem = {0};
     bool *used = memory_array(cloud->count, sizeof *used);
     if (used == NULL)
         return error_memory(error, cloud->count);
-    bat_status status = problem_make(cloud, parameters, used, &problem, error);
+    bat_status status = problem_make(cloud, parameters, solver, used, &problem, error);
+    if (status == BAT_OK && is_crowded(&problem))
+    {
+        problem_free(&problem);
+        problem = (isometric_problem){0};
+        status = stretch_minimize(cloud, rows, solver, parameters, error);
+        if (status == BAT_OK)
+            status = problem_make(cloud, parameters, solver, used, &problem, error);
+    }
     if (status == BAT_OK && problem.solver != NULL)
         status = run_rounds(&problem, error);
     if (status == BAT_OK && problem.solver != NULL)

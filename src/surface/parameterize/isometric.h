@@ -14,10 +14,10 @@
 
 /// Minimize the distortion of parameters.
 /// @param cloud      points in spatial order, scaled to unit size, with a boundary
-/// @param rows       weights of interior points, for those that are not corners of triangles
+/// @param rows       weights that the parameters satisfy; changed where points crowd, which are spread first (stretch.h)
 /// @param parameters count x 2, in [0, 1]^2; unchanged where they have no triangulation without degenerate triangles
 /// @return see averages_solve()
-bat_status isometric_minimize(const bat_cloud *cloud, const sparse_rows *rows, average_solver solver, double *parameters,
+bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
                               bat_error *error);
 
 #endif
