@@ -190,7 +190,8 @@ bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t poi
     return status == BAT_OK ? set_arcs(search, point, found, error) : status;
 }
 
-bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, bool *inside, bat_error *error)
+bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, double scale, bool *inside,
+                                          bat_error *error)
 {
     alpha_boundary_point found = {.arc_count = 1};
     bat_status status =
@@ -200,7 +201,7 @@ bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_
     found.plane = local_plane_fit(search->points, &search->near);
     if (found.plane.variance[2] < MAX_FLATNESS * found.plane.variance[1])
     {
-        set_radius(search, 1, &found);
+        set_radius(search, scale, &found);
         status = set_arcs(search, point, &found, error);
     }
     *inside = found.arc_count == 0;
@@ -229,6 +230,7 @@ void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles)
 typedef struct alpha_boundary_trace
 {
     alpha_boundary_search search;
+    double scale;  ///< factor of the radius of the disc
     key_map steps; ///< maps a step, a pair of points, to its number over all traces
     uint32_t step_count;
     uint32_t *path; ///< the points of the current trace
@@ -282,7 +284,7 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
 static bat_status next_point(alpha_boundary_trace *trace, uint32_t before, uint32_t point, double normal[3], uint32_t *next,
                              bat_error *error)
 {
-    double scale = 1;
+    double scale = trace->scale;
     *next = BAT_MESH_NONE;
     for (int shrinks = 0; shrinks <= MAX_SHRINKS; shrinks++, scale *= SHRINK)
     {
@@ -414,19 +416,20 @@ static bat_status store_cycle(alpha_boundary_trace *trace, size_t begin, size_t 
     return BAT_OK;
 }
 
-static bat_status is_on_boundary(alpha_boundary_search *search, uint32_t point, bool *on_boundary)
+static bat_status is_on_boundary(alpha_boundary_search *search, uint32_t point, double scale, bool *on_boundary)
 {
     alpha_boundary_point found = {0};
     bool inside = false;
-    bat_status status = alpha_boundary_point_is_inside(search, point, &inside, NULL);
+    bat_status status = alpha_boundary_point_is_inside(search, point, scale, &inside, NULL);
     if (status == BAT_OK && !inside)
-        status = alpha_boundary_point_find(search, point, NULL, 1, &found, NULL);
+        status = alpha_boundary_point_find(search, point, NULL, scale, &found, NULL);
     *on_boundary = found.arc_count > 0;
     return status;
 }
 
 /// Mark the boundary points.
-static bat_status mark_boundary(const double *points, const neighbour_tree *tree, bool *on_boundary, bat_error *error)
+static bat_status mark_boundary(const double *points, const neighbour_tree *tree, double scale, bool *on_boundary,
+                                bat_error *error)
 {
     bool failed = false;
 #pragma omp parallel reduction(|| : failed)
@@ -434,7 +437,7 @@ static bat_status mark_boundary(const double *points, const neighbour_tree *tree
         alpha_boundary_search search = {.points = points, .tree = tree};
 #pragma omp for schedule(dynamic, 256)
         for (size_t i = 0; i < tree->count; i++)
-            failed = is_on_boundary(&search, (uint32_t)i, &on_boundary[i]) != BAT_OK || failed;
+            failed = is_on_boundary(&search, (uint32_t)i, scale, &on_boundary[i]) != BAT_OK || failed;
         alpha_boundary_search_free(&search);
     }
     return failed ? error_memory(error, tree->count) : BAT_OK;
@@ -453,7 +456,7 @@ static bat_status trace_all(alpha_boundary_trace *trace, bool *on_boundary, size
         alpha_boundary_point here;
         if (!on_boundary[i])
             continue;
-        status = alpha_boundary_point_find(&trace->search, i, NULL, 1, &here, error);
+        status = alpha_boundary_point_find(&trace->search, i, NULL, trace->scale, &here, error);
         for (size_t arc = 0; status == BAT_OK && arc < here.arc_count; arc++)
         {
             size_t begin;
@@ -467,18 +470,18 @@ static bat_status trace_all(alpha_boundary_trace *trace, bool *on_boundary, size
     return status;
 }
 
-bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree *tree, alpha_boundary_cycles *cycles,
-                                      bat_error *error)
+bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree *tree, double scale,
+                                      alpha_boundary_cycles *cycles, bat_error *error)
 {
     *cycles = (alpha_boundary_cycles){0};
-    alpha_boundary_trace trace = {.search = {.points = points, .tree = tree}};
+    alpha_boundary_trace trace = {.search = {.points = points, .tree = tree}, .scale = scale};
     bool *on_boundary = memory_array(tree->count, sizeof *on_boundary);
     size_t *last = memory_array(tree->count, sizeof *last);
     bat_status status = BAT_OK;
     if (on_boundary == NULL || last == NULL)
         status = error_memory(error, tree->count * sizeof *last);
     if (status == BAT_OK)
-        status = mark_boundary(points, tree, on_boundary, error);
+        status = mark_boundary(points, tree, scale, on_boundary, error);
     if (status == BAT_OK)
         status = trace_all(&trace, on_boundary, last, cycles, error);
     alpha_boundary_search_free(&trace.search);

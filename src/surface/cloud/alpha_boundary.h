@@ -53,8 +53,10 @@ bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t poi
                                      alpha_boundary_point *found, bat_error *error);
 
 /// Quick test by few neighbours whether a point is in the interior: they are coplanar and surround the point.
+/// @param scale factor of the radius
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, bool *inside, bat_error *error);
+bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, double scale, bool *inside,
+                                          bat_error *error);
 
 /// A closed polygon along the boundary.
 typedef struct alpha_boundary_cycle
@@ -75,8 +77,9 @@ typedef struct alpha_boundary_cycles
 void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles);
 
 /// Find all closed polygons with at least three different points along the boundary.
+/// @param scale factor of the radius
 /// @return BAT_OK or BAT_NO_MEMORY; release `cycles` in both cases
-bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree *tree, alpha_boundary_cycles *cycles,
-                                      bat_error *error);
+bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree *tree, double scale,
+                                      alpha_boundary_cycles *cycles, bat_error *error);
 
 #endif

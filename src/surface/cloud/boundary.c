@@ -23,6 +23,8 @@ static const double MIN_EXTENT = 2.5;
 static const double LARGE_SHARE = 1.0 / 3;
 /// A second polygon of at least this share of the longest one's length is another boundary; a shorter one is a gap.
 static const double OTHER_BOUNDARY = 0.25;
+/// Factors of the disc's radius that are tried after 1.
+static const double OTHER_SCALES[] = {1.3, 1.7, 0.8, 2.2};
 /// Two polygons are the same boundary if at least this share of the points of one is close to the other.
 static const double SAME_LINE = 0.5;
 
@@ -82,23 +84,35 @@ static bat_status choose(const double *points, size_t count, const alpha_boundar
     return BAT_OK;
 }
 
-/// Find the loop. Release `loop` also on failure.
-static bat_status find_loop(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
+/// Find the loop with a disc of a radius. Release `loop` also on failure.
+static bat_status find_loop_by(const double *points, const neighbour_tree *tree, double scale, alpha_boundary_cycle *loop,
+                               bat_error *error)
 {
-    neighbour_tree tree = {0};
     alpha_boundary_cycles cycles = {0};
     alpha_boundary_cycle *chosen = NULL;
-    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    bat_status status = alpha_boundary_cycles_find(points, tree, scale, &cycles, error);
     if (status == BAT_OK)
-        status = alpha_boundary_cycles_find(points, &tree, &cycles, error);
-    if (status == BAT_OK)
-        status = choose(points, count, &cycles, &chosen, error);
+        status = choose(points, tree->count, &cycles, &chosen, error);
     if (status == BAT_OK)
     {
         *loop = *chosen;
         chosen->points = NULL;
     }
     alpha_boundary_cycles_free(&cycles);
+    return status;
+}
+
+/// Find the loop. A disc that rolls along a boundary may find no way on where tangent planes are uncertain; then others are
+/// tried. The failure of the first is reported. Release `loop` also on failure.
+static bat_status find_loop(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
+{
+    neighbour_tree tree = {0};
+    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    if (status != BAT_OK)
+        return status;
+    status = find_loop_by(points, &tree, 1, loop, error);
+    for (size_t k = 0; k < sizeof OTHER_SCALES / sizeof *OTHER_SCALES && status == BAT_NO_CONVERGENCE; k++)
+        status = find_loop_by(points, &tree, OTHER_SCALES[k], loop, NULL);
     neighbour_tree_free(&tree);
     return status;
 }
