@@ -41,8 +41,8 @@ typedef struct bat_surface_options
     bat_cloud_sides sides;             ///< default chord length
     bool published;                    ///< classical neighbourhoods as published, which may fail; default false
     const bat_surface_model *model;    ///< null: the built-in one
-    const double *
-        given; ///< count x 2 for BAT_SURFACE_PARAMETERS_GIVEN, each in [0, 1]^2, in the cloud's order; they are not unfolded
+    const double *given; ///< count x 2 for BAT_SURFACE_PARAMETERS_GIVEN, each in [0, 1]^2, in the cloud's order; they
+                         ///< are not unfolded
     bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_surface_fit_data); default false
     bool no_repair;      ///< leave folds, only report them; default false
 } bat_surface_options;
@@ -98,8 +98,11 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 /// else the one with the smaller mean squared distance. Clouds of more than 20,000 points are fitted in part on trial, with
 /// at most a quarter as many functions. A candidate that fails, or folds at more than a quarter of the points, is excluded.
 ///
-/// @param cloud   boundary points are moved to the front and corners are marked where they must be found; given parameters
-///                need neither
+/// The result does not depend on the order of the points.
+///
+/// @param cloud   its points are sorted, and `order` tells their places in the input: boundary points come first, the others
+///                by their distance from the centre of the bounding box. Boundary and corners are found where they are
+///                unknown; given parameters need neither, and the cloud then keeps its order
 /// @param options null for the defaults
 /// @param result  untouched on failure
 /// @return BAT_OK; the failures of bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(),

@@ -13,6 +13,7 @@
 #include "base/option.h"
 #include "base/progress.h"
 #include "surface/candidate.h"
+#include "surface/cloud/canonical_order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -152,6 +153,8 @@ static bat_status prepare(reconstruction *work, bat_error *error)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                            "a surface patch needs at least four points, the cloud has %zu", cloud->count);
     bool given = work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN;
+    if (status == BAT_OK && !given)
+        status = canonical_order_apply(cloud, error);
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {
         status = bat_cloud_find_boundary(cloud, error);

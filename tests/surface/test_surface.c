@@ -98,7 +98,7 @@ static void auto_takes_the_best_by_measure(void **state)
         patch made = mesh == 1 ? patch_mesh(patch_waves, 20, 0.3, 5) : patch_scatter(patch_waves, 20, 500, 0.002, 5);
         bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 60);
         bat_surface_result result = must_reconstruct(&made.cloud, &options);
-        assert_int_equal(result.candidate_count, mesh == 1 ? (size_t)4 : 3);
+        assert_int_equal(result.candidate_count, mesh == 1 ? (size_t)5 : 4);
         assert_int_equal(result.trial_points, made.cloud.count);
         assert_int_not_equal(result.chosen, BAT_SURFACE_PARAMETERS_AUTO);
         for (size_t i = 0; i < result.candidate_count; i++)

@@ -8,6 +8,7 @@
 #include "batten/cloud.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/alpha_boundary.h"
+#include "surface/cloud/canonical_order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@ static const double LARGE_SHARE = 1.0 / 3;
 /// A second polygon of at least this share of the longest one's length is another boundary; a shorter one is a gap.
 static const double OTHER_BOUNDARY = 0.25;
 /// Factors of the disc's radius that are tried after 1.
-static const double OTHER_SCALES[] = {1.3, 1.7, 0.8, 2.2};
+static const double OTHER_SCALES[] = {1.3, 1.7, 2.2};
 /// Two polygons are the same boundary if at least this share of the points of one is close to the other.
 static const double SAME_LINE = 0.5;
 
@@ -267,6 +268,41 @@ static bat_status reorder(bat_cloud *cloud, const alpha_boundary_cycle *loop, ba
     return BAT_OK;
 }
 
+/// Copy the points, scaled to unit size, in an order that does not depend on that of the cloud and in which near points are
+/// near: leaves of a tree that is built in the canonical order.
+/// @param places receives the index in the cloud of each copied point
+static bat_status sort_points(const bat_cloud *cloud, double **points, size_t **places, bat_error *error)
+{
+    size_t count = cloud->count;
+    neighbour_tree tree = {0};
+    double *unit = points_to_unit_size(cloud->points, count);
+    *points = memory_array(count, 3 * sizeof **points);
+    *places = memory_array(count, sizeof **places);
+    bat_status status = BAT_OK;
+    if (unit == NULL || *points == NULL || *places == NULL)
+        status = error_memory(error, count * 3 * sizeof *unit);
+    if (status == BAT_OK)
+        status = canonical_order_find(unit, count, *places, error);
+    for (size_t i = 0; status == BAT_OK && i < count; i++)
+        memcpy(*points + 3 * i, unit + 3 * (*places)[i], 3 * sizeof *unit);
+    if (status == BAT_OK)
+        status = neighbour_tree_build(*points, count, &tree, error);
+    size_t *sorted = status == BAT_OK ? memory_array(count, sizeof *sorted) : NULL;
+    if (status == BAT_OK && sorted == NULL)
+        status = error_memory(error, count * sizeof *sorted);
+    for (size_t i = 0; status == BAT_OK && i < count; i++)
+    {
+        sorted[i] = (*places)[tree.items[i]];
+        memcpy(*points + 3 * i, unit + 3 * sorted[i], 3 * sizeof *unit);
+    }
+    if (status == BAT_OK)
+        memcpy(*places, sorted, count * sizeof *sorted);
+    free(sorted);
+    free(unit);
+    neighbour_tree_free(&tree);
+    return status;
+}
+
 bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error)
 {
     bat_status status = bat_cloud_check(cloud, error);
@@ -274,14 +310,18 @@ bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error)
         return status;
     if (cloud->count < MIN_BOUNDARY)
         return no_loop(error, "there are fewer than four points");
-    double *points = points_to_unit_size(cloud->points, cloud->count);
-    if (points == NULL)
-        return error_memory(error, cloud->count * 3 * sizeof *points);
+    size_t *places;
+    double *points;
     alpha_boundary_cycle loop = {0};
-    status = find_loop_in_noise(points, cloud->count, &loop, error);
+    status = sort_points(cloud, &points, &places, error);
+    if (status == BAT_OK)
+        status = find_loop_in_noise(points, cloud->count, &loop, error);
+    for (size_t i = 0; status == BAT_OK && i < loop.count; i++)
+        loop.points[i] = (uint32_t)places[loop.points[i]];
     if (status == BAT_OK)
         status = reorder(cloud, &loop, error);
     free(loop.points);
     free(points);
+    free(places);
     return status;
 }
