@@ -183,7 +183,7 @@ static bool read_smoothing(const arguments *given, bat_surface_fit_options *fit)
     if (argument(given, "smoothing") != NULL)
         fit->smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
     else if (argument(given, "noise") != NULL)
-        fit->smoothing = BAT_SURFACE_SMOOTHING_DISCREPANCY;
+        fit->smoothing = BAT_SURFACE_SMOOTHING_NOISE;
     return true;
 }
 

@@ -30,22 +30,26 @@ typedef enum bat_surface_smoothing
 {
     BAT_SURFACE_SMOOTHING_LIKELIHOOD,       ///< restricted maximum likelihood: Wahba (1985)
     BAT_SURFACE_SMOOTHING_CROSS_VALIDATION, ///< generalized cross-validation: Craven and Wahba (1979)
-    BAT_SURFACE_SMOOTHING_DISCREPANCY,      ///< the residual matches the noise that is given: Morozov (1966)
+    BAT_SURFACE_SMOOTHING_NOISE,            ///< restricted maximum likelihood, with the noise that is given
     BAT_SURFACE_SMOOTHING_GIVEN             ///< the number in the options
 } bat_surface_smoothing;
 
 /// Options of the adaptive fit. Begin with bat_surface_fit_defaults().
 typedef struct bat_surface_fit_options
 {
-    bat_hierarchical_options space;  ///< the first space; default bidegree (2, 2), one cell, truncated, of no class
-    double tolerance;                ///< farther points mark their cells; at least 0; 0: set by the budget; default 0
-    double share;                    ///< stop when this share of points is within the tolerance; above 0, to 1; default 1
-    size_t functions;                ///< the budget of functions; 0: a quarter of the points, or no limit beside a tolerance
+    bat_hierarchical_options space; ///< the first space; default bidegree (2, 2), one cell, truncated, of no class
+    double tolerance;               ///< farther points mark their cells; at least 0; 0: set by the budget; default 0
+    double share;                   ///< stop when this share of points is within the tolerance; above 0, to 1; default 1
+    size_t functions;               ///< the budget of functions; 0: as many as reduce the distances of held-out points, at
+                                    ///< most a quarter of the points, beside a tolerance half of them
+    int hold_out; ///< one in this many points along a space-filling curve is held out of the fits while the space is
+                  ///< refined, 2 to 1000; 0: none, and `functions` 0 is the limit above; default 10. Fewer than 200 points:
+                  ///< none
     int iterations;                  ///< the most refinements, 0 to 1000; default 30
     int neighbours;                  ///< rings of cells refined around a marked one, 0 to 64; default 1
     bat_surface_smoothing smoothing; ///< default likelihood, which is robust against parameter correction
     double weight;                   ///< of smoothing GIVEN: lambda of eq. (5), at least 0; independent of the points' unit
-    double noise;                    ///< of smoothing DISCREPANCY: standard deviation of a coordinate, above 0
+    double noise;                    ///< of smoothing NOISE: standard deviation of a coordinate, above 0
     int corrections;                 ///< parameter corrections after each fit, 0 to 1000; default 1
     int final_corrections;           ///< rounds of correction and fit after the last refinement, 0 to 1000; default 0
     bool robust;                     ///< robust weights: Tukey's biweight on the scale of the residuals; default false
@@ -67,10 +71,11 @@ typedef struct bat_surface_fit_round
     double mean_squared; ///< mean over points of squared distance
     double rms;          ///< its root
     double largest;
-    size_t worst;   ///< the point of the largest
-    double within;  ///< share of points within the tolerance; without one, of those that are met exactly
-    double weight;  ///< of smoothing, lambda of eq. (5)
-    double seconds; ///< since the beginning
+    size_t worst;    ///< the point of the largest
+    double within;   ///< share of points within the tolerance; without one, of those that are met exactly
+    double held_out; ///< root mean square distance of the points that this round's fit held out; NaN without
+    double weight;   ///< of smoothing, lambda of eq. (5)
+    double seconds;  ///< since the beginning
 } bat_surface_fit_round;
 
 /// A report. Release it with bat_surface_fit_report_free().
@@ -78,10 +83,14 @@ typedef struct bat_surface_fit_report
 {
     bat_surface_fit_round *rounds; ///< the last is that of the result
     size_t count;
-    double *distances; ///< unsigned distance of each point, [count]
-    size_t moved;      ///< parameters changed by correction
-    size_t outliers;   ///< points of robust weight 0
-    bool reached;      ///< the tolerance (for the share) or the budget of functions is met
+    double *distances;       ///< unsigned distance of each point, [count]
+    size_t moved;            ///< parameters changed by correction
+    size_t outliers;         ///< points of robust weight 0
+    bool reached;            ///< the tolerance (for the share) or the budget of functions is met, or the size was found
+    bool stalled;            ///< refinement ended because the distances of held-out points no longer fell
+    size_t held_out_count;   ///< points that were held out; 0: none, and the next two are NaN
+    double held_out_rms;     ///< of a fit in the final space to the other points; with robust weights, of inliers
+    double held_out_largest; ///< the largest of these distances
 } bat_surface_fit_report;
 
 /// Free what a report owns and make it empty.
@@ -106,7 +115,8 @@ BAT_API bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat
 BAT_API bat_status bat_spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved,
                                       bat_error *error);
 
-/// Fit a surface adaptively: fit, measure, mark, refine, correct.
+/// Fit a surface adaptively: fit, measure, mark, refine, correct. Some points are held out. Refinement ends when their
+/// distances no longer fall, unless a number of functions is given. The last fit is to all points in the best space.
 /// @param options null for the defaults
 /// @param surface receives the surface; release it with bat_spline_surface_free()
 /// @param report  may be null; else release it with bat_surface_fit_report_free()

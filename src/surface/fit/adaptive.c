@@ -23,13 +23,17 @@
 
 enum
 {
-    POINTS_PER_FUNCTION = 4, ///< points for each function, when neither a tolerance nor a budget is set
-    SMALL_SYSTEM = 500,      ///< functions up to which weights cost next to nothing to try
-    TRIALS_FIRST = 12,       ///< weights evaluated in the first round and for small systems,
-    TRIALS = 4,              ///< for larger systems,
-    TRIALS_LAST = 6,         ///< and in the round that fills the budget
-    NEWTON_STEPS = 3,        ///< Newton steps of a parameter in one correction
-    MAX_ROUNDS = 1000        ///< the largest number of rounds in the options
+    POINTS_PER_FUNCTION = 4, ///< fewest points for each function, when neither a tolerance nor a budget is set,
+    POINTS_IN_TOLERANCE = 2, ///< and beside a tolerance
+    HOLD_OUT = 10,           ///< one in this many points is held out by default,
+    HOLD_OUT_MIN = 200,      ///< of at least this many points
+    MAX_HOLD_OUT = 1000,
+    SMALL_SYSTEM = 500, ///< functions up to which weights cost next to nothing to try
+    TRIALS_FIRST = 12,  ///< weights evaluated in the first round and for small systems,
+    TRIALS = 4,         ///< for larger systems,
+    TRIALS_LAST = 6,    ///< and in the round that fills the budget
+    NEWTON_STEPS = 3,   ///< Newton steps of a parameter in one correction
+    MAX_ROUNDS = 1000   ///< the largest number of rounds in the options
 };
 
 // Newton's method for a parameter stops when a step is at most this long, in cells.
@@ -38,6 +42,10 @@ static const double STEP_TOLERANCE = 1e-3;
 // is stiff, feet may be at other places of it, and corrections would fold the parameters of deep shapes.
 static const double CORRECTION_REACH = 0.25;
 static const double NEAR_SHARE = 0.9;
+// The mean squared distance of held-out points falls, when it falls below this share of its least value before. Refinement
+// ends when it has not, with the functions more by STALL_GROWTH.
+static const double HELD_OUT_GAIN = 0.99;
+static const double STALL_GROWTH = 1.5;
 // A budget counts as filled from this fraction on, because refinement adds at least a few functions at a time.
 static const double BUDGET_FILLED = 0.99;
 // Distances below this fraction of the size of the point set are rounding errors.
@@ -48,6 +56,7 @@ bat_surface_fit_options bat_surface_fit_defaults(void)
     return (bat_surface_fit_options){
         .space = {.degree = {2, 2}, .spans = {1, 1}, .truncated = true},
         .share = 1,
+        .hold_out = HOLD_OUT,
         .iterations = 30,
         .neighbours = 1,
         .smoothing = BAT_SURFACE_SMOOTHING_LIKELIHOOD,
@@ -67,6 +76,7 @@ bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options,
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_surface_fit_options, tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_surface_fit_options, share, OPTION_ABOVE, 0, 1),
+        OPTION_FIELD(bat_surface_fit_options, hold_out, OPTION_INT, 0, MAX_HOLD_OUT),
         OPTION_FIELD(bat_surface_fit_options, iterations, OPTION_INT, 0, MAX_ROUNDS),
         OPTION_FIELD(bat_surface_fit_options, neighbours, OPTION_INT, 0, BAT_SURFACE_FIT_MAX_NEIGHBOURS),
         OPTION_FIELD(bat_surface_fit_options, smoothing, OPTION_CHOICE, 0, BAT_SURFACE_SMOOTHING_GIVEN),
@@ -79,9 +89,12 @@ bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options,
     bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
     if (status != BAT_OK || options == NULL)
         return status;
-    if (options->smoothing == BAT_SURFACE_SMOOTHING_DISCREPANCY && !(options->noise > 0))
+    if (options->smoothing == BAT_SURFACE_SMOOTHING_NOISE && !(options->noise > 0))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "noise is %.10g, but must be finite and above 0",
                          options->noise);
+    if (options->hold_out == 1)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "hold_out is 1, but must be 0 or 2 to %d",
+                         MAX_HOLD_OUT);
     return bat_hierarchical_options_check(&options->space, error);
 }
 
@@ -147,6 +160,17 @@ static bat_status update_robust_weights(fit_points *points, size_t *outliers, ba
     return BAT_OK;
 }
 
+/// The round with the least distances of held-out points.
+typedef struct fit_best
+{
+    bat_hierarchical_space *space; ///< null for none
+    double *parameter;             ///< points.count x 2, before the corrections of later rounds
+    double square;                 ///< mean squared distance of held-out points
+    double largest;
+    size_t round;
+    double lambda;
+} fit_best;
+
 /// State of the adaptive loop.
 typedef struct fit_loop
 {
@@ -162,6 +186,12 @@ typedef struct fit_loop
     double size;   ///< the largest absolute coordinate of a point
     bool full;     ///< no further refinement fits the budget
     size_t outliers;
+    size_t held_count;
+    bool *held;    ///< points.count: rows that are held out; null without
+    bool corrects; ///< parameters have been corrected, which leaves residuals across the surface only
+    bool stalled;
+    double held_rms, held_largest; ///< distances of the held-out points at the last measurement
+    fit_best best;
     bat_surface_fit_round *rounds; ///< iterations + 1
     size_t count;
     double begin, reported; ///< start time in seconds, and the progress last reported
@@ -182,22 +212,66 @@ static void loop_free(fit_loop *loop)
     loop_free_fit(loop);
     fit_points_free(&loop->points);
     bat_hierarchical_space_free(loop->space);
+    bat_hierarchical_space_free(loop->best.space);
+    free(loop->best.parameter);
+    free(loop->held);
     free(loop->rounds);
+}
+
+/// Hold out one in some free points along the Morton curve.
+static bat_status hold_out(fit_loop *loop, bat_error *error)
+{
+    fit_points *points = &loop->points;
+    size_t step = (size_t)loop->options->hold_out, passed = 0;
+    loop->held = memory_array(points->count, sizeof *loop->held);
+    loop->best.parameter = memory_array(points->count, 2 * sizeof *loop->best.parameter);
+    if (loop->held == NULL || loop->best.parameter == NULL)
+        return error_memory(error, points->count * 2 * sizeof *loop->best.parameter);
+    for (size_t row = 0; row < points->count; row++)
+    {
+        passed += points->freedom[row] == FIT_FREE;
+        loop->held[row] = points->freedom[row] == FIT_FREE && passed % step == step / 2;
+        loop->held_count += loop->held[row];
+        if (loop->held[row])
+            points->weight[row] = 0;
+    }
+    return BAT_OK;
+}
+
+/// Measure the distances of the points that are held out, and take these out of the fit.
+static void measure_held_out(fit_loop *loop)
+{
+    fit_points *points = &loop->points;
+    double sum = 0, count = 0;
+    loop->held_largest = 0;
+    for (size_t row = 0; row < points->count; row++)
+    {
+        double weight = loop->options->robust ? points->weight[row] : 1;
+        if (!loop->held[row])
+            continue;
+        sum += weight * points->distance[row] * points->distance[row];
+        count += weight;
+        if (weight > 0)
+            loop->held_largest = fmax(loop->held_largest, points->distance[row]);
+        points->weight[row] = 0;
+    }
+    loop->held_rms = count > 0 ? sqrt(sum / count) : NAN;
 }
 
 static bat_status loop_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options, fit_loop *loop,
                             bat_error *error)
 {
     *loop = (fit_loop){.options = options, .begin = clock_seconds()};
-    loop->budget = options->functions > 0   ? options->functions
-                   : options->tolerance > 0 ? 0
-                                            : (data->count + POINTS_PER_FUNCTION - 1) / POINTS_PER_FUNCTION;
+    size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
+    loop->budget = options->functions > 0 ? options->functions : (data->count + fewest - 1) / fewest;
     loop->rounds = memory_array((size_t)options->iterations + 1, sizeof *loop->rounds);
     if (loop->rounds == NULL)
         return error_memory(error, ((size_t)options->iterations + 1) * sizeof *loop->rounds);
     bat_status status = bat_hierarchical_space_make(&options->space, &loop->space, error);
     if (status == BAT_OK)
         status = fit_points_make(data, NULL, options->space.truncated, &loop->points, error);
+    if (status == BAT_OK && options->hold_out > 0 && data->count >= HOLD_OUT_MIN)
+        status = hold_out(loop, error);
     for (size_t k = 0; status == BAT_OK && k < data->count * data->dimension; k++)
         loop->size = fmax(loop->size, fabs(loop->points.position[k]));
     return status;
@@ -238,6 +312,13 @@ static int trials_for(const fit_loop *loop)
     return loop->budget > 0 && (double)functions >= BUDGET_FILLED * (double)loop->budget ? TRIALS_LAST : TRIALS;
 }
 
+/// The coordinates of residuals that hold noise: correction removes the two along the surface.
+static size_t noisy_coordinates(const fit_loop *loop)
+{
+    size_t dimension = loop->points.dimension;
+    return !loop->corrects ? dimension : dimension > 3 ? dimension - 2 : 1;
+}
+
 /// Solve for the control points over the current space. Requires fit_points_locate().
 /// @param search whether to search for lambda; otherwise the last one is used
 static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
@@ -252,7 +333,7 @@ static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
         return status;
     bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN;
     fit_weight_search wanted = {.smoothing = search ? options->smoothing : BAT_SURFACE_SMOOTHING_GIVEN,
-                                .noise = options->noise,
+                                .noise = options->noise * sqrt((double)noisy_coordinates(loop)),
                                 .lambda = given ? options->weight : loop->lambda,
                                 .trials = trials_for(loop),
                                 .progress = {loop_report, loop}};
@@ -282,6 +363,9 @@ static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *err
         status = fit_correct_wrong_feet(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
         status = update_robust_weights(&loop->points, &loop->outliers, error);
+    if (status == BAT_OK && loop->held != NULL)
+        measure_held_out(loop);
+    loop->corrects = loop->corrects || correct;
     return status;
 }
 
@@ -338,6 +422,7 @@ static bat_surface_fit_round measure_round(const fit_loop *loop)
     bat_surface_fit_round round = {.functions = loop->system.functions,
                                    .levels = bat_hierarchical_space_levels(loop->space),
                                    .weight = loop->lambda,
+                                   .held_out = loop->held != NULL ? loop->held_rms : NAN,
                                    .seconds = clock_seconds() - loop->begin};
     size_t within = 0;
     double sum = 0;
@@ -361,6 +446,8 @@ static bat_surface_fit_round measure_round(const fit_loop *loop)
 /// Whether the goal is reached: the required share of points within the tolerance, or the budget, or an exact surface.
 static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round)
 {
+    if (loop->options->tolerance == 0 && loop->stalled)
+        return true;
     if (loop->options->tolerance > 0)
         return round->within >= loop->options->share;
     bool filled = loop->full || (double)round->functions >= BUDGET_FILLED * (double)loop->budget;
@@ -388,25 +475,102 @@ static bat_status refine_marked(fit_loop *loop, bool *refined, bat_error *error)
     return status;
 }
 
-static bat_status run(fit_loop *loop, bat_error *error)
+/// Compare the last round with the best one, and keep the better of them. Sets `stalled` where refinement ends.
+static bat_status compare_held_out(fit_loop *loop, bat_error *error)
 {
-    bool refined = true;
-    while (refined)
+    const bat_surface_fit_round *round = &loop->rounds[loop->count - 1];
+    fit_best *best = &loop->best;
+    double square = loop->held_rms * loop->held_rms;
+    if (best->space != NULL && !(square < HELD_OUT_GAIN * best->square))
+    {
+        double growth = (double)round->functions / (double)loop->rounds[best->round].functions;
+        loop->stalled = growth >= STALL_GROWTH && loop->count > best->round + 2;
+        return BAT_OK;
+    }
+    bat_hierarchical_space *copy;
+    bat_status status = bat_hierarchical_space_copy(loop->space, &copy, error);
+    if (status != BAT_OK)
+        return status;
+    bat_hierarchical_space_free(best->space);
+    best->space = copy;
+    best->square = square;
+    best->largest = loop->held_largest;
+    best->round = loop->count - 1;
+    best->lambda = loop->lambda;
+    memcpy(best->parameter, loop->points.parameter, 2 * loop->points.count * sizeof *best->parameter);
+    return BAT_OK;
+}
+
+/// Whether the held-out points choose the size of the space.
+static bool has_free_size(const fit_loop *loop)
+{
+    return loop->held != NULL && loop->options->functions == 0;
+}
+
+/// Fit all points, the held-out ones too, in the final space: the best one, where held-out points choose it and the
+/// tolerance is not reached. The round replaces that of the space.
+static bat_status fit_all_points(fit_loop *loop, bat_error *error)
+{
+    fit_best *best = &loop->best;
+    bool reached = loop->options->tolerance > 0 && has_reached(loop, &loop->rounds[loop->count - 1]);
+    if (has_free_size(loop) && !reached && best->round + 1 < loop->count)
+    {
+        bat_hierarchical_space_free(loop->space);
+        loop->space = best->space;
+        best->space = NULL;
+        loop->count = best->round + 1;
+        loop->stalled = true;
+        loop->lambda = best->lambda;
+        loop->held_rms = sqrt(best->square);
+        loop->held_largest = best->largest;
+        memcpy(loop->points.parameter, best->parameter, 2 * loop->points.count * sizeof *best->parameter);
+    }
+    for (size_t row = 0; row < loop->points.count; row++)
+        if (loop->held[row])
+            loop->points.weight[row] = 1;
+    free(loop->held);
+    loop->held = NULL;
+    bat_status status = loop->options->robust ? update_robust_weights(&loop->points, &loop->outliers, error) : BAT_OK;
+    if (status == BAT_OK)
+        status = begin_round(loop, error);
+    if (status == BAT_OK)
+        status = fit_control(loop, true, error);
+    return status == BAT_OK ? measure_distances(loop, loop->options->corrections > 0, error) : status;
+}
+
+static bat_status run_rounds(fit_loop *loop, bat_error *error)
+{
+    for (bool refined = true; refined;)
     {
         bat_status status = fit_round(loop, error);
         if (status != BAT_OK)
             return status;
         bat_surface_fit_round *round = &loop->rounds[loop->count++];
         *round = measure_round(loop);
-        if (has_reached(loop, round) || loop->count > (size_t)loop->options->iterations)
-            break;
+        if (has_free_size(loop))
+            status = compare_held_out(loop, error);
+        if (status != BAT_OK || loop->stalled || has_reached(loop, round) || loop->count > (size_t)loop->options->iterations)
+            return status;
         status = refine_marked(loop, &refined, error);
         if (status != BAT_OK)
             return status;
     }
-    bat_status status = fit_finally(loop, error);
+    return BAT_OK;
+}
+
+static bat_status run(fit_loop *loop, bat_error *error)
+{
+    bool holds = loop->held != NULL;
+    bat_status status = run_rounds(loop, error);
+    if (status == BAT_OK && holds)
+        status = fit_all_points(loop, error);
     if (status == BAT_OK)
+        status = fit_finally(loop, error);
+    if (status == BAT_OK)
+    {
         loop->rounds[loop->count - 1] = measure_round(loop);
+        loop->rounds[loop->count - 1].held_out = holds ? loop->held_rms : NAN;
+    }
     return status;
 }
 
@@ -420,6 +584,7 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     for (size_t row = 0; report != NULL && row < data->count; row++)
         distances[loop->points.number[row]] = loop->points.distance[row];
     size_t moved = fit_points_return(&loop->points, data);
+    bool holds = isfinite(loop->rounds[loop->count - 1].held_out);
     fit_points_restore(&loop->points, loop->system.functions, loop->control);
     if (report != NULL)
         *report = (bat_surface_fit_report){.rounds = loop->rounds,
@@ -427,6 +592,10 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
                                            .distances = distances,
                                            .moved = moved,
                                            .outliers = loop->outliers,
+                                           .stalled = loop->stalled,
+                                           .held_out_count = holds ? loop->held_count : 0,
+                                           .held_out_rms = holds ? loop->held_rms : NAN,
+                                           .held_out_largest = holds ? loop->held_largest : NAN,
                                            .reached = has_reached(loop, &loop->rounds[loop->count - 1])};
     else
         free(loop->rounds);

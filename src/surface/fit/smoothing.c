@@ -9,9 +9,9 @@
 ///
 ///     restricted likelihood   2 lambda J / s^2 = T - 3  for each coordinate,  s^2 = (R + 2 lambda J) / (N - 3),
 ///     cross-validation        minimize R / (1 - T / N)^2,
-///     discrepancy             R = N dimension noise^2,
+///     the same, given noise   2 lambda J / noise^2 = T - 3,
 ///
-/// of Wahba (1985), Craven and Wahba (1979, generalized cross-validation) and Morozov (1966). 3 is the dimension of the null
+/// of Wahba (1985) and Craven and Wahba (1979, generalized cross-validation). 3 is the dimension of the null
 /// space of M, which contains 1, u and v. The slope of each criterion changes sign at the best weight, so that log10 lambda
 /// is bracketed and found by regula falsi.
 
@@ -246,12 +246,10 @@ static void score_likelihood(const weight_workspace *workspace, double lambda, c
     trial->score = fabs(trial->slope);
 }
 
-/// Discrepancy principle: log of the ratio of the mean squared residual to the variance of the noise.
-static void score_discrepancy(const weight_workspace *workspace, double noise, const weight_effect *effect,
-                              weight_trial *trial)
+/// Restricted likelihood with a known variance of the residuals.
+static void score_noise(double noise, double lambda, const weight_effect *effect, weight_trial *trial)
 {
-    double numbers = (double)(workspace->system->counted * workspace->system->dimension);
-    trial->slope = log(effect->residual / (numbers * noise * noise));
+    trial->slope = 2 * lambda * effect->energy / (noise * noise) - (effect->trace - PLANE_FUNCTIONS);
     trial->score = fabs(trial->slope);
 }
 
@@ -273,7 +271,7 @@ static bat_status try_weight(weight_workspace *workspace, const fit_weight_searc
     else if (search->smoothing == BAT_SURFACE_SMOOTHING_LIKELIHOOD)
         score_likelihood(workspace, lambda, &effect, trial);
     else
-        score_discrepancy(workspace, search->noise, &effect, trial);
+        score_noise(search->noise, lambda, &effect, trial);
     return BAT_OK;
 }
 

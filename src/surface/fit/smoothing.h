@@ -6,13 +6,13 @@
 
 /// @file
 /// Solution of the normal equations for a smoothing weight lambda, and the choice of lambda by restricted maximum
-/// likelihood, generalized cross-validation or the discrepancy principle.
+/// likelihood, generalized cross-validation with unknown or given noise.
 
 /// The criterion and the start of a search for lambda.
 typedef struct fit_weight_search
 {
     bat_surface_smoothing smoothing;
-    double noise;  ///< standard deviation of the noise of a coordinate, for BAT_SURFACE_SMOOTHING_DISCREPANCY
+    double noise;  ///< root of the variance of a residual, summed over coordinates, for BAT_SURFACE_SMOOTHING_NOISE
     double lambda; ///< the given weight, or the start of the search; 0: no estimate is known
     int trials;    ///< maximum number of weights to evaluate, at least 1
     bat_progress progress;
