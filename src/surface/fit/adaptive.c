@@ -45,7 +45,7 @@ static const double NEAR_SHARE = 0.9;
 // The mean squared distance of held-out points falls, when it falls below this share of its least value before. Refinement
 // ends when it has not, with the functions more by STALL_GROWTH.
 static const double HELD_OUT_GAIN = 0.99;
-static const double STALL_GROWTH = 1.5;
+static const double STALL_GROWTH = 2.2;
 // A budget counts as filled from this fraction on, because refinement adds at least a few functions at a time.
 static const double BUDGET_FILLED = 0.99;
 // Distances below this fraction of the size of the point set are rounding errors.
