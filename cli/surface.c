@@ -22,12 +22,11 @@ static const option_spec OPTIONS[] = {
     {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 2"},
     {"tolerance", 0, "T", "refine where points are farther off than this, in their units"},
     {"functions", 0, "N",
-     "the maximum number of functions, which is that of control points; default without --tolerance: a quarter of the "
-     "points"},
+     "the maximum number of functions, which is that of control points; default: as many as bring held-out points nearer"},
     {"share", 0, "S", "stop when this share of the points is within the tolerance; default 1"},
     {"iterations", 0, "N", "the maximum number of refinements; default 30"},
     {"smoothing", 0, "WEIGHT", "of the thin plate; default: found by likelihood, or by --noise"},
-    {"noise", 0, "D", "standard deviation of a coordinate: smooth until the distances match it"},
+    {"noise", 0, "D", "standard deviation of a coordinate, where it is known"},
     {"robust", 0, NULL, "points far off count less"},
     {"corrections", 0, "N", "rounds that move parameters to the nearest place of the surface, after each fit; default 1"},
     {"final-corrections", 0, "N", "the same after the last refinement; default 0"},
@@ -38,6 +37,7 @@ static const option_spec OPTIONS[] = {
     {"model", 0, "FILE", "learned: a network of your own, a safetensors file"},
     {"published", 0, NULL, "classical neighbourhoods as published: they may fail"},
     {"slide-boundary", 0, NULL, "corrections move boundary parameters too, along their sides"},
+    {"force", 0, NULL, "write also a surface that the points prove wrong"},
     {"no-repair", 0, NULL, "report folds of the parameters, but leave them"},
     {"boundary", 0, "N|FILE", "the first N points are the boundary loop, or FILE's are; default: found, or told in IN"},
     {"corners", 0, "A,B,C,D", "these points of IN, counted from 0, get (0,0), (1,0), (1,1), (0,1); default: found"},
@@ -277,6 +277,7 @@ static bool read_job(const arguments *given, surface_job *job)
         !read_sides(given, &job->options.sides) || !argument_whole(given, "samples", 1, MAX_ROUNDS, 0, &samples))
         return false;
     job->options.published = argument_flag(given, "published");
+    job->options.force = argument_flag(given, "force");
     job->options.no_repair = argument_flag(given, "no-repair");
     job->options.slide_boundary = argument_flag(given, "slide-boundary");
     job->write.samples = (size_t)samples;
@@ -401,10 +402,18 @@ static int fit(surface_job *job)
     if (code == EXIT_DONE && is_standard_output(job->output))
         code = write_surface(job, &cloud, &result, "-");
     surface_findings findings = {job->input, &cloud, &job->options, &result};
+    bool written = code == EXIT_DONE;
     if (code == EXIT_DONE && job->json)
         code = report_json(surface_report_json(&findings));
     else if (code == EXIT_DONE && !job->quiet)
         surface_report_print(&findings);
+    if (written && result.below_noise)
+    {
+        (void)fprintf(stderr,
+                      "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
+                      job->input, result.noise);
+        code = EXIT_BAD_INPUT;
+    }
     bat_surface_result_free(&result);
     bat_cloud_free(&cloud);
     return code;

@@ -107,6 +107,26 @@ static void print_rounds(const surface_findings *findings)
     }
 }
 
+static void print_verdict(const surface_findings *findings)
+{
+    const bat_surface_result *result = findings->result;
+    const bat_surface_verdict *verdict = &result->verdict;
+    static const char *const TEXTS[] = {
+        "right", "wrong: points are far from the surface", "wrong: the surface is far from the points",
+        "wrong: the surface stands across the points' tangent planes", "wrong: the area is not that of the points"};
+    if (result->report.held_out_count > 0)
+        (void)printf("%zu points held out: root mean square distance %.4g, largest %.4g\n", result->report.held_out_count,
+                     result->report.held_out_rms, result->report.held_out_largest);
+    (void)printf("noise: about %.3g in each coordinate, from residuals of local quadratic fits\n", result->noise);
+    (void)printf(
+        "verdict: %s\n  99 %% of the points within %.3g, 99 %% of the surface within the spacing of points and %.3g, "
+        "largest %.3g\n  area %.4g, of the points %.4g; %.2g %% across, %.2g %% far\n",
+        TEXTS[verdict->fault], verdict->missed, verdict->strays, verdict->farthest, verdict->area, verdict->cloud_area,
+        100 * verdict->cross_share, 100 * verdict->far_share);
+    (void)printf("seconds: boundary %.2f, measures of the cloud %.2f, parameters and fits %.2f\n", result->seconds[0],
+                 result->seconds[1], result->seconds[2]);
+}
+
 static void print_end(const surface_findings *findings)
 {
     const bat_surface_result *result = findings->result;
@@ -129,6 +149,7 @@ void surface_report_print(const surface_findings *findings)
     print_candidates(findings);
     print_rounds(findings);
     print_end(findings);
+    print_verdict(findings);
 }
 
 // JSON
@@ -177,6 +198,23 @@ static json_t *cloud_json(const surface_findings *findings)
                      "corners", corners, "corners_found", (int)findings->result->corners_found);
 }
 
+static json_t *verdict_json(const bat_surface_verdict *verdict)
+{
+    static const char *const NAMES[] = {"none", "missed", "strays", "folds", "area"};
+    return json_pack("{s:b, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "right",
+                     (int)(verdict->fault == BAT_SURFACE_FAULT_NONE), "fault", NAMES[verdict->fault], "missed",
+                     report_number(verdict->missed), "strays", report_number(verdict->strays), "farthest",
+                     report_number(verdict->farthest), "far_share", report_number(verdict->far_share), "cross_share",
+                     report_number(verdict->cross_share), "area", report_number(verdict->area), "cloud_area",
+                     report_number(verdict->cloud_area), "spacing", report_number(verdict->spacing));
+}
+
+static json_t *held_out_json(const bat_surface_fit_report *report)
+{
+    return json_pack("{s:I, s:o, s:o}", "points", (json_int_t)report->held_out_count, "rms",
+                     report_number(report->held_out_rms), "largest", report_number(report->held_out_largest));
+}
+
 json_t *surface_report_json(const surface_findings *findings)
 {
     const bat_surface_result *result = findings->result;
@@ -187,11 +225,14 @@ json_t *surface_report_json(const surface_findings *findings)
         (void)json_array_append_new(candidates, candidate_json(findings, &result->candidates[i]));
     for (size_t i = 0; i < result->report.count; i++)
         (void)json_array_append_new(rounds, round_json(findings, &result->report.rounds[i]));
-    return json_pack("{s:o, s:s, s:s, s:I, s:o, s:[ii], s:o, s:o, s:b, s:I, s:I, s:o}", "cloud", cloud_json(findings),
-                     "chosen", bat_surface_parameters_name(result->chosen), "reason", reason, "trial_points",
-                     (json_int_t)result->trial_points, "candidates", candidates, "degree",
+    return json_pack("{s:o, s:s, s:s, s:I, s:o, s:[ii], s:o, s:o, s:b, s:I, s:I, s:o, s:o, s:o, s:o, s:b, s:[fff]}", "cloud",
+                     cloud_json(findings), "chosen", bat_surface_parameters_name(result->chosen), "reason", reason,
+                     "trial_points", (json_int_t)result->trial_points, "candidates", candidates, "degree",
                      findings->options->fit.space.degree[0], findings->options->fit.space.degree[1], "rounds", rounds,
                      "result", round_json(findings, &result->report.rounds[result->report.count - 1]), "reached",
                      (int)result->report.reached, "moved", (json_int_t)result->report.moved, "outliers",
-                     (json_int_t)result->report.outliers, "folds", folds_json(findings->cloud, &result->folds));
+                     (json_int_t)result->report.outliers, "folds", folds_json(findings->cloud, &result->folds), "held_out",
+                     held_out_json(&result->report), "noise", report_number(result->noise), "verdict",
+                     verdict_json(&result->verdict), "below_noise", (int)result->below_noise, "seconds", result->seconds[0],
+                     result->seconds[1], result->seconds[2]);
 }

@@ -50,6 +50,11 @@ BAT_API bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, b
 ///         bat_cloud_check(); BAT_NO_MEMORY; `cloud` is untouched on failure
 BAT_API bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error);
 
+/// Estimate the noise of a cloud: the standard deviation of a coordinate, from residuals of quadratic polynomials that are
+/// fitted to local neighbourhoods.
+/// @return BAT_OK, the failures of bat_cloud_check() or BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_noise(const bat_cloud *cloud, double *sigma, bat_error *error);
+
 /// Find four corners: the points of the loop with the sharpest turns towards the patch, measured in its tangent plane.
 /// Turns are measured over chords of about 1/30 of the loop, so that noise does not count. Two corners are at least 1/40 of
 /// the loop apart. A loop without corners is split into four parts of equal length.

@@ -45,6 +45,7 @@ typedef struct bat_surface_options
                          ///< are not unfolded
     bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_surface_fit_data); default false
     bool no_repair;      ///< leave folds, only report them; default false
+    bool force;          ///< give also a surface that is judged to be wrong; default false
 } bat_surface_options;
 
 /// The default options.
@@ -52,6 +53,31 @@ BAT_API bat_surface_options bat_surface_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
 BAT_API bat_status bat_surface_options_check(const bat_surface_options *options, bat_error *error);
+
+/// What is wrong with a surface.
+typedef enum bat_surface_fault
+{
+    BAT_SURFACE_FAULT_NONE,
+    BAT_SURFACE_FAULT_MISSED, ///< points are far from it
+    BAT_SURFACE_FAULT_STRAYS, ///< it is far from points
+    BAT_SURFACE_FAULT_FOLDS,  ///< it stands across the points' tangent planes, or is turned over
+    BAT_SURFACE_FAULT_AREA    ///< its area is not that of the points
+} bat_surface_fault;
+
+/// A judgement of a surface by its cloud, both ways. Shares are shares of the surface's area.
+typedef struct bat_surface_verdict
+{
+    bat_surface_fault fault;
+    double missed;      ///< distance from the surface of the 99th of 100 points, the nearest first
+    double strays;      ///< distance from the points of 99 % of the surface
+    double farthest;    ///< the largest distance from the points of a place of the surface
+    double far_share;   ///< share that is farther from the points than three spacings and four times the noise
+    double cross_share; ///< share whose normal is more than 60 degrees off the normal of the nearest points' tangent plane
+    double area;        ///< of the surface
+    double cloud_area;  ///< of the points, in their tangent planes
+    double spacing;     ///< median over points of the mean distance of neighbours
+    double place[3];    ///< where the fault is worst
+} bat_surface_verdict;
 
 /// One candidate of BAT_SURFACE_PARAMETERS_AUTO, or the one that was asked for.
 typedef struct bat_surface_candidate
@@ -66,7 +92,8 @@ typedef struct bat_surface_candidate
     bool reached;        ///< bat_surface_fit_report::reached
     double stray; ///< one-sided Hausdorff distance from the surface, sampled at corners and centres of cells, to the points
     bool strays;  ///< that distance is twice that of another candidate, which excludes this one
-    double fit_seconds; ///< of the fit on trial
+    bat_surface_verdict verdict; ///< of the fit on trial to all points
+    double fit_seconds;          ///< of the fit on trial
 } bat_surface_candidate;
 
 /// The largest number of candidates.
@@ -83,6 +110,10 @@ typedef struct bat_surface_result
     size_t candidate_count;
     size_t trial_points;               ///< points of the trial fits: all of them, or a part of a large cloud
     bat_cloud_parameters_report folds; ///< of `parameters`; given ones without a boundary: only `outside` is counted
+    bat_surface_verdict verdict;       ///< of the surface
+    double noise;                      ///< standard deviation of a coordinate, by local quadratic fits (bat_cloud_noise())
+    bool below_noise;                  ///< the tolerance is not reached, because it is below the noise
+    double seconds[3];                 ///< of the boundary, of the measures of the cloud, and of the rest
     bool boundary_found;               ///< the boundary was unknown
     bool corners_found;                ///< the corners were unknown
 } bat_surface_result;

@@ -240,8 +240,9 @@ static bool boundary_on_sides(const bat_cloud *cloud, const double *parameters)
     return true;
 }
 
-bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
-                                 surface_candidate *candidate, bat_error *error)
+bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *geometry,
+                                 const bat_surface_fit_options *options, bool slides, surface_candidate *candidate,
+                                 bat_error *error)
 {
     bat_error failure = {0};
     candidate->corrected = memory_array(cloud->count, 2 * sizeof *candidate->corrected);
@@ -258,6 +259,9 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_o
     bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
     if (status == BAT_OK)
         status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
+    if (status == BAT_OK)
+        status = surface_judge(geometry, &candidate->surface, candidate->fit.distances, cloud->count, options->threads,
+                               &candidate->report.verdict, &failure);
     return record_failure(status, &failure, candidate, error);
 }
 
@@ -330,18 +334,28 @@ static bool is_better(const bat_surface_candidate *first, const bat_surface_cand
     return first->mean_squared < second->mean_squared;
 }
 
+/// Whether a candidate was fitted, and is judged to be right unless none is.
+static bool is_eligible(const bat_surface_candidate *report, bool any_right)
+{
+    return isfinite(report->mean_squared) && (!any_right || report->verdict.fault == BAT_SURFACE_FAULT_NONE);
+}
+
 size_t surface_candidate_best(surface_candidate *candidates, size_t count, const bat_surface_fit_options *options)
 {
     double minimum = INFINITY;
     size_t best = BAT_NO_INDEX;
+    bool any_right = false;
     for (size_t i = 0; i < count; i++)
-        if (isfinite(candidates[i].report.mean_squared))
+        any_right = any_right || (isfinite(candidates[i].report.mean_squared) &&
+                                  candidates[i].report.verdict.fault == BAT_SURFACE_FAULT_NONE);
+    for (size_t i = 0; i < count; i++)
+        if (is_eligible(&candidates[i].report, any_right))
             minimum = fmin(minimum, candidates[i].report.stray);
     for (size_t i = 0; i < count; i++)
     {
         bat_surface_candidate *report = &candidates[i].report;
         report->strays = isfinite(report->mean_squared) && report->stray > MAX_DISTANCE_RATIO * minimum;
-        if (isfinite(report->mean_squared) && !report->strays &&
+        if (is_eligible(report, any_right) && !report->strays &&
             (best == BAT_NO_INDEX || is_better(report, &candidates[best].report, options)))
             best = i;
     }

@@ -2,6 +2,7 @@
 #define SURFACE_CANDIDATE_H
 
 #include "batten/surface.h"
+#include "surface/verdict.h"
 
 /// @file
 /// A candidate of bat_surface_reconstruct(): one way to parameterize a cloud, and its fit.
@@ -24,19 +25,21 @@ void surface_candidate_free(surface_candidate *candidate);
 bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
                                   bat_surface_parameters kind, surface_candidate *candidate, bat_error *error);
 
-/// Fit a surface to all points and store it with its metrics.
-/// @param slides see bat_surface_fit_data
+/// Fit a surface to all points, judge it, and store it with its metrics.
+/// @param geometry of the cloud
+/// @param slides   see bat_surface_fit_data
 /// @return see surface_candidate_make(); also BAT_CANCELLED
-bat_status surface_candidate_fit(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
-                                 surface_candidate *candidate, bat_error *error);
+bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *geometry,
+                                 const bat_surface_fit_options *options, bool slides, surface_candidate *candidate,
+                                 bat_error *error);
 /// Fit a surface to a random sample of about `points` points and store only its metrics.
 bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
                                         size_t points, surface_candidate *candidate, bat_error *error);
 
-/// Index of the best candidate. A candidate is excluded when its one-sided Hausdorff distance (surface to points) exceeds
-/// twice the smallest one. Among the others, those that reach the tolerance win, and of these the one with the fewest
-/// functions. If none reaches the tolerance, or none is set, the smallest mean squared distance wins. Returns 0 when all
-/// have failed. Sets `strays` of the excluded ones.
+/// Index of the best candidate. Surfaces that are judged to be wrong are excluded, unless all are. A candidate is excluded
+/// when its one-sided Hausdorff distance (surface to points) exceeds twice the smallest one. Among the others, those that
+/// reach the tolerance win, and of these the one with the fewest functions. If none reaches the tolerance, or none is set,
+/// the smallest mean squared distance wins. Returns 0 when all have failed. Sets `strays` of the excluded ones.
 size_t surface_candidate_best(surface_candidate *candidates, size_t count, const bat_surface_fit_options *options);
 
 #endif

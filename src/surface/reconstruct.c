@@ -8,6 +8,7 @@
 #include "batten/surface.h"
 
 #include "base/choice.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -17,6 +18,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum
 {
@@ -124,6 +126,7 @@ typedef struct reconstruction
     bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
     size_t kind_count;
     double *boundary; ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
+    cloud_geometry geometry;
     surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
     surface_candidate *best;   ///< one of `candidates`
     bat_surface_result result; ///< metrics of the candidates, later the selected surface
@@ -191,7 +194,7 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
         surface_candidate_make(work->cloud, work->boundary, work->options, work->kinds[number], candidate, error);
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
         status = fits_all_points(work)
-                     ? surface_candidate_fit(work->cloud, &fit, slides, candidate, error)
+                     ? surface_candidate_fit(work->cloud, &work->geometry, &fit, slides, candidate, error)
                      : surface_candidate_fit_sample(work->cloud, &fit, slides, SAMPLE_POINTS, candidate, error);
     return status;
 }
@@ -209,7 +212,8 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     bat_surface_fit_options fit = work->options->fit;
     progress_part part = {fit.progress, TRIAL_SHARE, 1 - TRIAL_SHARE};
     fit.progress = progress_of_part(&part);
-    bat_status status = surface_candidate_fit(work->cloud, &fit, work->options->slide_boundary, work->best, error);
+    bat_status status =
+        surface_candidate_fit(work->cloud, &work->geometry, &fit, work->options->slide_boundary, work->best, error);
     return status == BAT_OK ? check_best(work, error) : status;
 }
 
@@ -228,6 +232,26 @@ static bat_status fit_kinds(reconstruction *work, bat_error *error)
     return status == BAT_OK && !fits_all_points(work) ? fit_best(work, error) : status;
 }
 
+/// Whether noise keeps the share of points from the tolerance.
+static bool is_below_noise(const bat_surface_fit_options *options, const bat_surface_fit_report *fit, size_t count,
+                           double noise)
+{
+    double share = fmin(options->share, 1 - 1 / (double)count);
+    return options->tolerance > 0 && !fit->reached && fit->stalled && erf(options->tolerance / (noise * sqrt(2))) < share;
+}
+
+/// Fail where the surface is judged to be wrong.
+static bat_status check_verdict(const reconstruction *work, bat_error *error)
+{
+    const bat_surface_verdict *verdict = &work->best->report.verdict;
+    if (verdict->fault == BAT_SURFACE_FAULT_NONE || work->options->force)
+        return BAT_OK;
+    char text[200];
+    surface_verdict_text(verdict, text, sizeof text);
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the surface is wrong: %s; --force writes it nevertheless",
+                     text);
+}
+
 static bat_status store_result(reconstruction *work, bat_error *error)
 {
     bat_surface_result *result = &work->result;
@@ -239,6 +263,9 @@ static bat_status store_result(reconstruction *work, bat_error *error)
         return status;
     result->trial_points = fits_all_points(work) ? work->cloud->count : SAMPLE_POINTS;
     result->chosen = best->report.parameters;
+    result->verdict = best->report.verdict;
+    result->noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
+    result->below_noise = is_below_noise(&work->options->fit, &best->fit, work->cloud->count, result->noise);
     result->surface = best->surface;
     result->report = best->fit;
     result->parameters = best->corrected;
@@ -254,14 +281,24 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     const bat_surface_options defaults = bat_surface_defaults();
     reconstruction work = {.cloud = cloud, .options = options != NULL ? options : &defaults};
     bat_status status = bat_surface_options_check(options, error);
+    double begin = clock_seconds();
     if (status == BAT_OK)
         status = prepare(&work, error);
+    double prepared = clock_seconds();
+    if (status == BAT_OK)
+        status = cloud_geometry_make(cloud, work.options->fit.threads, &work.geometry, error);
+    double measured = clock_seconds();
     if (status == BAT_OK)
         list_kinds(&work);
     if (status == BAT_OK)
         status = fit_kinds(&work, error);
     if (status == BAT_OK)
+        status = check_verdict(&work, error);
+    if (status == BAT_OK)
         status = store_result(&work, error);
+    const double seconds[3] = {prepared - begin, measured - prepared, clock_seconds() - measured};
+    memcpy(work.result.seconds, seconds, sizeof seconds);
+    cloud_geometry_free(&work.geometry);
     for (size_t i = 0; i < work.kind_count; i++)
         surface_candidate_free(&work.candidates[i]);
     free(work.boundary);

@@ -9,6 +9,8 @@
 #include "linalg/vector3.h"
 #include "surface/cloud/alpha_boundary.h"
 #include "surface/cloud/canonical_order.h"
+#include "surface/cloud/noise.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -300,6 +302,23 @@ static bat_status sort_points(const bat_cloud *cloud, double **points, size_t **
     free(sorted);
     free(unit);
     neighbour_tree_free(&tree);
+    return status;
+}
+
+bat_status bat_cloud_noise(const bat_cloud *cloud, double *sigma, bat_error *error)
+{
+    bat_status status = bat_cloud_check(cloud, error);
+    if (status != BAT_OK)
+        return status;
+    spatial_order order = {0};
+    unit_frame frame = unit_frame_of(cloud->points, cloud->count);
+    double found;
+    status = spatial_order_make(cloud, &order, error);
+    if (status == BAT_OK)
+        status = noise_estimate(order.cloud.points, &order.tree, &found, error);
+    if (status == BAT_OK)
+        *sigma = ldexp(found, 1 - frame.exponent);
+    spatial_order_free(&order);
     return status;
 }
 

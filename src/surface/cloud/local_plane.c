@@ -50,12 +50,10 @@ void local_plane_project(const local_plane *plane, const double origin[3], const
     foot[1] = vector3_dot(arm, plane->axes[1]);
 }
 
-double *points_to_unit_size(const double *points, size_t count)
+unit_frame unit_frame_of(const double *points, size_t count)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0, middle[3];
-    double *made = memory_array(count, 3 * sizeof *made);
-    if (made == NULL)
-        return NULL;
+    unit_frame frame = {.exponent = 1};
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0;
     for (size_t i = 0; i < 3 * count; i++)
     {
         low[i % 3] = fmin(low[i % 3], points[i]);
@@ -63,13 +61,29 @@ double *points_to_unit_size(const double *points, size_t count)
     }
     for (int k = 0; k < 3; k++)
     {
-        middle[k] = low[k] * 0.5 + high[k] * 0.5;
+        frame.middle[k] = low[k] * 0.5 + high[k] * 0.5;
         half = fmax(half, high[k] * 0.5 - low[k] * 0.5);
     }
     int exponent = 0;
     (void)frexp(half, &exponent);
-    for (size_t i = 0; i < 3 * count; i++)
-        made[i] = ldexp(points[i] * 0.5 - middle[i % 3] * 0.5, 1 - exponent);
+    frame.exponent = 1 - exponent;
+    return frame;
+}
+
+void unit_frame_place(const unit_frame *frame, const double point[3], double place[3])
+{
+    for (int k = 0; k < 3; k++)
+        place[k] = ldexp(point[k] * 0.5 - frame->middle[k] * 0.5, frame->exponent);
+}
+
+double *points_to_unit_size(const double *points, size_t count)
+{
+    double *made = memory_array(count, 3 * sizeof *made);
+    if (made == NULL)
+        return NULL;
+    unit_frame frame = unit_frame_of(points, count);
+    for (size_t i = 0; i < count; i++)
+        unit_frame_place(&frame, points + 3 * i, made + 3 * i);
     return made;
 }
 

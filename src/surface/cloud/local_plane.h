@@ -22,6 +22,19 @@ local_plane local_plane_fit(const double *points, const neighbour_list *list);
 /// Coordinates of the projection of a point to the plane, relative to an origin.
 void local_plane_project(const local_plane *plane, const double origin[3], const double point[3], double foot[2]);
 
+/// A translation and a scale by a power of two: x -> ldexp(x / 2 - middle / 2, exponent).
+typedef struct unit_frame
+{
+    double middle[3];
+    int exponent;
+} unit_frame;
+
+/// The frame in which all coordinates of some points are in [-1, 1].
+unit_frame unit_frame_of(const double *points, size_t count);
+
+/// The place of a point in a frame.
+void unit_frame_place(const unit_frame *frame, const double point[3], double place[3]);
+
 /// A copy of points, translated and scaled by a power of two so that all coordinates are in [-1, 1]. All axes have the same
 /// scale. Release it with free(); null when out of memory.
 double *points_to_unit_size(const double *points, size_t count);

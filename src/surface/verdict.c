@@ -1,0 +1,415 @@
+/// @file
+/// Judgement of a surface by its cloud; see verdict.h. The surface is sampled on a grid in each cell. A sample y has the
+/// area |S_u x S_v| of its part of the cell, the distance d from the nearest point, and the cosine of the angle between its
+/// normal and that of this point's tangent plane.
+
+#include "surface/verdict.h"
+
+#include "base/ascending.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+#include "linalg/vector3.h"
+#include "surface/cloud/noise.h"
+#include "surface/parameterize/star.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MIN_SIDE = 2, ///< samples of a cell in each direction
+    MAX_SIDE = 16,
+    MAX_SAMPLES = 400000,
+    SPACING_POINTS = 12
+};
+
+// Limits outside of which a surface is wrong. They were chosen on generated shapes and on half of the crops of meshes of
+// docs/results/surfaces.md.
+static const double MAX_CROSS = 0.05;           ///< share of area across the tangent planes
+static const double MAX_FAR = 0.03;             ///< share of area far from the points
+static const double MAX_AREA[2] = {0.78, 1.22}; ///< ratio of the areas
+static const double MAX_MISSED = 0.02;          ///< distance of points, as a share of the size
+static const double MAX_FARTHEST = 0.06;        ///< distance of the surface, as a share of the size
+
+// Distances in spacings and standard deviations of the noise that are not far.
+static const double FAR_SPACINGS = 3;
+static const double FAR_NOISE = 4;
+static const double CROSS_COSINE = 0.5;
+/// Sides of stars longer than this many spacings span gaps.
+static const double MAX_SPOKE = 3.5;
+static const double PI = 3.14159265358979323846;
+
+void cloud_geometry_free(cloud_geometry *geometry)
+{
+    spatial_order_free(&geometry->order);
+    oriented_planes_free(&geometry->oriented);
+    free(geometry->spacing);
+    *geometry = (cloud_geometry){0};
+}
+
+/// Workspace of one thread.
+typedef struct star_scratch
+{
+    neighbour_list near;
+    double (*planar)[2];
+    double (*inverse)[2];
+    size_t capacity;
+} star_scratch;
+
+static bool star_scratch_reserve(star_scratch *scratch, size_t count)
+{
+    if (count <= scratch->capacity)
+        return true;
+    free(scratch->planar);
+    free(scratch->inverse);
+    scratch->planar = memory_array(count, sizeof *scratch->planar);
+    scratch->inverse = memory_array(count, sizeof *scratch->inverse);
+    scratch->capacity = scratch->planar != NULL && scratch->inverse != NULL ? count : 0;
+    return scratch->capacity > 0;
+}
+
+/// The area of a point: a third of that of its triangles in a Delaunay triangulation of its tangent plane.
+static double star_area(const star_scratch *scratch, size_t count, double spacing)
+{
+    size_t ring[STAR_MAX_RING];
+    bool closed;
+    size_t corners = star_find((const double(*)[2])scratch->planar, count, scratch->inverse, ring, &closed);
+    double sum = 0;
+    for (size_t k = 0; k + (closed ? 0 : 1) < corners; k++)
+    {
+        const double *a = scratch->planar[ring[k]], *b = scratch->planar[ring[(k + 1) % corners]];
+        double longest = fmax(fmax(hypot(a[0], a[1]), hypot(b[0], b[1])), hypot(a[0] - b[0], a[1] - b[1]));
+        if (longest < MAX_SPOKE * spacing)
+            sum += fmax(a[0] * b[1] - a[1] * b[0], 0) / 6;
+    }
+    return sum;
+}
+
+/// Spacing and area of a point. False when out of memory.
+static bool measure_point(cloud_geometry *geometry, size_t point, star_scratch *scratch, double *area)
+{
+    const double *points = geometry->order.cloud.points, *here = points + 3 * point;
+    const local_plane *plane = &geometry->oriented.planes[point];
+    size_t reach = geometry->oriented.reach[point];
+    if (neighbours_nearest(&geometry->order.tree, here, reach > SPACING_POINTS ? reach : SPACING_POINTS, &scratch->near,
+                           NULL) != BAT_OK ||
+        !star_scratch_reserve(scratch, scratch->near.count))
+        return false;
+    size_t count = 0;
+    double farthest = 0;
+    for (size_t k = 0; k < scratch->near.count; k++)
+    {
+        uint32_t item = scratch->near.entries[k].item;
+        if (item == point)
+            continue;
+        local_plane_project(plane, here, points + 3 * (size_t)item, scratch->planar[count]);
+        farthest = fmax(farthest, hypot(scratch->planar[count][0], scratch->planar[count][1]));
+        count++;
+    }
+    geometry->spacing[point] = count > 0 ? farthest * sqrt(PI / (double)count) : 0;
+    *area = star_area(scratch, count, geometry->spacing[point]);
+    return true;
+}
+
+static bat_status measure_points(cloud_geometry *geometry, int threads, bat_error *error)
+{
+    size_t count = geometry->order.cloud.count;
+    geometry->spacing = memory_array(count, sizeof *geometry->spacing);
+    double *areas = memory_array(count, sizeof *areas);
+    bool complete = geometry->spacing != NULL && areas != NULL;
+#pragma omp parallel num_threads(threads_for(threads, count / 256 + 1)) if (complete) reduction(&& : complete)
+    {
+        star_scratch scratch = {0};
+#pragma omp for schedule(dynamic, 256)
+        for (size_t i = 0; i < count; i++)
+            complete = complete && measure_point(geometry, i, &scratch, &areas[i]);
+        neighbour_list_free(&scratch.near);
+        free(scratch.planar);
+        free(scratch.inverse);
+    }
+    for (size_t i = 0; complete && i < count; i++)
+        geometry->area += areas[i];
+    if (complete)
+    {
+        memcpy(areas, geometry->spacing, count * sizeof *areas);
+        qsort(areas, count, sizeof *areas, ascending);
+        geometry->middle_spacing = areas[count / 2];
+    }
+    free(areas);
+    return complete ? BAT_OK : error_memory(error, count * 2 * sizeof(double));
+}
+
+bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, cloud_geometry *geometry, bat_error *error)
+{
+    *geometry = (cloud_geometry){.frame = unit_frame_of(cloud->points, cloud->count)};
+    bat_status status = spatial_order_make(cloud, &geometry->order, error);
+    if (status == BAT_OK)
+        status = oriented_planes_make(&geometry->order.cloud, &geometry->order.tree, &geometry->oriented, error);
+    if (status == BAT_OK)
+        status = measure_points(geometry, threads, error);
+    if (status == BAT_OK)
+        status = noise_estimate(geometry->order.cloud.points, &geometry->order.tree, &geometry->noise, error);
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t k = 0; status == BAT_OK && k < 3 * cloud->count; k++)
+    {
+        low[k % 3] = fmin(low[k % 3], geometry->order.cloud.points[k]);
+        high[k % 3] = fmax(high[k % 3], geometry->order.cloud.points[k]);
+    }
+    for (int k = 0; status == BAT_OK && k < 3; k++)
+        geometry->size = fmax(geometry->size, high[k] - low[k]);
+    return status;
+}
+
+/// Samples of a surface.
+typedef struct surface_samples
+{
+    double *parameters; ///< count x 2
+    double *shares;     ///< count: areas in the square
+    double *values;     ///< count x 9: place, S_u, S_v
+    double *distances;  ///< count: from the nearest points
+    double *cosines;    ///< count
+    uint32_t *nearest;  ///< count
+    size_t count;
+} surface_samples;
+
+static void samples_free(surface_samples *samples)
+{
+    free(samples->parameters);
+    free(samples->shares);
+    free(samples->values);
+    free(samples->distances);
+    free(samples->cosines);
+    free(samples->nearest);
+}
+
+static bool samples_reserve(surface_samples *samples, size_t count)
+{
+    samples->parameters = memory_array(count, 2 * sizeof(double));
+    samples->shares = memory_array(count, sizeof(double));
+    samples->values = memory_array(count, 9 * sizeof(double));
+    samples->distances = memory_array(count, sizeof(double));
+    samples->cosines = memory_array(count, sizeof(double));
+    samples->nearest = memory_array(count, sizeof(uint32_t));
+    return samples->parameters != NULL && samples->shares != NULL && samples->values != NULL && samples->distances != NULL &&
+           samples->cosines != NULL && samples->nearest != NULL;
+}
+
+/// Samples in each direction of a cell, so that there are some for each point.
+static size_t side_of(const bat_hierarchical_space *space, size_t points)
+{
+    size_t cells = bat_hierarchical_space_cells(space);
+    double side = ceil(sqrt(2 * (double)points / (double)cells));
+    size_t wanted = side > MAX_SIDE ? MAX_SIDE : side < MIN_SIDE + 1 ? MIN_SIDE + 1 : (size_t)side;
+    while (wanted > MIN_SIDE && cells * wanted * wanted > MAX_SAMPLES)
+        wanted--;
+    return wanted;
+}
+
+/// Set the samples of all cells. Coarse cells, which are larger, get as many more as they are larger, up to MAX_SIDE.
+static bat_status set_samples(const bat_spline_surface *surface, size_t points, surface_samples *samples, bat_error *error)
+{
+    const bat_hierarchical_space *space = surface->space;
+    bat_hierarchical_options options = bat_hierarchical_space_options(space);
+    size_t cells = bat_hierarchical_space_cells(space), side = side_of(space, points);
+    size_t *sides = memory_array(cells, sizeof *sides);
+    if (sides == NULL)
+        return error_memory(error, cells * sizeof *sides);
+    double mean = sqrt(1 / (double)cells);
+    for (size_t c = 0; c < cells; c++)
+    {
+        bat_spline_box cell = bat_hierarchical_space_cell(space, c);
+        double width = ldexp(1 / sqrt((double)options.spans[0] * (double)options.spans[1]), -(int)cell.level);
+        double wanted = ceil((double)side * fmax(width / mean, 1));
+        sides[c] = cells > MAX_SAMPLES / (MAX_SIDE * MAX_SIDE) ? side : wanted > MAX_SIDE ? MAX_SIDE : (size_t)wanted;
+        samples->count += sides[c] * sides[c];
+    }
+    size_t made = 0;
+    bool complete = samples_reserve(samples, samples->count);
+    for (size_t c = 0; complete && c < cells; c++)
+    {
+        bat_spline_box cell = bat_hierarchical_space_cell(space, c);
+        double step[2];
+        for (size_t d = 0; d < 2; d++)
+            step[d] = ldexp(1 / (double)options.spans[d], -(int)cell.level);
+        for (size_t k = 0; k < sides[c] * sides[c]; k++, made++)
+        {
+            const double at[2] = {((double)(k % sides[c]) + 0.5) / (double)sides[c],
+                                  ((double)(k / sides[c]) + 0.5) / (double)sides[c]};
+            for (size_t d = 0; d < 2; d++)
+                samples->parameters[2 * made + d] = fmin((cell.low[d] + at[d]) * step[d], 1);
+            samples->shares[made] = step[0] * step[1] / (double)(sides[c] * sides[c]);
+        }
+    }
+    free(sides);
+    return complete ? BAT_OK : error_memory(error, samples->count * 16 * sizeof(double));
+}
+
+/// Distance and cosine of a sample; its share becomes its area.
+static bat_status measure_sample(const cloud_geometry *geometry, neighbour_list *near, size_t s, surface_samples *samples)
+{
+    const double *value = samples->values + 9 * s;
+    double place[3], normal[3];
+    unit_frame_place(&geometry->frame, value, place);
+    vector3_cross(value + 3, value + 6, normal);
+    double length = sqrt(vector3_dot(normal, normal));
+    bat_status status = neighbours_nearest(&geometry->order.tree, place, 1, near, NULL);
+    if (status != BAT_OK)
+        return status;
+    samples->nearest[s] = near->entries[0].item;
+    samples->distances[s] = sqrt(near->entries[0].squared);
+    samples->shares[s] *= length;
+    samples->cosines[s] =
+        length > 0 ? vector3_dot(normal, geometry->oriented.planes[samples->nearest[s]].axes[2]) / length : 0;
+    return BAT_OK;
+}
+
+static bat_status measure_samples(const cloud_geometry *geometry, int threads, surface_samples *samples, bat_error *error)
+{
+    bool complete = true;
+#pragma omp parallel num_threads(threads_for(threads, samples->count / 1024 + 1)) reduction(&& : complete)
+    {
+        neighbour_list near = {0};
+#pragma omp for schedule(static)
+        for (size_t s = 0; s < samples->count; s++)
+            complete = complete && measure_sample(geometry, &near, s, samples) == BAT_OK;
+        neighbour_list_free(&near);
+    }
+    return complete ? BAT_OK : error_memory(error, sizeof(neighbour));
+}
+
+/// A distance with its share of the area.
+typedef struct weighted_distance
+{
+    double distance, area;
+} weighted_distance;
+
+static int compare_weighted(const void *a, const void *b)
+{
+    return ascending(&((const weighted_distance *)a)->distance, &((const weighted_distance *)b)->distance);
+}
+
+/// The distance within which `share` of the area is.
+static bat_status quantile_of(const surface_samples *samples, double area, double share, double *quantile, bat_error *error)
+{
+    weighted_distance *sorted = memory_array(samples->count, sizeof *sorted);
+    if (sorted == NULL)
+        return error_memory(error, samples->count * sizeof *sorted);
+    for (size_t s = 0; s < samples->count; s++)
+        sorted[s] = (weighted_distance){samples->distances[s], samples->shares[s]};
+    qsort(sorted, samples->count, sizeof *sorted, compare_weighted);
+    double sum = 0;
+    size_t at = 0;
+    while (at + 1 < samples->count && (sum += sorted[at].area) < share * area)
+        at++;
+    *quantile = sorted[at].distance;
+    free(sorted);
+    return BAT_OK;
+}
+
+/// The 99th of 100 distances.
+static bat_status missed_of(const double *distances, size_t count, double *missed, bat_error *error)
+{
+    double *sorted = memory_array(count, sizeof *sorted);
+    if (sorted == NULL)
+        return error_memory(error, count * sizeof *sorted);
+    memcpy(sorted, distances, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, ascending);
+    *missed = sorted[(size_t)(0.99 * (double)(count - 1))];
+    free(sorted);
+    return BAT_OK;
+}
+
+static double far_of(const cloud_geometry *geometry, double spacing)
+{
+    return FAR_SPACINGS * spacing + FAR_NOISE * geometry->noise;
+}
+
+/// Sum the areas; `verdict` is still in units of the scaled cloud, `area` in those of the given one.
+static void sum_samples(const cloud_geometry *geometry, const surface_samples *samples, bat_surface_verdict *verdict)
+{
+    double front = 0, back = 0, far = 0, worst = 0;
+    for (size_t s = 0; s < samples->count; s++)
+    {
+        double area = samples->shares[s], distance = samples->distances[s];
+        verdict->area += area;
+        front += samples->cosines[s] >= CROSS_COSINE ? area : 0;
+        back += samples->cosines[s] <= -CROSS_COSINE ? area : 0;
+        far += distance > far_of(geometry, geometry->spacing[samples->nearest[s]]) ? area : 0;
+        if (distance > worst)
+        {
+            worst = distance;
+            memcpy(verdict->place, samples->values + 9 * s, sizeof verdict->place);
+        }
+    }
+    verdict->farthest = worst;
+    verdict->far_share = verdict->area > 0 ? far / verdict->area : 1;
+    verdict->cross_share = verdict->area > 0 ? 1 - fmax(front, back) / verdict->area : 1;
+}
+
+static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict)
+{
+    double size = ldexp(geometry->size, 1 - geometry->frame.exponent);
+    double ratio = verdict->area / verdict->cloud_area, noise = ldexp(geometry->noise, 1 - geometry->frame.exponent);
+    // A negation is true for what is not a number.
+    if (!(verdict->far_share <= MAX_FAR) ||
+        !(verdict->farthest <= fmax(MAX_FARTHEST * size, FAR_SPACINGS * verdict->spacing) + FAR_NOISE * noise))
+        return BAT_SURFACE_FAULT_STRAYS;
+    if (!(verdict->missed <= fmax(MAX_MISSED * size, verdict->spacing) + FAR_NOISE * noise))
+        return BAT_SURFACE_FAULT_MISSED;
+    if (!(verdict->cross_share <= MAX_CROSS))
+        return BAT_SURFACE_FAULT_FOLDS;
+    return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;
+}
+
+bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *distances,
+                         size_t count, int threads, bat_surface_verdict *verdict, bat_error *error)
+{
+    surface_samples samples = {0};
+    *verdict = (bat_surface_verdict){0};
+    bat_status status = set_samples(surface, count, &samples, error);
+    if (status == BAT_OK)
+        status = bat_spline_surface_evaluate(surface, samples.parameters, samples.count, 1, samples.values, error);
+    if (status == BAT_OK)
+        status = measure_samples(geometry, threads, &samples, error);
+    if (status == BAT_OK)
+        sum_samples(geometry, &samples, verdict);
+    if (status == BAT_OK)
+        status = quantile_of(&samples, verdict->area, 0.99, &verdict->strays, error);
+    if (status == BAT_OK)
+        status = missed_of(distances, count, &verdict->missed, error);
+    int exponent = 1 - geometry->frame.exponent;
+    verdict->strays = ldexp(verdict->strays, exponent);
+    verdict->farthest = ldexp(verdict->farthest, exponent);
+    verdict->spacing = ldexp(geometry->middle_spacing, exponent);
+    verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
+    verdict->fault = fault_of(geometry, verdict);
+    samples_free(&samples);
+    return status;
+}
+
+void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size)
+{
+    switch (verdict->fault)
+    {
+    case BAT_SURFACE_FAULT_NONE:
+        (void)snprintf(text, size, "it agrees with the points");
+        return;
+    case BAT_SURFACE_FAULT_MISSED:
+        (void)snprintf(text, size, "one in a hundred points is farther from it than %.3g", verdict->missed);
+        return;
+    case BAT_SURFACE_FAULT_STRAYS:
+        (void)snprintf(text, size, "it is up to %.3g from the points, near %.4g %.4g %.4g, and %.2g %% of it is far",
+                       verdict->farthest, verdict->place[0], verdict->place[1], verdict->place[2], 100 * verdict->far_share);
+        return;
+    case BAT_SURFACE_FAULT_FOLDS:
+        (void)snprintf(text, size, "%.2g %% of it stands across the points' tangent planes or is turned over",
+                       100 * verdict->cross_share);
+        return;
+    case BAT_SURFACE_FAULT_AREA:
+        (void)snprintf(text, size, "its area is %.2f times that of the points", verdict->area / verdict->cloud_area);
+        return;
+    }
+}

@@ -1,0 +1,39 @@
+#ifndef SURFACE_VERDICT_H
+#define SURFACE_VERDICT_H
+
+#include "batten/surface.h"
+#include "surface/cloud/local_plane.h"
+#include "surface/cloud/orientation.h"
+#include "surface/cloud/spatial_order.h"
+
+/// @file
+/// Judgement of a surface by its cloud, both ways.
+
+/// What is known of a cloud without any surface. Lengths are those of the cloud scaled to unit size.
+typedef struct cloud_geometry
+{
+    unit_frame frame;         ///< the scale
+    spatial_order order;      ///< the cloud in spatial order, scaled, with its tree
+    oriented_planes oriented; ///< tangent planes of these points
+    double *spacing;          ///< count: mean distance of neighbours in the tangent plane
+    double middle_spacing;    ///< their median
+    double area;              ///< sum of the areas of the points
+    double noise;             ///< estimated standard deviation of a coordinate
+    double size;              ///< longest side of the bounding box
+} cloud_geometry;
+
+/// Measure a cloud.
+/// @return BAT_OK or BAT_NO_MEMORY; release `geometry` in both cases
+bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, cloud_geometry *geometry, bat_error *error);
+void cloud_geometry_free(cloud_geometry *geometry);
+
+/// Judge a surface.
+/// @param distances of the points of the cloud from the surface, [count], in the units of the cloud
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *distances,
+                         size_t count, int threads, bat_surface_verdict *verdict, bat_error *error);
+
+/// The fault of a surface as a sentence.
+void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size);
+
+#endif
