@@ -260,8 +260,8 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
     if (status == BAT_OK)
         status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
     if (status == BAT_OK)
-        status = surface_judge(geometry, &candidate->surface, candidate->fit.distances, cloud->count, options->threads,
-                               &candidate->report.verdict, &failure);
+        status = surface_judge(geometry, &candidate->surface, candidate->corrected, candidate->fit.distances, cloud->count,
+                               options->threads, &candidate->report.verdict, &failure);
     return record_failure(status, &failure, candidate, error);
 }
 

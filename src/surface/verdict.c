@@ -28,11 +28,12 @@ enum
 
 // Limits outside of which a surface is wrong. They were chosen on generated shapes and on half of the crops of meshes of
 // docs/results/surfaces.md.
-static const double MAX_CROSS = 0.05;           ///< share of area across the tangent planes
-static const double MAX_FAR = 0.03;             ///< share of area far from the points
-static const double MAX_AREA[2] = {0.78, 1.22}; ///< ratio of the areas
-static const double MAX_MISSED = 0.02;          ///< distance of points, as a share of the size
-static const double MAX_FARTHEST = 0.06;        ///< distance of the surface, as a share of the size
+static const double MAX_CROSS = 0.05;          ///< share of area across the tangent planes
+static const double MAX_FAR = 0.03;            ///< share of area far from the points
+static const double MAX_AREA[2] = {0.85, 1.3}; ///< ratio of the areas
+static const double MAX_MISSED = 0.02;         ///< distance of points, as a share of the size
+static const double MAX_FARTHEST = 0.05;       ///< distance of the surface, as a share of the size,
+static const double FARTHEST_SPACINGS = 2.5;   ///< and in spacings, whichever is more
 
 // Distances in spacings and standard deviations of the noise that are not far.
 static const double FAR_SPACINGS = 3;
@@ -355,7 +356,7 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     double ratio = verdict->area / verdict->cloud_area, noise = ldexp(geometry->noise, 1 - geometry->frame.exponent);
     // A negation is true for what is not a number.
     if (!(verdict->far_share <= MAX_FAR) ||
-        !(verdict->farthest <= fmax(MAX_FARTHEST * size, FAR_SPACINGS * verdict->spacing) + FAR_NOISE * noise))
+        !(verdict->farthest <= fmax(MAX_FARTHEST * size, FARTHEST_SPACINGS * verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_STRAYS;
     if (!(verdict->missed <= fmax(MAX_MISSED * size, verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_MISSED;
@@ -364,19 +365,42 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;
 }
 
-bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *distances,
-                         size_t count, int threads, bat_surface_verdict *verdict, bat_error *error)
+/// Leave out samples beyond the bounding box of the parameters: nothing is known of the surface there.
+static void clip_samples(const double *parameters, size_t count, surface_samples *samples)
+{
+    double low[2] = {1, 1}, high[2] = {0, 0};
+    for (size_t k = 0; k < 2 * count; k++)
+    {
+        low[k % 2] = fmin(low[k % 2], parameters[k]);
+        high[k % 2] = fmax(high[k % 2], parameters[k]);
+    }
+    size_t kept = 0;
+    for (size_t s = 0; s < samples->count; s++)
+    {
+        const double *at = samples->parameters + 2 * s;
+        if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1])
+            continue;
+        memmove(samples->parameters + 2 * kept, at, 2 * sizeof *at);
+        samples->shares[kept++] = samples->shares[s];
+    }
+    samples->count = kept;
+}
+
+bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *parameters,
+                         const double *distances, size_t count, int threads, bat_surface_verdict *verdict, bat_error *error)
 {
     surface_samples samples = {0};
     *verdict = (bat_surface_verdict){0};
     bat_status status = set_samples(surface, count, &samples, error);
     if (status == BAT_OK)
+        clip_samples(parameters, count, &samples);
+    if (status == BAT_OK && samples.count > 0)
         status = bat_spline_surface_evaluate(surface, samples.parameters, samples.count, 1, samples.values, error);
     if (status == BAT_OK)
         status = measure_samples(geometry, threads, &samples, error);
     if (status == BAT_OK)
         sum_samples(geometry, &samples, verdict);
-    if (status == BAT_OK)
+    if (status == BAT_OK && samples.count > 0)
         status = quantile_of(&samples, verdict->area, 0.99, &verdict->strays, error);
     if (status == BAT_OK)
         status = missed_of(distances, count, &verdict->missed, error);

@@ -215,6 +215,99 @@ static void large_clouds_are_tried_in_part(void **state)
     patch_free(&made);
 }
 
+/// A sheet bent to an S: two half tubes.
+static void patch_bent(double u, double v, double place[3])
+{
+    double t = 2 * (2 * u - 1), side = t < 0 ? -1 : 1;
+    place[0] = side * 0.25 * (1 - cos(1.5 * t));
+    place[1] = side * 0.25 * sin(1.5 * fabs(t)) + 0.05 * u;
+    place[2] = v;
+}
+
+/// Neither the order of the points nor a reflection changes a surface beyond rounding.
+static void the_order_of_points_does_not_matter(void **state)
+{
+    (void)state;
+    double first = 0, area = 0;
+    for (uint64_t seed = 0; seed < 5; seed++)
+    {
+        patch made = patch_scatter(patch_bent, 24, 900, 0.001, 12);
+        for (size_t i = 0; i < made.cloud.count && seed == 4; i++)
+            made.cloud.points[3 * i] = -made.cloud.points[3 * i];
+        shuffle_cloud(&made.cloud, 20 + seed);
+        bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 0);
+        bat_surface_result result = must_reconstruct(&made.cloud, &options);
+        double rms = last_round(&result)->rms;
+        first = seed == 0 ? rms : first;
+        area = seed == 0 ? result.verdict.area : area;
+        if (seed < 4)
+        {
+            check_relative(rms, first, 1e-9);
+            check_relative(result.verdict.area, area, 1e-9);
+        }
+        assert_true(rms < 2 * first && result.verdict.fault == BAT_SURFACE_FAULT_NONE);
+        bat_surface_result_free(&result);
+        patch_free(&made);
+    }
+}
+
+/// A surface that is far from its points' shape is refused, unless it is forced.
+static void wrong_surfaces_are_refused(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 16, 600, 0, 4);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 150);
+    bat_random random = bat_random_seed(5);
+    for (size_t k = 2 * made.cloud.boundary_count; k < 2 * made.cloud.count; k++)
+        made.parameters[k] = bat_random_uniform(&random);
+    options.given = made.parameters;
+    options.fit.corrections = 0;
+    bat_surface_result result = {0};
+    bat_error error = {0};
+    check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_NO_CONVERGENCE);
+    assert_non_null(strstr(error.text, "the surface is wrong: "));
+    assert_non_null(strstr(error.text, "--force"));
+    assert_null(result.surface.space);
+    options.force = true;
+    bat_surface_result forced = must_reconstruct(&made.cloud, &options);
+    assert_int_not_equal(forced.verdict.fault, BAT_SURFACE_FAULT_NONE);
+    bat_surface_result_free(&forced);
+    patch_free(&made);
+}
+
+/// The estimate of the noise is within a tenth of the truth.
+static void noise_is_estimated(void **state)
+{
+    (void)state;
+    for (double noise = 1e-4; noise < 0.02; noise *= 10)
+    {
+        double found;
+        patch made = patch_scatter(patch_waves, 30, 3000, noise, 14);
+        check_status(bat_cloud_noise(&made.cloud, &found, NULL), BAT_OK);
+        assert_true(found > 0.8 * noise && found < 1.3 * noise + 1e-4);
+        patch_free(&made);
+    }
+}
+
+/// A tolerance below the noise ends with a small surface and says so.
+static void a_tolerance_below_the_noise_is_told(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 20, 1500, 0.01, 15);
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 0);
+    options.fit.tolerance = 0.002;
+    bat_surface_result result = must_reconstruct(&made.cloud, &options);
+    assert_true(result.below_noise && !result.report.reached);
+    assert_true(last_round(&result)->functions < made.cloud.count / 4);
+    assert_true(result.noise > 0.008 && result.noise < 0.013);
+    bat_surface_result_free(&result);
+    options.fit.tolerance = 0.1;
+    result = must_reconstruct(&made.cloud, &options);
+    assert_true(!result.below_noise && result.report.reached);
+    bat_surface_result_free(&result);
+    patch_free(&made);
+}
+
 static bool stop_at_once(void *context, double fraction)
 {
     (void)fraction;
@@ -265,6 +358,10 @@ int main(void)
         cmocka_unit_test(unknown_boundaries_are_found),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(large_clouds_are_tried_in_part),
+        cmocka_unit_test(the_order_of_points_does_not_matter),
+        cmocka_unit_test(wrong_surfaces_are_refused),
+        cmocka_unit_test(noise_is_estimated),
+        cmocka_unit_test(a_tolerance_below_the_noise_is_told),
         cmocka_unit_test(what_is_wrong_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

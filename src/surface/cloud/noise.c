@@ -19,7 +19,8 @@ enum
     MAX_PLACES = 1000
 };
 
-/// Largest ratio of the variance across the plane to the smaller one along it.
+/// Neighbourhoods grow until the residual variance is at most this share of the smaller variance along the plane: in smaller
+/// ones the plane follows the noise.
 static const double MAX_FLATNESS = 0.02;
 /// Pivots below this fraction of the diagonal entry are skipped.
 static const double MIN_PIVOT = 1e-9;
@@ -104,18 +105,19 @@ bat_status noise_estimate(const double *points, const neighbour_tree *tree, doub
     *sigma = 0;
     for (size_t i = stride / 2; i < tree->count && status == BAT_OK && tree->count >= MIN_POINTS; i += stride)
     {
-        local_plane plane = {0};
+        double variance = 0;
         for (size_t wanted = MIN_POINTS; status == BAT_OK; wanted *= 2)
         {
             status = neighbours_nearest(tree, points + 3 * i, wanted, &near, error);
-            if (status == BAT_OK)
-                plane = local_plane_fit(points, &near);
-            if (plane.variance[2] <= MAX_FLATNESS * plane.variance[1] || wanted >= MAX_POINTS ||
-                4 * near.count >= tree->count)
+            if (status != BAT_OK)
+                break;
+            local_plane plane = local_plane_fit(points, &near);
+            variance = plane.variance[1] > 0 ? variance_at(points, &near, &plane) : 0;
+            if (variance <= MAX_FLATNESS * plane.variance[1] || wanted >= MAX_POINTS || 4 * near.count >= tree->count)
                 break;
         }
-        if (status == BAT_OK && plane.variance[1] > 0)
-            variances[made++] = variance_at(points, &near, &plane);
+        if (status == BAT_OK)
+            variances[made++] = variance;
     }
     if (status == BAT_OK && made > 0)
     {

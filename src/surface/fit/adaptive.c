@@ -484,7 +484,9 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
     if (best->space != NULL && !(square < HELD_OUT_GAIN * best->square))
     {
         double growth = (double)round->functions / (double)loop->rounds[best->round].functions;
-        loop->stalled = growth >= STALL_GROWTH && loop->count > best->round + 2;
+        // A surface that is still far from the points is too stiff to tell.
+        bool near = loop->corrects || loop->options->corrections == 0;
+        loop->stalled = near && growth >= STALL_GROWTH && loop->count > best->round + 2;
         return BAT_OK;
     }
     bat_hierarchical_space *copy;
