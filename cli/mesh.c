@@ -19,12 +19,16 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined mesh to OUT (- for standard output)"},
-    {"scheme", 0, "NAME", "learned (default), loop, butterfly, midpoint or sqrt3"},
+    {"scheme", 0, "NAME",
+     "auto (default: loop for meshes with creases, corners or fewer than 100 faces, else learned), learned, loop, "
+     "butterfly, "
+     "midpoint or sqrt3"},
+    {"fairness", 0, "F", "learned: 0 for the nearest surface, 1 for the smoothest one that keeps the volume; default 0.25"},
     {"model", 0, "FILE", "learned: a network of your own, a safetensors file; default: the one that comes with batten"},
     {"levels", 0, "K", "how often to refine; default 2"},
     {"then", 0, "NAME", "the scheme of the levels beyond the learned ones: loop, butterfly or midpoint; default loop"},
     {"limit", 0, NULL, "move the vertices onto the limit surface of Loop's scheme"},
-    {"crease-angle", 0, "DEG", "Loop: keep edges sharp at which faces meet at a greater angle, in degrees"},
+    {"crease-angle", 0, "DEG", "learned and Loop: keep edges sharp at which faces meet at a greater angle, in degrees"},
     {"picture", 0, "FILE", "draw the mesh before and after, side by side (.png, .svg or .pdf)"},
     {"beside", 0, "NAME", "draw also what this scheme makes of the mesh"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
@@ -77,6 +81,7 @@ typedef struct mesh_result
     size_t boundary_edges, fallback; ///< boundary edges of the coarse mesh
     double *normals;                 ///< of the limit surface; null for none
     bat_mesh_notes notes;
+    bat_mesh_scheme scheme; ///< the one that refined
 } mesh_result;
 
 /// Read the name of a scheme, which stays as it is where the option was not given.
@@ -94,15 +99,21 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
 {
     bat_error error;
     long levels;
-    double degrees, gigabytes;
+    double degrees, gigabytes, fairness;
     if (!read_scheme(given, "scheme", &options->scheme) || !read_scheme(given, "then", &options->then) ||
         !argument_whole(given, "levels", 0, MAX_LEVELS, (long)options->levels, &levels) ||
         !argument_threads(given, &options->threads) ||
-        !argument_number(given, "crease-angle", options->crease_angle / DEGREE, &degrees))
+        !argument_number(given, "crease-angle", options->crease_angle / DEGREE, &degrees) ||
+        !argument_number(given, "fairness", options->fairness, &fairness))
         return false;
+    options->fairness = fairness;
     options->levels = (size_t)levels;
     options->crease_angle = degrees * DEGREE;
     options->limit = argument_flag(given, "limit");
+    // These are of the learned scheme.
+    if (options->scheme == BAT_MESH_SCHEME_AUTO &&
+        (argument(given, "model") != NULL || argument(given, "then") != NULL || argument(given, "fairness") != NULL))
+        options->scheme = BAT_MESH_SCHEME_LEARNED;
     if (!argument_number(given, "max-memory", 0, &gigabytes))
         return false;
     if (!(gigabytes >= 0 && gigabytes < 1e9) || (gigabytes == 0 && argument(given, "max-memory") != NULL))
@@ -127,13 +138,14 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
 {
     bool piped = is_standard_output(job->output);
     bool learned = job->refine.scheme == BAT_MESH_SCHEME_LEARNED;
-    bat_mesh_scheme last = learned ? job->refine.then : job->refine.scheme;
+    bool chosen = job->refine.scheme != BAT_MESH_SCHEME_AUTO;
+    bat_mesh_scheme last = learned || !chosen ? job->refine.then : job->refine.scheme;
     if (job->output == NULL && job->picture == NULL && !job->json && job->quiet)
         return "there is no output: give -o OUT, --picture FILE or --json";
     if (job->json && (job->quiet || piped))
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
-    if (!learned && (job->model != NULL || argument(given, "then") != NULL))
-        return "--model and --then need --scheme learned";
+    if (!learned && chosen && (job->model != NULL || argument(given, "then") != NULL || argument(given, "fairness") != NULL))
+        return "--model, --then and --fairness need --scheme learned";
     if (job->has_beside && job->picture == NULL)
         return "--beside needs --picture FILE";
     if (last != BAT_MESH_SCHEME_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
@@ -183,6 +195,9 @@ static int read_coarse(const mesh_job *job, mesh_result *result)
     if (bat_mesh_connect(&result->coarse, &links, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
     result->boundary_edges = links.boundary_edge_count;
+    result->scheme = job->refine.scheme;
+    if (result->scheme == BAT_MESH_SCHEME_AUTO)
+        result->scheme = bat_mesh_scheme_for(&result->coarse);
     bat_mesh_connectivity_free(&links);
     return EXIT_DONE;
 }
@@ -230,7 +245,7 @@ static int draw(const mesh_job *job, const mesh_result *result)
     char title[80], beside_title[80];
     if (job->has_beside && refine_beside(job, &result->coarse, &other, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
-    make_title(job->refine.scheme, job->refine.levels, title);
+    make_title(result->scheme, job->refine.levels, title);
     make_title(job->beside, job->refine.levels, beside_title);
     bat_mesh_picture_panel panels[3] = {
         {.mesh = &result->coarse, .title = "coarse", .wires = true, .flat = true},
@@ -278,20 +293,22 @@ static int report(const mesh_job *job, const mesh_result *result)
 {
     const bat_mesh *coarse = &result->coarse, *fine = &result->fine;
     if (job->json)
-        return report_json(json_pack(
-            "{s:s, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme", bat_mesh_scheme_name(job->refine.scheme), "levels",
-            (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
-            (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback, "repaired",
-            (json_int_t)bat_mesh_repair_places(&result->repairs), "notes", report_notes_json(&result->notes)));
+        return report_json(
+            json_pack("{s:s, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme", bat_mesh_scheme_name(result->scheme), "levels",
+                      (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
+                      (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback, "repaired",
+                      (json_int_t)bat_mesh_repair_places(&result->repairs), "notes", report_notes_json(&result->notes)));
     if (!argument_flag(job->given, "quiet"))
         report_notes(&result->notes, is_standard_output(job->output) ? stderr : stdout);
     if (job->quiet)
         return EXIT_DONE;
     if (job->read.repair)
         (void)printf("%zu places repaired\n", bat_mesh_repair_places(&result->repairs));
-    (void)printf("%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
-                 bat_mesh_scheme_name(job->refine.scheme), job->refine.levels, coarse->vertex_count, coarse->face_count,
-                 fine->vertex_count, fine->face_count, result->boundary_edges > 0 ? "with boundary" : "closed");
+    bool cage = job->refine.scheme != result->scheme && result->scheme == BAT_MESH_SCHEME_LOOP;
+    (void)printf("%s%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
+                 bat_mesh_scheme_name(result->scheme), cage ? " (a cage: few faces, or creases)" : "", job->refine.levels,
+                 coarse->vertex_count, coarse->face_count, fine->vertex_count, fine->face_count,
+                 result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
 

@@ -23,8 +23,16 @@ typedef enum bat_mesh_scheme
     BAT_MESH_SCHEME_LOOP, ///< Loop (1987), with Hoppe's creases and corners (1994) and semi-sharp ones (DeRose et al., 1998)
     BAT_MESH_SCHEME_BUTTERFLY, ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
     BAT_MESH_SCHEME_SQRT3,     ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
-    BAT_MESH_SCHEME_LEARNED    ///< by `rule`
+    BAT_MESH_SCHEME_LEARNED,   ///< by `rule`
+    BAT_MESH_SCHEME_AUTO       ///< that of bat_mesh_scheme_for()
 } bat_mesh_scheme;
+
+/// Faces below which a mesh is taken for a control cage: the learned scheme was trained on meshes of 200 faces and more.
+#define BAT_MESH_CAGE_FACES 100
+
+/// The scheme that BAT_MESH_SCHEME_AUTO stands for: Loop's for a mesh that has creases or corners with a sharpness above 0,
+/// or fewer than BAT_MESH_CAGE_FACES faces, else the learned one. docs/results/meshes.md tells why.
+BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
 
 /// A scheme by name.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
@@ -36,6 +44,7 @@ BAT_API const char *bat_mesh_scheme_name(bat_mesh_scheme value);
 BAT_API bool bat_mesh_scheme_list(size_t index, bat_choice *choice);
 
 typedef struct bat_mesh_rule bat_mesh_rule;
+typedef struct bat_mesh_refine_options bat_mesh_refine_options;
 
 /// A rule of refinement beside the classical schemes, such as a network.
 struct bat_mesh_rule
@@ -44,24 +53,29 @@ struct bat_mesh_rule
     const void *context; ///< the rule's own
     /// Refine a checked mesh by `levels` levels, in the numbering above.
     /// @param fine     the refined mesh with its faces, and room for its positions, which the rule writes
+    /// @param options  checked; a rule may use fairness, crease_angle and threads
     /// @param fallback receives the number of places where the rule had to fall back to a classical one
     /// @return BAT_OK, BAT_NO_MEMORY, BAT_CANCELLED
     bat_status (*refine)(const bat_mesh_rule *rule, const bat_mesh *coarse, const bat_mesh_connectivity *connectivity,
-                         size_t levels, int threads, bat_mesh *fine, size_t *fallback, bat_error *error);
+                         size_t levels, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
+                         bat_error *error);
 };
 
 /// Options of refinement. Begin with bat_mesh_refine_defaults().
-typedef struct bat_mesh_refine_options
+struct bat_mesh_refine_options
 {
-    bat_mesh_scheme scheme;    ///< default BAT_MESH_SCHEME_LEARNED
+    bat_mesh_scheme scheme;    ///< default BAT_MESH_SCHEME_AUTO; with a `rule` that means the learned one
     const bat_mesh_rule *rule; ///< of BAT_MESH_SCHEME_LEARNED; null: the model that comes with the library; default null
-    bat_mesh_scheme then;      ///< the scheme of the levels beyond the rule's; default BAT_MESH_SCHEME_LOOP
-    size_t levels;             ///< 0 to 32; default 2
+    /// Of the learned scheme, 0 to 1: 0 for the surface that is probably nearest to the original, 1 for the smoothest one
+    /// that keeps the volume. Published networks ignore it. Default 0.25.
+    double fairness;
+    bat_mesh_scheme then; ///< the scheme of the levels beyond the rule's; default BAT_MESH_SCHEME_LOOP
+    size_t levels;        ///< 0 to 32; default 2
     /// Move the vertices at the end to their limit under the scheme, or under `then` after a learned one. Semi-sharp
     /// features count as sharp for ever. Default false.
     bool limit;
-    /// Radians, 0 to pi, for Loop's scheme: edges whose faces' normals differ by more are creases for ever. 0: none. Default
-    /// 0.
+    /// Radians, 0 to pi, for the learned scheme and Loop's: edges whose faces' normals differ by more are creases for ever.
+    /// 0: none. Default 0.
     double crease_angle;
     /// With `limit` and Loop's scheme at the end: receives the normals of the limit surface at the fine vertices, as
     /// bat_mesh_limit_normals() gives them; release the array with free(). Null: none, the default.
@@ -71,7 +85,7 @@ typedef struct bat_mesh_refine_options
     size_t max_memory;
     int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
-} bat_mesh_refine_options;
+};
 
 /// The options' default values.
 BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
@@ -82,10 +96,10 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 /// Refine a mesh by subdivision.
 ///
 /// Boundaries depend on their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the four-point
-/// rule in the butterfly. Vertices without a face stay. Channels use the scheme's weights, or midpoints under a learned
-/// scheme, and are not moved to the limit. Texture coordinates are averaged along edges, on each side of a seam. Creases and
-/// corners act in Loop's scheme only; all schemes pass them on, with their remaining sharpness. Labels go from each face to
-/// the faces that it becomes.
+/// rule in the butterfly and under the learned scheme. Vertices without a face stay. Channels use the scheme's weights, or
+/// midpoints under a learned scheme, and are not moved to the limit. Texture coordinates are averaged along edges, on each
+/// side of a seam. Creases and corners act in Loop's scheme and, by its rules, in the learned one; all schemes pass them on,
+/// with their remaining sharpness. Labels go from each face to the faces that it becomes.
 /// Square-root-three flips edges across seams and creases: its fine mesh has no texture, creases or corners.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
@@ -116,9 +130,10 @@ BAT_API bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, dou
 /// A trained network. It is constant, and any number of calls may use it at once.
 typedef struct bat_mesh_model bat_mesh_model;
 
-/// Read a model from a safetensors file: a file of bat_mesh_train(), or one with the arrays of the published program
-/// ("net_init.layerIn.weight", …) in single or double precision. Of a checkpoint, the best weights are taken. The arrays
-/// tell the published ablations; the file's recipe tells whether frames are fixed and lengths are relative.
+/// Read a model from a safetensors file in single or double precision: a file of bat_mesh_train() by either recipe, or one
+/// with the arrays of the published program ("net_init.layerIn.weight", …). Of a checkpoint, the best weights are taken, or
+/// the last ones by batten's recipe. The arrays tell batten's network, the published one and its ablations; the file's
+/// recipe tells whether frames are fixed and lengths are relative.
 ///
 /// @param model receives the model; release it with bat_mesh_model_free()
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
@@ -131,7 +146,12 @@ BAT_API bat_status bat_mesh_model_builtin(bat_mesh_model **model, bat_error *err
 /// Does nothing to null.
 BAT_API void bat_mesh_model_free(bat_mesh_model *model);
 
-/// The rule of BAT_MESH_SCHEME_LEARNED with the vertices of a model, which must outlive it.
+/// The rule of BAT_MESH_SCHEME_LEARNED with the weights of a model, which must outlive it.
+///
+/// Batten's network (docs/algorithms/mesh-network.md) combines classical rules. By construction, for any weights: rigid
+/// motions, reflections, scaling, renumbering and turning all faces over change the result alike, up to roundings of single
+/// precision; planes stay planes; boundaries depend on their own vertices alone; creases and corners follow Loop's rules. It
+/// moves given vertices that are neither on a boundary nor sharp.
 ///
 /// The published network (Liu et al., "Neural Subdivision", 2020) works on the mesh scaled into the unit box, (v - min) /
 /// max. Its results turn and scale with the mesh only as that box does. It also moves given vertices. An edge whose two

@@ -624,9 +624,10 @@ static void test_no_levels(void **state)
 
 /// A rule that adds the number of levels to the height of midpoints.
 static bat_status lift(const bat_mesh_rule *rule, const bat_mesh *coarse, const bat_mesh_connectivity *connectivity,
-                       size_t levels, int threads, bat_mesh *fine, size_t *fallback, bat_error *error)
+                       size_t levels, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
+                       bat_error *error)
 {
-    (void)threads;
+    assert_true(options->fairness == 0.25);
     (void)error;
     assert_ptr_equal(rule->context, coarse);
     assert_int_equal(connectivity->vertex_count, coarse->vertex_count);

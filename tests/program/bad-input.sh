@@ -295,6 +295,8 @@ refused 2 'goes with surface-clouds' reproduce real-curves --data . --clouds 7
 refused 1 'no/such: the folder cannot be opened' reproduce real-curves --data no/such
 refused 1 'there are no files FAMILY-truth.csv' reproduce real-curves --data .
 refused 1 'none.in: cannot open' reproduce real-curves --data . --model none.in
+refused 2 'needs --data FOLDER' reproduce real-meshes
+refused 1 'no/such/coarse-by: the folder cannot be opened' reproduce real-meshes --data no/such
 refused 2 'comes without any' reproduce mesh-table2
 refused 2 'not both' reproduce mesh-table2 face.in.obj --data .
 refused 2 'go with mesh-table2' reproduce mesh-style --data .
@@ -359,6 +361,8 @@ refused 2 'missing' mesh
 refused 2 'there is no output' mesh mesh.in.obj --quiet
 refused 2 'there are learned, loop, butterfly, midpoint, sqrt3' mesh mesh.in.obj -o out.csv --scheme chaikin
 refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --scheme loop --then loop
+refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --scheme butterfly --fairness 1
+refused 2 'fairness' mesh mesh.in.obj -o out.obj --fairness 1.5
 refused 2 "need Loop's scheme" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
 refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
 refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33

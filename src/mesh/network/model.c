@@ -7,13 +7,15 @@
 #include "learn/weights.h"
 #include "mesh/measure/unit_box.h"
 #include "mesh/network/inference.h"
+#include "mesh/network/learned_rule.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /// @file
-/// The learned mesh scheme as a bat_mesh_rule: weights from a file or built in, applied in the unit box of the coarse mesh.
+/// Networks as bat_mesh_rule, with weights from a file or built in: batten's, and the published one, which is applied in the
+/// unit box of the coarse mesh.
 
 enum
 {
@@ -24,14 +26,17 @@ enum
 struct bat_mesh_model
 {
     bat_mesh_rule rule;
-    mesh_inference published;
+    mesh_inference published; ///< or:
+    mesh_learned learned;
 };
 
 static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *coarse,
-                                   const bat_mesh_connectivity *connectivity, size_t levels, int threads, bat_mesh *fine,
-                                   size_t *fallback, bat_error *error)
+                                   const bat_mesh_connectivity *connectivity, size_t levels,
+                                   const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
+                                   bat_error *error)
 {
     const bat_mesh_model *model = rule->context;
+    int threads = options->threads;
     unit_box box = unit_box_of(coarse->positions, coarse->vertex_count);
     mesh_levels all;
     bat_status status = mesh_levels_make(coarse->faces, connectivity, levels, threads, &all, error);
@@ -50,6 +55,14 @@ static bat_status published_refine(const bat_mesh_rule *rule, const bat_mesh *co
     free(to);
     mesh_levels_free(&all);
     return status;
+}
+
+static bat_status learned_refine(const bat_mesh_rule *rule, const bat_mesh *coarse,
+                                 const bat_mesh_connectivity *connectivity, size_t levels,
+                                 const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback, bat_error *error)
+{
+    const bat_mesh_model *model = rule->context;
+    return mesh_learned_rule(&model->learned, coarse, connectivity, levels, options, fine, fallback, error);
 }
 
 // Reading
@@ -82,13 +95,32 @@ static bat_status take_published(const safetensors *content, const char *prefix,
     return status;
 }
 
+static bat_status take_learned(const safetensors *content, const char *prefix, bat_mesh_model *model, bat_error *error)
+{
+    learn_parameters parameters = {0};
+    bat_status status = mesh_learned_make(&parameters, error);
+    if (status == BAT_OK)
+        status = learn_parameters_extract(&parameters, content, prefix, parameters.values, error);
+    if (status == BAT_OK)
+        status = mesh_learned_pack(&parameters, &model->learned, error);
+    learn_parameters_free(&parameters);
+    model->rule = (bat_mesh_rule){.levels = LEARNED_LEVELS_OF_MESH, .context = model, .refine = learned_refine};
+    return status;
+}
+
 /// Make the model that a file's content holds.
 static bat_status model_of(const safetensors *content, bat_mesh_model **model, bat_error *error)
 {
     const char *prefix;
-    (void)tension_weights_prefix(content, "net_init.layerIn.weight", &prefix);
+    bool learned = tension_weights_prefix(content, LEARNED_FIRST_NAME, &prefix);
+    if (!learned)
+        (void)tension_weights_prefix(content, "net_init.layerIn.weight", &prefix);
     bat_mesh_model *made = calloc(1, sizeof *made);
-    bat_status status = made != NULL ? take_published(content, prefix, made, error) : error_memory(error, sizeof *made);
+    bat_status status = BAT_OK;
+    if (made == NULL)
+        status = error_memory(error, sizeof *made);
+    else
+        status = (learned ? take_learned : take_published)(content, prefix, made, error);
     if (status == BAT_OK)
         *model = made;
     else
@@ -117,6 +149,7 @@ void bat_mesh_model_free(bat_mesh_model *model)
     if (model == NULL)
         return;
     mesh_inference_free(&model->published);
+    mesh_learned_free(&model->learned);
     free(model);
 }
 

@@ -19,7 +19,8 @@ enum
 
 bat_mesh_refine_options bat_mesh_refine_defaults(void)
 {
-    return (bat_mesh_refine_options){.scheme = BAT_MESH_SCHEME_LEARNED, .then = BAT_MESH_SCHEME_LOOP, .levels = 2};
+    return (bat_mesh_refine_options){
+        .scheme = BAT_MESH_SCHEME_AUTO, .fairness = 0.25, .then = BAT_MESH_SCHEME_LOOP, .levels = 2};
 }
 
 /// The scheme of all levels after the learned ones.
@@ -32,8 +33,9 @@ static const mesh_scheme *last_scheme(const bat_mesh_refine_options *options)
 bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_refine_options, scheme, OPTION_CHOICE, 0, BAT_MESH_SCHEME_LEARNED),
-        OPTION_FIELD(bat_mesh_refine_options, then, OPTION_CHOICE, 0, BAT_MESH_SCHEME_LEARNED),
+        OPTION_FIELD(bat_mesh_refine_options, scheme, OPTION_CHOICE, 0, BAT_MESH_SCHEME_AUTO),
+        OPTION_FIELD(bat_mesh_refine_options, fairness, OPTION_NUMBER, 0, 1),
+        OPTION_FIELD(bat_mesh_refine_options, then, OPTION_CHOICE, 0, BAT_MESH_SCHEME_AUTO),
         OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
         OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
         OPTION_FIELD(bat_mesh_refine_options, max_memory, OPTION_SIZE, 0, INFINITY),
@@ -117,6 +119,9 @@ static bool is_numbered(mesh_size size)
     return size.faces <= BAT_MESH_MAX_FACES && size.vertices < BAT_MESH_NONE;
 }
 
+/// What the learned scheme holds for each vertex of a level that it refines: half-flaps, states, features, candidates.
+static const double LEARNED_VERTEX_BYTES = 1300;
+
 /// The sizes of a level: of the mesh, and of its texture.
 typedef struct level_size
 {
@@ -157,6 +162,8 @@ static double bytes_of_levels(const mesh_plan *plan, const bat_mesh *coarse, con
             bytes += 3 * sizeof(double) * (double)next.mesh.vertices;
         if (last && plan->options.limit_normals != NULL)
             bytes += bytes_of_links(next) + 3 * sizeof(double) * (double)next.mesh.vertices;
+        if (level < plan->learned_levels)
+            bytes += LEARNED_VERTEX_BYTES * (double)now.mesh.vertices + 3 * sizeof(double) * (double)next.mesh.vertices;
         if (sharp)
             bytes += sizeof(double) * (double)(now.mesh.edges + next.mesh.edges);
         if (coarse->face_labels != NULL)

@@ -241,8 +241,8 @@ static bat_status learn_positions(const refinement *work, refined_level *next, b
                      .faces = mesh->faces,
                      .vertex_count = mesh->vertex_count,
                      .face_count = mesh->face_count};
-    return options->rule->refine(options->rule, work->coarse, work->links, work->plan->learned_levels, options->threads,
-                                 &view, work->fallback, error);
+    return options->rule->refine(options->rule, work->coarse, work->links, work->plan->learned_levels, options, &view,
+                                 work->fallback, error);
 }
 
 /// Subtract 1 from the sharpness of the corners.
@@ -473,6 +473,8 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     bat_status status = bat_mesh_check(coarse, error);
     if (status == BAT_OK)
         status = bat_mesh_refine_options_check(&how, error);
+    if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
+        how.scheme = how.rule != NULL ? BAT_MESH_SCHEME_LEARNED : bat_mesh_scheme_for(coarse);
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
     {
         status = bat_mesh_model_builtin(&model, error);

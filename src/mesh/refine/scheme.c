@@ -4,8 +4,7 @@
 
 static const mesh_scheme SCHEMES[] = {
     {.choice = {.name = "learned",
-                .summary =
-                    "by the network that comes with batten, or by a model; the default; docs/algorithms/mesh-network.md",
+                .summary = "by the network that comes with batten, or by a model; docs/algorithms/mesh-network.md",
                 .value = BAT_MESH_SCHEME_LEARNED},
      .rule = midpoint_rule,
      .learned = true},
@@ -28,12 +27,27 @@ static const mesh_scheme SCHEMES[] = {
                 .summary = "Kobbelt's square-root-three, three faces from one",
                 .value = BAT_MESH_SCHEME_SQRT3},
      .turns = true},
+    {.choice = {.name = "auto",
+                .summary = "the default: loop for meshes with creases, corners or fewer than 100 faces, else learned",
+                .value = BAT_MESH_SCHEME_AUTO},
+     .rule = midpoint_rule,
+     .learned = true},
 };
 static const choice_table TABLE = CHOICE_TABLE("mesh scheme", SCHEMES);
 
 const mesh_scheme *mesh_scheme_of(bat_mesh_scheme scheme)
 {
     return (const mesh_scheme *)(const void *)choice_of_value(&TABLE, (int)scheme);
+}
+
+bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
+{
+    bool sharp = false;
+    for (size_t i = 0; i < mesh->crease_count; i++)
+        sharp = sharp || mesh->creases[i].sharpness > 0;
+    for (size_t i = 0; i < mesh->corner_count; i++)
+        sharp = sharp || mesh->corners[i].sharpness > 0;
+    return sharp || mesh->face_count < BAT_MESH_CAGE_FACES ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
 }
 
 CHOICE_FUNCTIONS(bat_mesh_scheme, TABLE, 0)

@@ -1,0 +1,597 @@
+#include "mesh/network/learned_inference.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/threads.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// Forward pass of the network on blocks of vertices, half-flaps and edges. Products of vertex states are computed once for
+/// each vertex and gathered.
+
+enum
+{
+    W = LEARNED_WIDTH,
+    X = LEARNED_EDGE_FEATURES,
+    IN = LEARNED_VERTEX_INPUTS,
+    VK = LEARNED_VERTEX_CANDIDATES,
+    EK = LEARNED_EDGE_CANDIDATES,
+    ROWS = 16 * LEARN_TILE, ///< rows of a block
+    VERTICES = ROWS / 6,    ///< vertices of a block whose half-flaps are visited
+    POOLED = 1024           ///< vertices whose states are summed at once
+};
+
+// Weights
+
+/// Memory for packed layers, which are aligned because all sizes are whole panels.
+static learn_packed pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real **memory)
+{
+    learn_packed layer = learn_pack(inputs, outputs, weight, stride, bias, *memory);
+    *memory += learn_packed_size(inputs, outputs);
+    return layer;
+}
+
+/// Two layers of W outputs with the same input, side by side. The second has no bias.
+static learn_packed pack_pair(const real *first, const real *bias, const real *second, real **memory)
+{
+    real both[2 * W][W], biases[2 * W] = {0};
+    memcpy(both[0], first, sizeof both / 2);
+    memcpy(both[W], second, sizeof both / 2);
+    if (bias != NULL)
+        memcpy(biases, bias, W * sizeof *bias);
+    return pack(W, 2 * W, both[0], W, biases, memory);
+}
+
+static size_t packed_size(void)
+{
+    return learn_packed_size(IN, W) + 5 * learn_packed_size(W, W) + 2 * learn_packed_size(W, 2 * W) +
+           2 * learn_packed_size(X, W) + learn_packed_size(W, VK) + learn_packed_size(W, EK) + learn_packed_size(W, W);
+}
+
+static void pack_level(const real *const *v, size_t level, learned_layers *layers, real **memory)
+{
+    static const real none[2 * W];
+    size_t columns = IN + (level > 0 ? W : 0);
+    *layers = (learned_layers){
+        .in = pack(IN, W, v[LEARNED_VERTEX_IN], columns, v[LEARNED_VERTEX_IN_BIAS], memory),
+        .hidden = pack(W, W, v[LEARNED_VERTEX_HIDDEN], W, v[LEARNED_VERTEX_HIDDEN_BIAS], memory),
+        .message = pack_pair(v[LEARNED_MESSAGE_SELF], v[LEARNED_MESSAGE_SELF_BIAS], v[LEARNED_MESSAGE_RING], memory),
+        .message_edge = pack(X, W, v[LEARNED_MESSAGE_EDGE], X, none, memory),
+        .update_self = pack(W, W, v[LEARNED_UPDATE_SELF], W, v[LEARNED_UPDATE_BIAS], memory),
+        .update_message = pack(W, W, v[LEARNED_UPDATE_MESSAGE], W, none, memory),
+        .out = pack(W, W, v[LEARNED_VERTEX_OUT], W, v[LEARNED_VERTEX_OUT_BIAS], memory),
+        .last = pack(W, VK, v[LEARNED_VERTEX_LAST], W, v[LEARNED_VERTEX_LAST_BIAS], memory),
+        .ends = pack_pair(v[LEARNED_EDGE_END], NULL, v[LEARNED_EDGE_OPPOSITE], memory),
+        .edge_own = pack(X, W, v[LEARNED_EDGE_OWN], X, v[LEARNED_EDGE_OWN_BIAS], memory),
+        .edge_hidden = pack(W, W, v[LEARNED_EDGE_HIDDEN], W, v[LEARNED_EDGE_HIDDEN_BIAS], memory),
+        .edge_last = pack(W, EK, v[LEARNED_EDGE_LAST], W, v[LEARNED_EDGE_LAST_BIAS], memory),
+        .ring = v[LEARNED_RING_LAST],
+        .ring_bias = v[LEARNED_RING_LAST_BIAS],
+        .context = {v[LEARNED_CONTEXT_UPDATE], v[LEARNED_CONTEXT_VERTEX], v[LEARNED_CONTEXT_EDGE]},
+        .context_bias = {v[LEARNED_UPDATE_BIAS], v[LEARNED_VERTEX_OUT_BIAS], v[LEARNED_EDGE_OWN_BIAS]},
+    };
+    if (level > 0)
+        layers->in_state = pack(W, W, v[LEARNED_VERTEX_IN] + IN, columns, none, memory);
+}
+
+bat_status mesh_learned_pack(const learn_parameters *parameters, mesh_learned *network, bat_error *error)
+{
+    size_t size = LEARNED_LEVELS_OF_MESH * packed_size() + parameters->total;
+    mesh_learned made = {.memory = memory_array(size, sizeof *made.memory)};
+    if (made.memory == NULL)
+        return error_memory(error, size * sizeof *made.memory);
+    real *plain = made.memory + LEARNED_LEVELS_OF_MESH * packed_size(), *memory = made.memory;
+    memcpy(plain, parameters->values, parameters->total * sizeof *plain);
+    const real *values[LEARNED_PARAMETERS];
+    for (size_t p = 0; p < LEARNED_PARAMETERS; p++)
+        values[p] = plain + parameters->list[p].offset;
+    for (size_t level = 0; level < LEARNED_LEVELS_OF_MESH; level++)
+        pack_level(values + learned_parameter_of(level, 0), level, &made.level[level], &memory);
+    made.pool = values[LEARNED_POOL_WEIGHT];
+    made.pool_bias = values[LEARNED_POOL_BIAS];
+    *network = made;
+    return BAT_OK;
+}
+
+void mesh_learned_free(mesh_learned *network)
+{
+    free(network->memory);
+    *network = (mesh_learned){0};
+}
+
+// A level
+
+typedef struct pass
+{
+    const learned_layers *layers;
+    const mesh_flaps *flaps;
+    learned_geometry geometry;
+    size_t old;         ///< vertices of the level before
+    const real *before; ///< states of the level before, or null
+    real *state;        ///< vertices and, but for the last level, edges, x W: the first states, which the second replace
+    real *products;     ///< vertices x 2 W
+    real *message;      ///< vertices x W: the mean messages
+    bool last;
+    double (*sums)[LEARNED_RINGS][3];
+    real bias[3][W]; ///< of update, vertex and edge, with the context
+    double *fine;
+    int threads;
+    size_t failures;
+} pass;
+
+/// The memory of a thread.
+typedef struct block
+{
+    _Alignas(64) real in[ROWS * IN];
+    real x[ROWS * W], y[ROWS * W], z[ROWS * W], message[ROWS * W];
+    real ring[ROWS * LEARNED_RINGS];
+    size_t failures;
+} block;
+
+LANES_CLONES
+static void rectify(size_t count, real *y)
+{
+    for (size_t i = 0; i < count; i++)
+        y[i] = y[i] > 0 ? y[i] : 0;
+}
+
+/// y = max(0, x + y)
+LANES_CLONES
+static void add_rectify(size_t count, const real *restrict x, real *restrict y)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        real sum = x[i] + y[i];
+        y[i] = sum > 0 ? sum : 0;
+    }
+}
+
+/// tanh of the first `columns` numbers of rows of W numbers, which move together.
+LANES_CLONES
+static void squash(size_t rows, size_t columns, real *y)
+{
+    for (size_t r = 0; r < rows; r++)
+        for (size_t c = 0; c < columns; c++)
+            y[r * columns + c] = y[r * W + c];
+    for (size_t i = 0; i < rows * columns; i++)
+        y[i] = real_tanh(y[i]);
+}
+
+/// A layer with another bias.
+static learn_packed with_bias(const learn_packed *layer, const real *bias)
+{
+    learn_packed changed = *layer;
+    changed.bias = bias;
+    return changed;
+}
+
+static void copy_rows(const real *from, size_t rows, size_t columns, real *to)
+{
+    memcpy(to, from, rows * columns * sizeof *to);
+    memset(to + rows * columns, 0, (learn_whole_tiles(rows) - rows) * columns * sizeof *to);
+}
+
+/// The first states of the vertices begin, …, end - 1, and their products.
+static void begin_states(const pass *p, size_t begin, size_t end, block *b)
+{
+    const learned_layers *layers = p->layers;
+    size_t rows = end - begin, tiles = learn_whole_tiles(rows);
+    for (size_t r = 0; r < rows; r++)
+        learned_vertex_inputs(&p->geometry, p->old, begin + r, b->in + r * IN);
+    memset(b->in + rows * IN, 0, (tiles - rows) * IN * sizeof *b->in);
+    learn_packed_linear(&layers->in, tiles, b->in, IN, b->x);
+    if (p->before != NULL)
+    {
+        learn_packed_linear(&layers->in_state, tiles, p->before + begin * W, W, b->y);
+        add_rectify(tiles * W, b->y, b->x);
+    }
+    else
+        rectify(tiles * W, b->x);
+    learn_packed_linear(&layers->hidden, tiles, b->x, W, p->state + begin * W);
+    rectify(tiles * W, p->state + begin * W);
+    learn_packed_linear(&layers->message, tiles, p->state + begin * W, W, p->products + begin * 2 * W);
+}
+
+/// message = max(0, message + self product of the first vertex + ring product of the second)
+LANES_CLONES
+static void add_messages(size_t rows, const mesh_flap *flap, const real *restrict products, real *restrict message)
+{
+    for (size_t r = 0; r < rows; r++, message += W)
+    {
+        const real *self = products + 2 * W * (size_t)flap[r].corner[0],
+                   *ring = products + 2 * W * (size_t)flap[r].corner[1] + W;
+        for (size_t c = 0; c < W; c++)
+        {
+            real sum = message[c] + (self[c] + ring[c]);
+            message[c] = sum > 0 ? sum : 0;
+        }
+    }
+}
+
+/// The weights of the ring sums, from messages.
+LANES_CLONES
+static void weigh_ring(const learned_layers *layers, size_t rows, const real *restrict message, real *restrict weight)
+{
+    enum
+    {
+        PARTS = 16 ///< sums side by side
+    };
+    for (size_t r = 0; r < rows; r++, message += W)
+        for (size_t k = 0; k < LEARNED_RINGS; k++)
+        {
+            const real *with = layers->ring + k * W;
+            real part[PARTS] = {0};
+            for (size_t c = 0; c < W; c += PARTS)
+                for (size_t i = 0; i < PARTS; i++)
+                    part[i] += message[c + i] * with[c + i];
+            for (size_t half = PARTS / 2; half > 0; half /= 2)
+                for (size_t i = 0; i < half; i++)
+                    part[i] += part[half + i];
+            weight[r * LEARNED_RINGS + k] = layers->ring_bias[k] + part[0];
+        }
+    for (size_t i = 0; i < rows * LEARNED_RINGS; i++)
+        weight[i] = real_tanh(weight[i]);
+}
+
+static void add_ring_sums(const pass *p, const mesh_flap *flap, size_t rows, const real *weight)
+{
+    const double *positions = p->geometry.positions;
+    for (size_t r = 0; r < rows; r++)
+    {
+        const double *v = positions + 3 * (size_t)flap[r].corner[0], *w = positions + 3 * (size_t)flap[r].corner[1];
+        for (size_t k = 0; k < LEARNED_RINGS; k++)
+            for (int c = 0; c < 3; c++)
+                p->sums[flap[r].corner[0]][k][c] +=
+                    LEARNED_RING_SHARE * (double)weight[r * LEARNED_RINGS + k] * (w[c] - v[c]);
+    }
+}
+
+/// The mean messages of the vertices begin, …, end - 1, and their ring sums.
+static void gather_into(const pass *p, size_t begin, size_t end, real *message, block *b)
+{
+    const mesh_flaps *flaps = p->flaps;
+    size_t count;
+    memset(message, 0, (end - begin) * W * sizeof *message);
+    for (size_t f = flaps->first[begin]; f < flaps->first[end]; f += count)
+    {
+        size_t left = flaps->first[end] - f;
+        const mesh_flap *flap = &flaps->flap[f];
+        count = left < ROWS ? left : ROWS;
+        for (size_t r = 0; r < count; r++)
+            memcpy(b->in + r * X, p->geometry.edge_features + flap[r].edge * (size_t)X, X * sizeof *b->in);
+        learn_packed_linear(&p->layers->message_edge, learn_whole_tiles(count), b->in, X, b->x);
+        add_messages(count, flap, p->products, b->x);
+        weigh_ring(p->layers, count, b->x, b->ring);
+        add_ring_sums(p, flap, count, b->ring);
+        for (size_t r = 0; r < count; r++)
+        {
+            real *to = message + (flap[r].corner[0] - begin) * W;
+            for (size_t c = 0; c < W; c++)
+                to[c] += b->x[r * W + c];
+        }
+    }
+    for (size_t v = begin; v < end; v++)
+    {
+        uint32_t valence = flaps->first[v + 1] - flaps->first[v];
+        real share = valence > 0 ? 1 / (real)valence : 0;
+        for (size_t c = 0; c < W; c++)
+            message[(v - begin) * W + c] *= share;
+    }
+}
+
+static void gather_messages(const pass *p, size_t begin, size_t end, block *b)
+{
+    gather_into(p, begin, end, p->message + begin * W, b);
+}
+
+static bool is_finite(const double point[3])
+{
+    return isfinite(point[0] + point[1] + point[2]);
+}
+
+/// Move a vertex by its coefficients, which come before tanh and bounds.
+static bool move_vertex(const pass *p, size_t v, const real *coefficient)
+{
+    double candidate[VK][3], *to = p->fine + 3 * v;
+    const double *own = p->geometry.positions + 3 * v;
+    memcpy(to, own, 3 * sizeof *to);
+    if (p->flaps->first[v] == p->flaps->first[v + 1] || learned_at_boundary(p->flaps, v))
+        return true;
+    learned_vertex_candidates(&p->geometry, v, p->sums[v][0], candidate);
+    for (size_t k = 0; k < VK; k++)
+    {
+        double factor = (double)(learned_vertex_bound[k].middle + learned_vertex_bound[k].reach * coefficient[k]);
+        for (int c = 0; c < 3; c++)
+            to[c] += factor * candidate[k][c];
+    }
+    bool finite = is_finite(to);
+    if (!finite)
+        memcpy(to, own, 3 * sizeof *to);
+    return finite;
+}
+
+/// The second states of the vertices begin, …, end - 1 replace the first; then their new positions.
+/// @param message in whole tiles
+static void update_with(const pass *p, size_t begin, size_t end, const real *message, block *b)
+{
+    const learned_layers *layers = p->layers;
+    size_t rows = end - begin, tiles = learn_whole_tiles(rows);
+    real *state = p->state + begin * W;
+    learn_packed self = with_bias(&layers->update_self, p->bias[0]), out = with_bias(&layers->out, p->bias[1]);
+    // A tile may reach into the next block, which another thread updates.
+    copy_rows(state, rows, W, b->in);
+    learn_packed_linear(&self, tiles, b->in, W, b->x);
+    learn_packed_linear(&layers->update_message, tiles, message, W, b->z);
+    add_rectify(tiles * W, b->z, b->x);
+    memcpy(state, b->x, rows * W * sizeof *state);
+    learn_packed_linear(&out, tiles, b->x, W, b->y);
+    rectify(tiles * W, b->y);
+    learn_packed_linear(&layers->last, tiles, b->y, W, b->z);
+    squash(rows, VK, b->z);
+    for (size_t r = 0; r < rows; r++)
+        b->failures += !move_vertex(p, begin + r, b->z + r * VK);
+}
+
+static void update_vertices(const pass *p, size_t begin, size_t end, block *b)
+{
+    update_with(p, begin, end, p->message + begin * W, b);
+}
+
+/// Both at once, where nothing is pooled in between.
+static void gather_and_update(const pass *p, size_t begin, size_t end, block *b)
+{
+    memset(b->message + (end - begin) * W, 0, (learn_whole_tiles(end - begin) - (end - begin)) * W * sizeof *b->message);
+    gather_into(p, begin, end, b->message, b);
+    update_with(p, begin, end, b->message, b);
+}
+
+/// hidden = max(0, hidden + products of the four corners)
+LANES_CLONES
+static void add_corners(size_t rows, const mesh_flap *const *flap, const real *restrict products, real *restrict hidden)
+{
+    for (size_t r = 0; r < rows; r++, hidden += W)
+    {
+        const uint32_t *corner = flap[r]->corner;
+        const real *i = products + 2 * W * (size_t)corner[0], *j = products + 2 * W * (size_t)corner[1];
+        const real *k = products + 2 * W * (size_t)corner[2] + W, *l = products + 2 * W * (size_t)corner[3] + W;
+        for (size_t c = 0; c < W; c++)
+        {
+            real sum = hidden[c] + ((i[c] + j[c]) + (k[c] + l[c]));
+            hidden[c] = sum > 0 ? sum : 0;
+        }
+    }
+}
+
+static bool place_edge(const pass *p, size_t e, const mesh_flap *flap, const real *coefficient)
+{
+    const double *positions = p->geometry.positions, *i = positions + 3 * (size_t)flap->corner[0],
+                 *j = positions + 3 * (size_t)flap->corner[1];
+    double *to = p->fine + 3 * (p->flaps->vertex_count + e), candidate[EK][3], ring[3];
+    if (flap->missing != MESH_FLAP_WHOLE)
+    {
+        learned_boundary_point(p->flaps, positions, e, to);
+        return true;
+    }
+    for (int c = 0; c < 3; c++)
+    {
+        ring[c] = 0.5 * (p->sums[flap->corner[0]][1][c] + p->sums[flap->corner[1]][1][c]);
+        to[c] = 0.5 * (i[c] + j[c]);
+    }
+    learned_edge_candidates(&p->geometry, e, ring, candidate);
+    for (size_t k = 0; k < EK; k++)
+    {
+        double factor = (double)(learned_edge_bound[k].middle + learned_edge_bound[k].reach * coefficient[k]);
+        for (int c = 0; c < 3; c++)
+            to[c] += factor * candidate[k][c];
+    }
+    bool finite = is_finite(to);
+    for (int c = 0; c < 3 && !finite; c++)
+        to[c] = 0.5 * (i[c] + j[c]);
+    return finite;
+}
+
+/// The new vertices of the edges begin, …, begin + rows - 1.
+static void insert_vertices(const pass *p, size_t begin, size_t rows, block *b)
+{
+    const learned_layers *layers = p->layers;
+    const mesh_flap *flap[ROWS];
+    size_t tiles = learn_whole_tiles(rows);
+    for (size_t r = 0; r < rows; r++)
+        flap[r] = &p->flaps->flap[p->flaps->of_edge[begin + r][0]];
+    learn_packed own = with_bias(&layers->edge_own, p->bias[2]);
+    copy_rows(p->geometry.edge_features + begin * X, rows, X, b->in);
+    learn_packed_linear(&own, tiles, b->in, X, b->x);
+    add_corners(rows, flap, p->products, b->x);
+    learn_packed_linear(&layers->edge_hidden, tiles, b->x, W, b->y);
+    rectify(tiles * W, b->y);
+    if (!p->last)
+        memcpy(p->state + (p->flaps->vertex_count + begin) * W, b->y, rows * W * sizeof *b->y);
+    learn_packed_linear(&layers->edge_last, tiles, b->y, W, b->z);
+    squash(rows, EK, b->z);
+    for (size_t r = 0; r < rows; r++)
+        b->failures += !place_edge(p, begin + r, flap[r], b->z + r * EK);
+}
+
+// The mesh-wide numbers
+
+/// From the mean state and message of all vertices, summed in the same order for any number of threads.
+static bat_status pool(const mesh_learned *network, const pass *p, double fairness, real context[LEARNED_CONTEXT],
+                       bat_error *error)
+{
+    size_t vertices = p->flaps->vertex_count, parts = (vertices + POOLED - 1) / POOLED;
+    double(*sums)[2 * W] = calloc(parts, sizeof *sums), mean[2 * W] = {0};
+    if (sums == NULL)
+        return error_memory(error, parts * sizeof *sums);
+#pragma omp parallel for num_threads(threads_for(p->threads, parts))
+    for (size_t i = 0; i < parts; i++)
+        for (size_t v = i * POOLED; v < vertices && v < (i + 1) * POOLED; v++)
+            for (size_t c = 0; c < W; c++)
+            {
+                sums[i][c] += (double)p->state[v * W + c];
+                sums[i][W + c] += (double)p->message[v * W + c];
+            }
+    for (size_t i = 0; i < parts; i++)
+        for (size_t c = 0; c < 2 * W; c++)
+            mean[c] += sums[i][c] / (double)vertices;
+    free(sums);
+    for (size_t o = 0; o < LEARNED_POOL; o++)
+    {
+        double sum = (double)network->pool_bias[o];
+        for (size_t c = 0; c < 2 * W; c++)
+            sum += mean[c] * (double)network->pool[o * 2 * W + c];
+        context[o] = sum > 0 ? (real)sum : 0;
+    }
+    context[LEARNED_POOL] = (real)fairness;
+    context[LEARNED_POOL + 1] = (real)(fairness * fairness);
+    return BAT_OK;
+}
+
+static void set_biases(pass *p, const real context[LEARNED_CONTEXT])
+{
+    for (size_t i = 0; i < 3; i++)
+        for (size_t o = 0; o < W; o++)
+        {
+            real sum = p->layers->context_bias[i][o];
+            for (size_t c = 0; c < LEARNED_CONTEXT; c++)
+                sum += context[c] * p->layers->context[i][o * LEARNED_CONTEXT + c];
+            p->bias[i][o] = sum;
+        }
+}
+
+// All
+
+/// The work on the vertices begin, …, end - 1.
+typedef void vertex_work(const pass *p, size_t begin, size_t end, block *b);
+
+static void run_vertices(pass *p, vertex_work *work, size_t size)
+{
+    size_t vertices = p->flaps->vertex_count, blocks = (vertices + size - 1) / size, failures = 0;
+#pragma omp parallel num_threads(threads_for(p->threads, blocks)) reduction(+ : failures)
+    {
+        block b = {0};
+#pragma omp for
+        for (size_t i = 0; i < blocks; i++)
+        {
+            size_t begin = i * size, end = begin + size < vertices ? begin + size : vertices;
+            work(p, begin, end, &b);
+        }
+        failures += b.failures;
+    }
+    p->failures += failures;
+}
+
+/// Products of the second states, as ends and as opposite vertices.
+static void multiply_ends(const pass *p)
+{
+    size_t tiles = learn_whole_tiles(p->flaps->vertex_count), blocks = (tiles + ROWS - 1) / ROWS;
+#pragma omp parallel for num_threads(threads_for(p->threads, blocks))
+    for (size_t i = 0; i < blocks; i++)
+    {
+        size_t begin = i * ROWS, rows = tiles - begin < ROWS ? tiles - begin : ROWS;
+        learn_packed_linear(&p->layers->ends, rows, p->state + begin * W, W, p->products + begin * 2 * W);
+    }
+}
+
+static void run_edges(pass *p)
+{
+    size_t edges = p->flaps->edge_count, blocks = (edges + ROWS - 1) / ROWS, failures = 0;
+#pragma omp parallel num_threads(threads_for(p->threads, blocks)) reduction(+ : failures)
+    {
+        block b = {0};
+#pragma omp for
+        for (size_t i = 0; i < blocks; i++)
+            insert_vertices(p, i * ROWS, edges - i * ROWS < ROWS ? edges - i * ROWS : ROWS, &b);
+        failures += b.failures;
+    }
+    p->failures += failures;
+}
+
+/// The parts of the memory of a level, each aligned to 64 bytes.
+typedef struct parts
+{
+    size_t sums, products, message, geometry, all; ///< offsets
+} parts;
+
+static parts parts_of(const mesh_flaps *flaps)
+{
+    enum
+    {
+        ALIGNED = 64
+    };
+    size_t vertices = flaps->vertex_count, rows = learn_whole_tiles(vertices);
+    const size_t sizes[] = {vertices * LEARNED_RINGS * 3 * sizeof(double), rows * 2 * W * sizeof(real),
+                            rows * W * sizeof(real), learned_geometry_size(vertices, flaps->edge_count)};
+    size_t begin[5] = {0};
+    for (size_t i = 0; i < 4; i++)
+        begin[i + 1] = begin[i] + (sizes[i] + ALIGNED - 1) / ALIGNED * ALIGNED;
+    return (parts){begin[0], begin[1], begin[2], begin[3], begin[4]};
+}
+
+bat_status mesh_learned_begin(const mesh_flaps *last, mesh_learned_run *run, bat_error *error)
+{
+    size_t size = parts_of(last).all;
+    *run = (mesh_learned_run){.memory = memory_array(size, 1)};
+    return run->memory != NULL ? BAT_OK : error_memory(error, size);
+}
+
+void mesh_learned_end(mesh_learned_run *run)
+{
+    free(run->state);
+    free(run->memory);
+    *run = (mesh_learned_run){0};
+}
+
+bat_status mesh_learned_step(const mesh_learned *network, size_t level, const mesh_flaps *flaps, const double *positions,
+                             size_t old, double fairness, int threads, mesh_learned_run *run, double *fine, size_t *failures,
+                             bat_error *error)
+{
+    bool last = level + 1 == LEARNED_LEVELS_OF_MESH;
+    size_t vertices = flaps->vertex_count, count = vertices + (last ? 0 : flaps->edge_count),
+           next_rows = learn_whole_tiles(count), rows = learn_whole_tiles(vertices);
+    char *memory = run->memory;
+    parts at = parts_of(flaps);
+    pass p = {.layers = &network->level[level],
+              .flaps = flaps,
+              .geometry = learned_geometry_in(flaps, positions, threads, memory + at.geometry),
+              .old = old,
+              .last = last,
+              .before = run->state,
+              .state = memory_array(next_rows, W * sizeof *p.state),
+              .products = (real *)(void *)(memory + at.products),
+              .message = (real *)(void *)(memory + at.message),
+              .sums = (double(*)[LEARNED_RINGS][3])(void *)(memory + at.sums),
+              .fine = fine,
+              .threads = threads};
+    if (p.state == NULL)
+        return error_memory(error, next_rows * W * sizeof *p.state);
+    memset(p.sums, 0, vertices * sizeof *p.sums);
+    run_vertices(&p, begin_states, ROWS);
+    bat_status status = BAT_OK;
+    if (level == 0)
+    {
+        // Rows beyond the last vertex fill its tile; they are read.
+        memset(p.message + vertices * W, 0, (rows - vertices) * W * sizeof *p.message);
+        run_vertices(&p, gather_messages, VERTICES);
+        status = pool(network, &p, fairness, run->context, error);
+    }
+    if (status == BAT_OK)
+    {
+        set_biases(&p, run->context);
+        if (level == 0)
+            run_vertices(&p, update_vertices, ROWS);
+        else
+            run_vertices(&p, gather_and_update, VERTICES);
+        multiply_ends(&p);
+        run_edges(&p);
+        memset(p.state + count * W, 0, (next_rows - count) * W * sizeof *p.state);
+        *failures = p.failures;
+        free(run->state);
+        run->state = p.state;
+        p.state = NULL;
+    }
+    free(p.state);
+    return status;
+}

@@ -1,0 +1,170 @@
+#include "mesh/network/learned_rule.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "mesh/measure/closest.h"
+#include "mesh/refine/sharpness.h"
+#include "mesh/refine/split.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Creases and corners
+
+/// The level that is refined, where something on the mesh is sharp.
+typedef struct sharp_level
+{
+    bool sharp;
+    const uint32_t *faces;
+    const bat_mesh_connectivity *links;
+    double *edge, *vertex; ///< sharpness; null where none is sharp
+    size_t coarse_count;
+    // Of later levels:
+    uint32_t *own_faces;
+    bat_mesh_connectivity own_links;
+} sharp_level;
+
+static bat_status sharp_begin(const bat_mesh *coarse, const bat_mesh_connectivity *links, double crease_angle,
+                              sharp_level *level, bat_error *error)
+{
+    *level = (sharp_level){.faces = coarse->faces, .links = links, .coarse_count = coarse->vertex_count};
+    bat_status status = sharpness_of_edges(coarse, links, crease_angle, &level->edge, error);
+    if (status == BAT_OK)
+        status = sharpness_of_vertices(coarse, &level->vertex, error);
+    level->sharp = level->edge != NULL || level->vertex != NULL;
+    return status;
+}
+
+static void sharp_end(sharp_level *level)
+{
+    free(level->edge);
+    free(level->vertex);
+    free(level->own_faces);
+    bat_mesh_connectivity_free(&level->own_links);
+}
+
+/// Go to the next level.
+static bat_status sharp_advance(sharp_level *level, int threads, bat_error *error)
+{
+    if (!level->sharp)
+        return BAT_OK;
+    bat_mesh_connectivity links = {0};
+    double *edge = NULL;
+    uint32_t *faces = memory_array(4 * level->links->face_count, 3 * sizeof *faces);
+    bat_status status = faces != NULL ? split_links(level->links, threads, &links, error)
+                                      : error_memory(error, 12 * level->links->face_count * sizeof *faces);
+    if (status == BAT_OK && level->edge != NULL)
+        status = sharpness_split(level->edge, level->links, &links, &edge, error);
+    if (status != BAT_OK)
+    {
+        free(faces);
+        bat_mesh_connectivity_free(&links);
+        return status;
+    }
+    split_faces(level->faces, level->links, threads, faces);
+    for (size_t v = 0; level->vertex != NULL && v < level->coarse_count; v++)
+        level->vertex[v] = sharpness_after_level(level->vertex[v]);
+    free(level->edge);
+    free(level->own_faces);
+    bat_mesh_connectivity_free(&level->own_links);
+    level->edge = edge;
+    level->faces = level->own_faces = faces;
+    level->own_links = links;
+    level->links = &level->own_links;
+    return BAT_OK;
+}
+
+/// Replace what lies on creases and corners by Loop's rules. Boundaries stay as they are.
+static bat_status sharp_apply(const sharp_level *sharp, const double *from, int threads, double *to, bat_error *error)
+{
+    const bat_mesh_connectivity *links = sharp->links;
+    size_t vertices = links->vertex_count, count = vertices + links->edge_count;
+    if (!sharp->sharp)
+        return BAT_OK;
+    double *loop = memory_array(count, 3 * sizeof *loop);
+    if (loop == NULL)
+        return error_memory(error, count * 3 * sizeof *loop);
+    const mesh_level level = {.faces = sharp->faces,
+                              .links = links,
+                              .edge_sharpness = sharp->edge,
+                              .vertex_sharpness = sharp->vertex,
+                              .coarse_count = sharp->coarse_count};
+    const mesh_rows rows = {&level, from, loop, 3};
+    loop_rule(&rows, threads);
+    for (uint32_t v = 0; v < vertices; v++)
+    {
+        sharp_vertex now;
+        if (links->first[v] == BAT_MESH_NONE || mesh_at_boundary(links, links->first[v]))
+            continue;
+        sharpness_around(&level, v, &now, NULL, NULL);
+        if (now.kind >= SHARP_CREASE)
+            memcpy(to + 3 * (size_t)v, loop + 3 * (size_t)v, 3 * sizeof *to);
+    }
+    for (size_t h = 0; h < 3 * links->face_count && sharp->edge != NULL; h++)
+    {
+        size_t row = 3 * (vertices + links->edge[h]);
+        if (links->twin[h] != BAT_MESH_NONE && sharp->edge[links->edge[h]] > 0)
+            memcpy(to + row, loop + row, 3 * sizeof *to);
+    }
+    free(loop);
+    return BAT_OK;
+}
+
+// Levels
+
+/// Refine the scaled positions `from` by all levels; `to` receives the last.
+static bat_status run(const mesh_learned *network, const mesh_levels *levels, const bat_mesh_refine_options *options,
+                      sharp_level *sharp, double *from, double *to, size_t *fallback, bat_error *error)
+{
+    mesh_learned_run shared;
+    bat_status status = mesh_learned_begin(&levels->level[levels->count - 1], &shared, error);
+    for (size_t i = 0; i < levels->count && status == BAT_OK; i++)
+    {
+        const mesh_flaps *flaps = &levels->level[i];
+        size_t old = i > 0 ? levels->level[i - 1].vertex_count : 0, failures = 0;
+        status = mesh_learned_step(network, i, flaps, from, old, options->fairness, options->threads, &shared, to, &failures,
+                                   error);
+        *fallback += failures;
+        if (status == BAT_OK)
+            status = sharp_apply(sharp, from, options->threads, to, error);
+        if (status == BAT_OK && i + 1 < levels->count)
+        {
+            status = sharp_advance(sharp, options->threads, error);
+            memcpy(from, to, 3 * (flaps->vertex_count + flaps->edge_count) * sizeof *from);
+        }
+    }
+    mesh_learned_end(&shared);
+    return status;
+}
+
+bat_status mesh_learned_rule(const mesh_learned *network, const bat_mesh *coarse, const bat_mesh_connectivity *connectivity,
+                             size_t levels, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
+                             bat_error *error)
+{
+    mesh_levels all;
+    sharp_level sharp = {0};
+    bat_status status = mesh_levels_make(coarse->faces, connectivity, levels, options->threads, &all, error);
+    if (status != BAT_OK)
+        return status;
+    double *from = memory_array(all.vertex_count, 3 * sizeof *from);
+    if (from == NULL)
+        status = error_memory(error, all.vertex_count * 3 * sizeof *from);
+    if (status == BAT_OK)
+        status = sharp_begin(coarse, connectivity, options->crease_angle, &sharp, error);
+    // A power of two: coordinates keep their bits, and a boundary is the same on whichever mesh.
+    double largest = closest_largest(coarse->positions, 3 * coarse->vertex_count, 0), scale = closest_scale(largest);
+    *fallback = 0;
+    if (status == BAT_OK)
+    {
+        for (size_t i = 0; i < 3 * coarse->vertex_count; i++)
+            from[i] = scale * coarse->positions[i];
+        status = run(network, &all, options, &sharp, from, fine->positions, fallback, error);
+    }
+    for (size_t i = 0; i < 3 * all.vertex_count && status == BAT_OK; i++)
+        fine->positions[i] /= scale;
+    free(from);
+    sharp_end(&sharp);
+    mesh_levels_free(&all);
+    return status;
+}
