@@ -140,20 +140,18 @@ bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t c
     return BAT_OK;
 }
 
-/// The epoch in which the pair of a later epoch was made. Epoch e > 0 replaces the pairs (e - 1) resampled … e resampled -
-/// 1, modulo the count.
-static uint64_t epoch_of(const mesh_pairs *pairs, size_t p, uint64_t epoch)
+uint64_t mesh_pair_epoch(size_t count, size_t resampled, size_t p, uint64_t epoch)
 {
-    uint64_t renewed = epoch * pairs->resampled, count = pairs->count;
+    uint64_t renewed = epoch * resampled;
     if (renewed <= p)
         return 0;
     uint64_t last = (renewed - 1 - p) / count * count + p;
-    return last / pairs->resampled + 1;
+    return last / resampled + 1;
 }
 
-static uint64_t seed_of(const mesh_pairs *pairs, size_t p, uint64_t epoch)
+uint64_t mesh_pair_seed(uint64_t seed, size_t p, uint64_t epoch)
 {
-    bat_random random = bat_random_seed(pairs->seed);
+    bat_random random = bat_random_seed(seed);
     uint64_t of_pair = bat_random_bits(&random) + p;
     random = bat_random_seed(of_pair);
     return bat_random_bits(&random) + epoch;
@@ -162,8 +160,8 @@ static uint64_t seed_of(const mesh_pairs *pairs, size_t p, uint64_t epoch)
 static bat_status renew_pair(mesh_pairs *pairs, size_t p, uint64_t epoch, bat_error *error)
 {
     mesh_pair made;
-    bat_status status =
-        mesh_pair_make(&pairs->shapes[p % pairs->shape_count], &pairs->plan, seed_of(pairs, p, epoch), &made, error);
+    bat_status status = mesh_pair_make(&pairs->shapes[p % pairs->shape_count], &pairs->plan,
+                                       mesh_pair_seed(pairs->seed, p, epoch), &made, error);
     if (status != BAT_OK)
         return status;
     mesh_pair_free(&pairs->pair[p]);
@@ -180,7 +178,7 @@ bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, int threads, bat_
     {
         bat_error own;
         bat_status status = BAT_OK;
-        uint64_t from = epoch_of(pairs, p, epoch);
+        uint64_t from = mesh_pair_epoch(pairs->count, pairs->resampled, p, epoch);
         if (!shared_work_wants(&work, p))
             continue;
         if (pairs->made_for[p] != from + 1)

@@ -67,4 +67,10 @@ bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t c
 bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, int threads, bat_progress progress, bat_error *error);
 void mesh_pairs_free(mesh_pairs *pairs);
 
+/// The epoch in which pair `p` of a later epoch was made. Epoch e > 0 replaces the pairs (e - 1) resampled … e resampled -
+/// 1, modulo the count.
+uint64_t mesh_pair_epoch(size_t count, size_t resampled, size_t p, uint64_t epoch);
+/// The seed of pair `p` made in an epoch.
+uint64_t mesh_pair_seed(uint64_t seed, size_t p, uint64_t epoch);
+
 #endif

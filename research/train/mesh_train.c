@@ -6,6 +6,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "batten/research/mesh_shapes.h"
+#include "research/train/mesh_batten.h"
 #include "research/train/mesh_sample.h"
 #include "research/train/run.h"
 
@@ -18,7 +19,7 @@ enum
     LEVELS = BAT_MESH_TRAIN_LEVELS,
     VALIDATION_PAIRS = 5, ///< of each shape
     OWN_SHAPES = BAT_MESH_TRAINING_SHAPES,
-    SHAPE_VERTICES = 8000
+    SHAPE_VERTICES = 10000
 };
 
 /// What is recorded of every step: the loss of each level.
@@ -41,18 +42,19 @@ typedef struct training
 
 // Shapes
 
-/// More organic shapes than machined ones, as decimated meshes mostly are.
+/// About as many machined shapes, with flat faces and sharp edges, as organic ones.
 static const struct
 {
     const char *name;
     uint64_t seed;
-} SHAPES[OWN_SHAPES] = {
-    {"creature", 1}, {"creature", 2}, {"creature", 3}, {"creature", 4}, {"creature", 5}, {"figure", 1},
-    {"figure", 2},   {"bust", 1},     {"bust", 2},     {"bust", 3},     {"mask", 1},     {"mask", 2},
-    {"cactus", 1},   {"cactus", 2},   {"coral", 1},    {"pretzel", 1},  {"stone", 1},    {"stone", 2},
-    {"bracket", 1},  {"bracket", 2},  {"gear", 1},     {"lathe", 1},    {"casting", 1},  {"gem", 1},
-    {"cam", 1},      {"block", 1},    {"knot", 1},     {"relief", 1},   {"shell", 1},    {"casting", 2},
-};
+} SHAPES[OWN_SHAPES] = {{"creature", 1}, {"creature", 2}, {"creature", 3}, {"creature", 4}, {"figure", 1},  {"figure", 2},
+                        {"bust", 1},     {"bust", 2},     {"bust", 3},     {"mask", 1},     {"mask", 2},    {"cactus", 1},
+                        {"cactus", 2},   {"coral", 1},    {"pretzel", 1},  {"stone", 1},    {"stone", 2},   {"stone", 3},
+                        {"bracket", 1},  {"bracket", 2},  {"bracket", 3},  {"bracket", 4},  {"gear", 1},    {"gear", 2},
+                        {"lathe", 1},    {"lathe", 2},    {"lathe", 3},    {"casting", 1},  {"casting", 2}, {"casting", 3},
+                        {"casting", 4},  {"casting", 5},  {"bracket", 5},  {"lathe", 4},    {"gem", 1},     {"gem", 2},
+                        {"cam", 1},      {"cam", 2},      {"block", 1},    {"block", 2},    {"knot", 1},    {"knot", 2},
+                        {"relief", 1},   {"shell", 1}};
 
 bat_status bat_mesh_training_shapes(bat_mesh *shapes, int threads, bat_progress progress, bat_error *error)
 {
@@ -80,25 +82,23 @@ bat_mesh_train_options bat_mesh_train_defaults(bat_recipe recipe)
 {
     bool batten = recipe == BAT_RECIPE_BATTEN;
     return (bat_mesh_train_options){
-        .run = {.seed = 1, .epochs = batten ? 400 : 700},
+        .run = {.seed = 1, .epochs = batten ? 200 : 700},
         .recipe = recipe,
         .pairs = batten ? 16 : 200,
-        .resampled = batten ? 24 : 0,
-        .batch = batten ? 2 : 1,
-        .min_vertices = 150,
+        .resampled = batten ? 64 : 0,
+        .batch = batten ? 4 : 1,
+        .min_vertices = batten ? 100 : 150,
         .max_vertices = batten ? 500 : 300,
         .min_normal = 0.2,
         .min_quality = 0.2,
         .rate = 2e-3,
         .cosine_decay = batten,
-        .relative = batten,
-        .surface = batten,
     };
 }
 
 static size_t count_shapes(const training *t)
 {
-    return t->given_count + (t->options->recipe == BAT_RECIPE_BATTEN ? OWN_SHAPES : 0);
+    return t->given_count;
 }
 
 static bat_status check(const void *context, bat_error *error)
@@ -159,34 +159,15 @@ static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
 
 // Training
 
-/// Forwards the wish to stop. The share done is that of the whole training, which has not begun.
-static bool report_begin(void *context, double fraction)
-{
-    (void)fraction;
-    const bat_progress *progress = context;
-    return progress->report(progress->context, 0);
-}
-
-static bat_progress progress_before_training(bat_progress *given)
-{
-    return given->report != NULL ? (bat_progress){report_begin, given} : (bat_progress){0};
-}
-
 static bat_status make_shapes(training *t, bat_error *error)
 {
-    bat_progress given = t->options->run.progress;
-    size_t count = count_shapes(t);
-    t->shapes = calloc(count, sizeof *t->shapes);
+    t->shapes = calloc(t->given_count, sizeof *t->shapes);
     if (t->shapes == NULL)
-        return error_memory(error, count * sizeof *t->shapes);
+        return error_memory(error, t->given_count * sizeof *t->shapes);
     for (size_t s = 0; s < t->given_count; s++)
         t->shapes[s] = t->given[s];
-    bat_status status = BAT_OK;
-    if (count > t->given_count)
-        status = bat_mesh_training_shapes(t->shapes + t->given_count, t->options->run.threads,
-                                          progress_before_training(&given), error);
-    t->shape_count = status == BAT_OK ? count : t->given_count;
-    return status;
+    t->shape_count = t->given_count;
+    return BAT_OK;
 }
 
 static bat_status make(void *context, bat_error *error)
@@ -245,7 +226,7 @@ static bat_status prepare_epoch(void *context, uint64_t epoch, bat_random *rando
     bat_progress given = t->options->run.progress, progress = {0};
     int threads = t->options->run.threads;
     if (t->pairs.made_for[0] == 0)
-        progress = progress_before_training(&given);
+        progress = train_progress_before(&given);
     train_shuffle(t->order, t->pairs.count, random);
     bat_status status = mesh_pairs_renew(&t->validation, 0, threads, progress, error);
     return status == BAT_OK ? mesh_pairs_renew(&t->pairs, epoch, threads, progress, error) : status;
@@ -301,7 +282,7 @@ static bat_status validate(void *context, double *metrics, bat_error *error)
     return measure(context, &metrics[0], &metrics[1], error);
 }
 
-// The recipes have the same network; their defaults and their shapes differ. Optimizer and epochs are those of appendix F.
+// Optimizer and epochs are those of appendix F.
 static const train_recipe RECIPE = {
     .columns = {METRICS, LEVELS + 1, VALIDATION, sizeof VALIDATION / sizeof *VALIDATION},
     .best_note = "validation_loss",
@@ -318,13 +299,15 @@ static const train_recipe RECIPE = {
     .piece_loss = piece_loss,
     .validate = validate,
 };
-static const train_recipe *const RECIPES[TRAIN_RECIPES] = {&RECIPE, &RECIPE};
+static const train_recipe *const RECIPES[TRAIN_RECIPES] = {[BAT_RECIPE_PUBLISHED] = &RECIPE};
 
 bat_status bat_mesh_train(const bat_mesh *shapes, size_t shape_count, const bat_mesh_train_options *options,
                           bat_mesh_train_report *report, bat_error *error)
 {
     const bat_mesh_train_options defaults = bat_mesh_train_defaults(BAT_RECIPE_PUBLISHED);
     options = options != NULL ? options : &defaults;
+    if (options->recipe == BAT_RECIPE_BATTEN)
+        return mesh_batten_train(shapes, shape_count, options, report, error);
     training t = {.base.options = &options->run, .options = options, .given = shapes, .given_count = shape_count};
     bat_mesh_train_report made;
     double loss;

@@ -67,6 +67,19 @@ void train_shuffle(size_t *order, size_t count, bat_random *random)
     }
 }
 
+/// Forwards the wish to stop. The share done is that of the whole training, which has not begun.
+static bool report_begin(void *context, double fraction)
+{
+    (void)fraction;
+    const bat_progress *progress = context;
+    return progress->report(progress->context, 0);
+}
+
+bat_progress train_progress_before(bat_progress *given)
+{
+    return given->report != NULL ? (bat_progress){report_begin, given} : (bat_progress){0};
+}
+
 // Files
 
 /// Make a folder and its parents where they are missing.

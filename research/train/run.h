@@ -59,6 +59,10 @@ enum
 bat_status train_run(const train_recipe *const recipes[TRAIN_RECIPES], bat_recipe which, void *context,
                      bat_train_report *report, bat_error *error);
 
+/// The progress of what precedes the training: forwards the wish to stop, and the share 0.
+/// @param given stays in use
+bat_progress train_progress_before(bat_progress *given);
+
 /// An option and its range.
 typedef struct train_range
 {
