@@ -60,9 +60,9 @@ static const struct
     size_t max_meshes;
     const char *folder; ///< the default one of ALWAYS and TRAINING
     cloud_use clouds;
-    const char *data;  ///< files required by SCANS, or of curves
-    bool reads_curves; ///< reads curves from a folder
-    bool may_read;     ///< reads a folder where one is given
+    const char *data; ///< files required by SCANS, or of curves
+    bool reads_truth; ///< reads curves or meshes from a folder
+    bool may_read;    ///< reads a folder where one is given
 } RESULTS[] = {
     {.name = "curve-figures",
      .run = reproduce_curve_figures,
@@ -108,7 +108,7 @@ static const struct
      .summary =
          "curves that people have, sampled evenly, unevenly and by simplification: schemes and splines against the truth",
      .data = "FAMILY-truth.csv and FAMILY-SAMPLING.csv",
-     .reads_curves = true},
+     .reads_truth = true},
     {.name = "hermite-figures",
      .run = reproduce_hermite_figures,
      .drawn = ALWAYS,
@@ -131,6 +131,13 @@ static const struct
      .summary = "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured",
      .meshes = SUBDIVIDES,
      .max_meshes = MAX_SHAPES},
+    {.name = "real-meshes",
+     .run = reproduce_real_meshes,
+     .learned = true,
+     .summary =
+         "coarse meshes that other programs made of known shapes: learned, butterfly, Loop and flat against the truth",
+     .data = "SHAPE.obj and coarse-by/SHAPE-VERTICES-WAY.off",
+     .reads_truth = true},
     {.name = "mesh-ablations",
      .run = reproduce_mesh_ablations,
      .drawn = TRAINING,
@@ -268,13 +275,13 @@ static int check_meshes(const arguments *given, size_t index)
                                 : usage_error(given, "%s takes %zu shapes at most", name, RESULTS[index].max_meshes);
     if (RESULTS[index].max_meshes == 2 && count == 1)
         return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
-    if (RESULTS[index].clouds != NO_CLOUDS || RESULTS[index].reads_curves)
+    if (RESULTS[index].clouds != NO_CLOUDS || RESULTS[index].reads_truth)
         return EXIT_DONE;
     if (RESULTS[index].may_read && argument(given, "vertices") == NULL && !any_given(given, FOR_LEARNING))
         return EXIT_DONE;
     if (use != SUBDIVIDES && any_given(given, FOR_SUBDIVISION))
-        return usage_error(given, "--data and --vertices go with mesh-table2, --data with real-curves, motion-keyframes, "
-                                  "surface-nefertiti and -face too");
+        return usage_error(given, "--data and --vertices go with mesh-table2, --data with real-curves, real-meshes, "
+                                  "motion-keyframes, surface-nefertiti and -face too");
     if (use != LEARNS && any_given(given, FOR_LEARNING))
         return usage_error(given,
                            "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation");
@@ -319,7 +326,7 @@ static int check_curves(const arguments *given, size_t index)
 {
     static const char *const FOR_MESHES[] = {"vertices", "epochs", "pairs", NULL};
     const char *name = RESULTS[index].name;
-    if (!RESULTS[index].reads_curves)
+    if (!RESULTS[index].reads_truth)
         return EXIT_DONE;
     if (any_given(given, FOR_MESHES))
         return usage_error(given, "--vertices, --pairs and --epochs do not go with %s", name);

@@ -43,6 +43,7 @@ int reproduce_tension_iss(const reproduce_job *job);
 int reproduce_tension_mechanism(const reproduce_job *job);
 int reproduce_motion_keyframes(const reproduce_job *job);
 int reproduce_real_curves(const reproduce_job *job);
+int reproduce_real_meshes(const reproduce_job *job);
 int reproduce_hermite_figures(const reproduce_job *job);
 int reproduce_hermite_order(const reproduce_job *job);
 int reproduce_mesh_table2(const reproduce_job *job);

@@ -149,6 +149,49 @@ BAT_API bat_status bat_mesh_style_draw(const char *path, const bat_mesh_style *s
 /// Release the meshes and make them empty.
 BAT_API void bat_mesh_style_free(bat_mesh_style *style);
 
+/// Options of bat_real_meshes(). Begin with bat_real_meshes_defaults().
+typedef struct bat_real_meshes_options
+{
+    size_t levels;               ///< levels of subdivision, 1 to 6; default 2
+    size_t samples;              ///< samples on each surface, as in bat_mesh_compare_options; default 100000
+    const bat_mesh_model *model; ///< a further model, with rows "given"; null for none; default null
+    int threads;                 ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress;
+} bat_real_meshes_options;
+
+/// The options' default values.
+BAT_API bat_real_meshes_options bat_real_meshes_defaults(void);
+
+enum
+{
+    BAT_REAL_MESHES_NAME = 64 ///< the size of names
+};
+
+/// A coarse mesh refined by one method, against the shape that it was made from.
+typedef struct bat_real_meshes_row
+{
+    char shape[BAT_REAL_MESHES_NAME], way[BAT_REAL_MESHES_NAME]; ///< "bunny", "cgal"
+    size_t vertices;                                             ///< of the coarse mesh
+    const char *method;                                          ///< "flat", "butterfly", "loop", "learned", …
+    double mean;                                                 ///< mean distance, both ways, over the diagonal
+    double hausdorff;                                            ///< over the diagonal
+    double relative;   ///< mean distance over the least of flat, butterfly and loop
+    double angle;      ///< 95 % quantile of the angles between neighbouring faces, radians
+    double true_angle; ///< the same with all vertices moved to the closest points of the shape
+    double volume;     ///< error relative to the shape's volume, signed; NaN for an open mesh
+} bat_real_meshes_row;
+
+/// Refine coarse meshes made by other programs, and measure their distances from the shapes.
+///
+/// @param folder has the shapes as SHAPE.obj, SHAPE.ply or SHAPE.off, and the coarse meshes as
+///               coarse-by/SHAPE-VERTICES-WAY.off
+/// @param rows   receives the rows, mesh by mesh in the order of their files' names; release it with free()
+/// @return BAT_OK; BAT_FILE_ACCESS (a folder that cannot be read, without coarse meshes, or without a shape);
+///         BAT_INVALID_ARGUMENT; what reading, bat_mesh_refine() and bat_mesh_compare() return; BAT_CANCELLED; results are
+///         untouched on failure
+BAT_API bat_status bat_real_meshes(const char *folder, const bat_real_meshes_options *options, bat_real_meshes_row **rows,
+                                   size_t *count, bat_error *error);
+
 BAT_C_END
 
 #endif
