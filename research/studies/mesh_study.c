@@ -125,6 +125,8 @@ bat_status mesh_study_decimate(const bat_mesh *shape, const bat_mesh_study_optio
     if (how.vertices < 4)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "shapes decimated to %zu vertices: 4 are needed",
                          how.vertices);
+    if (how.vertices > shape->vertex_count)
+        how.vertices = shape->vertex_count;
     return bat_mesh_decimate(shape, &how, coarse, NULL, error);
 }
 
