@@ -23,7 +23,10 @@ enum
     MIN_SIDE = 2, ///< samples of a cell in each direction
     MAX_SIDE = 16,
     MAX_SAMPLES = 400000,
-    SPACING_POINTS = 12
+    SPACING_POINTS = 12,
+    /// With fewer points than so many neighbourhoods have together, tangent planes say too little: only distances are
+    /// judged.
+    MIN_PLANE_POINTS = 4 * SPACING_POINTS
 };
 
 // Limits outside of which a surface is wrong. They were chosen on generated shapes and on half of the crops of meshes of
@@ -360,6 +363,8 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
         return BAT_SURFACE_FAULT_STRAYS;
     if (!(verdict->missed <= fmax(MAX_MISSED * size, verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_MISSED;
+    if (geometry->order.cloud.count < MIN_PLANE_POINTS)
+        return BAT_SURFACE_FAULT_NONE;
     if (!(verdict->cross_share <= MAX_CROSS))
         return BAT_SURFACE_FAULT_FOLDS;
     return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;

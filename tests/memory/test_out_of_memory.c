@@ -105,7 +105,7 @@ static const test_case CASES[] = {
      "surface hull.xyz --parameters out.uv --parameterization stretch-minimizing --functions 20 --quiet"},
     {"surface published", verb_surface,
      "surface hull.xyz -o out.vtk --parameterization inverse-distance --published --functions 20 --force --quiet"},
-    {"surface mesh", verb_surface, "surface sheet.obj -o out.vtk --parameterization mean-value --functions 9 --force --quiet"},
+    {"surface mesh", verb_surface, "surface sheet.obj -o out.vtk --parameterization mean-value --functions 9 --quiet"},
     {"surface given", verb_surface, "surface hull.xyz -o out.obj --parameterization hull.uv --functions 20 --quiet"},
     {"surface xml", verb_surface, "surface fit.xml -o out.json --quiet"},
     {"surface json", verb_surface, "surface fit.json -o out.xml --quiet"},
