@@ -240,8 +240,8 @@ static bat_status set_samples(const bat_spline_surface *surface, size_t points, 
             step[d] = ldexp(1 / (double)options.spans[d], -(int)cell.level);
         for (size_t k = 0; k < sides[c] * sides[c]; k++, made++)
         {
-            const double at[2] = {((double)(k % sides[c]) + 0.5) / (double)sides[c],
-                                  ((double)(k / sides[c]) + 0.5) / (double)sides[c]};
+            size_t column = k % sides[c], row = k / sides[c];
+            const double at[2] = {((double)column + 0.5) / (double)sides[c], ((double)row + 0.5) / (double)sides[c]};
             for (size_t d = 0; d < 2; d++)
                 samples->parameters[2 * made + d] = fmin((cell.low[d] + at[d]) * step[d], 1);
             samples->shares[made] = step[0] * step[1] / (double)(sides[c] * sides[c]);

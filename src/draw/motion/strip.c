@@ -154,7 +154,8 @@ bat_status strip_draw(const film *shown, cairo_t *cairo, const double box[4], ba
             bat_status status = film_at(shown, track, time, quaternion, error);
             if (status != BAT_OK)
                 return status;
-            double top = box[1] + (double)(k * rows + i / columns) * pitch;
+            size_t row = k * rows + i / columns;
+            double top = box[1] + (double)row * pitch;
             pose_view pose = {.x = box[0] + ((double)(i % columns) + 0.5) * cell,
                               .y = top + 0.5 * height,
                               .scale = 0.5 * fmin(cell, height) / CELL_EXTENT};

@@ -395,8 +395,8 @@ static bat_status plan_colours(gltf_reader *reader, const gltf_instance *instanc
 
 static bat_status read_instance(gltf_reader *reader, const gltf_instance *instance, bat_error *error)
 {
-    json_t *mesh;
-    const json_t *primitives;
+    json_t *mesh = NULL;
+    const json_t *primitives = NULL;
     bat_status status = primitives_of(reader, instance->mesh, &mesh, &primitives, error);
     point_table_free(&reader->points);
     for (size_t i = 0; i < json_array_size(primitives) && status == BAT_OK; i++)

@@ -106,7 +106,7 @@ static bat_status find_elements(const gltf_view *view, size_t offset, size_t cou
         MAX_STRIDE = 252
     };
     *stride = view->stride > 0 ? view->stride : size;
-    if (*stride < size || *stride > MAX_STRIDE)
+    if (*stride == 0 || *stride < size || *stride > MAX_STRIDE)
         return gltf_fault(place, error, "a 'byteStride' of %zu for elements of %zu bytes", *stride, size);
     if (offset > view->size || size > view->size - offset || (count - 1) > (view->size - offset - size) / *stride)
         return gltf_fault(place, error, "its %zu elements are not within the %zu bytes of their buffer view", count,
@@ -179,9 +179,9 @@ static bat_status insert_sparse(gltf_document *document, const accessor *owner, 
 {
     const json_t *sparse = json_object_get(owner->object, "sparse");
     const json_t *indices = json_object_get(sparse, "indices");
-    const unsigned char *index_bytes, *value_bytes;
-    size_t count = 0, index_stride, value_stride, before = 0;
-    number_form index_form;
+    const unsigned char *index_bytes = NULL, *value_bytes = NULL;
+    size_t count = 0, index_stride = 0, value_stride = 0, before = 0;
+    number_form index_form = {0};
     if (sparse == NULL)
         return BAT_OK;
     bat_status status = gltf_size(sparse, "count", owner->place, &count, error);

@@ -443,9 +443,9 @@ static bool add_accessor(const gltf_writer *writer, gltf_part part, size_t first
     size_t width = part == PART_INDICES ? WORD : width_of(writer, part), view = 0;
     for (gltf_part before = PART_INDICES; before < part; before++)
         view += writer->begins[before + 1] > writer->begins[before];
-    json_t *accessor =
-        json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "byteOffset", (json_int_t)(first * width),
-                  "componentType", type, "count", (json_int_t)count, "type", types[components[part] - 1]);
+    json_t *accessor = json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "byteOffset",
+                                 (json_int_t)first * (json_int_t)width, "componentType", type, "count", (json_int_t)count,
+                                 "type", types[components[part] - 1]);
     bool made = accessor != NULL;
     if (made && type == GLTF_UINT8)
         made = json_object_set_new(accessor, "normalized", json_true()) == 0;

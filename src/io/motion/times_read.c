@@ -30,19 +30,20 @@ static const char *read_time(const char *begin, const char *end, int64_t origin,
     static const int64_t LEAST = 100000000000000000;
     int64_t whole;
     iso_time date;
-    if (iso_time_read(begin, end, &date))
-        *time = exact_time_since(date.nanoseconds, origin);
-    else if (pose_read_whole((csv_field){begin, end}, &whole) && whole >= LEAST)
-        *time = exact_time_since(whole, origin);
-    else if (origin != 0 && exact_time_read(begin, end, &whole))
-        *time = exact_time_since(whole, origin);
+    bool counts = iso_time_read(begin, end, &date);
+    if (counts)
+        whole = date.nanoseconds;
     else
+        counts = (pose_read_whole((csv_field){begin, end}, &whole) && whole >= LEAST) ||
+                 (origin != 0 && exact_time_read(begin, end, &whole));
+    if (counts)
     {
-        const char *fault = number_read(begin, end, time);
-        *time -= fault == NULL ? (double)origin : 0;
-        return fault;
+        *time = exact_time_since(whole, origin);
+        return NULL;
     }
-    return NULL;
+    const char *fault = number_read(begin, end, time);
+    *time -= fault == NULL ? (double)origin : 0;
+    return fault;
 }
 
 static bat_status add_line(time_list *list, const char *begin, const char *end, size_t line, bat_error *error)

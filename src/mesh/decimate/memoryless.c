@@ -68,7 +68,7 @@ static void add_constraint(constraints *all, const double *row, double right, do
     double square = vector3_dot(row, row);
     if (!(square > smallest * smallest))
         return;
-    double normal[3], along;
+    double normal[3] = {0}, along;
     switch (all->count)
     {
     case 0:
@@ -104,7 +104,7 @@ static void multiply(const quadric *q, const double *d, double *product)
 static void add_minimum(constraints *all, const quadric *q)
 {
     const double gradient[3] = {q->x, q->y, q->z};
-    double smallest = ROUNDING * quadric_weight(q), direction[2][3], row[3];
+    double smallest = ROUNDING * quadric_weight(q), direction[2][3] = {{0}}, row[3];
     if (!(smallest > 0))
         return;
     if (all->count == 0)

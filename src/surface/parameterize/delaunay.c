@@ -27,7 +27,7 @@ static double doubled_area(const double (*planar)[2], const uint32_t corners[3])
 static void add_facet(qhT *qh, const double (*planar)[2], size_t count, facetT *facet, planar_triangles *triangles)
 {
     vertexT *vertex, **vertexp;
-    uint32_t corners[3];
+    uint32_t corners[3] = {0};
     size_t found = 0;
     FOREACHvertex_(facet->vertices)
     {
