@@ -29,7 +29,7 @@ static void write_and_read(const bat_cloud *cloud)
         text_sink sink = {.buffer = &buffer};
         bat_cloud back = {0};
         PROMISE(cloud_write(cloud, (bat_cloud_format)format, &sink, NULL) == BAT_OK);
-        const file_text text = {buffer.data, buffer.size};
+        const file_text text = {.data = buffer.data, .size = buffer.size};
         PROMISE(cloud_text_read(&text, (bat_cloud_format)format, NULL, BAT_CLOUD_FORMAT_XYZ, &options, &back, NULL) ==
                 BAT_OK);
         PROMISE(back.count == cloud->count && back.boundary_count == cloud->boundary_count);

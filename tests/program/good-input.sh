@@ -340,7 +340,7 @@ done
 model=trained/model.safetensors
 "$batten" surface scan.xyz --model $model --functions 150 -o scan.step --picture scan.png --parameters scan.uv --json > scan.json
 check "surface --json says what was chosen" json scan.json '"chosen": "'
-check "surface --json has all candidates" sh -c 'grep -c "\"parameters\": \"" scan.json | grep -qx 3'
+check "surface --json has all candidates" sh -c 'grep -c "\"parameters\": \"" scan.json | grep -qx 4'
 check "the boundary of a scan is found" grep -q '"boundary_found": true' scan.json
 check "the surface is STEP" grep -q B_SPLINE_SURFACE_WITH_KNOTS scan.step
 check "surface draws a picture" sh -c 'head -c 4 scan.png | grep -q PNG'
@@ -358,7 +358,7 @@ for ending in step vtk obj; do
     "$batten" surface file.xml -o converted.$ending --quiet
     check "a surface is written as $ending" test -s converted.$ending
 done
-"$batten" surface scan.xyz --parameterization uniform --tolerance 0.02 --degree 3,2 --share 0.9 --robust -o file.vtk > surface.txt
+"$batten" surface scan.xyz --parameterization uniform --tolerance 0.02 --degree 3,2 --share 0.9 --robust --force -o file.vtk > surface.txt
 check "VTK has the data points with their distances" grep -q 'SCALARS' file.vtk
 check "the report has rounds" grep -Eq '^ +0 +12 +1 ' surface.txt
 "$batten" shape hull -o hull.xyz --vertices 400 --quiet
