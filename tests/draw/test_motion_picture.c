@@ -164,6 +164,40 @@ static void speeds_are_right(void **state)
     bat_curve_set_free(&set);
 }
 
+/// Of keyframes on a line, the one that lies apart is beyond the threshold, and no other.
+static void outliers_are_marked(void **state)
+{
+    (void)state;
+    enum
+    {
+        COUNT = 40,
+        APART = 17
+    };
+    const bat_motion_outliers rules[] = {BAT_MOTION_OUTLIERS_KEPT, BAT_MOTION_OUTLIERS_HUBER, BAT_MOTION_OUTLIERS_TUKEY};
+    for (size_t r = 0; r < sizeof rules / sizeof *rules; r++)
+    {
+        bat_curve_set set = make_keys(&plane, COUNT, 1);
+        for (size_t i = 0; i < COUNT; i++)
+        {
+            double *point = set.curves[0].points + 2 * i, wave = i % 2 == 0 ? 0.01 : -0.01;
+            point[0] = 0.5 * (double)i;
+            point[1] = i == APART ? 1 : wave;
+        }
+        bat_motion_picture_options options = bat_motion_picture_defaults();
+        bat_motion_options motion = in_time();
+        motion.spline.sigma = 0.02;
+        motion.spline.outliers = rules[r];
+        film shown;
+        assert_int_equal(film_make(&set, &motion, &options, &shown, NULL), BAT_OK);
+        bool marked = rules[r] != BAT_MOTION_OUTLIERS_KEPT;
+        assert_int_equal(shown.any_outlier, marked);
+        for (size_t i = 0; i < COUNT && marked; i++)
+            assert_int_equal(shown.tracks[0].deviations[i] > shown.outlying, i == APART);
+        film_free(&shown);
+        bat_curve_set_free(&set);
+    }
+}
+
 /// A path that is flat across y is seen from minus y, and the directions of every view are orthonormal and right-handed.
 static void views_are_rotations(void **state)
 {
@@ -202,7 +236,7 @@ int main(void)
         cmocka_unit_test(every_space_is_drawn),     cmocka_unit_test(degenerate_motions_are_drawn),
         cmocka_unit_test(huge_motions_are_refused), cmocka_unit_test(one_key_is_refused),
         cmocka_unit_test(options_are_checked),      cmocka_unit_test(speeds_are_right),
-        cmocka_unit_test(views_are_rotations),
+        cmocka_unit_test(outliers_are_marked),      cmocka_unit_test(views_are_rotations),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
