@@ -6,7 +6,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Triangle meshes, their connectivity, and their repair.
+/// Triangle meshes, their connectivity, and their repair; polygon meshes, at the end.
 ///
 /// Vertices, faces and half-edges have 32-bit indices from 0. Half-edge 3 f + c runs along face f from corner c to the next
 /// corner, so that faces[h] is the vertex where half-edge h begins. Seen from outside, corners go around a face
@@ -44,6 +44,58 @@ typedef struct bat_mesh_label
     char *smoothing; ///< the smoothing group: `s` in OBJ
 } bat_mesh_label;
 
+/// What refinement by Loop's or Catmull and Clark's scheme makes of a boundary; OpenSubdiv's names are in brackets.
+typedef enum bat_mesh_boundary
+{
+    BAT_MESH_BOUNDARY_AUTO,    ///< as the mesh says, else BAT_MESH_BOUNDARY_EDGES
+    BAT_MESH_BOUNDARY_EDGES,   ///< a cubic B-spline (VTX_BOUNDARY_EDGE_ONLY)
+    BAT_MESH_BOUNDARY_CORNERS, ///< the same, with sharp corners at vertices of one face (VTX_BOUNDARY_EDGE_AND_CORNER)
+    BAT_MESH_BOUNDARY_NONE     ///< the surface ends one face before: faces at the boundary are left out (VTX_BOUNDARY_NONE)
+} bat_mesh_boundary;
+
+/// How the sharpness of creases decreases.
+typedef enum bat_mesh_creasing
+{
+    BAT_MESH_CREASING_AUTO,    ///< as the mesh says, else BAT_MESH_CREASING_UNIFORM
+    BAT_MESH_CREASING_UNIFORM, ///< by 1 a level (CREASE_UNIFORM)
+    BAT_MESH_CREASING_CHAIKIN  ///< towards that of the neighbours along the crease, then by 1 a level (CREASE_CHAIKIN)
+} bat_mesh_creasing;
+
+/// How Loop's and Catmull and Clark's schemes refine texture coordinates: what of them stays linear.
+typedef enum bat_mesh_linear
+{
+    BAT_MESH_LINEAR_AUTO,          ///< as the mesh says, else BAT_MESH_LINEAR_ALL
+    BAT_MESH_LINEAR_ALL,           ///< all: midpoints (FVAR_LINEAR_ALL)
+    BAT_MESH_LINEAR_NONE,          ///< nothing: seams are smooth curves (FVAR_LINEAR_NONE)
+    BAT_MESH_LINEAR_CORNERS,       ///< corners of one face (FVAR_LINEAR_CORNERS_ONLY)
+    BAT_MESH_LINEAR_CORNERS_PLUS1, ///< and where more than two seams meet (FVAR_LINEAR_CORNERS_PLUS1)
+    BAT_MESH_LINEAR_CORNERS_PLUS2, ///< and where seams end or one of two sides is a corner (FVAR_LINEAR_CORNERS_PLUS2)
+    BAT_MESH_LINEAR_BOUNDARIES     ///< seams and boundaries (FVAR_LINEAR_BOUNDARIES)
+} bat_mesh_linear;
+
+/// What a mesh says about its refinement. All zero: nothing.
+typedef struct bat_mesh_rules
+{
+    bat_mesh_boundary boundary;
+    bat_mesh_creasing creasing;
+    bat_mesh_linear linear;
+} bat_mesh_rules;
+
+/// Boundary rules, ways of creasing and texture rules by name: "auto", "edges", …
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_mesh_boundary_by_name(const char *name, bat_mesh_boundary *value, bat_error *error);
+BAT_API bat_status bat_mesh_creasing_by_name(const char *name, bat_mesh_creasing *value, bat_error *error);
+BAT_API bat_status bat_mesh_linear_by_name(const char *name, bat_mesh_linear *value, bat_error *error);
+/// The names. Never null.
+BAT_API const char *bat_mesh_boundary_name(bat_mesh_boundary value);
+BAT_API const char *bat_mesh_creasing_name(bat_mesh_creasing value);
+BAT_API const char *bat_mesh_linear_name(bat_mesh_linear value);
+/// The tables, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_mesh_boundary_list(size_t index, bat_choice *choice);
+BAT_API bool bat_mesh_creasing_list(size_t index, bat_choice *choice);
+BAT_API bool bat_mesh_linear_list(size_t index, bat_choice *choice);
+
 /// A triangle mesh. All zero: empty. Everything in it is owned and comes from malloc(); release it with bat_mesh_free().
 typedef struct bat_mesh
 {
@@ -71,6 +123,8 @@ typedef struct bat_mesh
     char *material_files; ///< the files of the materials, as `mtllib` in OBJ names them; null for none
     /// The materials of glTF: a JSON object with its arrays materials, textures, images and samplers; null for none.
     char *material_json;
+
+    bat_mesh_rules rules; ///< of refinement; all zero: none are given
 } bat_mesh;
 
 /// Free what a mesh owns and make it empty. Does nothing to a mesh that is empty already.
@@ -214,6 +268,65 @@ BAT_API bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_repor
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for the distance; the failures of bat_mesh_check() but for degenerate faces;
 ///         BAT_NO_MEMORY; results are untouched on failure
 BAT_API bat_status bat_mesh_weld(const bat_mesh *mesh, double distance, size_t *merged, bat_mesh *welded, bat_error *error);
+
+// Meshes of polygons.
+
+/// A mesh whose faces have three or more corners each. All zero: empty. Everything in it is owned and comes from malloc();
+/// release it with bat_polygon_mesh_free(). Corners are numbered through all faces: face f has the corners offsets[f], …,
+/// offsets[f + 1] - 1, counter-clockwise seen from outside.
+typedef struct bat_polygon_mesh
+{
+    double *positions; ///< vertex_count x 3
+    uint32_t *offsets; ///< face_count + 1: the first corner of each face, and the number of all corners
+    uint32_t *faces;   ///< the vertices at the corners
+    size_t vertex_count;
+    size_t face_count;
+
+    double *texture;         ///< texture_count x 2 texture coordinates; null for none
+    uint32_t *texture_faces; ///< the texture coordinates at the corners; null for none
+    size_t texture_count;
+
+    double *channels;     ///< as of bat_mesh
+    char **channel_names; ///< channel_count texts
+    size_t channel_count;
+
+    bat_mesh_crease *creases; ///< in any order; null for none
+    size_t crease_count;
+    bat_mesh_corner *corners; ///< sharp vertices, in any order; null for none
+    size_t corner_count;
+
+    uint32_t *face_labels;  ///< face_count: the label of each face; null for none
+    bat_mesh_label *labels; ///< label_count
+    size_t label_count;
+    char *material_files; ///< as of bat_mesh
+    char *material_json;  ///< as of bat_mesh
+
+    bat_mesh_rules rules; ///< of refinement; all zero: none are given
+} bat_polygon_mesh;
+
+/// Free what a mesh owns and make it empty. Does nothing to a mesh that is empty already.
+BAT_API void bat_polygon_mesh_free(bat_polygon_mesh *mesh);
+
+/// Copy a mesh with all it owns.
+/// @return BAT_OK or BAT_NO_MEMORY; `copy` is untouched on failure
+BAT_API bat_status bat_polygon_mesh_copy(const bat_polygon_mesh *mesh, bat_polygon_mesh *copy, bat_error *error);
+
+/// Check the conditions of every call that takes a polygon mesh: those of bat_mesh_check(), with three or more different
+/// vertices at every face.
+/// @return as bat_mesh_check()
+BAT_API bat_status bat_polygon_mesh_check(const bat_polygon_mesh *mesh, bat_error *error);
+
+/// Cut the polygons into triangles, as bat_mesh_read() does: quads along the better diagonal, convex polygons as a fan,
+/// others by ear clipping. Triangles have the labels of their polygons.
+/// @param triangles receives the mesh, with everything else of the polygon mesh; release it with bat_mesh_free()
+/// @return BAT_OK; the failures of bat_polygon_mesh_check(); BAT_TOO_LARGE (too many faces, or a concave polygon of more
+/// than
+///         10,000 corners); BAT_NO_MEMORY
+BAT_API bat_status bat_polygon_mesh_triangulate(const bat_polygon_mesh *mesh, bat_mesh *triangles, bat_error *error);
+
+/// The polygon mesh of a triangle mesh.
+/// @return BAT_OK; the failures of bat_mesh_check(); BAT_NO_MEMORY; `polygons` is untouched on failure
+BAT_API bat_status bat_polygon_mesh_of_triangles(const bat_mesh *mesh, bat_polygon_mesh *polygons, bat_error *error);
 
 BAT_C_END
 

@@ -14,17 +14,21 @@ BAT_C_BEGIN
 /// the edge from corner c.
 ///
 /// A level of square-root-three keeps the vertices too, and appends one for every face, in the order of faces. Half-edge h
-/// becomes the face h, which begins where h begins. docs/algorithms/mesh-schemes.md has the rules.
+/// becomes the face h, which begins where h begins.
+///
+/// A level of Catmull and Clark's scheme keeps the vertices and appends one for every edge, then one for every face. Corner
+/// h becomes the quad h, which begins with that corner. docs/algorithms/mesh-schemes.md has the rules.
 
 /// The mesh schemes.
 typedef enum bat_mesh_scheme
 {
     BAT_MESH_SCHEME_MIDPOINT, ///< new vertices in the middle of edges; the same surface
     BAT_MESH_SCHEME_LOOP, ///< Loop (1987), with Hoppe's creases and corners (1994) and semi-sharp ones (DeRose et al., 1998)
-    BAT_MESH_SCHEME_BUTTERFLY, ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
-    BAT_MESH_SCHEME_SQRT3,     ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
-    BAT_MESH_SCHEME_LEARNED,   ///< by `rule`
-    BAT_MESH_SCHEME_AUTO       ///< that of bat_mesh_scheme_for()
+    BAT_MESH_SCHEME_BUTTERFLY,     ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
+    BAT_MESH_SCHEME_SQRT3,         ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
+    BAT_MESH_SCHEME_LEARNED,       ///< by `rule`
+    BAT_MESH_SCHEME_CATMULL_CLARK, ///< Catmull and Clark (1978), with creases and corners as Loop's; for any polygons
+    BAT_MESH_SCHEME_AUTO           ///< that of bat_mesh_scheme_for()
 } bat_mesh_scheme;
 
 /// Faces below which a mesh is taken for a control cage: the learned scheme was trained on meshes of 200 faces and more.
@@ -74,16 +78,17 @@ struct bat_mesh_refine_options
     /// Move the vertices at the end to their limit under the scheme, or under `then` after a learned one. Semi-sharp
     /// features count as sharp for ever. Default false.
     bool limit;
-    /// Radians, 0 to pi, for the learned scheme and Loop's: edges whose faces' normals differ by more are creases for ever.
-    /// 0: none. Default 0.
+    /// Radians, 0 to pi, for the learned scheme, Loop's and Catmull and Clark's: edges whose faces' normals differ by more
+    /// are creases for ever. 0: none. Default 0.
     double crease_angle;
-    /// With `limit` and Loop's scheme at the end: receives the normals of the limit surface at the fine vertices, as
-    /// bat_mesh_limit_normals() gives them; release the array with free(). Null: none, the default.
+    /// With `limit` and Loop's or Catmull and Clark's scheme at the end: receives the normals of the limit surface at the
+    /// fine vertices, as bat_mesh_limit_normals() gives them; release the array with free(). Null: none, the default.
     double **limit_normals;
     /// Bytes. A refinement that needs more is refused with BAT_TOO_LARGE before it begins. 0, the default: what the machine
     /// has available.
     size_t max_memory;
-    int threads; ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_mesh_rules rules; ///< of Loop's and Catmull and Clark's schemes; they come before those of the mesh; default AUTO
+    int threads;          ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
 };
 
@@ -107,12 +112,26 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 /// @param fine     receives the refined mesh; release it with bat_mesh_free()
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
 /// @return BAT_OK; the failures of bat_mesh_check() and bat_mesh_connect(); BAT_INVALID_ARGUMENT for an option out of range
-///         or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit` or a
-///         crease angle without Loop's scheme; BAT_TOO_LARGE for more faces than 32-bit indices can number, or more
-///         memory than `max_memory`; BAT_NO_MEMORY;
-///         BAT_CANCELLED. Results are untouched on failure
+///         or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`, for a crease angle or rules with a
+///         scheme that knows neither, for BAT_MESH_SCHEME_CATMULL_CLARK, whose result has quads, and where
+///         BAT_MESH_BOUNDARY_NONE leaves no face; BAT_TOO_LARGE for more faces than 32-bit indices can number, or more
+///         memory than `max_memory`; BAT_NO_MEMORY; BAT_CANCELLED. Results are untouched on failure
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);
+
+/// Refine a mesh of polygons by Catmull and Clark's scheme, which makes quads. As bat_mesh_refine(), with null options for
+/// the defaults but that scheme. The other schemes refine meshes of triangles alone. The quads have the labels of the
+/// polygons that they are cut from.
+/// @param fine receives the refined mesh; release it with bat_polygon_mesh_free()
+/// @return as bat_mesh_refine(); BAT_UNSUPPORTED where the scheme needs triangles and a face has more corners
+BAT_API bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
+                                           bat_polygon_mesh *fine, size_t *fallback, bat_error *error);
+
+/// The unit normals of the limit surface of Catmull and Clark's scheme at the vertices, as bat_mesh_limit_normals().
+/// @param mesh a mesh refined at least once without `limit`, or any mesh of quads
+/// @return as bat_mesh_limit_normals(); BAT_UNSUPPORTED with a face that is no quad
+BAT_API bat_status bat_polygon_mesh_limit_normals(const bat_polygon_mesh *mesh, int threads, double *normals,
+                                                  bat_error *error);
 
 /// The unit normals of the limit surface of Loop's scheme, at the limits of the vertices. On a crease: the mean of both
 /// sides. At corners and ends of creases, which have no tangent plane in general: the area-weighted mean of the faces

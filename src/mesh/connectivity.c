@@ -2,14 +2,15 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/sides.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /// @file
-/// Twins, edge numbers and first half-edges of a triangle mesh, in O(faces x arboricity).
+/// Twins, edge numbers and first half-edges of a mesh, in O(faces x arboricity).
 ///
-/// Half-edge h = 3 f + c runs from corner c of face f to corner c + 1. Its twin runs the other way along the same edge.
+/// Half-edge h runs from corner h to the next corner of its face. Its twin runs the other way along the same edge.
 
 void bat_mesh_connectivity_free(bat_mesh_connectivity *connectivity)
 {
@@ -19,9 +20,18 @@ void bat_mesh_connectivity_free(bat_mesh_connectivity *connectivity)
     *connectivity = (bat_mesh_connectivity){0};
 }
 
-static uint32_t end_of(const uint32_t *faces, uint32_t half_edge)
+/// The faces of a mesh.
+typedef struct corner_list
 {
-    return faces[bat_mesh_next(half_edge)];
+    mesh_sides sides;
+    const uint32_t *faces; ///< the vertices at the corners
+    size_t face_count, vertex_count;
+    uint32_t count; ///< of the corners
+} corner_list;
+
+static inline uint32_t end_of(const corner_list *list, uint32_t half_edge)
+{
+    return list->faces[sides_next(&list->sides, half_edge)];
 }
 
 static bat_status check_corners(const bat_mesh *mesh, bat_error *error)
@@ -43,11 +53,11 @@ static bat_status check_corners(const bat_mesh *mesh, bat_error *error)
 }
 
 /// Count the faces at every vertex.
-static void count_faces(const bat_mesh *mesh, uint32_t *faces_at)
+static void count_faces(const corner_list *list, uint32_t *faces_at)
 {
-    memset(faces_at, 0, mesh->vertex_count * sizeof *faces_at);
-    for (size_t i = 0; i < 3 * mesh->face_count; i++)
-        faces_at[mesh->faces[i]]++;
+    memset(faces_at, 0, list->vertex_count * sizeof *faces_at);
+    for (size_t i = 0; i < list->count; i++)
+        faces_at[list->faces[i]]++;
 }
 
 /// Find the twin of every half-edge. Each edge hangs its half-edges in a chain at its end with fewer faces. A half-edge
@@ -56,20 +66,19 @@ static void count_faces(const bat_mesh *mesh, uint32_t *faces_at)
 ///
 /// @param head  workspace, one number for each vertex
 /// @param chain workspace, one number for each half-edge
-static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uint32_t *twin, uint32_t *head, uint32_t *chain,
-                             bat_error *error)
+static bat_status join_twins(const corner_list *list, const uint32_t *faces_at, uint32_t *twin, uint32_t *head,
+                             uint32_t *chain, bat_error *error)
 {
-    const uint32_t *faces = mesh->faces;
-    uint32_t count = (uint32_t)(3 * mesh->face_count);
-    memset(head, 0xff, mesh->vertex_count * sizeof *head);
-    for (uint32_t h = 0; h < count; h++)
+    const uint32_t *faces = list->faces;
+    memset(head, 0xff, list->vertex_count * sizeof *head);
+    for (uint32_t h = 0; h < list->count; h++)
     {
-        uint32_t a = faces[h], b = end_of(faces, h);
+        uint32_t a = faces[h], b = end_of(list, h);
         bool a_is_low = faces_at[a] != faces_at[b] ? faces_at[a] < faces_at[b] : a < b;
         uint32_t low = a_is_low ? a : b, high = a_is_low ? b : a;
         twin[h] = BAT_MESH_NONE;
         uint32_t other = head[low];
-        while (other != BAT_MESH_NONE && faces[other] != high && end_of(faces, other) != high)
+        while (other != BAT_MESH_NONE && faces[other] != high && end_of(list, other) != high)
             other = chain[other];
         if (other == BAT_MESH_NONE)
         {
@@ -77,13 +86,14 @@ static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uin
             head[low] = h;
             continue;
         }
+        uint32_t face = sides_face(&list->sides, h);
         if (twin[other] != BAT_MESH_NONE)
-            return error_set(error, BAT_NOT_MANIFOLD, h / 3, 0, "face %u is the third at the edge of vertices %u and %u",
-                             h / 3, a, b);
+            return error_set(error, BAT_NOT_MANIFOLD, face, 0, "face %u is the third at the edge of vertices %u and %u",
+                             face, a, b);
         if (faces[other] == a)
-            return error_set(error, BAT_NOT_MANIFOLD, h / 3, 0,
-                             "faces %u and %u run along the edge of vertices %u and %u in the same direction", other / 3,
-                             h / 3, a, b);
+            return error_set(error, BAT_NOT_MANIFOLD, face, 0,
+                             "faces %u and %u run along the edge of vertices %u and %u in the same direction",
+                             sides_face(&list->sides, other), face, a, b);
         twin[h] = other;
         twin[other] = h;
     }
@@ -91,13 +101,13 @@ static bat_status join_twins(const bat_mesh *mesh, const uint32_t *faces_at, uin
 }
 
 /// Number the edges, count the boundary edges and choose the first half-edge of every vertex.
-static void number_edges(const bat_mesh *mesh, bat_mesh_connectivity *made)
+static void number_edges(const corner_list *list, bat_mesh_connectivity *made)
 {
-    uint32_t count = (uint32_t)(3 * mesh->face_count), edges = 0;
-    memset(made->first, 0xff, mesh->vertex_count * sizeof *made->first);
-    for (uint32_t h = 0; h < count; h++)
+    uint32_t edges = 0;
+    memset(made->first, 0xff, list->vertex_count * sizeof *made->first);
+    for (uint32_t h = 0; h < list->count; h++)
     {
-        uint32_t twin = made->twin[h], *first = &made->first[mesh->faces[h]];
+        uint32_t twin = made->twin[h], *first = &made->first[list->faces[h]];
         made->edge[h] = twin < h ? made->edge[twin] : edges++;
         made->boundary_edge_count += twin == BAT_MESH_NONE;
         if (*first == BAT_MESH_NONE || twin == BAT_MESH_NONE)
@@ -107,7 +117,8 @@ static void number_edges(const bat_mesh *mesh, bat_mesh_connectivity *made)
 }
 
 /// Check that the faces around each vertex form a single fan.
-static bat_status check_fans(const bat_mesh_connectivity *made, const uint32_t *faces_at, bat_error *error)
+static bat_status check_fans(const corner_list *list, const bat_mesh_connectivity *made, const uint32_t *faces_at,
+                             bat_error *error)
 {
     for (size_t v = 0; v < made->vertex_count; v++)
     {
@@ -118,41 +129,38 @@ static bat_status check_fans(const bat_mesh_connectivity *made, const uint32_t *
         do
         {
             fan++;
-            h = bat_mesh_next_around(made, h);
+            h = made->twin[sides_previous(&list->sides, h)];
         } while (h != BAT_MESH_NONE && h != first);
         if (fan != faces_at[v])
             return error_set(
-                error, BAT_NOT_MANIFOLD, first / 3, 0,
+                error, BAT_NOT_MANIFOLD, sides_face(&list->sides, first), 0,
                 "vertex %zu joins several fans of faces: one of them has %u of its %u faces, among them face %u", v, fan,
-                faces_at[v], first / 3);
+                faces_at[v], sides_face(&list->sides, first));
     }
     return BAT_OK;
 }
 
-bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connectivity, bat_error *error)
+static bat_status connect_corners(const corner_list *list, bat_mesh_connectivity *connectivity, bat_error *error)
 {
-    bat_status status = check_corners(mesh, error);
-    if (status != BAT_OK)
-        return status;
-    size_t half_edges = 3 * mesh->face_count;
-    bat_mesh_connectivity made = {.twin = memory_array(half_edges, sizeof *made.twin),
-                                  .first = memory_array(mesh->vertex_count, sizeof *made.first),
-                                  .edge = memory_array(half_edges, sizeof *made.edge),
-                                  .vertex_count = mesh->vertex_count,
-                                  .face_count = mesh->face_count};
-    uint32_t *faces_at = memory_array(mesh->vertex_count, sizeof *faces_at);
+    bat_status status = BAT_OK;
+    bat_mesh_connectivity made = {.twin = memory_array(list->count, sizeof *made.twin),
+                                  .first = memory_array(list->vertex_count, sizeof *made.first),
+                                  .edge = memory_array(list->count, sizeof *made.edge),
+                                  .vertex_count = list->vertex_count,
+                                  .face_count = list->face_count};
+    uint32_t *faces_at = memory_array(list->vertex_count, sizeof *faces_at);
     if (made.twin == NULL || made.first == NULL || made.edge == NULL || faces_at == NULL)
-        status = error_memory(error, half_edges * sizeof *made.twin);
+        status = error_memory(error, list->count * sizeof *made.twin);
     if (status == BAT_OK)
     {
-        count_faces(mesh, faces_at);
+        count_faces(list, faces_at);
         // `first` and `edge` serve as workspace until number_edges() fills them.
-        status = join_twins(mesh, faces_at, made.twin, made.first, made.edge, error);
+        status = join_twins(list, faces_at, made.twin, made.first, made.edge, error);
     }
     if (status == BAT_OK)
     {
-        number_edges(mesh, &made);
-        status = check_fans(&made, faces_at, error);
+        number_edges(list, &made);
+        status = check_fans(list, &made, faces_at, error);
     }
     free(faces_at);
     if (status != BAT_OK)
@@ -162,4 +170,20 @@ bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connect
     }
     *connectivity = made;
     return BAT_OK;
+}
+
+bat_status sides_connect(const mesh_sides *sides, const uint32_t *faces, size_t count, size_t vertex_count,
+                         bat_mesh_connectivity *connectivity, bat_error *error)
+{
+    corner_list list = {*sides, faces, count, vertex_count, sides_corners(sides, count)};
+    return connect_corners(&list, connectivity, error);
+}
+
+bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connectivity, bat_error *error)
+{
+    bat_status status = check_corners(mesh, error);
+    if (status != BAT_OK)
+        return status;
+    corner_list list = {{0}, mesh->faces, mesh->face_count, mesh->vertex_count, (uint32_t)(3 * mesh->face_count)};
+    return connect_corners(&list, connectivity, error);
 }

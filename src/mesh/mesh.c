@@ -58,16 +58,15 @@ static bool copy_names(const bat_mesh *mesh, bat_mesh *copy)
     return true;
 }
 
-bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
+bat_status mesh_copy_corners(const bat_mesh *mesh, size_t corner_count, bat_mesh *copy, bat_error *error)
 {
     bat_mesh made = *mesh;
     made.channel_names = NULL;
     mesh_labels_forget(&made);
     bool positions = copy_array(mesh->positions, mesh->vertex_count, 3 * sizeof(double), (void **)&made.positions);
-    bool faces = copy_array(mesh->faces, mesh->face_count, 3 * sizeof(uint32_t), (void **)&made.faces);
+    bool faces = copy_array(mesh->faces, corner_count, sizeof(uint32_t), (void **)&made.faces);
     bool texture = copy_array(mesh->texture, mesh->texture_count, 2 * sizeof(double), (void **)&made.texture);
-    bool texture_faces =
-        copy_array(mesh->texture_faces, mesh->face_count, 3 * sizeof(uint32_t), (void **)&made.texture_faces);
+    bool texture_faces = copy_array(mesh->texture_faces, corner_count, sizeof(uint32_t), (void **)&made.texture_faces);
     bool channels =
         copy_array(mesh->channels, mesh->vertex_count, mesh->channel_count * sizeof(double), (void **)&made.channels);
     bool creases = copy_array(mesh->creases, mesh->crease_count, sizeof *mesh->creases, (void **)&made.creases);
@@ -83,6 +82,11 @@ bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
     else
         bat_mesh_free(&made);
     return status;
+}
+
+bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
+{
+    return mesh_copy_corners(mesh, 3 * mesh->face_count, copy, error);
 }
 
 static bat_status check_vertices(const bat_mesh *mesh, bat_error *error)
@@ -119,22 +123,6 @@ static bat_status check_faces(const bat_mesh *mesh, bat_error *error)
         if (mesh->texture_faces[i] >= mesh->texture_count)
             return error_set(error, BAT_INVALID_POINT, i / 3, 0, "face %zu names texture coordinate %u, but there are %zu",
                              i / 3, mesh->texture_faces[i], mesh->texture_count);
-    for (size_t f = 0; mesh->face_labels != NULL && f < mesh->face_count; f++)
-        if (mesh->face_labels[f] >= mesh->label_count)
-            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has label %u, but there are %zu", f,
-                             mesh->face_labels[f], mesh->label_count);
-    return BAT_OK;
-}
-
-static bat_status check_degenerate(const bat_mesh *mesh, bat_error *error)
-{
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        const uint32_t *corner = mesh->faces + 3 * f;
-        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
-            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
-                             corner[0] == corner[1] ? corner[0] : corner[2]);
-    }
     return BAT_OK;
 }
 
@@ -156,12 +144,39 @@ static bat_status check_marks(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
+static bat_status check_labels(const bat_mesh *mesh, bat_error *error)
+{
+    for (size_t f = 0; mesh->face_labels != NULL && f < mesh->face_count; f++)
+        if (mesh->face_labels[f] >= mesh->label_count)
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has label %u, but there are %zu", f,
+                             mesh->face_labels[f], mesh->label_count);
+    return BAT_OK;
+}
+
+bat_status mesh_check_data(const bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = check_vertices(mesh, error);
+    if (status == BAT_OK)
+        status = check_labels(mesh, error);
+    return status == BAT_OK ? check_marks(mesh, error) : status;
+}
+
 bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = check_faces(mesh, error);
-    if (status == BAT_OK)
-        status = check_vertices(mesh, error);
-    return status == BAT_OK ? check_marks(mesh, error) : status;
+    return status == BAT_OK ? mesh_check_data(mesh, error) : status;
+}
+
+static bat_status check_degenerate(const bat_mesh *mesh, bat_error *error)
+{
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *corner = mesh->faces + 3 * f;
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has vertex %u twice", f,
+                             corner[0] == corner[1] ? corner[0] : corner[2]);
+    }
+    return BAT_OK;
 }
 
 bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)

@@ -31,12 +31,14 @@ static void middle_range(const void *context, size_t begin, size_t end)
     const mesh_rows *rows = context;
     const mesh_level *level = rows->level;
     const bat_mesh_connectivity *links = level->links;
+    const mesh_sides *sides = &level->sides;
     size_t dim = rows->dim;
-    for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
+    uint32_t last = sides_begin(sides, (uint32_t)end);
+    for (uint32_t h = sides_begin(sides, (uint32_t)begin); h < last; h++)
     {
         if (!mesh_owns(links->twin, h))
             continue;
-        const double *a = rows->from + level->faces[h] * dim, *b = rows->from + mesh_end(level->faces, h) * dim;
+        const double *a = rows->from + level->faces[h] * dim, *b = rows->from + level->faces[sides_next(sides, h)] * dim;
         double *to = rows->to + (links->vertex_count + links->edge[h]) * dim;
         for (size_t i = 0; i < dim; i++)
             to[i] = 0.5 * (a[i] + b[i]);

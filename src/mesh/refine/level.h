@@ -1,7 +1,7 @@
 #ifndef MESH_REFINE_LEVEL_H
 #define MESH_REFINE_LEVEL_H
 
-#include "batten/mesh.h"
+#include "mesh/sides.h"
 
 /// @file
 /// One level of refinement as the rules of the schemes use it, and loops over its elements on several threads.
@@ -11,9 +11,12 @@ typedef struct mesh_level mesh_level;
 
 struct mesh_level
 {
-    const uint32_t *faces; ///< face_count x 3
+    const uint32_t *faces; ///< the vertices at the corners
+    mesh_sides sides;
     const bat_mesh_connectivity *links;
     const double *edge_sharpness;   ///< one number for each edge; null: no edge is sharp
+    const double *child_sharpness;  ///< where creases follow Chaikin: of both halves of each edge, that at the owner's begin
+                                    ///< first; null: one less than the edge's
     const double *vertex_sharpness; ///< one number for each coarse vertex; null: no vertex is sharp
     const uint32_t *irregular;      ///< for each coarse vertex: 0 where it is regular, else its number of faces
     size_t coarse_count;      ///< the number of coarse vertices, which keep their indices; all later vertices are regular
@@ -32,13 +35,19 @@ typedef struct mesh_rows
 /// A refinement rule: computes `to` from `from`.
 typedef void mesh_rule(const mesh_rows *rows, int threads);
 
-mesh_rule midpoint_rule, loop_rule, butterfly_rule;
+mesh_rule midpoint_rule, loop_rule, butterfly_rule, catmull_clark_rule;
 
 /// The work on the elements begin, …, end - 1.
 typedef void mesh_range(const void *job, size_t begin, size_t end);
 
 /// Distribute the elements 0, …, count - 1 over threads, in contiguous ranges.
 void mesh_share(mesh_range *range, const void *job, size_t count, int threads);
+
+/// As bat_mesh_next_around(), for faces of any number of corners.
+static inline uint32_t sides_next_around(const mesh_level *level, uint32_t half_edge)
+{
+    return level->links->twin[sides_previous(&level->sides, half_edge)];
+}
 
 /// The last vertex of a half-edge.
 static inline uint32_t mesh_end(const uint32_t *faces, uint32_t half_edge)

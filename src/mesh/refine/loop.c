@@ -12,13 +12,6 @@
 /// "Piecewise smooth surface reconstruction" (1994). One rule differs: the vertex of a crease edge is always its midpoint,
 /// so every crease is a cubic B-spline. Semi-sharp creases blend the rules of two levels as OpenSubdiv does.
 
-/// The weights of a vertex rule: of the vertex, of each neighbour, and of two selected neighbours.
-typedef struct vertex_mask
-{
-    double own, ring, pair;
-    uint32_t ends[2];
-} vertex_mask;
-
 double loop_ring_weight(unsigned valence)
 {
     enum
@@ -31,40 +24,10 @@ double loop_ring_weight(unsigned valence)
     return (5.0 / 8 - root * root) / valence;
 }
 
-static vertex_mask smooth_mask(unsigned valence)
+vertex_mask loop_smooth_mask(unsigned valence)
 {
     double ring = loop_ring_weight(valence);
     return (vertex_mask){.own = 1 - valence * ring, .ring = ring};
-}
-
-static vertex_mask mask_of(const sharp_vertex *vertex, unsigned valence)
-{
-    if (vertex->kind == SHARP_CORNER)
-        return (vertex_mask){.own = 1};
-    if (vertex->kind == SHARP_CREASE)
-        return (vertex_mask){.own = 3.0 / 4, .pair = 1.0 / 8, .ends = {vertex->ends[0], vertex->ends[1]}};
-    return smooth_mask(valence);
-}
-
-static vertex_mask sharp_mask(const mesh_level *level, uint32_t vertex, unsigned valence)
-{
-    sharp_vertex now, after;
-    double fading;
-    sharpness_around(level, vertex, &now, &after, &fading);
-    vertex_mask mask = mask_of(&now, valence);
-    if (now.kind == after.kind || now.kind < SHARP_CREASE)
-        return mask;
-    // Sharpness only decreases. So at most one of the two masks is a crease, and only that one has a pair.
-    vertex_mask other = mask_of(&after, valence);
-    mask.own = fading * mask.own + (1 - fading) * other.own;
-    mask.ring = fading * mask.ring + (1 - fading) * other.ring;
-    if (after.kind == SHARP_CREASE)
-    {
-        mask.ends[0] = other.ends[0];
-        mask.ends[1] = other.ends[1];
-    }
-    mask.pair = fading * mask.pair + (1 - fading) * other.pair;
-    return mask;
 }
 
 /// The vertex at the end of a half-edge. With `in_parent` the half-edge is one of the parent's, and the vertex is the one on
@@ -84,18 +47,18 @@ static inline uint32_t last_neighbour(const mesh_level *level, uint32_t last, bo
     return mesh_opposite(level->faces, last);
 }
 
-static inline void write_row(const mesh_rows *rows, uint32_t vertex, const vertex_mask *mask, size_t dim)
+static inline void write_row(const mesh_rows *rows, uint32_t vertex, const vertex_mask *mask, const uint32_t ends[2],
+                             size_t dim)
 {
-    const double *own = rows->from + vertex * dim, *p = rows->from + mask->ends[0] * dim,
-                 *q = rows->from + mask->ends[1] * dim;
+    const double *own = rows->from + vertex * dim, *p = rows->from + ends[0] * dim, *q = rows->from + ends[1] * dim;
     double *restrict to = rows->to + vertex * dim;
     for (size_t i = 0; i < dim; i++)
         to[i] = mask->own * own[i] + mask->ring * to[i] + mask->pair * (p[i] + q[i]);
 }
 
 /// Compute a vertex. Its neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's level. A
-/// vertex without faces does not move.
-static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_parent, size_t dim)
+/// vertex without faces does not move. With `sharp` the vertex's rule is that of the sharp edges around it.
+static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp, bool in_parent, size_t dim)
 {
     const mesh_level *level = rows->level;
     const bat_mesh_connectivity *links = in_parent ? level->parent->links : level->links;
@@ -116,16 +79,22 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool in_pa
         last = h;
         h = bat_mesh_next_around(links, h);
     } while (h != BAT_MESH_NONE && h != first);
-    vertex_mask mask;
-    if (level->edge_sharpness != NULL || level->vertex_sharpness != NULL)
-        mask = sharp_mask(level, vertex, valence);
+    vertex_mask mask = {.own = 3.0 / 4, .pair = 1.0 / 8};
+    uint32_t ends[2] = {vertex, vertex};
+    if (sharp)
+    {
+        mask = mask_around(level, vertex, valence, loop_smooth_mask);
+        ends[0] = level->faces[mask.corners[0]];
+        ends[1] = level->faces[mask.corners[1]];
+    }
     else if (h == BAT_MESH_NONE)
-        mask = (vertex_mask){.own = 3.0 / 4,
-                             .pair = 1.0 / 8,
-                             .ends = {neighbour_at(level, first, in_parent), last_neighbour(level, last, in_parent)}};
+    {
+        ends[0] = neighbour_at(level, first, in_parent);
+        ends[1] = last_neighbour(level, last, in_parent);
+    }
     else
-        mask = smooth_mask(valence);
-    write_row(rows, vertex, &mask, dim);
+        mask = loop_smooth_mask(valence);
+    write_row(rows, vertex, &mask, ends, dim);
 }
 
 /// Compute the vertex on the parent's edge of a half-edge. It is regular: its neighbours are the ends of that edge and the
@@ -159,9 +128,9 @@ static void vertex_range(const void *context, size_t begin, size_t end)
     const mesh_rows *rows = context;
     for (size_t v = begin; v < end; v++)
         if (rows->dim == 3)
-            vertex_row(rows, (uint32_t)v, false, 3);
+            vertex_row(rows, (uint32_t)v, false, false, 3);
         else
-            vertex_row(rows, (uint32_t)v, false, rows->dim);
+            vertex_row(rows, (uint32_t)v, false, false, rows->dim);
 }
 
 /// The vertices that the parent has as well.
@@ -170,9 +139,9 @@ static void parent_range(const void *context, size_t begin, size_t end)
     const mesh_rows *rows = context;
     for (size_t v = begin; v < end; v++)
         if (rows->dim == 3)
-            vertex_row(rows, (uint32_t)v, true, 3);
+            vertex_row(rows, (uint32_t)v, false, true, 3);
         else
-            vertex_row(rows, (uint32_t)v, true, rows->dim);
+            vertex_row(rows, (uint32_t)v, false, true, rows->dim);
 }
 
 /// The vertices on the edges that some faces of the parent own.
@@ -199,8 +168,8 @@ static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, size_t di
     uint32_t twin = links->twin[half_edge], edge = links->edge[half_edge];
     const double *a = rows->from + level->faces[half_edge] * dim, *b = rows->from + mesh_end(level->faces, half_edge) * dim;
     double *restrict to = rows->to + (links->vertex_count + edge) * dim;
-    double sharpness = level->edge_sharpness != NULL ? level->edge_sharpness[edge] : 0;
-    if (twin == BAT_MESH_NONE || sharpness >= 1)
+    double sharpness = twin != BAT_MESH_NONE ? edge_weight(level, half_edge) : 1;
+    if (sharpness == 1)
     {
         for (size_t i = 0; i < dim; i++)
             to[i] = 0.5 * (a[i] + b[i]);
@@ -229,11 +198,16 @@ static void edge_range(const void *context, size_t begin, size_t end)
     }
 }
 
+static void sharp_vertex_row(const void *context, uint32_t vertex)
+{
+    const mesh_rows *rows = context;
+    vertex_row(rows, vertex, true, false, rows->dim);
+}
+
 void loop_rule(const mesh_rows *rows, int threads)
 {
     const mesh_level *level = rows->level, *parent = level->parent;
-    bool smooth = level->edge_sharpness == NULL && level->vertex_sharpness == NULL;
-    if (parent != NULL && smooth)
+    if (parent != NULL)
     {
         mesh_share(parent_range, rows, parent->links->vertex_count, threads);
         mesh_share(middle_range, rows, parent->links->face_count, threads);
@@ -241,4 +215,5 @@ void loop_rule(const mesh_rows *rows, int threads)
     else
         mesh_share(vertex_range, rows, level->links->vertex_count, threads);
     mesh_share(edge_range, rows, level->links->face_count, threads);
+    sharpness_visit(level, sharp_vertex_row, rows);
 }

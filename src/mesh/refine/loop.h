@@ -1,7 +1,7 @@
 #ifndef MESH_REFINE_LOOP_H
 #define MESH_REFINE_LOOP_H
 
-#include "mesh/refine/level.h"
+#include "mesh/refine/sharpness.h"
 
 /// @file
 /// Limits and weights of Loop's scheme.
@@ -11,5 +11,8 @@ void loop_limit(const mesh_rows *rows, int threads);
 
 /// The weight b of each neighbour in Loop's rule for a smooth vertex (Loop, 1987).
 double loop_ring_weight(unsigned valence);
+
+/// The weights of Loop's rule for a smooth vertex.
+vertex_mask loop_smooth_mask(unsigned valence);
 
 #endif

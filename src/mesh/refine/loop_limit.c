@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "batten/mesh_refine.h"
 #include "linalg/vector3.h"
-#include "mesh/refine/sharpness.h"
+#include "mesh/refine/normal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -122,174 +122,81 @@ void loop_limit(const mesh_rows *rows, int threads)
     mesh_share(limit_range, rows, rows->level->links->vertex_count, threads);
 }
 
-// Limit normals are the cross product of two tangents. The tangents are left eigenvectors of the local subdivision matrix
-// for its largest eigenvalues below 1, applied to the neighbours.
+// Limit normals.
 
 static const double PI = 3.14159265358979323846;
 
-typedef struct normals_job
-{
-    const mesh_level *level;
-    const double *positions;
-    double *normals;
-} normals_job;
-
-/// Scale a vector to unit length. False, with the vector unchanged, when its length is 0 or not finite.
-static bool normalize(double vector[3])
-{
-    double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
-    if (!(length > 0) || !isfinite(length))
-        return false;
-    for (int i = 0; i < 3; i++)
-        vector[i] /= length;
-    return true;
-}
-
-/// Add `weight` times the vector between two vertices.
-static void add_way(const normals_job *job, double weight, uint32_t from, uint32_t to, double sum[3])
-{
-    const double *p = job->positions + 3 * (size_t)from, *q = job->positions + 3 * (size_t)to;
-    for (int i = 0; i < 3; i++)
-        sum[i] += weight * (q[i] - p[i]);
-}
-
-/// The mean normal of the faces around a vertex, weighted by area.
-static void face_normals(const normals_job *job, uint32_t vertex, double normal[3])
-{
-    const mesh_level *level = job->level;
-    uint32_t first = level->links->first[vertex], h = first;
-    double sum[3] = {0};
-    do
-    {
-        double a[3] = {0}, b[3] = {0}, area[3];
-        add_way(job, 1, vertex, mesh_end(level->faces, h), a);
-        add_way(job, 1, vertex, mesh_opposite(level->faces, h), b);
-        vector3_cross(a, b, area);
-        for (int i = 0; i < 3; i++)
-            sum[i] += area[i];
-        h = bat_mesh_next_around(level->links, h);
-    } while (h != BAT_MESH_NONE && h != first);
-    for (int i = 0; i < 3; i++)
-        normal[i] = sum[i];
-}
-
 /// The normal of a smooth vertex, for the double eigenvalue 3/8 + cos(2 pi / n) / 4.
-static void smooth_normal(const normals_job *job, uint32_t vertex, double normal[3])
+static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[3])
 {
     const mesh_level *level = job->level;
-    uint32_t first = level->links->first[vertex], h = first;
-    unsigned valence = 0;
+    uint32_t h = level->links->first[vertex];
+    unsigned valence = valence_of(level->links, vertex);
     double a[3] = {0}, b[3] = {0};
-    do
-    {
-        valence++;
-        h = bat_mesh_next_around(level->links, h);
-    } while (h != first);
     for (unsigned j = 0; j < valence; j++)
     {
         double angle = 2 * PI * j / valence;
-        add_way(job, cos(angle), vertex, mesh_end(level->faces, h), a);
-        add_way(job, sin(angle), vertex, mesh_end(level->faces, h), b);
+        normal_add_way(job, cos(angle), vertex, mesh_end(level->faces, h), a);
+        normal_add_way(job, sin(angle), vertex, mesh_end(level->faces, h), b);
         h = bat_mesh_next_around(level->links, h);
     }
     vector3_cross(a, b, normal);
 }
 
-/// The normal on one side of a crease, of `faces` faces counter-clockwise from a half-edge on the crease. The eigenvalue
-/// along the crease is 1/2; the one across is 3/8 + cos(pi / faces) / 4, or 1/4 for a single face.
-static void side_normal(const normals_job *job, uint32_t half_edge, unsigned faces, double normal[3])
+/// The eigenvalue along the crease is 1/2; the one across is 3/8 + cos(pi / faces) / 4, or 1/4 for a single face.
+static void side_normal(const normal_job *job, uint32_t half_edge, unsigned faces, double normal[3])
 {
     const mesh_level *level = job->level;
     uint32_t vertex = level->faces[half_edge], end = mesh_end(level->faces, half_edge), h = half_edge;
     double angle = PI / faces;
     double side = faces == 1 ? 1 : -sin(angle) * cos(angle) / ((1 - cos(angle)) * (1 + 2 * cos(angle)));
     double along[3] = {0}, across[3] = {0};
-    add_way(job, 1, vertex, end, along);
-    add_way(job, side, vertex, end, across);
+    normal_add_way(job, 1, vertex, end, along);
+    normal_add_way(job, side, vertex, end, across);
     for (unsigned j = 1; j <= faces; j++)
     {
         end = mesh_opposite(level->faces, h);
-        add_way(job, j < faces ? sin(j * angle) : side, vertex, end, across);
+        normal_add_way(job, j < faces ? sin(j * angle) : side, vertex, end, across);
         h = bat_mesh_next_around(level->links, h);
     }
-    add_way(job, -1, vertex, end, along);
+    normal_add_way(job, -1, vertex, end, along);
     vector3_cross(along, across, normal);
 }
 
-/// The number of faces counter-clockwise from a half-edge to the edge that leads to `end`.
-static unsigned faces_to(const mesh_level *level, uint32_t half_edge, uint32_t end)
+static void multiply_dart(unsigned valence, const double *row, double *product)
 {
-    unsigned faces = 1;
-    for (uint32_t h = half_edge; mesh_opposite(level->faces, h) != end; h = bat_mesh_next_around(level->links, h))
-        faces++;
-    return faces;
-}
-
-/// The normal of a vertex on a crease: the mean of both sides. A boundary vertex has one side.
-static void crease_normal(const normals_job *job, uint32_t vertex, const sharp_vertex *sharp, double normal[3])
-{
-    const mesh_level *level = job->level;
-    uint32_t first = level->links->first[vertex];
-    bool boundary = mesh_at_boundary(level->links, first);
-    double sum[3] = {0};
-    for (int s = 0; s < (boundary ? 1 : 2); s++)
+    double ring = loop_ring_weight(valence);
+    const double *from = row + 1;
+    double *to = product + 1;
+    product[0] = row[0] * (1 - valence * ring) + from[0] / 2;
+    for (unsigned i = 0; i < valence; i++)
+        to[i] = row[0] * ring + (i == 0 ? from[0] / 2 : 3.0 / 8 * from[i]);
+    for (unsigned i = 1; i < valence; i++)
     {
-        uint32_t h = first, begin = sharp->ends[s], end = sharp->ends[1 - s];
-        double one[3];
-        while (mesh_end(level->faces, h) != begin)
-            h = bat_mesh_next_around(level->links, h);
-        side_normal(job, h, faces_to(level, h, end), one);
-        (void)normalize(one);
-        for (int i = 0; i < 3; i++)
-            sum[i] += one[i];
-    }
-    for (int i = 0; i < 3; i++)
-        normal[i] = sum[i];
-}
-
-static void normal_range(const void *context, size_t begin, size_t end)
-{
-    const normals_job *job = context;
-    for (uint32_t v = (uint32_t)begin; v < end; v++)
-    {
-        double *normal = job->normals + 3 * (size_t)v;
-        normal[0] = normal[1] = normal[2] = 0;
-        if (job->level->links->first[v] == BAT_MESH_NONE)
-            continue;
-        sharp_vertex sharp;
-        sharpness_around(job->level, v, &sharp, NULL, NULL);
-        if (sharp.kind == SHARP_SMOOTH)
-            smooth_normal(job, v, normal);
-        else if (sharp.kind == SHARP_CREASE)
-            crease_normal(job, v, &sharp, normal);
-        if (normalize(normal))
-            continue;
-        face_normals(job, v, normal);
-        if (!normalize(normal))
-            normal[0] = normal[1] = normal[2] = 0;
+        product[0] += 3.0 / 8 * from[i];
+        to[i - 1] += from[i] / 8;
+        to[(i + 1) % valence] += from[i] / 8;
     }
 }
 
 bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, double *normals, bat_error *error)
 {
+    static const normal_rules RULES = {.smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};
     bat_mesh_connectivity links = {0};
     double *edges = NULL, *vertices = NULL;
+    mesh_level level = {.faces = mesh->faces, .links = &links, .coarse_count = mesh->vertex_count};
     bat_status status = bat_mesh_check(mesh, error);
     if (status == BAT_OK)
         status = bat_mesh_connect(mesh, &links, error);
     if (status == BAT_OK)
-        status = sharpness_of_edges(mesh, &links, 0, &edges, error);
+        status = sharpness_of_edges(&level, mesh, 0, &edges, error);
     if (status == BAT_OK)
-        status = sharpness_of_vertices(mesh, &vertices, error);
+        status = sharpness_of_vertices(&level, mesh, mesh->rules.boundary == BAT_MESH_BOUNDARY_CORNERS, &vertices, error);
     if (status == BAT_OK)
     {
-        mesh_level level = {.faces = mesh->faces,
-                            .links = &links,
-                            .edge_sharpness = edges,
-                            .vertex_sharpness = vertices,
-                            .coarse_count = mesh->vertex_count};
-        normals_job job = {&level, mesh->positions, normals};
-        mesh_share(normal_range, &job, mesh->vertex_count, threads);
+        level.edge_sharpness = edges;
+        level.vertex_sharpness = vertices;
+        status = normals_compute(&level, mesh->positions, &RULES, threads, normals, error);
     }
     bat_mesh_connectivity_free(&links);
     free(edges);

@@ -39,6 +39,9 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
         OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
         OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
         OPTION_FIELD(bat_mesh_refine_options, max_memory, OPTION_SIZE, 0, INFINITY),
+        OPTION_FIELD(bat_mesh_refine_options, rules.boundary, OPTION_CHOICE, 0, BAT_MESH_BOUNDARY_NONE),
+        OPTION_FIELD(bat_mesh_refine_options, rules.creasing, OPTION_CHOICE, 0, BAT_MESH_CREASING_CHAIKIN),
+        OPTION_FIELD(bat_mesh_refine_options, rules.linear, OPTION_CHOICE, 0, BAT_MESH_LINEAR_BOUNDARIES),
         OPTION_THREADS(bat_mesh_refine_options),
     };
     if (options == NULL)
@@ -52,9 +55,9 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
                          bat_mesh_scheme_name(options->then));
     if (options->rule != NULL && (options->rule->levels == 0 || options->rule->refine == NULL))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "rule has no levels or no function");
-    if (options->limit_normals != NULL && (!options->limit || last_scheme(options) != mesh_scheme_of(BAT_MESH_SCHEME_LOOP)))
+    if (options->limit_normals != NULL && (!options->limit || !last_scheme(options)->creases))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "limit_normals need --limit and Loop's scheme at the end");
+                         "limit_normals need --limit and Loop's or Catmull and Clark's scheme at the end");
     return BAT_OK;
 }
 
@@ -62,7 +65,15 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
 {
     const mesh_scheme *last = last_scheme(options);
     if (options->crease_angle > 0 && !last->creases)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only Loop's scheme makes creases");
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "only Loop's and Catmull and Clark's schemes make creases");
+    const bat_mesh_rules *rules = &options->rules;
+    if ((rules->boundary != BAT_MESH_BOUNDARY_AUTO || rules->creasing != BAT_MESH_CREASING_AUTO ||
+         rules->linear != BAT_MESH_LINEAR_AUTO) &&
+        !last->creases)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "the scheme %s has no rules of boundaries, creases and texture; loop and catmull-clark have",
+                         last->choice.name);
     if (!last->turns)
         return BAT_OK;
     if (options->limit)
@@ -71,12 +82,31 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
     return BAT_OK;
 }
 
-bat_status mesh_plan_make(const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error)
+/// The rules of the options, else of the mesh, else the defaults.
+static bat_mesh_rules rules_of(const bat_mesh *coarse, const bat_mesh_refine_options *options)
+{
+    bat_mesh_rules rules = options->rules;
+    if (rules.boundary == BAT_MESH_BOUNDARY_AUTO)
+        rules.boundary = coarse->rules.boundary;
+    if (rules.creasing == BAT_MESH_CREASING_AUTO)
+        rules.creasing = coarse->rules.creasing;
+    if (rules.linear == BAT_MESH_LINEAR_AUTO)
+        rules.linear = coarse->rules.linear;
+    if (rules.boundary == BAT_MESH_BOUNDARY_AUTO || !last_scheme(options)->creases)
+        rules.boundary = BAT_MESH_BOUNDARY_EDGES;
+    if (rules.creasing == BAT_MESH_CREASING_AUTO)
+        rules.creasing = BAT_MESH_CREASING_UNIFORM;
+    if (rules.linear == BAT_MESH_LINEAR_AUTO)
+        rules.linear = BAT_MESH_LINEAR_ALL;
+    return rules;
+}
+
+bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error)
 {
     bat_status status = check_support(options, error);
     if (status != BAT_OK)
         return status;
-    *plan = (mesh_plan){.options = *options};
+    *plan = (mesh_plan){.options = *options, .rules = rules_of(coarse, options)};
     if (mesh_scheme_of(options->scheme)->learned)
         plan->learned_levels = options->levels < options->rule->levels ? options->levels : options->rule->levels;
     plan->limit = options->limit ? last_scheme(options)->limit : NULL;
@@ -91,17 +121,27 @@ const mesh_scheme *mesh_plan_scheme(const mesh_plan *plan, size_t level)
 /// The number of elements of a mesh.
 typedef struct mesh_size
 {
-    uint64_t vertices, edges, faces, boundary_edges;
+    uint64_t vertices, edges, faces, corners, boundary_edges;
 } mesh_size;
 
-static mesh_size size_of(const bat_mesh_connectivity *links)
+static mesh_size size_of(const mesh_sides *sides, const bat_mesh_connectivity *links)
 {
-    return (mesh_size){links->vertex_count, links->edge_count, links->face_count, links->boundary_edge_count};
+    return (mesh_size){links->vertex_count, links->edge_count, links->face_count, sides_corners(sides, links->face_count),
+                       links->boundary_edge_count};
 }
 
+/// The size after a level of a scheme that splits faces in four.
 static mesh_size size_of_split(mesh_size size)
 {
-    return (mesh_size){size.vertices + size.edges, 2 * size.edges + 3 * size.faces, 4 * size.faces, 2 * size.boundary_edges};
+    return (mesh_size){size.vertices + size.edges, 2 * size.edges + 3 * size.faces, 4 * size.faces, 12 * size.faces,
+                       2 * size.boundary_edges};
+}
+
+/// The size after a level of a scheme that makes quads.
+static mesh_size size_of_quads(mesh_size size)
+{
+    return (mesh_size){size.vertices + size.edges + size.faces, 2 * size.edges + size.corners, size.corners,
+                       4 * size.corners, 2 * size.boundary_edges};
 }
 
 /// The size after a level of square-root-three subdivision, with or without a trisection of boundary edges.
@@ -109,14 +149,22 @@ static mesh_size size_of_turned(mesh_size size, bool cut)
 {
     mesh_size made = {.vertices = size.vertices + size.faces + (cut ? size.boundary_edges : 0),
                       .faces = 3 * size.faces,
+                      .corners = 9 * size.faces,
                       .boundary_edges = (cut ? 3 : 1) * size.boundary_edges};
     made.edges = (3 * made.faces + made.boundary_edges) / 2;
     return made;
 }
 
+static mesh_size size_of_next(const mesh_scheme *scheme, mesh_size size, size_t level)
+{
+    if (scheme->polygons)
+        return size_of_quads(size);
+    return scheme->turns ? size_of_turned(size, level % 2 == 1) : size_of_split(size);
+}
+
 static bool is_numbered(mesh_size size)
 {
-    return size.faces <= BAT_MESH_MAX_FACES && size.vertices < BAT_MESH_NONE;
+    return size.corners < BAT_MESH_NONE && size.vertices < BAT_MESH_NONE;
 }
 
 /// What the learned scheme holds for each vertex of a level that it refines: half-flaps, states, features, candidates.
@@ -131,43 +179,53 @@ typedef struct level_size
 /// Bytes of the arrays of a level that become a mesh.
 static double bytes_of_mesh(const bat_mesh *coarse, level_size size)
 {
-    double vertex = (double)(3 + coarse->channel_count) * sizeof(double), face = 3 * sizeof(uint32_t);
-    return vertex * (double)size.mesh.vertices + face * (double)size.mesh.faces +
-           2 * sizeof(double) * (double)size.texture.vertices + face * (double)size.texture.faces;
+    double vertex = (double)(3 + coarse->channel_count) * sizeof(double);
+    return vertex * (double)size.mesh.vertices + 2 * sizeof(double) * (double)size.texture.vertices +
+           sizeof(uint32_t) * (double)(size.mesh.corners + size.texture.corners);
 }
 
 /// Bytes of the connectivity of a level.
 static double bytes_of_links(level_size size)
 {
-    double face = 2 * 3 * sizeof(uint32_t);
-    return face * (double)(size.mesh.faces + size.texture.faces) + sizeof(uint32_t) * (double)size.mesh.vertices;
+    return 2 * sizeof(uint32_t) * (double)(size.mesh.corners + size.texture.corners) +
+           sizeof(uint32_t) * (double)size.mesh.vertices;
+}
+
+/// Bytes that the last level takes beside its mesh.
+static double bytes_of_end(const mesh_plan *plan, const bat_mesh *coarse, level_size size)
+{
+    bool polygons = last_scheme(&plan->options)->polygons;
+    double bytes = 0, vertices = (double)size.mesh.vertices, faces = (double)size.mesh.faces;
+    if (plan->options.limit)
+        bytes += bytes_of_links(size) + 3 * sizeof(double) * vertices;
+    if (plan->options.limit_normals != NULL)
+        bytes += bytes_of_links(size) + 3 * sizeof(double) * vertices;
+    if (plan->rules.boundary == BAT_MESH_BOUNDARY_NONE)
+        bytes += sizeof(uint32_t) * fmax(vertices, (double)size.texture.vertices);
+    if (coarse->face_labels != NULL)
+        bytes += (polygons ? 2.0 : 1.0) * sizeof(uint32_t) * faces;
+    return polygons ? bytes + sizeof(uint32_t) * faces : bytes;
 }
 
 /// The most bytes that a refinement by `levels` levels of known sizes holds at once: two levels, what remains of a third
 /// one, and sharpness.
 static double bytes_of_levels(const mesh_plan *plan, const bat_mesh *coarse, const level_size *sizes, size_t levels)
 {
-    bool limit = plan->options.limit, sharp = coarse->crease_count > 0 || plan->options.crease_angle > 0;
+    bool sharp = coarse->crease_count > 0 || plan->options.crease_angle > 0;
     double most = 0;
     for (size_t level = 0; level < levels; level++)
     {
         level_size before = level > 0 ? sizes[level - 1] : (level_size){{0}, {0}}, now = sizes[level],
                    next = sizes[level + 1];
-        bool last = level + 1 == levels;
-        double bytes = bytes_of_links(before) + 3 * sizeof(uint32_t) * (double)before.mesh.faces +
-                       bytes_of_mesh(coarse, now) + bytes_of_links(now) + bytes_of_mesh(coarse, next);
-        if (!last || limit)
-            bytes += bytes_of_links(next);
-        if (last && limit)
-            bytes += 3 * sizeof(double) * (double)next.mesh.vertices;
-        if (last && plan->options.limit_normals != NULL)
-            bytes += bytes_of_links(next) + 3 * sizeof(double) * (double)next.mesh.vertices;
+        double bytes = bytes_of_links(before) + sizeof(uint32_t) * (double)before.mesh.corners + bytes_of_mesh(coarse, now) +
+                       bytes_of_links(now) + bytes_of_mesh(coarse, next);
+        bytes += level + 1 < levels ? bytes_of_links(next) : bytes_of_end(plan, coarse, next);
         if (level < plan->learned_levels)
             bytes += LEARNED_VERTEX_BYTES * (double)now.mesh.vertices + 3 * sizeof(double) * (double)next.mesh.vertices;
         if (sharp)
             bytes += sizeof(double) * (double)(now.mesh.edges + next.mesh.edges);
-        if (coarse->face_labels != NULL)
-            bytes += sizeof(uint32_t) * (double)next.mesh.faces;
+        if (sharp && plan->rules.creasing == BAT_MESH_CREASING_CHAIKIN)
+            bytes += sizeof(double) * (double)now.mesh.corners;
         most = fmax(most, bytes);
     }
     return most;
@@ -193,16 +251,19 @@ static bat_status check_memory(const mesh_plan *plan, const bat_mesh *coarse, co
                      given > 0 ? "of --max-memory" : "available", fitting);
 }
 
-bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const bat_mesh_connectivity *links,
-                                const bat_mesh_connectivity *texture_links, bat_error *error)
+bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const mesh_sides *sides,
+                                const bat_mesh_connectivity *links, const bat_mesh_connectivity *texture_links,
+                                bat_error *error)
 {
-    mesh_size mesh = size_of(links), texture = size_of(texture_links);
+    mesh_size mesh = size_of(sides, links), texture = {0};
+    if (texture_links->face_count > 0)
+        texture = size_of(sides, texture_links);
     level_size sizes[MAX_LEVELS + 1] = {{mesh, texture}};
     for (size_t level = 0; level < plan->options.levels; level++)
     {
-        bool turned = mesh_plan_scheme(plan, level)->turns;
-        mesh = turned ? size_of_turned(mesh, level % 2 == 1) : size_of_split(mesh);
-        texture = size_of_split(texture);
+        const mesh_scheme *scheme = mesh_plan_scheme(plan, level);
+        mesh = size_of_next(scheme, mesh, level);
+        texture = size_of_next(scheme, texture, 0);
         if (!is_numbered(mesh) || !is_numbered(texture))
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
                              "level %zu of %zu has more faces or vertices than 32-bit indices can number: the mesh has %zu "

@@ -2,12 +2,17 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/check.h"
 #include "mesh/labels.h"
-#include "mesh/refine/level.h"
+#include "mesh/polygon/polygon.h"
+#include "mesh/refine/catmull_clark.h"
+#include "mesh/refine/leave_out.h"
 #include "mesh/refine/plan.h"
+#include "mesh/refine/quads.h"
 #include "mesh/refine/sharpness.h"
 #include "mesh/refine/split.h"
 #include "mesh/refine/sqrt3.h"
+#include "mesh/refine/texture.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,16 +21,17 @@
 /// Refinement of a mesh level by level: positions, channels, texture, creases and corners.
 ///
 /// Vertices keep their indices. The schemes that split faces in four number the new vertices by edge, so the next level's
-/// connectivity follows by arithmetic (see split.h). Square-root-three subdivision numbers them by face.
+/// connectivity follows by arithmetic (see split.h, and quads.h for Catmull and Clark's scheme). Square-root-three
+/// subdivision numbers them by face. Meshes of polygons have the form of polygon_mesh_view().
 
 /// Find the connectivity of a mesh's texture. Two faces are neighbours where they share an edge of the mesh and both of its
 /// texture coordinates. Edges that separate faces only in the texture are seams; they are boundary edges of the texture.
 /// `first` remains null.
 /// @return BAT_OK or BAT_NO_MEMORY; `seams` is untouched on failure
-static bat_status connect_seams(const bat_mesh *mesh, const bat_mesh_connectivity *links, bat_mesh_connectivity *seams,
-                                bat_error *error)
+static bat_status connect_seams(const bat_mesh *mesh, const mesh_sides *sides, const bat_mesh_connectivity *links,
+                                bat_mesh_connectivity *seams, bat_error *error)
 {
-    size_t half_edges = 3 * mesh->face_count;
+    size_t half_edges = sides_corners(sides, mesh->face_count);
     bat_mesh_connectivity made = {
         .twin = memory_array(half_edges, sizeof *made.twin),
         .edge = memory_array(half_edges, sizeof *made.edge),
@@ -42,7 +48,8 @@ static bat_status connect_seams(const bat_mesh *mesh, const bat_mesh_connectivit
     for (uint32_t h = 0; h < half_edges; h++)
     {
         uint32_t twin = links->twin[h];
-        bool joined = twin != BAT_MESH_NONE && corner[h] == mesh_end(corner, twin) && corner[twin] == mesh_end(corner, h);
+        bool joined = twin != BAT_MESH_NONE && corner[h] == corner[sides_next(sides, twin)] &&
+                      corner[twin] == corner[sides_next(sides, h)];
         made.twin[h] = joined ? twin : BAT_MESH_NONE;
         made.edge[h] = mesh_owns(made.twin, h) ? edges++ : made.edge[twin];
         made.boundary_edge_count += !joined;
@@ -56,10 +63,12 @@ static bat_status connect_seams(const bat_mesh *mesh, const bat_mesh_connectivit
 typedef struct refined_level
 {
     bat_mesh mesh; ///< without channel names, creases and corners
+    mesh_sides sides;
     bat_mesh_connectivity links;
     bool borrowed; ///< the arrays of `mesh` and `links` belong to the caller
     bat_mesh_connectivity texture_links;
-    double *edge_sharpness; ///< null: no edge is sharp
+    double *edge_sharpness;  ///< null: no edge is sharp
+    double *child_sharpness; ///< as in mesh_level
 } refined_level;
 
 /// The state of a refinement.
@@ -86,13 +95,16 @@ static void refined_level_free(refined_level *held)
     }
     bat_mesh_connectivity_free(&held->texture_links);
     free(held->edge_sharpness);
+    free(held->child_sharpness);
 }
 
 static mesh_level level_of(const refinement *work)
 {
     return (mesh_level){.faces = work->now.mesh.faces,
+                        .sides = work->now.sides,
                         .links = &work->now.links,
                         .edge_sharpness = work->now.edge_sharpness,
+                        .child_sharpness = work->now.child_sharpness,
                         .vertex_sharpness = work->vertex_sharpness,
                         .irregular = work->irregular,
                         .coarse_count = work->coarse->vertex_count,
@@ -138,64 +150,99 @@ static bat_status refine_rows(const refinement *work, mesh_rule *rule, const dou
     return BAT_OK;
 }
 
-/// Split the texture faces. Seams are boundaries; new texture coordinates are midpoints of edges.
-static bat_status split_texture(const refinement *work, bool last, refined_level *next, bat_error *error)
+/// Whether a scheme refines the texture by a smooth rule.
+static bool is_smooth_texture(const refinement *work, const mesh_scheme *scheme)
+{
+    return scheme->creases && work->plan->rules.linear != BAT_MESH_LINEAR_ALL;
+}
+
+/// Split the texture faces. Seams are boundaries.
+static bat_status split_texture(const refinement *work, const mesh_scheme *scheme, bool last, refined_level *next,
+                                bat_error *error)
 {
     const refined_level *now = &work->now;
     int threads = work->plan->options.threads;
     const bat_mesh_connectivity *links = &now->texture_links;
-    size_t count = links->vertex_count + links->edge_count;
+    size_t count = links->vertex_count + links->edge_count + (scheme->polygons ? links->face_count : 0);
+    size_t corners = sides_corners(&next->sides, next->mesh.face_count);
     next->mesh.texture_count = count;
     next->mesh.texture = memory_array(count, 2 * sizeof *next->mesh.texture);
-    next->mesh.texture_faces = memory_array(next->mesh.face_count, 3 * sizeof *next->mesh.texture_faces);
+    next->mesh.texture_faces = memory_array(corners, sizeof *next->mesh.texture_faces);
     if (next->mesh.texture == NULL || next->mesh.texture_faces == NULL)
-        return error_memory(error, next->mesh.face_count * 3 * sizeof *next->mesh.texture_faces);
-    mesh_level level = {.faces = now->mesh.texture_faces, .links = links};
-    mesh_rows rows = {&level, now->mesh.texture, next->mesh.texture, 2};
-    midpoint_rule(&rows, threads);
-    split_faces(now->mesh.texture_faces, links, threads, next->mesh.texture_faces);
-    return last ? BAT_OK : split_links(links, threads, &next->texture_links, error);
+        return error_memory(error, corners * sizeof *next->mesh.texture_faces);
+    mesh_level mesh = level_of(work), level = {.faces = now->mesh.texture_faces, .sides = now->sides, .links = links};
+    if (is_smooth_texture(work, scheme))
+    {
+        texture_rows rows = {
+            &mesh,          links,           level.faces, now->mesh.texture, next->mesh.texture, work->plan->rules.linear,
+            scheme->smooth, scheme->polygons};
+        bat_status status = texture_rule(&rows, error);
+        if (status != BAT_OK)
+            return status;
+    }
+    else
+    {
+        mesh_rows rows = {&level, now->mesh.texture, next->mesh.texture, 2};
+        if (scheme->polygons)
+            catmull_clark_linear_rule(&rows, threads);
+        else
+            midpoint_rule(&rows, threads);
+    }
+    if (scheme->polygons)
+        quads_faces(&now->sides, level.faces, links, threads, next->mesh.texture_faces);
+    else
+        split_faces(level.faces, links, threads, next->mesh.texture_faces);
+    if (last)
+        return BAT_OK;
+    return scheme->polygons ? quads_links(&now->sides, links, threads, &next->texture_links, error)
+                            : split_links(links, threads, &next->texture_links, error);
 }
 
 /// Split faces, texture and sharpness. With `last` skip the data that only a further level needs.
-static bat_status split_level(const refinement *work, bool last, refined_level *next, bat_error *error)
+static bat_status split_level(const refinement *work, const mesh_scheme *scheme, bool last, refined_level *next,
+                              bat_error *error)
 {
     const refined_level *now = &work->now;
     int threads = work->plan->options.threads;
-    next->mesh.face_count = 4 * now->mesh.face_count;
-    next->mesh.faces = memory_array(next->mesh.face_count, 3 * sizeof *next->mesh.faces);
+    mesh_level level = level_of(work);
+    next->sides.quads = scheme->polygons;
+    next->mesh.face_count = scheme->polygons ? sides_corners(&now->sides, now->mesh.face_count) : 4 * now->mesh.face_count;
+    size_t corners = sides_corners(&next->sides, next->mesh.face_count);
+    next->mesh.faces = memory_array(corners, sizeof *next->mesh.faces);
     if (next->mesh.faces == NULL)
-        return error_memory(error, next->mesh.face_count * 3 * sizeof *next->mesh.faces);
-    split_faces(now->mesh.faces, &now->links, threads, next->mesh.faces);
+        return error_memory(error, corners * sizeof *next->mesh.faces);
+    if (scheme->polygons)
+        quads_faces(&now->sides, now->mesh.faces, &now->links, threads, next->mesh.faces);
+    else
+        split_faces(now->mesh.faces, &now->links, threads, next->mesh.faces);
     bat_status status = BAT_OK;
     if (now->mesh.texture_faces != NULL)
-        status = split_texture(work, last, next, error);
+        status = split_texture(work, scheme, last, next, error);
     if (status == BAT_OK && (!last || work->plan->limit != NULL))
-        status = split_links(&now->links, threads, &next->links, error);
+        status = scheme->polygons ? quads_links(&now->sides, &now->links, threads, &next->links, error)
+                                  : split_links(&now->links, threads, &next->links, error);
     if (status == BAT_OK && now->edge_sharpness != NULL && next->links.edge != NULL)
-        status = sharpness_split(now->edge_sharpness, &now->links, &next->links, &next->edge_sharpness, error);
+        status = sharpness_split(&level, &next->links, &next->edge_sharpness, error);
     if (status == BAT_OK && last)
-    {
-        mesh_level level = level_of(work);
         status = sharpness_write(&level, &next->mesh, error);
-    }
     return status;
 }
 
-/// One level of a scheme that splits faces in four. On a learned level learn_positions() computes the positions later, and
+/// One level of a scheme that splits faces. On a learned level learn_positions() computes the positions later, and
 /// channels are interpolated linearly.
 static bat_status split_step(const refinement *work, const mesh_scheme *scheme, bool last, refined_level *next,
                              bat_error *error)
 {
     const bat_mesh *mesh = &work->now.mesh;
-    size_t count = work->now.links.vertex_count + work->now.links.edge_count;
+    const bat_mesh_connectivity *links = &work->now.links;
+    size_t count = links->vertex_count + links->edge_count + (scheme->polygons ? links->face_count : 0);
     next->mesh.vertex_count = count;
     bat_status status = BAT_OK;
     if (!scheme->learned)
         status = refine_rows(work, scheme->rule, mesh->positions, 3, count, &next->mesh.positions, error);
     if (status == BAT_OK && mesh->channel_count > 0)
         status = refine_rows(work, scheme->rule, mesh->channels, mesh->channel_count, count, &next->mesh.channels, error);
-    return status == BAT_OK ? split_level(work, last, next, error) : status;
+    return status == BAT_OK ? split_level(work, scheme, last, next, error) : status;
 }
 
 /// One level of square-root-three subdivision, number `level`.
@@ -267,8 +314,9 @@ static void advance(refinement *work, refined_level *next, bool keep)
         return;
     }
     free(before->edge_sharpness);
+    free(before->child_sharpness);
     bat_mesh_connectivity_free(&before->texture_links);
-    before->edge_sharpness = NULL;
+    before->edge_sharpness = before->child_sharpness = NULL;
     if (!before->borrowed)
     {
         bat_mesh kept = {.faces = before->mesh.faces, .face_count = before->mesh.face_count};
@@ -277,6 +325,7 @@ static void advance(refinement *work, refined_level *next, bool keep)
         before->mesh = kept;
     }
     work->parent.faces = before->mesh.faces;
+    work->parent.sides = before->sides;
     work->parent.links = &before->links;
 }
 
@@ -286,8 +335,14 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
     const mesh_scheme *scheme = mesh_plan_scheme(plan, level);
     bool last = level + 1 == plan->options.levels;
     refined_level next = {.mesh.channel_count = work->coarse->channel_count};
-    bat_status status =
-        scheme->turns ? sqrt3_step(work, level, last, &next, error) : split_step(work, scheme, last, &next, error);
+    bat_status status = BAT_OK;
+    if (plan->rules.creasing == BAT_MESH_CREASING_CHAIKIN)
+    {
+        mesh_level now = level_of(work);
+        status = sharpness_chaikin(&now, &work->now.child_sharpness, error);
+    }
+    if (status == BAT_OK)
+        status = scheme->turns ? sqrt3_step(work, level, last, &next, error) : split_step(work, scheme, last, &next, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)
         status = learn_positions(work, &next, error);
     if (status != BAT_OK)
@@ -300,19 +355,49 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
     return BAT_OK;
 }
 
+/// What a refined mesh says about its further refinement: what was asked of it. Faces at a boundary are left out once.
+static bat_mesh_rules fine_rules(const bat_mesh *coarse, const mesh_plan *plan)
+{
+    bat_mesh_rules rules = coarse->rules;
+    if (plan->options.rules.boundary != BAT_MESH_BOUNDARY_AUTO)
+        rules.boundary = plan->options.rules.boundary;
+    if (plan->options.rules.creasing != BAT_MESH_CREASING_AUTO)
+        rules.creasing = plan->options.rules.creasing;
+    if (plan->options.rules.linear != BAT_MESH_LINEAR_AUTO)
+        rules.linear = plan->options.rules.linear;
+    if (plan->rules.boundary == BAT_MESH_BOUNDARY_NONE)
+        rules.boundary = BAT_MESH_BOUNDARY_AUTO;
+    return rules;
+}
+
+/// Compute the normals of the limit surface at the vertices of the last level.
+static bat_status find_normals(refinement *work, bat_error *error)
+{
+    int threads = work->plan->options.threads;
+    bat_mesh view = work->now.mesh;
+    view.rules = fine_rules(work->coarse, work->plan);
+    work->normals = memory_array(view.vertex_count, 3 * sizeof *work->normals);
+    if (work->normals == NULL)
+        return error_memory(error, view.vertex_count * 3 * sizeof *work->normals);
+    if (!mesh_plan_scheme(work->plan, work->plan->options.levels)->polygons)
+        return bat_mesh_limit_normals(&view, threads, work->normals, error);
+    const mesh_sides *sides = &work->now.sides;
+    uint32_t *made = sides->offsets == NULL ? polygon_offsets(view.face_count, 4) : NULL;
+    if (sides->offsets == NULL && made == NULL)
+        return error_memory(error, (view.face_count + 1) * sizeof *made);
+    bat_polygon_mesh polygons = polygon_mesh_from_view(&view, made != NULL ? made : (uint32_t *)(uintptr_t)sides->offsets);
+    bat_status status = bat_polygon_mesh_limit_normals(&polygons, threads, work->normals, error);
+    free(made);
+    return status;
+}
+
 /// Move the vertices of the last level to their limit positions.
 static bat_status move_to_limit(refinement *work, bat_error *error)
 {
     bat_mesh *mesh = &work->now.mesh;
-    if (work->plan->options.limit_normals != NULL)
-    {
-        work->normals = memory_array(mesh->vertex_count, 3 * sizeof *work->normals);
-        if (work->normals == NULL)
-            return error_memory(error, mesh->vertex_count * 3 * sizeof *work->normals);
-        bat_status status = bat_mesh_limit_normals(mesh, work->plan->options.threads, work->normals, error);
-        if (status != BAT_OK)
-            return status;
-    }
+    bat_status status = work->plan->options.limit_normals != NULL ? find_normals(work, error) : BAT_OK;
+    if (status != BAT_OK)
+        return status;
     double *moved = memory_array(mesh->vertex_count, 3 * sizeof *moved);
     if (moved == NULL)
         return error_memory(error, mesh->vertex_count * 3 * sizeof *moved);
@@ -327,15 +412,18 @@ static bat_status move_to_limit(refinement *work, bat_error *error)
 static bat_status prepare(refinement *work, bat_error *error)
 {
     const bat_mesh *coarse = work->coarse;
+    mesh_level level = {.faces = coarse->faces, .sides = work->now.sides, .links = work->links};
+    bool corners = work->plan->rules.boundary == BAT_MESH_BOUNDARY_CORNERS;
     bat_status status =
-        sharpness_of_edges(coarse, &work->now.links, work->plan->options.crease_angle, &work->now.edge_sharpness, error);
+        sharpness_of_edges(&level, coarse, work->plan->options.crease_angle, &work->now.edge_sharpness, error);
     if (status == BAT_OK)
-        status = sharpness_of_vertices(coarse, &work->vertex_sharpness, error);
+        status = sharpness_of_vertices(&level, coarse, corners, &work->vertex_sharpness, error);
     if (status == BAT_OK && coarse->texture_faces != NULL)
-        status = connect_seams(coarse, work->links, &work->now.texture_links, error);
+        status = connect_seams(coarse, &level.sides, work->links, &work->now.texture_links, error);
     if (status == BAT_OK)
-        status = mesh_plan_check_size(work->plan, coarse, work->links, &work->now.texture_links, error);
-    return status == BAT_OK ? find_irregular(work, error) : status;
+        status = mesh_plan_check_size(work->plan, coarse, &level.sides, work->links, &work->now.texture_links, error);
+    bool triangles = !level.sides.quads && level.sides.offsets == NULL;
+    return status == BAT_OK && triangles ? find_irregular(work, error) : status;
 }
 
 static bat_status run_levels(refinement *work, bat_error *error)
@@ -372,23 +460,60 @@ static void give_normals(refinement *work)
     work->normals = NULL;
 }
 
+/// Give the faces of the last level the labels of the coarse faces that they come from. The children of a face, or of a
+/// corner, follow each other.
+static bat_status carry_labels(refinement *work, const mesh_sides *coarse_sides, bat_error *error)
+{
+    const bat_mesh *coarse = work->coarse;
+    bat_mesh *fine = &work->now.mesh;
+    uint32_t *sources = NULL;
+    if (coarse->face_labels != NULL && work->now.sides.quads)
+    {
+        size_t each = fine->face_count / sides_corners(coarse_sides, coarse->face_count);
+        sources = memory_array(fine->face_count, sizeof *sources);
+        if (sources == NULL)
+            return error_memory(error, fine->face_count * sizeof *sources);
+        for (size_t f = 0; f < fine->face_count; f++)
+            sources[f] = sides_face(coarse_sides, (uint32_t)(f / each));
+    }
+    bat_status status = mesh_labels_carry(coarse, sources, fine->face_count / coarse->face_count, fine, error);
+    free(sources);
+    return status;
+}
+
+/// Leave out the faces at the boundary of the coarse mesh, if the rules say so.
+static bat_status leave_out(refinement *work, const mesh_sides *coarse_sides, bat_error *error)
+{
+    const mesh_plan *plan = work->plan;
+    if (plan->rules.boundary != BAT_MESH_BOUNDARY_NONE || work->links->boundary_edge_count == 0)
+        return BAT_OK;
+    mesh_level level = {.faces = work->coarse->faces, .sides = *coarse_sides, .links = work->links};
+    return leave_out_boundary(&level, work->coarse, plan->options.levels, &work->now.sides, &work->now.mesh, work->normals,
+                              error);
+}
+
 /// Refine a mesh with known connectivity.
-static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
-                                   bat_mesh *fine, size_t *fallback, bat_error *error)
+static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_connectivity *links,
+                                   const mesh_plan *plan, bat_mesh *fine, size_t *fallback, bat_error *error)
 {
     refinement work = {.coarse = coarse,
                        .plan = plan,
                        .links = links,
-                       .now = {.mesh = *coarse, .links = *links, .borrowed = true},
+                       .now = {.mesh = *coarse, .sides = *sides, .links = *links, .borrowed = true},
                        .fallback = fallback};
     bat_status status = prepare(&work, error);
     if (status == BAT_OK)
         status = run_levels(&work, error);
     if (status == BAT_OK)
+        status = carry_labels(&work, sides, error);
+    if (status == BAT_OK)
+        status = leave_out(&work, sides, error);
+    if (status == BAT_OK)
         status = copy_names(coarse, &work.now.mesh, error);
     if (status == BAT_OK)
     {
         *fine = work.now.mesh;
+        fine->rules = fine_rules(coarse, plan);
         work.now.mesh = (bat_mesh){0};
         give_normals(&work);
     }
@@ -401,13 +526,14 @@ static bat_status refine_connected(const bat_mesh *coarse, const bat_mesh_connec
 }
 
 /// The result for zero levels: a copy, moved to the limit surface if the options ask for it.
-static bat_status refine_copy(const bat_mesh *coarse, const bat_mesh_connectivity *links, const mesh_plan *plan,
-                              bat_mesh *fine, bat_error *error)
+static bat_status refine_copy(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_connectivity *links,
+                              const mesh_plan *plan, bat_mesh *fine, bat_error *error)
 {
-    refinement work = {.coarse = coarse, .plan = plan, .links = links, .now = {.links = *links, .borrowed = true}};
+    refinement work = {
+        .coarse = coarse, .plan = plan, .links = links, .now = {.sides = *sides, .links = *links, .borrowed = true}};
     bat_status status = prepare(&work, error);
     if (status == BAT_OK)
-        status = bat_mesh_copy(coarse, &work.now.mesh, error);
+        status = mesh_copy_corners(coarse, sides_corners(sides, coarse->face_count), &work.now.mesh, error);
     if (status == BAT_OK && plan->limit != NULL)
         status = move_to_limit(&work, error);
     if (status == BAT_OK)
@@ -434,29 +560,50 @@ static bat_mesh without_edges(const bat_mesh *coarse)
     plain.creases = NULL;
     plain.corners = NULL;
     plain.texture_count = plain.crease_count = plain.corner_count = 0;
+    plain.rules = (bat_mesh_rules){0};
     return plain;
 }
 
-/// Refine a checked mesh by complete options.
+/// Refine a checked mesh by a complete plan.
+static bat_status refine_planned(const bat_mesh *coarse, const mesh_sides *sides, const mesh_plan *plan, bat_mesh *fine,
+                                 size_t *fallback, bat_error *error)
+{
+    bat_mesh_connectivity links = {0};
+    bat_mesh separate = *coarse;
+    separate.texture = NULL;
+    separate.texture_faces = NULL;
+    size_t corners = sides_corners(sides, coarse->face_count);
+    bool smooth = coarse->texture_faces != NULL && plan->rules.linear != BAT_MESH_LINEAR_ALL;
+    bat_status status = sides_connect(sides, coarse->faces, coarse->face_count, coarse->vertex_count, &links, error);
+    if (status == BAT_OK && smooth)
+        status =
+            texture_separate(coarse, corners, &separate.texture, &separate.texture_count, &separate.texture_faces, error);
+    const bat_mesh *whole = smooth ? &separate : coarse;
+    if (status == BAT_OK && plan->options.levels > 0)
+        status = refine_connected(whole, sides, &links, plan, fine, fallback, error);
+    else if (status == BAT_OK)
+        status = refine_copy(whole, sides, &links, plan, fine, error);
+    free(separate.texture);
+    free(separate.texture_faces);
+    bat_mesh_connectivity_free(&links);
+    return status;
+}
+
+/// Refine a checked triangle mesh by complete options.
 static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                  size_t *fallback, bat_error *error)
 {
     mesh_plan plan;
-    bat_mesh plain;
-    bat_mesh_connectivity links = {0};
-    bat_status status = mesh_plan_make(options, &plan, error);
-    if (status == BAT_OK && plan.options.scheme == BAT_MESH_SCHEME_SQRT3)
-    {
-        plain = without_edges(coarse);
-        coarse = &plain;
-    }
+    mesh_sides sides = {0};
+    bat_mesh plain = without_edges(coarse);
+    if (mesh_scheme_of(options->scheme)->polygons)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "the scheme %s makes quads: bat_polygon_mesh_refine() returns them",
+                         bat_mesh_scheme_name(options->scheme));
+    bat_status status = mesh_plan_make(coarse, options, &plan, error);
     if (status == BAT_OK)
-        status = bat_mesh_connect(coarse, &links, error);
-    if (status == BAT_OK && options->levels > 0)
-        status = refine_connected(coarse, &links, &plan, fine, fallback, error);
-    else if (status == BAT_OK)
-        status = refine_copy(coarse, &links, &plan, fine, error);
-    bat_mesh_connectivity_free(&links);
+        status = refine_planned(plan.options.scheme == BAT_MESH_SCHEME_SQRT3 ? &plain : coarse, &sides, &plan, fine,
+                                fallback, error);
     return status;
 }
 
@@ -483,8 +630,6 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = refine_checked(coarse, &how, &made, &fallbacks, error);
     bat_mesh_model_free(model);
-    if (status == BAT_OK && how.levels > 0) // the children of a face follow each other
-        status = mesh_labels_carry(coarse, NULL, made.face_count / coarse->face_count, &made, error);
     if (status != BAT_OK)
     {
         free(normals);
@@ -496,5 +641,88 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     *fine = made;
     if (fallback != NULL)
         *fallback = fallbacks;
+    return BAT_OK;
+}
+
+/// Refine a checked polygon mesh into quads by checked options.
+static bat_status refine_polygons(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
+                                  bat_polygon_mesh *fine, bat_error *error)
+{
+    mesh_plan plan;
+    bat_mesh view = polygon_mesh_view(coarse), made = {0};
+    uint32_t *face_of = polygon_faces_of_corners(coarse), *offsets = NULL;
+    mesh_sides sides = {.offsets = coarse->offsets, .face = face_of};
+    if (face_of == NULL)
+        return error_memory(error, coarse->offsets[coarse->face_count] * sizeof *face_of);
+    bat_status status = mesh_plan_make(&view, options, &plan, error);
+    if (status == BAT_OK)
+        status = refine_planned(&view, &sides, &plan, &made, NULL, error);
+    free(face_of);
+    if (status != BAT_OK)
+        return status;
+    if (options->levels > 0)
+        offsets = polygon_offsets(made.face_count, 4);
+    else
+        offsets = polygon_copy_offsets(coarse);
+    if (offsets == NULL)
+    {
+        bat_mesh_free(&made);
+        return error_memory(error, (made.face_count + 1) * sizeof *offsets);
+    }
+    *fine = polygon_mesh_from_view(&made, offsets);
+    return BAT_OK;
+}
+
+/// Refine a checked polygon mesh by a scheme for triangles, which all faces must be.
+static bat_status refine_triangles(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
+                                   bat_polygon_mesh *fine, size_t *fallback, bat_error *error)
+{
+    bat_mesh view = polygon_mesh_view(coarse), made;
+    for (size_t f = 0; f < coarse->face_count; f++)
+        if (coarse->offsets[f + 1] - coarse->offsets[f] != 3)
+            return error_set(error, BAT_UNSUPPORTED, f, 0,
+                             "face %zu has %u corners, but the scheme %s refines triangles: --triangulate cuts polygons "
+                             "into triangles, and --scheme catmull-clark refines them as they are",
+                             f, coarse->offsets[f + 1] - coarse->offsets[f], bat_mesh_scheme_name(options->scheme));
+    bat_status status = bat_mesh_refine(&view, options, &made, fallback, error);
+    if (status != BAT_OK)
+        return status;
+    uint32_t *offsets = polygon_offsets(made.face_count, 3);
+    if (offsets == NULL)
+    {
+        bat_mesh_free(&made);
+        return error_memory(error, (made.face_count + 1) * sizeof *offsets);
+    }
+    *fine = polygon_mesh_from_view(&made, offsets);
+    return BAT_OK;
+}
+
+bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
+                                   bat_polygon_mesh *fine, size_t *fallback, bat_error *error)
+{
+    bat_mesh_refine_options how = options != NULL ? *options : bat_mesh_refine_defaults();
+    double *normals = NULL;
+    if (options == NULL)
+        how.scheme = BAT_MESH_SCHEME_CATMULL_CLARK;
+    if (how.limit_normals != NULL)
+        how.limit_normals = &normals;
+    bool quads = false;
+    bat_status status = bat_polygon_mesh_check(coarse, error);
+    if (status == BAT_OK)
+        status = bat_mesh_refine_options_check(&how, error);
+    if (status == BAT_OK)
+    {
+        quads = mesh_scheme_of(how.scheme)->polygons;
+        status = quads ? refine_polygons(coarse, &how, fine, error) : refine_triangles(coarse, &how, fine, fallback, error);
+    }
+    if (status != BAT_OK)
+    {
+        free(normals);
+        return status;
+    }
+    if (quads && fallback != NULL)
+        *fallback = 0;
+    if (how.limit_normals != NULL)
+        *options->limit_normals = normals;
     return BAT_OK;
 }

@@ -1,5 +1,6 @@
 #include "mesh/refine/scheme.h"
 
+#include "mesh/refine/catmull_clark.h"
 #include "mesh/refine/loop.h"
 
 static const mesh_scheme SCHEMES[] = {
@@ -14,7 +15,16 @@ static const mesh_scheme SCHEMES[] = {
      .rule = loop_rule,
      .limit = loop_limit,
      .continues = true,
-     .creases = true},
+     .creases = true,
+     .smooth = loop_smooth_mask},
+    {.choice = {.name = "catmull-clark",
+                .summary = "Catmull and Clark's scheme, smooth, for quads and other polygons; quads come out",
+                .value = BAT_MESH_SCHEME_CATMULL_CLARK},
+     .rule = catmull_clark_rule,
+     .limit = catmull_clark_limit,
+     .creases = true,
+     .polygons = true,
+     .smooth = catmull_clark_smooth_mask},
     {.choice = {.name = "butterfly",
                 .summary = "the modified butterfly, through all vertices",
                 .value = BAT_MESH_SCHEME_BUTTERFLY},

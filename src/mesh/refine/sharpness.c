@@ -12,56 +12,61 @@
 /// Sharpness of edges and vertices: from creases, corners and angles, through the levels, and back to creases and corners.
 
 /// A half-edge between two vertices, in either direction; BAT_MESH_NONE when they are not neighbours.
-static uint32_t find_half_edge(const bat_mesh *mesh, const bat_mesh_connectivity *links, uint32_t a, uint32_t b)
+static uint32_t find_half_edge(const mesh_level *level, uint32_t a, uint32_t b)
 {
-    uint32_t first = links->first[a], h = first;
+    uint32_t first = level->links->first[a], h = first;
     while (h != BAT_MESH_NONE)
     {
-        if (mesh_end(mesh->faces, h) == b)
+        uint32_t previous = sides_previous(&level->sides, h);
+        if (level->faces[sides_next(&level->sides, h)] == b)
             return h;
-        if (mesh_opposite(mesh->faces, h) == b)
-            return bat_mesh_previous(h);
-        h = bat_mesh_next_around(links, h);
+        if (level->faces[previous] == b)
+            return previous;
+        h = level->links->twin[previous];
         if (h == first)
             break;
     }
     return BAT_MESH_NONE;
 }
 
-static bat_status take_creases(const bat_mesh *mesh, const bat_mesh_connectivity *links, double *sharpness, bat_error *error)
+static bat_status take_creases(const mesh_level *level, const bat_mesh *mesh, double *sharpness, bat_error *error)
 {
     for (size_t i = 0; i < mesh->crease_count; i++)
     {
         const bat_mesh_crease *crease = &mesh->creases[i];
-        uint32_t h = find_half_edge(mesh, links, crease->a, crease->b);
+        uint32_t h = find_half_edge(level, crease->a, crease->b);
         if (h == BAT_MESH_NONE)
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "crease %zu joins vertices %u and %u, which are not an edge",
                              i, crease->a, crease->b);
-        double *edge = &sharpness[links->edge[h]];
+        double *edge = &sharpness[level->links->edge[h]];
         *edge = fmax(*edge, crease->sharpness);
     }
     return BAT_OK;
 }
 
-/// The normal of a face, with twice its area as length.
-static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
+/// The normal of a face, with twice its area as length: Newell's sum of the triangles from the first corner.
+static void face_normal(const mesh_level *level, const double *positions, uint32_t face, double normal[3])
 {
-    const uint32_t *corner = mesh->faces + 3 * face;
-    const double *p = mesh->positions + 3 * (size_t)corner[0], *q = mesh->positions + 3 * (size_t)corner[1],
-                 *r = mesh->positions + 3 * (size_t)corner[2];
-    for (int i = 0; i < 3; i++)
+    uint32_t begin = sides_begin(&level->sides, face), end = sides_begin(&level->sides, face + 1);
+    const double *p = positions + 3 * (size_t)level->faces[begin];
+    normal[0] = normal[1] = normal[2] = 0;
+    for (uint32_t c = begin + 1; c + 1 < end; c++)
     {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        normal[i] = (q[j] - p[j]) * (r[k] - p[k]) - (q[k] - p[k]) * (r[j] - p[j]);
+        const double *q = positions + 3 * (size_t)level->faces[c], *r = positions + 3 * (size_t)level->faces[c + 1];
+        for (int i = 0; i < 3; i++)
+        {
+            int j = (i + 1) % 3, k = (i + 2) % 3;
+            normal[i] += (q[j] - p[j]) * (r[k] - p[k]) - (q[k] - p[k]) * (r[j] - p[j]);
+        }
     }
 }
 
 /// The angle between the normals of two faces, 0 to pi; 0 where a face has no area.
-static double angle_between_faces(const bat_mesh *mesh, size_t f, size_t g)
+static double angle_between_faces(const mesh_level *level, const double *positions, uint32_t f, uint32_t g)
 {
     double m[3], n[3], cross = 0, dot = 0;
-    face_normal(mesh, f, m);
-    face_normal(mesh, g, n);
+    face_normal(level, positions, f, m);
+    face_normal(level, positions, g, n);
     for (int i = 0; i < 3; i++)
     {
         int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -72,12 +77,15 @@ static double angle_between_faces(const bat_mesh *mesh, size_t f, size_t g)
     return atan2(sqrt(cross), dot);
 }
 
-static void take_angles(const bat_mesh *mesh, const bat_mesh_connectivity *links, double crease_angle, double *sharpness)
+static void take_angles(const mesh_level *level, const double *positions, double crease_angle, double *sharpness)
 {
-    for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+    const bat_mesh_connectivity *links = level->links;
+    const mesh_sides *sides = &level->sides;
+    for (uint32_t h = 0; h < sides_corners(sides, links->face_count); h++)
     {
         uint32_t twin = links->twin[h];
-        if (twin != BAT_MESH_NONE && h < twin && angle_between_faces(mesh, h / 3, twin / 3) > crease_angle)
+        if (twin != BAT_MESH_NONE && h < twin &&
+            angle_between_faces(level, positions, sides_face(sides, h), sides_face(sides, twin)) > crease_angle)
             sharpness[links->edge[h]] = fmax(sharpness[links->edge[h]], BAT_MESH_SHARP);
     }
 }
@@ -102,15 +110,16 @@ static void drop_if_zero(size_t count, double **sharpness)
     *sharpness = NULL;
 }
 
-bat_status sharpness_of_edges(const bat_mesh *mesh, const bat_mesh_connectivity *links, double crease_angle,
-                              double **sharpness, bat_error *error)
+bat_status sharpness_of_edges(const mesh_level *level, const bat_mesh *mesh, double crease_angle, double **sharpness,
+                              bat_error *error)
 {
+    const bat_mesh_connectivity *links = level->links;
     *sharpness = NULL;
     if (mesh->crease_count == 0 && !(crease_angle > 0))
         return BAT_OK;
     bat_status status = make_sharpness(links->edge_count, sharpness, error);
     if (status == BAT_OK)
-        status = take_creases(mesh, links, *sharpness, error);
+        status = take_creases(level, mesh, *sharpness, error);
     if (status != BAT_OK)
     {
         free(*sharpness);
@@ -118,15 +127,29 @@ bat_status sharpness_of_edges(const bat_mesh *mesh, const bat_mesh_connectivity 
         return status;
     }
     if (crease_angle > 0)
-        take_angles(mesh, links, crease_angle, *sharpness);
+        take_angles(level, mesh->positions, crease_angle, *sharpness);
     drop_if_zero(links->edge_count, sharpness);
     return BAT_OK;
 }
 
-bat_status sharpness_of_vertices(const bat_mesh *mesh, double **sharpness, bat_error *error)
+/// Make sharp the boundary vertices of a single face.
+static void take_boundary_corners(const mesh_level *level, double *sharpness)
+{
+    const bat_mesh_connectivity *links = level->links;
+    for (size_t v = 0; v < links->vertex_count; v++)
+    {
+        uint32_t first = links->first[v];
+        if (first != BAT_MESH_NONE && sides_next_around(level, first) == BAT_MESH_NONE)
+            sharpness[v] = fmax(sharpness[v], BAT_MESH_SHARP);
+    }
+}
+
+bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, bool sharpen_boundary, double **sharpness,
+                                 bat_error *error)
 {
     *sharpness = NULL;
-    if (mesh->corner_count == 0)
+    sharpen_boundary = sharpen_boundary && level->links->boundary_edge_count > 0;
+    if (mesh->corner_count == 0 && !sharpen_boundary)
         return BAT_OK;
     bat_status status = make_sharpness(mesh->vertex_count, sharpness, error);
     if (status != BAT_OK)
@@ -136,45 +159,126 @@ bat_status sharpness_of_vertices(const bat_mesh *mesh, double **sharpness, bat_e
         double *vertex = &(*sharpness)[mesh->corners[i].vertex];
         *vertex = fmax(*vertex, mesh->corners[i].sharpness);
     }
+    if (sharpen_boundary)
+        take_boundary_corners(level, *sharpness);
     drop_if_zero(mesh->vertex_count, sharpness);
     return BAT_OK;
 }
 
-/// Runs on one thread: few edges are sharp.
-bat_status sharpness_split(const double *sharpness, const bat_mesh_connectivity *links, const bat_mesh_connectivity *fine,
-                           double **result, bat_error *error)
+static bool is_semi_sharp(double sharpness)
 {
+    return sharpness > 0 && sharpness < BAT_MESH_SHARP;
+}
+
+/// The semi-sharp edges at a vertex.
+typedef struct sharp_sum
+{
+    double sum;
+    uint32_t count;
+} sharp_sum;
+
+/// The part of an edge's sharpness that passes on at a vertex.
+static double chaikin_after_level(double sharpness, sharp_sum around)
+{
+    if (is_semi_sharp(sharpness) && around.count > 1)
+        sharpness = 0.75 * sharpness + 0.25 * ((around.sum - sharpness) / (around.count - 1));
+    return sharpness_after_level(sharpness);
+}
+
+/// Add up the semi-sharp edges at every vertex. Boundary edges are sharp for ever.
+static void sum_around(const mesh_level *level, sharp_sum *sums)
+{
+    const bat_mesh_connectivity *links = level->links;
+    memset(sums, 0, links->vertex_count * sizeof *sums);
+    for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
+    {
+        double sharpness = level->edge_sharpness[links->edge[h]];
+        if (mesh_at_boundary(links, h) || !mesh_owns(links->twin, h) || !is_semi_sharp(sharpness))
+            continue;
+        const uint32_t ends[2] = {level->faces[h], level->faces[sides_next(&level->sides, h)]};
+        for (int i = 0; i < 2; i++)
+        {
+            sums[ends[i]].sum += sharpness;
+            sums[ends[i]].count++;
+        }
+    }
+}
+
+bat_status sharpness_chaikin(const mesh_level *level, double **children, bat_error *error)
+{
+    const bat_mesh_connectivity *links = level->links;
+    *children = NULL;
+    if (level->edge_sharpness == NULL)
+        return BAT_OK;
+    sharp_sum *sums = memory_array(links->vertex_count, sizeof *sums);
+    *children = memory_array(links->edge_count, 2 * sizeof **children);
+    if (sums == NULL || *children == NULL)
+    {
+        free(sums);
+        free(*children);
+        *children = NULL;
+        return error_memory(error, links->vertex_count * sizeof *sums);
+    }
+    sum_around(level, sums);
+    for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
+    {
+        if (!mesh_owns(links->twin, h))
+            continue;
+        double sharpness = level->edge_sharpness[links->edge[h]], *made = *children + 2 * (size_t)links->edge[h];
+        made[0] = chaikin_after_level(sharpness, sums[level->faces[h]]);
+        made[1] = chaikin_after_level(sharpness, sums[level->faces[sides_next(&level->sides, h)]]);
+    }
+    free(sums);
+    return BAT_OK;
+}
+
+/// The halves of a half-edge on the next level: the one that begins where it begins, and the one that ends where it ends.
+static uint32_t near_half(const mesh_level *level, uint32_t half_edge)
+{
+    return level->sides.quads || level->sides.offsets != NULL ? 4 * half_edge : split_near(half_edge);
+}
+
+static uint32_t far_half(const mesh_level *level, uint32_t half_edge)
+{
+    if (level->sides.quads || level->sides.offsets != NULL)
+        return 4 * sides_next(&level->sides, half_edge) + 3;
+    return split_far(half_edge);
+}
+
+/// Runs on one thread: few edges are sharp.
+bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity *fine, double **result, bat_error *error)
+{
+    const bat_mesh_connectivity *links = level->links;
     bat_status status = make_sharpness(fine->edge_count, result, error);
     if (status != BAT_OK)
         return status;
-    for (uint32_t h = 0; h < 3 * links->face_count; h++)
-        if (mesh_owns(links->twin, h))
+    for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
+        if (mesh_owns(links->twin, h) && level->edge_sharpness[links->edge[h]] > 0)
         {
-            double after = sharpness_after_level(sharpness[links->edge[h]]);
-            (*result)[fine->edge[split_near(h)]] = after;
-            (*result)[fine->edge[split_far(h)]] = after;
+            (*result)[fine->edge[near_half(level, h)]] = sharpness_of_half(level, h, true);
+            (*result)[fine->edge[far_half(level, h)]] = sharpness_of_half(level, h, false);
         }
     drop_if_zero(fine->edge_count, result);
     return BAT_OK;
 }
 
-/// Write both halves of each edge that remains sharp. With `creases` null only count them.
+/// Write the halves of each edge that remain sharp. With `creases` null only count them.
 static size_t write_creases(const mesh_level *level, bat_mesh_crease *creases)
 {
     const bat_mesh_connectivity *links = level->links;
     size_t count = 0;
-    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+    for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
     {
-        double after = sharpness_after_level(level->edge_sharpness[links->edge[h]]);
-        if (!mesh_owns(links->twin, h) || !(after > 0))
+        if (!mesh_owns(links->twin, h) || !(level->edge_sharpness[links->edge[h]] > 0))
             continue;
         uint32_t middle = (uint32_t)links->vertex_count + links->edge[h];
-        if (creases != NULL)
-        {
-            creases[count] = (bat_mesh_crease){level->faces[h], middle, after};
-            creases[count + 1] = (bat_mesh_crease){middle, mesh_end(level->faces, h), after};
-        }
-        count += 2;
+        double begin = sharpness_of_half(level, h, true), end = sharpness_of_half(level, h, false);
+        if (begin > 0 && creases != NULL)
+            creases[count] = (bat_mesh_crease){level->faces[h], middle, begin};
+        count += begin > 0;
+        if (end > 0 && creases != NULL)
+            creases[count] = (bat_mesh_crease){middle, level->faces[sides_next(&level->sides, h)], end};
+        count += end > 0;
     }
     return count;
 }
@@ -215,23 +319,25 @@ bat_status sharpness_write(const mesh_level *level, bat_mesh *fine, bat_error *e
     return BAT_OK;
 }
 
-/// The sharp edges around a vertex: their number and the ends of the first two.
+/// The sharp edges around a vertex: their number and the corners at the ends of the first two.
 typedef struct sharp_count
 {
     unsigned edges;
-    uint32_t ends[2];
+    uint32_t corners[2];
 } sharp_count;
 
-static void count_end(sharp_count *count, uint32_t end)
+static void count_end(sharp_count *count, uint32_t corner)
 {
     if (count->edges < 2)
-        count->ends[count->edges] = end;
+        count->corners[count->edges] = corner;
     count->edges++;
 }
 
-static sharp_vertex kind_of(const sharp_count *count, double vertex_sharpness)
+static sharp_vertex kind_of(const mesh_level *level, const sharp_count *count, double vertex_sharpness)
 {
-    sharp_vertex made = {.ends = {count->ends[0], count->ends[1]}};
+    sharp_vertex made = {.corners = {count->corners[0], count->corners[1]}};
+    for (unsigned i = 0; i < 2 && i < count->edges; i++)
+        made.ends[i] = level->faces[count->corners[i]];
     if (vertex_sharpness > 0 || count->edges > 2)
         made.kind = SHARP_CORNER;
     else if (count->edges == 2)
@@ -248,9 +354,9 @@ typedef struct fading_sum
     unsigned count;
 } fading_sum;
 
-static void fade(fading_sum *fading, double sharpness)
+static void fade(fading_sum *fading, double sharpness, double after)
 {
-    if (sharpness > 0 && !(sharpness_after_level(sharpness) > 0))
+    if (sharpness > 0 && !(after > 0))
     {
         fading->sum += sharpness;
         fading->count++;
@@ -258,13 +364,14 @@ static void fade(fading_sum *fading, double sharpness)
 }
 
 /// Count one edge around a vertex, on this level and the next.
-static void count_edge(double sharpness, uint32_t end, sharp_count *now, sharp_count *after, fading_sum *fading)
+static void count_edge(double sharpness, double child, uint32_t corner, sharp_count *now, sharp_count *after,
+                       fading_sum *fading)
 {
     if (sharpness > 0)
-        count_end(now, end);
-    if (sharpness_after_level(sharpness) > 0)
-        count_end(after, end);
-    fade(fading, sharpness);
+        count_end(now, corner);
+    if (child > 0)
+        count_end(after, corner);
+    fade(fading, sharpness, child);
 }
 
 void sharpness_around(const mesh_level *level, uint32_t vertex, sharp_vertex *now, sharp_vertex *after, double *fading)
@@ -276,18 +383,64 @@ void sharpness_around(const mesh_level *level, uint32_t vertex, sharp_vertex *no
     uint32_t first = links->first[vertex], h = first, last = first;
     do
     {
-        double sharpness = mesh_at_boundary(links, h) ? BAT_MESH_SHARP : edges != NULL ? edges[links->edge[h]] : 0;
-        count_edge(sharpness, mesh_end(level->faces, h), &count_now, &count_after, &faded);
+        bool boundary = mesh_at_boundary(links, h);
+        double sharpness = boundary ? BAT_MESH_SHARP : edges != NULL ? edges[links->edge[h]] : 0;
+        double child = sharpness > 0 && !boundary ? sharpness_of_half(level, h, true) : sharpness;
+        count_edge(sharpness, child, sides_next(&level->sides, h), &count_now, &count_after, &faded);
         last = h;
-        h = bat_mesh_next_around(links, h);
+        h = sides_next_around(level, h);
     } while (h != BAT_MESH_NONE && h != first);
     if (h == BAT_MESH_NONE)
-        count_edge(BAT_MESH_SHARP, mesh_opposite(level->faces, last), &count_now, &count_after, &faded);
+        count_edge(BAT_MESH_SHARP, BAT_MESH_SHARP, sides_previous(&level->sides, last), &count_now, &count_after, &faded);
     double own = level->vertex_sharpness != NULL && vertex < level->coarse_count ? level->vertex_sharpness[vertex] : 0;
-    fade(&faded, own);
-    *now = kind_of(&count_now, own);
+    double own_after = sharpness_after_level(own);
+    fade(&faded, own, own_after);
+    *now = kind_of(level, &count_now, own);
     if (after == NULL)
         return;
-    *after = kind_of(&count_after, sharpness_after_level(own));
+    *after = kind_of(level, &count_after, own_after);
     *fading = faded.count > 0 ? fmin(faded.sum / faded.count, 1) : 1;
+}
+
+/// The mask of a vertex whose kind does not change.
+static vertex_mask mask_of(const sharp_vertex *vertex, unsigned valence, smooth_mask *smooth)
+{
+    if (vertex->kind == SHARP_CORNER)
+        return (vertex_mask){.own = 1};
+    if (vertex->kind == SHARP_CREASE)
+        return (vertex_mask){.own = 3.0 / 4, .pair = 1.0 / 8, .corners = {vertex->corners[0], vertex->corners[1]}};
+    return smooth(valence);
+}
+
+vertex_mask mask_around(const mesh_level *level, uint32_t vertex, unsigned valence, smooth_mask *smooth)
+{
+    sharp_vertex now, after;
+    double fading;
+    sharpness_around(level, vertex, &now, &after, &fading);
+    vertex_mask mask = mask_of(&now, valence, smooth);
+    if (now.kind == after.kind || now.kind < SHARP_CREASE)
+        return mask;
+    // Sharpness only decreases. So at most one of the two masks is a crease, and only that one has a pair.
+    vertex_mask other = mask_of(&after, valence, smooth);
+    mask.own = fading * mask.own + (1 - fading) * other.own;
+    mask.ring = fading * mask.ring + (1 - fading) * other.ring;
+    if (after.kind == SHARP_CREASE)
+        memcpy(mask.corners, other.corners, sizeof mask.corners);
+    mask.pair = fading * mask.pair + (1 - fading) * other.pair;
+    return mask;
+}
+
+void sharpness_visit(const mesh_level *level, void (*visit)(const void *context, uint32_t vertex), const void *context)
+{
+    const bat_mesh_connectivity *links = level->links;
+    for (uint32_t v = 0; level->vertex_sharpness != NULL && v < level->coarse_count; v++)
+        if (level->vertex_sharpness[v] > 0 && links->first[v] != BAT_MESH_NONE)
+            visit(context, v);
+    uint32_t corners = level->edge_sharpness != NULL ? sides_corners(&level->sides, links->face_count) : 0;
+    for (uint32_t h = 0; h < corners; h++)
+        if (level->edge_sharpness[links->edge[h]] > 0 && mesh_owns(links->twin, h))
+        {
+            visit(context, level->faces[h]);
+            visit(context, level->faces[sides_next(&level->sides, h)]);
+        }
 }

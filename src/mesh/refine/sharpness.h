@@ -16,19 +16,49 @@ static inline double sharpness_after_level(double sharpness)
 }
 
 /// Compute the sharpness of edges from a mesh's creases and, with `crease_angle` above 0, from the angles between its faces.
+/// @param level     the mesh's faces and links
 /// @param sharpness receives one number for each edge, or null when no edge is sharp
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for a crease that is not an edge; BAT_NO_MEMORY
-bat_status sharpness_of_edges(const bat_mesh *mesh, const bat_mesh_connectivity *links, double crease_angle,
-                              double **sharpness, bat_error *error);
+bat_status sharpness_of_edges(const mesh_level *level, const bat_mesh *mesh, double crease_angle, double **sharpness,
+                              bat_error *error);
 
 /// Compute the sharpness of vertices from a mesh's corners: one number for each vertex, or null without corners.
+/// @param sharpen_boundary make sharp for ever the boundary vertices of a single face
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status sharpness_of_vertices(const bat_mesh *mesh, double **sharpness, bat_error *error);
+bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, bool sharpen_boundary, double **sharpness,
+                                 bat_error *error);
 
-/// Compute the sharpness of the edges of the split mesh `fine` from that of the edges of `links`.
+/// Compute mesh_level::child_sharpness for Chaikin's rule of creases (OpenSubdiv 3.5, Sdc::Options::CREASE_CHAIKIN).
+/// Where several semi-sharp edges meet, 3/4 of an edge's sharpness and 1/4 of the mean of the others pass on, less 1.
+/// @param children receives two numbers for each edge, or null when no edge is sharp
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status sharpness_split(const double *sharpness, const bat_mesh_connectivity *links, const bat_mesh_connectivity *fine,
-                           double **result, bat_error *error);
+bat_status sharpness_chaikin(const mesh_level *level, double **children, bat_error *error);
+
+/// The sharpness of one half of a half-edge's edge on the next level: of that at the half-edge's begin, or of the other.
+/// The level must have sharp edges.
+static inline double sharpness_of_half(const mesh_level *level, uint32_t half_edge, bool at_begin)
+{
+    uint32_t edge = level->links->edge[half_edge];
+    if (level->child_sharpness != NULL)
+        return level->child_sharpness[2 * (size_t)edge + (mesh_owns(level->links->twin, half_edge) ? !at_begin : at_begin)];
+    return sharpness_after_level(level->edge_sharpness[edge]);
+}
+
+/// The weight of the midpoint against the smooth rule at the vertex on an inner edge, 1 for a sharp edge. Under Chaikin's
+/// rule it can exceed 1 where only one half stays sharp, as in OpenSubdiv.
+static inline double edge_weight(const mesh_level *level, uint32_t half_edge)
+{
+    double sharpness = level->edge_sharpness != NULL ? level->edge_sharpness[level->links->edge[half_edge]] : 0;
+    if (!(sharpness > 0))
+        return 0;
+    bool stays = sharpness_of_half(level, half_edge, true) > 0 && sharpness_of_half(level, half_edge, false) > 0;
+    return stays ? 1 : sharpness;
+}
+
+/// Compute the sharpness of the edges of the split mesh, whose connectivity is `fine`.
+/// @param result receives one number for each edge of the split mesh, or null when none is sharp
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity *fine, double **result, bat_error *error);
 
 /// Write the creases and corners of the mesh `fine` that `level` is split into.
 /// @return BAT_OK or BAT_NO_MEMORY; `fine` may hold a part of both on failure
@@ -47,12 +77,31 @@ typedef enum sharp_kind
 typedef struct sharp_vertex
 {
     sharp_kind kind;
-    uint32_t ends[2]; ///< crease: its neighbours along the crease; dart: the neighbour along the sharp edge
+    uint32_t ends[2];    ///< crease: its neighbours along the crease; dart: the neighbour along the sharp edge
+    uint32_t corners[2]; ///< corners of faces at the vertex where these neighbours are
 } sharp_vertex;
 
 /// Classify a vertex that has a face, on this level and after one more level.
 /// @param after  receives the type after the level; may be null
 /// @param fading receives the weight of the rule for `now`, against the rule for `after`; null when `after` is
 void sharpness_around(const mesh_level *level, uint32_t vertex, sharp_vertex *now, sharp_vertex *after, double *fading);
+
+/// The weights of a vertex rule: of the vertex, of each neighbour (and in Catmull-Clark's scheme of the middle of each
+/// face), and of two selected neighbours.
+typedef struct vertex_mask
+{
+    double own, ring, pair;
+    uint32_t corners[2]; ///< corners of faces at the vertex where the selected neighbours are
+} vertex_mask;
+
+/// The mask of a smooth vertex inside the mesh.
+typedef vertex_mask smooth_mask(unsigned valence);
+
+/// The mask of a vertex that has a face, by its sharp edges.
+vertex_mask mask_around(const mesh_level *level, uint32_t vertex, unsigned valence, smooth_mask *smooth);
+
+/// Call a function for all vertices that are sharp or have a sharp edge, for some repeatedly. Runs on one thread: few edges
+/// are sharp.
+void sharpness_visit(const mesh_level *level, void (*visit)(const void *context, uint32_t vertex), const void *context);
 
 #endif

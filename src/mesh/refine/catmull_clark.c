@@ -1,0 +1,307 @@
+#include "mesh/refine/catmull_clark.h"
+
+/// @file
+/// The scheme of Catmull and Clark, "Recursively generated B-spline surfaces on arbitrary topological meshes" (1978), with
+/// boundaries, creases and corners after DeRose, Kass and Truong, "Subdivision surfaces in character animation" (1998).
+///
+/// A face gets the mean of its corners; an edge the mean of its ends and its faces' vertices, or its midpoint where it is
+/// sharp; a smooth vertex of valence n becomes (n - 2) / n of itself and 1 / n^2 of each neighbour and each face's vertex.
+
+vertex_mask catmull_clark_smooth_mask(unsigned valence)
+{
+    double n = valence;
+    return (vertex_mask){.own = (n - 2) / n, .ring = 1 / (n * n)};
+}
+
+/// The first of the new rows that belong to faces.
+static inline size_t faces_begin(const bat_mesh_connectivity *links)
+{
+    return links->vertex_count + links->edge_count;
+}
+
+static inline void face_row(const mesh_rows *rows, uint32_t face, uint32_t begin, uint32_t count, size_t dim)
+{
+    const mesh_level *level = rows->level;
+    double *restrict to = rows->to + (faces_begin(level->links) + face) * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 0;
+    for (uint32_t c = begin; c < begin + count; c++)
+    {
+        const double *corner = rows->from + level->faces[c] * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] += corner[i];
+    }
+    double weight = 1.0 / count;
+    for (size_t i = 0; i < dim; i++)
+        to[i] *= weight;
+}
+
+static void face_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    const mesh_sides *sides = &rows->level->sides;
+    for (uint32_t f = (uint32_t)begin; f < end; f++)
+        if (sides->quads && rows->dim == 3)
+            face_row(rows, f, 4 * f, 4, 3);
+        else
+            face_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
+}
+
+/// Compute the vertex on an edge, from those of its faces.
+static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, bool quads, size_t dim)
+{
+    const mesh_level *level = rows->level;
+    const bat_mesh_connectivity *links = level->links;
+    const mesh_sides *sides = &level->sides;
+    uint32_t twin = links->twin[half_edge];
+    uint32_t next = quads ? (half_edge % 4 == 3 ? half_edge - 3 : half_edge + 1) : sides_next(sides, half_edge);
+    const double *a = rows->from + level->faces[half_edge] * dim, *b = rows->from + level->faces[next] * dim;
+    double *restrict to = rows->to + (links->vertex_count + links->edge[half_edge]) * dim;
+    double sharpness = twin != BAT_MESH_NONE ? edge_weight(level, half_edge) : 1;
+    if (sharpness == 1)
+    {
+        for (size_t i = 0; i < dim; i++)
+            to[i] = 0.5 * (a[i] + b[i]);
+        return;
+    }
+    double face = (1 - sharpness) / 4, end = 0.5 - face;
+    const double *middles = rows->to + faces_begin(links) * dim;
+    const double *c = middles + (quads ? half_edge / 4 : sides_face(sides, half_edge)) * dim,
+                 *d = middles + (quads ? twin / 4 : sides_face(sides, twin)) * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = end * (a[i] + b[i]) + face * (c[i] + d[i]);
+}
+
+static void edge_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    const mesh_sides *sides = &rows->level->sides;
+    const uint32_t *twin = rows->level->links->twin;
+    uint32_t last = sides_begin(sides, (uint32_t)end);
+    for (uint32_t h = sides_begin(sides, (uint32_t)begin); h < last; h++)
+    {
+        if (!mesh_owns(twin, h))
+            continue;
+        if (sides->quads && rows->dim == 3)
+            edge_row(rows, h, true, 3);
+        else
+            edge_row(rows, h, sides->quads, rows->dim);
+    }
+}
+
+/// Compute a vertex, with `sharp` by the sharp edges around it. A vertex without faces does not move.
+static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp, bool quads, size_t dim)
+{
+    const mesh_level *level = rows->level;
+    const bat_mesh_connectivity *links = level->links;
+    const mesh_sides *sides = &level->sides;
+    const double *own = rows->from + vertex * dim, *middles = rows->to + faces_begin(links) * dim;
+    double *restrict to = rows->to + vertex * dim;
+    uint32_t first = links->first[vertex], h = first, last = first;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = first == BAT_MESH_NONE ? own[i] : 0;
+    if (first == BAT_MESH_NONE)
+        return;
+    unsigned valence = 0;
+    do
+    {
+        uint32_t next = quads ? (h % 4 == 3 ? h - 3 : h + 1) : sides_next(sides, h);
+        uint32_t previous = quads ? (h % 4 == 0 ? h + 3 : h - 1) : sides_previous(sides, h);
+        const double *neighbour = rows->from + level->faces[next] * dim,
+                     *middle = middles + (quads ? h / 4 : sides_face(sides, h)) * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] += neighbour[i] + middle[i];
+        valence++;
+        last = h;
+        h = links->twin[previous];
+    } while (h != BAT_MESH_NONE && h != first);
+    vertex_mask mask = {.own = 3.0 / 4, .pair = 1.0 / 8};
+    if (sharp)
+        mask = mask_around(level, vertex, valence, catmull_clark_smooth_mask);
+    else if (h == BAT_MESH_NONE)
+    {
+        mask.corners[0] = sides_next(sides, first);
+        mask.corners[1] = sides_previous(sides, last);
+    }
+    else
+        mask = catmull_clark_smooth_mask(valence);
+    for (size_t i = 0; i < dim; i++)
+        to[i] = mask.own * own[i] + mask.ring * to[i];
+    if (mask.pair == 0)
+        return;
+    const double *p = rows->from + level->faces[mask.corners[0]] * dim,
+                 *q = rows->from + level->faces[mask.corners[1]] * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] += mask.pair * (p[i] + q[i]);
+}
+
+static void vertex_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    bool quads = rows->level->sides.quads;
+    for (uint32_t v = (uint32_t)begin; v < end; v++)
+        if (quads && rows->dim == 3)
+            vertex_row(rows, v, false, true, 3);
+        else
+            vertex_row(rows, v, false, quads, rows->dim);
+}
+
+static void sharp_vertex_row(const void *context, uint32_t vertex)
+{
+    const mesh_rows *rows = context;
+    vertex_row(rows, vertex, true, rows->level->sides.quads, rows->dim);
+}
+
+// Where the level's faces were split from those of a parent, the neighbours follow from the parent's arrays, a quarter as
+// long. There vertices of edges have four faces, and those of faces one face for each corner.
+
+/// The vertex on the parent's edge of a half-edge.
+static inline uint32_t middle_of(const bat_mesh_connectivity *parent, uint32_t half_edge)
+{
+    return (uint32_t)parent->vertex_count + parent->edge[half_edge];
+}
+
+/// A smooth vertex that the parent has as well.
+static inline void parent_row(const mesh_rows *rows, uint32_t vertex, size_t dim)
+{
+    const mesh_level *level = rows->level, *parent = level->parent;
+    const bat_mesh_connectivity *links = parent->links;
+    const double *own = rows->from + vertex * dim, *middles = rows->to + faces_begin(level->links) * dim;
+    double *restrict to = rows->to + vertex * dim;
+    uint32_t first = links->first[vertex], h = first, last = first;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = first == BAT_MESH_NONE ? own[i] : 0;
+    if (first == BAT_MESH_NONE)
+        return;
+    unsigned valence = 0;
+    do
+    {
+        // The child quad of corner h has the number h.
+        const double *neighbour = rows->from + middle_of(links, h) * dim, *middle = middles + h * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] += neighbour[i] + middle[i];
+        valence++;
+        last = h;
+        h = sides_next_around(parent, h);
+    } while (h != BAT_MESH_NONE && h != first);
+    if (h != BAT_MESH_NONE)
+    {
+        vertex_mask mask = catmull_clark_smooth_mask(valence);
+        for (size_t i = 0; i < dim; i++)
+            to[i] = mask.own * own[i] + mask.ring * to[i];
+        return;
+    }
+    const double *p = rows->from + middle_of(links, first) * dim,
+                 *q = rows->from + middle_of(links, sides_previous(&parent->sides, last)) * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (p[i] + q[i]);
+}
+
+/// A smooth vertex on an edge of the parent.
+static inline void middle_row(const mesh_rows *rows, uint32_t half_edge, uint32_t next, uint32_t face, uint32_t twin_next,
+                              uint32_t twin_face, size_t dim)
+{
+    const mesh_level *level = rows->level, *parent = level->parent;
+    const bat_mesh_connectivity *links = parent->links;
+    uint32_t twin = links->twin[half_edge], vertex = middle_of(links, half_edge);
+    double *restrict to = rows->to + vertex * dim;
+    const double *own = rows->from + vertex * dim, *a = rows->from + parent->faces[half_edge] * dim,
+                 *b = rows->from + parent->faces[next] * dim;
+    if (twin == BAT_MESH_NONE)
+    {
+        for (size_t i = 0; i < dim; i++)
+            to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
+        return;
+    }
+    const double *centres = rows->from + faces_begin(links) * dim, *c = centres + face * dim, *d = centres + twin_face * dim;
+    const double *middles = rows->to + faces_begin(level->links) * dim, *p = middles + half_edge * dim,
+                 *q = middles + next * dim, *r = middles + twin * dim, *s = middles + twin_next * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 0.5 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + ((p[i] + q[i]) + (r[i] + s[i])));
+}
+
+/// A smooth vertex in a face of the parent.
+static inline void centre_row(const mesh_rows *rows, uint32_t face, uint32_t begin, uint32_t count, size_t dim)
+{
+    const mesh_level *level = rows->level;
+    const bat_mesh_connectivity *links = level->parent->links;
+    size_t vertex = faces_begin(links) + face;
+    const double *own = rows->from + vertex * dim, *middles = rows->to + faces_begin(level->links) * dim;
+    double *restrict to = rows->to + vertex * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 0;
+    for (uint32_t h = begin; h < begin + count; h++)
+    {
+        const double *neighbour = rows->from + middle_of(links, h) * dim, *middle = middles + h * dim;
+        for (size_t i = 0; i < dim; i++)
+            to[i] += neighbour[i] + middle[i];
+    }
+    vertex_mask mask = catmull_clark_smooth_mask(count);
+    for (size_t i = 0; i < dim; i++)
+        to[i] = mask.own * own[i] + mask.ring * to[i];
+}
+
+static void parent_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    for (uint32_t v = (uint32_t)begin; v < end; v++)
+        if (rows->dim == 3)
+            parent_row(rows, v, 3);
+        else
+            parent_row(rows, v, rows->dim);
+}
+
+/// The vertices on edges that the parent's faces own.
+static void middle_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    const mesh_level *parent = rows->level->parent;
+    const mesh_sides *sides = &parent->sides;
+    const uint32_t *twin = parent->links->twin;
+    uint32_t last = sides_begin(sides, (uint32_t)end);
+    for (uint32_t h = sides_begin(sides, (uint32_t)begin); h < last; h++)
+    {
+        uint32_t other = twin[h];
+        if (other < h)
+            continue;
+        bool inner = other != BAT_MESH_NONE;
+        if (sides->quads && rows->dim == 3)
+            middle_row(rows, h, h % 4 == 3 ? h - 3 : h + 1, h / 4, other % 4 == 3 ? other - 3 : other + 1, other / 4, 3);
+        else
+            middle_row(rows, h, sides_next(sides, h), sides_face(sides, h), inner ? sides_next(sides, other) : 0,
+                       inner ? sides_face(sides, other) : 0, rows->dim);
+    }
+}
+
+static void centre_range(const void *context, size_t begin, size_t end)
+{
+    const mesh_rows *rows = context;
+    const mesh_sides *sides = &rows->level->parent->sides;
+    for (uint32_t f = (uint32_t)begin; f < end; f++)
+        if (sides->quads && rows->dim == 3)
+            centre_row(rows, f, 4 * f, 4, 3);
+        else
+            centre_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
+}
+
+void catmull_clark_rule(const mesh_rows *rows, int threads)
+{
+    const mesh_level *level = rows->level, *parent = level->parent;
+    mesh_share(face_range, rows, level->links->face_count, threads);
+    mesh_share(edge_range, rows, level->links->face_count, threads);
+    if (parent != NULL)
+    {
+        mesh_share(parent_range, rows, parent->links->vertex_count, threads);
+        mesh_share(middle_range, rows, parent->links->face_count, threads);
+        mesh_share(centre_range, rows, parent->links->face_count, threads);
+    }
+    else
+        mesh_share(vertex_range, rows, level->links->vertex_count, threads);
+    sharpness_visit(level, sharp_vertex_row, rows);
+}
+
+void catmull_clark_linear_rule(const mesh_rows *rows, int threads)
+{
+    midpoint_rule(rows, threads);
+    mesh_share(face_range, rows, rows->level->links->face_count, threads);
+}

@@ -1,0 +1,250 @@
+#include "mesh/refine/catmull_clark.h"
+
+#include "base/error.h"
+#include "batten/mesh_refine.h"
+#include "linalg/vector3.h"
+#include "mesh/polygon/polygon.h"
+#include "mesh/refine/normal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/// @file
+/// Limit positions and normals of Catmull and Clark's scheme (Halstead, Kass and DeRose, "Efficient, fair interpolation
+/// using Catmull-Clark surfaces", 1993).
+///
+/// They are the left eigenvectors of the local subdivision matrix, applied to the vertices around. The rows of the limit
+/// position are given for the neighbours and the means of the faces, so that they hold for faces of any number of corners.
+
+/// The mean of column `k` at a face's corners.
+static double face_mean(const mesh_rows *rows, uint32_t face, size_t k)
+{
+    const mesh_level *level = rows->level;
+    uint32_t begin = sides_begin(&level->sides, face), end = sides_begin(&level->sides, face + 1);
+    double sum = 0;
+    for (uint32_t c = begin; c < end; c++)
+        sum += rows->from[level->faces[c] * rows->dim + k];
+    return sum / (end - begin);
+}
+
+static unsigned valence_of(const mesh_level *level, uint32_t vertex)
+{
+    uint32_t first = level->links->first[vertex], h = first;
+    unsigned valence = 0;
+    do
+    {
+        valence++;
+        h = sides_next_around(level, h);
+    } while (h != BAT_MESH_NONE && h != first);
+    return valence;
+}
+
+/// The half-edge from a vertex to its neighbour.
+static uint32_t half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
+{
+    uint32_t h = level->links->first[vertex];
+    while (level->faces[sides_next(&level->sides, h)] != neighbour)
+        h = sides_next_around(level, h);
+    return h;
+}
+
+/// The weights around a dart, whose sharp edge leads to neighbour 0, with weight 1 for the vertex: of neighbour i, and of
+/// the vertex opposite in the quad between the neighbours i and i + 1. In the equations of the left eigenvector, 7 w_i -
+/// w_(i-1)
+/// - w_(i+1) = 20 / n^2 for 0 < i < n, without the terms w_0 and w_n.
+static double dart_inner_weight(unsigned valence, unsigned i)
+{
+    const double root = (7 - sqrt(45)) / 2;
+    if (i == 0 || i == valence)
+        return 0;
+    double n = valence;
+    return 4 / (n * n) * (1 - (pow(root, i) + pow(root, n - i)) / (1 + pow(root, n)));
+}
+
+static double dart_edge_weight(unsigned valence, unsigned i)
+{
+    double n = valence;
+    if (i > 0)
+        return dart_inner_weight(valence, i);
+    return 10 / (3 * n * n) + dart_inner_weight(valence, 1) / 3;
+}
+
+static double dart_face_weight(unsigned valence, unsigned i)
+{
+    double n = valence;
+    return 1 / (3 * n * n) + (dart_inner_weight(valence, i) + dart_inner_weight(valence, i + 1)) / 12;
+}
+
+/// The limit of a dart or a smooth vertex.
+static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vertex *sharp)
+{
+    const mesh_level *level = rows->level;
+    size_t dim = rows->dim;
+    unsigned valence = valence_of(level, vertex);
+    bool is_dart = sharp->kind == SHARP_DART;
+    double n = valence, total = 1;
+    for (unsigned i = 0; is_dart && i < valence; i++)
+        total += dart_edge_weight(valence, i) + dart_face_weight(valence, i);
+    uint32_t h = is_dart ? half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
+    const double *from = rows->from + vertex * dim;
+    double *restrict to = rows->to + vertex * dim;
+    double own = is_dart ? 1 / total : (n - 1) / (n + 5);
+    for (size_t k = 0; k < dim; k++)
+        to[k] = own * from[k];
+    for (unsigned i = 0; i < valence; i++)
+    {
+        // The corner opposite in a quad is four times the face's mean less the other three corners.
+        double edge = is_dart ? dart_edge_weight(valence, i) / total : 2 / (n * (n + 5));
+        double mean_weight = is_dart ? 4 * dart_face_weight(valence, i) / total : 4 / (n * (n + 5));
+        const double *neighbour = rows->from + level->faces[sides_next(&level->sides, h)] * dim,
+                     *before = rows->from + level->faces[sides_previous(&level->sides, h)] * dim;
+        for (size_t k = 0; k < dim; k++)
+        {
+            to[k] += edge * neighbour[k] + mean_weight * face_mean(rows, sides_face(&level->sides, h), k);
+            if (is_dart)
+                to[k] -= mean_weight / 4 * (from[k] + neighbour[k] + before[k]);
+        }
+        h = sides_next_around(level, h);
+    }
+}
+
+static void limit_row(const mesh_rows *rows, uint32_t vertex)
+{
+    size_t dim = rows->dim;
+    const double *from = rows->from + vertex * dim;
+    double *restrict to = rows->to + vertex * dim;
+    sharp_vertex sharp = {.kind = SHARP_CORNER};
+    if (rows->level->links->first[vertex] != BAT_MESH_NONE)
+        sharpness_around(rows->level, vertex, &sharp, NULL, NULL);
+    if (sharp.kind < SHARP_CREASE)
+    {
+        inner_limit(rows, vertex, &sharp);
+        return;
+    }
+    const double *p = rows->from + sharp.ends[0] * dim, *q = rows->from + sharp.ends[1] * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = sharp.kind == SHARP_CORNER ? from[i] : (4 * from[i] + p[i] + q[i]) / 6;
+}
+
+static void limit_range(const void *context, size_t begin, size_t end)
+{
+    for (size_t v = begin; v < end; v++)
+        limit_row(context, (uint32_t)v);
+}
+
+void catmull_clark_limit(const mesh_rows *rows, int threads)
+{
+    mesh_share(limit_range, rows, rows->level->links->vertex_count, threads);
+}
+
+// Limit normals.
+
+static const double PI = 3.14159265358979323846;
+
+/// The vertex opposite to the begin of a half-edge in its quad.
+static uint32_t opposite_in_quad(const mesh_level *level, uint32_t half_edge)
+{
+    return level->faces[half_edge ^ 2];
+}
+
+/// The normal of a smooth vertex.
+static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[3])
+{
+    const mesh_level *level = job->level;
+    uint32_t h = level->links->first[vertex];
+    unsigned valence = valence_of(level, vertex);
+    double step = 2 * PI / valence;
+    double eigenvalue = (5 + cos(step) + cos(step / 2) * sqrt(2 * (9 + cos(step)))) / 16;
+    double face = 1 / (4 * eigenvalue - 1), a[3] = {0}, b[3] = {0};
+    for (unsigned i = 0; i < valence; i++)
+    {
+        uint32_t end = level->faces[sides_next(&level->sides, h)], opposite = opposite_in_quad(level, h);
+        double angle = i * step;
+        normal_add_way(job, 4 * cos(angle), vertex, end, a);
+        normal_add_way(job, 4 * sin(angle), vertex, end, b);
+        normal_add_way(job, face * (cos(angle) + cos(angle + step)), vertex, opposite, a);
+        normal_add_way(job, face * (sin(angle) + sin(angle + step)), vertex, opposite, b);
+        h = sides_next_around(level, h);
+    }
+    vector3_cross(a, b, normal);
+}
+
+/// The eigenvalue along the crease is 1/2. The tangent across is that of Biermann, Levin and Zorin, "Piecewise smooth
+/// subdivision surfaces with normal control" (2000).
+static void side_normal(const normal_job *job, uint32_t half_edge, unsigned faces, double normal[3])
+{
+    const mesh_level *level = job->level;
+    uint32_t vertex = level->faces[half_edge], end = level->faces[sides_next(&level->sides, half_edge)], h = half_edge;
+    double angle = PI / faces;
+    double side = faces == 1 ? 1 : -(1 + cos(angle)) / sin(angle) * (1 + 2 * cos(angle));
+    double along[3] = {0}, across[3] = {0};
+    normal_add_way(job, 1, vertex, end, along);
+    normal_add_way(job, side, vertex, end, across);
+    for (unsigned i = 0; i < faces; i++)
+    {
+        if (faces > 1)
+            normal_add_way(job, sin(i * angle) + sin((i + 1) * angle), vertex, opposite_in_quad(level, h), across);
+        end = level->faces[sides_previous(&level->sides, h)];
+        normal_add_way(job, i + 1 < faces ? 4 * sin((i + 1) * angle) : side, vertex, end, across);
+        h = sides_next_around(level, h);
+    }
+    normal_add_way(job, -1, vertex, end, along);
+    vector3_cross(along, across, normal);
+}
+
+static void multiply_dart(unsigned valence, const double *row, double *product)
+{
+    const double n = valence, *edges = row + 1, *faces = row + 1 + valence;
+    double *edges_to = product + 1, *faces_to = product + 1 + valence;
+    product[0] = row[0] * (1 - 7 / (4 * n)) + edges[0] / 2;
+    for (unsigned i = 0; i < valence; i++)
+    {
+        edges_to[i] = row[0] * 3 / (2 * n * n) + (i == 0 ? edges[0] / 2 : 3.0 / 8 * edges[i]);
+        faces_to[i] = row[0] / (4 * n * n) + faces[i] / 4;
+    }
+    for (unsigned i = 0; i < valence; i++)
+    {
+        unsigned after = (i + 1) % valence, before = (i + valence - 1) % valence;
+        product[0] += faces[i] / 4;
+        edges_to[i] += faces[i] / 4;
+        edges_to[after] += faces[i] / 4;
+        if (i == 0)
+            continue;
+        product[0] += 3.0 / 8 * edges[i];
+        edges_to[before] += edges[i] / 16;
+        edges_to[after] += edges[i] / 16;
+        faces_to[before] += edges[i] / 16;
+        faces_to[i] += edges[i] / 16;
+    }
+}
+
+bat_status bat_polygon_mesh_limit_normals(const bat_polygon_mesh *mesh, int threads, double *normals, bat_error *error)
+{
+    static const normal_rules RULES = {
+        .quads = true, .smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};
+    bat_mesh view = polygon_mesh_view(mesh);
+    bat_mesh_connectivity links = {0};
+    double *edges = NULL, *vertices = NULL;
+    mesh_level level = {.faces = mesh->faces, .sides.quads = true, .links = &links, .coarse_count = mesh->vertex_count};
+    bat_status status = bat_polygon_mesh_check(mesh, error);
+    for (size_t f = 0; status == BAT_OK && f < mesh->face_count; f++)
+        if (mesh->offsets[f + 1] - mesh->offsets[f] != 4)
+            status =
+                error_set(error, BAT_UNSUPPORTED, f, 0, "face %zu is no quad: limit normals need a level of refinement", f);
+    if (status == BAT_OK)
+        status = sides_connect(&level.sides, mesh->faces, mesh->face_count, mesh->vertex_count, &links, error);
+    if (status == BAT_OK)
+        status = sharpness_of_edges(&level, &view, 0, &edges, error);
+    if (status == BAT_OK)
+        status = sharpness_of_vertices(&level, &view, mesh->rules.boundary == BAT_MESH_BOUNDARY_CORNERS, &vertices, error);
+    if (status == BAT_OK)
+    {
+        level.edge_sharpness = edges;
+        level.vertex_sharpness = vertices;
+        status = normals_compute(&level, mesh->positions, &RULES, threads, normals, error);
+    }
+    bat_mesh_connectivity_free(&links);
+    free(edges);
+    free(vertices);
+    return status;
+}

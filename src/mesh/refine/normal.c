@@ -1,0 +1,249 @@
+#include "mesh/refine/normal.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "linalg/vector3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// Limit normals at vertices of every kind, by the tangents of a scheme.
+
+/// Scale a vector to unit length. False, with the vector unchanged, when its length is 0 or not finite.
+static bool normalize(double vector[3])
+{
+    double length = sqrt(vector3_dot(vector, vector));
+    if (!(length > 0) || !isfinite(length))
+        return false;
+    for (int i = 0; i < 3; i++)
+        vector[i] /= length;
+    return true;
+}
+
+void normal_add_way(const normal_job *job, double weight, uint32_t from, uint32_t to, double sum[3])
+{
+    const double *p = job->positions + 3 * (size_t)from, *q = job->positions + 3 * (size_t)to;
+    for (int i = 0; i < 3; i++)
+        sum[i] += weight * (q[i] - p[i]);
+}
+
+/// The mean normal of the faces around a vertex, weighted by area at the vertex.
+static void face_normals(const normal_job *job, uint32_t vertex, double normal[3])
+{
+    const mesh_level *level = job->level;
+    uint32_t first = level->links->first[vertex], h = first;
+    double sum[3] = {0};
+    do
+    {
+        double a[3] = {0}, b[3] = {0}, area[3];
+        normal_add_way(job, 1, vertex, level->faces[sides_next(&level->sides, h)], a);
+        normal_add_way(job, 1, vertex, level->faces[sides_previous(&level->sides, h)], b);
+        vector3_cross(a, b, area);
+        for (int i = 0; i < 3; i++)
+            sum[i] += area[i];
+        h = sides_next_around(level, h);
+    } while (h != BAT_MESH_NONE && h != first);
+    memcpy(normal, sum, sizeof sum);
+}
+
+/// The number of faces counter-clockwise from a half-edge to the edge that leads to `end`.
+static unsigned faces_to(const mesh_level *level, uint32_t half_edge, uint32_t end)
+{
+    unsigned faces = 1;
+    for (uint32_t h = half_edge; level->faces[sides_previous(&level->sides, h)] != end; h = sides_next_around(level, h))
+        faces++;
+    return faces;
+}
+
+/// The half-edge from a vertex to its neighbour; there is one, because the neighbour is not the last one of a boundary.
+static uint32_t half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
+{
+    uint32_t h = level->links->first[vertex];
+    while (level->faces[sides_next(&level->sides, h)] != neighbour)
+        h = sides_next_around(level, h);
+    return h;
+}
+
+/// The normal of a vertex on a crease: the mean of both sides. A boundary vertex has one side.
+static void crease_normal(const normal_job *job, uint32_t vertex, const sharp_vertex *sharp, double normal[3])
+{
+    const mesh_level *level = job->level;
+    bool boundary = mesh_at_boundary(level->links, level->links->first[vertex]);
+    double sum[3] = {0};
+    for (int s = 0; s < (boundary ? 1 : 2); s++)
+    {
+        uint32_t h = half_edge_to(level, vertex, sharp->ends[s]);
+        double one[3];
+        job->rules->side(job, h, faces_to(level, h, sharp->ends[1 - s]), one);
+        (void)normalize(one);
+        for (int i = 0; i < 3; i++)
+            sum[i] += one[i];
+    }
+    memcpy(normal, sum, sizeof sum);
+}
+
+/// A dart, or any vertex for the other rules.
+static void finish_normal(const normal_job *job, uint32_t vertex)
+{
+    double *normal = job->normals + 3 * (size_t)vertex;
+    if (normalize(normal))
+        return;
+    face_normals(job, vertex, normal);
+    if (!normalize(normal))
+        memset(normal, 0, 3 * sizeof *normal);
+}
+
+static void normal_range(const void *context, size_t begin, size_t end)
+{
+    const normal_job *job = context;
+    for (uint32_t v = (uint32_t)begin; v < end; v++)
+    {
+        double *normal = job->normals + 3 * (size_t)v;
+        memset(normal, 0, 3 * sizeof *normal);
+        if (job->level->links->first[v] == BAT_MESH_NONE)
+            continue;
+        sharp_vertex sharp;
+        sharpness_around(job->level, v, &sharp, NULL, NULL);
+        if (sharp.kind == SHARP_SMOOTH)
+            job->rules->smooth(job, v, normal);
+        else if (sharp.kind == SHARP_CREASE)
+            crease_normal(job, v, &sharp, normal);
+        if (sharp.kind != SHARP_DART)
+            finish_normal(job, v);
+    }
+}
+
+// A dart's tangents: the subdivision matrix is symmetric about the sharp edge, and its largest eigenvalues below 1 have one
+// left eigenvector that is symmetric and one that is antisymmetric. Both come by iteration.
+
+/// Make a row symmetric or, with sign -1, antisymmetric about the sharp edge, with the sum 0.
+static void project(const normal_rules *rules, unsigned valence, double sign, double *row)
+{
+    for (unsigned i = 1; 2 * i <= valence; i++)
+    {
+        double *a = &row[1 + i], *b = &row[1 + valence - i], mean = (*a + sign * *b) / 2;
+        *a = mean;
+        *b = sign * mean;
+    }
+    for (unsigned i = 0; rules->quads && 2 * i < valence; i++)
+    {
+        double *a = &row[1 + valence + i], *b = &row[1 + 2 * valence - 1 - i], mean = (*a + sign * *b) / 2;
+        *a = mean;
+        *b = sign * mean;
+    }
+    if (sign < 0)
+        row[1] = 0;
+    row[0] = 0;
+    for (unsigned i = 1; i <= (rules->quads ? 2 : 1) * valence; i++)
+        row[0] -= sign > 0 ? row[i] : 0;
+}
+
+/// Iterate to the left eigenvector of the largest eigenvalue below 1. `room` holds as many numbers as the row.
+static void find_tangent(const normal_rules *rules, unsigned valence, double sign, double *row, double *room)
+{
+    enum
+    {
+        MAX_STEPS = 10000
+    };
+    size_t size = 1 + (rules->quads ? 2 : 1) * (size_t)valence;
+    for (unsigned i = 0; i < valence; i++)
+    {
+        double angle = 2 * 3.14159265358979323846 * i / valence;
+        row[1 + i] = sign > 0 ? cos(angle) : sin(angle);
+        if (rules->quads)
+            row[1 + valence + i] = 0;
+    }
+    project(rules, valence, sign, row);
+    double change = 1;
+    for (int step = 0; step < MAX_STEPS && change > 1e-15; step++)
+    {
+        rules->multiply(valence, row, room);
+        project(rules, valence, sign, room);
+        double largest = 0;
+        for (size_t i = 0; i < size; i++)
+            largest = fmax(largest, fabs(room[i]));
+        change = 0;
+        for (size_t i = 0; i < size; i++)
+        {
+            change = fmax(change, fabs(room[i] / largest - row[i]));
+            row[i] = room[i] / largest;
+        }
+    }
+}
+
+/// Apply a tangent's row to the vertices around.
+static void apply_tangent(const normal_job *job, uint32_t vertex, uint32_t half_edge, unsigned valence, const double *row,
+                          double tangent[3])
+{
+    const mesh_level *level = job->level;
+    uint32_t h = half_edge;
+    memset(tangent, 0, 3 * sizeof *tangent);
+    for (unsigned i = 0; i < valence; i++)
+    {
+        uint32_t next = sides_next(&level->sides, h);
+        normal_add_way(job, row[1 + i], vertex, level->faces[next], tangent);
+        if (job->rules->quads)
+            normal_add_way(job, row[1 + valence + i], vertex, level->faces[sides_next(&level->sides, next)], tangent);
+        h = sides_next_around(level, h);
+    }
+}
+
+static unsigned valence_of(const mesh_level *level, uint32_t vertex)
+{
+    uint32_t first = level->links->first[vertex], h = first;
+    unsigned valence = 0;
+    do
+    {
+        valence++;
+        h = sides_next_around(level, h);
+    } while (h != BAT_MESH_NONE && h != first);
+    return valence;
+}
+
+/// The normal of a dart. `room` holds 2 (1 + 2 valence) numbers.
+static void dart_normal(const normal_job *job, uint32_t vertex, uint32_t neighbour, double *room)
+{
+    unsigned valence = valence_of(job->level, vertex);
+    uint32_t h = half_edge_to(job->level, vertex, neighbour);
+    double along[3], across[3], *row = room, *rest = room + 1 + 2 * (size_t)valence;
+    find_tangent(job->rules, valence, 1, row, rest);
+    apply_tangent(job, vertex, h, valence, row, along);
+    find_tangent(job->rules, valence, -1, row, rest);
+    apply_tangent(job, vertex, h, valence, row, across);
+    vector3_cross(along, across, job->normals + 3 * (size_t)vertex);
+}
+
+/// Compute the normals at the darts, of which there are few.
+static bat_status dart_normals(const normal_job *job, bat_error *error)
+{
+    const mesh_level *level = job->level;
+    const bat_mesh_connectivity *links = level->links;
+    for (uint32_t h = 0; level->edge_sharpness != NULL && h < sides_corners(&level->sides, links->face_count); h++)
+    {
+        if (!(level->edge_sharpness[links->edge[h]] > 0))
+            continue;
+        // Inside the mesh, where darts are, every edge has a half-edge from either end.
+        sharp_vertex sharp;
+        sharpness_around(level, level->faces[h], &sharp, NULL, NULL);
+        if (sharp.kind != SHARP_DART)
+            continue;
+        size_t size = 2 * (1 + 2 * (size_t)valence_of(level, level->faces[h]));
+        double *room = memory_array(size, sizeof *room);
+        if (room == NULL)
+            return error_memory(error, size * sizeof *room);
+        dart_normal(job, level->faces[h], sharp.ends[0], room);
+        finish_normal(job, level->faces[h]);
+        free(room);
+    }
+    return BAT_OK;
+}
+
+bat_status normals_compute(const mesh_level *level, const double *positions, const normal_rules *rules, int threads,
+                           double *normals, bat_error *error)
+{
+    normal_job job = {level, positions, normals, rules};
+    mesh_share(normal_range, &job, level->links->vertex_count, threads);
+    return dart_normals(&job, error);
+}
