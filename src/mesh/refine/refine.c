@@ -82,6 +82,7 @@ typedef struct refinement
     mesh_level parent;        ///< `before` in the form that rules use
     double *vertex_sharpness; ///< one number for each coarse vertex; null: none is sharp
     uint32_t *irregular;      ///< as in mesh_level
+    unsigned char *dependent; ///< as in texture_rows
     size_t *fallback;
     double *normals; ///< of the limit surface; null: not wanted, or not yet
 } refinement;
@@ -173,9 +174,17 @@ static bat_status split_texture(const refinement *work, const mesh_scheme *schem
     mesh_level mesh = level_of(work), level = {.faces = now->mesh.texture_faces, .sides = now->sides, .links = links};
     if (is_smooth_texture(work, scheme))
     {
-        texture_rows rows = {
-            &mesh,          links,           level.faces, now->mesh.texture, next->mesh.texture, work->plan->rules.linear,
-            scheme->smooth, scheme->polygons};
+        texture_rows rows = {.level = &mesh,
+                             .seams = links,
+                             .corners = level.faces,
+                             .from = now->mesh.texture,
+                             .to = next->mesh.texture,
+                             .linear = work->plan->rules.linear,
+                             .smooth = scheme->smooth,
+                             .quads = scheme->polygons,
+                             .dependent = work->dependent,
+                             .dependent_count = work->coarse->texture_count,
+                             .first_level = now->borrowed};
         bat_status status = texture_rule(&rows, error);
         if (status != BAT_OK)
             return status;
@@ -422,6 +431,15 @@ static bat_status prepare(refinement *work, bat_error *error)
         status = connect_seams(coarse, &level.sides, work->links, &work->now.texture_links, error);
     if (status == BAT_OK)
         status = mesh_plan_check_size(work->plan, coarse, &level.sides, work->links, &work->now.texture_links, error);
+    bat_mesh_linear linear = work->plan->rules.linear;
+    if (status == BAT_OK && coarse->texture_faces != NULL &&
+        (linear == BAT_MESH_LINEAR_CORNERS_PLUS1 || linear == BAT_MESH_LINEAR_CORNERS_PLUS2))
+    {
+        work->dependent = memory_array(coarse->texture_count, sizeof *work->dependent);
+        if (work->dependent == NULL)
+            return error_memory(error, coarse->texture_count);
+        memset(work->dependent, 0, coarse->texture_count);
+    }
     bool triangles = !level.sides.quads && level.sides.offsets == NULL;
     return status == BAT_OK && triangles ? find_irregular(work, error) : status;
 }
@@ -522,6 +540,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
     refined_level_free(&work.before);
     free(work.vertex_sharpness);
     free(work.irregular);
+    free(work.dependent);
     return status;
 }
 
@@ -548,6 +567,7 @@ static bat_status refine_copy(const bat_mesh *coarse, const mesh_sides *sides, c
     free(work.now.edge_sharpness);
     free(work.vertex_sharpness);
     free(work.irregular);
+    free(work.dependent);
     return status;
 }
 

@@ -171,6 +171,61 @@ static bool all_corners(const texture_rows *rows, const value_ring *ring, double
     return a->disjoint || b->disjoint || (plus2 && (a->size == 1 || b->size == 1));
 }
 
+/// Whether an edge of a span stays sharp.
+static bool stays_sharp(const texture_rows *rows, const value_ring *ring, const value_span *span)
+{
+    const mesh_level *level = rows->level;
+    for (uint32_t i = 1; level->edge_sharpness != NULL && i < span->size; i++)
+    {
+        uint32_t h = ring->half_edges[(span->begin + i) % ring->faces];
+        if (level->edge_sharpness[level->links->edge[h]] > 0 && sharpness_of_half(level, h, true) > 0)
+            return true;
+    }
+    return false;
+}
+
+/// Whether an edge around a vertex, also one between two spans, is sharp for a time on the next level.
+static bool has_semi_sharp_after(const texture_rows *rows, const value_ring *ring)
+{
+    const mesh_level *level = rows->level;
+    for (uint32_t i = 0; level->edge_sharpness != NULL && i < ring->faces; i++)
+    {
+        uint32_t h = ring->half_edges[i];
+        double after = level->edge_sharpness[level->links->edge[h]] > 0 ? sharpness_of_half(level, h, true) : 0;
+        if (!mesh_at_boundary(level->links, h) && after > 0 && after < BAT_MESH_SHARP)
+            return true;
+    }
+    return false;
+}
+
+enum
+{
+    INDEPENDENT,
+    DEPENDENT, ///< a corner while the other coordinate's edges are sharp for a time
+    RELEASED   ///< the other's edges are smooth now, but others at the vertex were not: a corner for one more level
+};
+
+/// How much one of two texture coordinates at a vertex is a corner, if it depends on the other one. Negative if it does not.
+static double dependent_weight(const texture_rows *rows, const value_ring *ring, uint32_t i, double own)
+{
+    const value_span *span = &ring->spans[i], *other = &ring->spans[1 - i];
+    if (rows->dependent == NULL || ring->span_count != 2 || span->value >= rows->dependent_count)
+        return -1;
+    unsigned char *state = &rows->dependent[span->value];
+    if (rows->first_level)
+        *state = !(own > 0) && span->semi_sharp == 0 && other->semi_sharp > 0 ? DEPENDENT : INDEPENDENT;
+    if (*state == INDEPENDENT)
+        return -1;
+    bool released = *state == RELEASED;
+    *state = INDEPENDENT;
+    if (released)
+        return 0;
+    if (!has_semi_sharp_after(rows, ring))
+        return corner_weight(rows, ring, other, own);
+    *state = stays_sharp(rows, ring, other) ? DEPENDENT : RELEASED;
+    return 1;
+}
+
 static void copy_value(const texture_rows *rows, uint32_t value)
 {
     memcpy(rows->to + 2 * (size_t)value, rows->from + 2 * (size_t)value, 2 * sizeof *rows->to);
@@ -195,7 +250,6 @@ static void divided_vertex(const texture_rows *rows, uint32_t vertex, value_ring
     const mesh_level *level = rows->level;
     double own = level->vertex_sharpness != NULL && vertex < level->coarse_count ? level->vertex_sharpness[vertex] : 0;
     bool all = all_corners(rows, ring, own), fixed = rows->linear != BAT_MESH_LINEAR_NONE;
-    bool plus = rows->linear == BAT_MESH_LINEAR_CORNERS_PLUS1 || rows->linear == BAT_MESH_LINEAR_CORNERS_PLUS2;
     for (uint32_t i = 0; i < ring->span_count; i++)
     {
         const value_span *span = &ring->spans[i];
@@ -204,10 +258,9 @@ static void divided_vertex(const texture_rows *rows, uint32_t vertex, value_ring
             copy_value(rows, span->value);
             continue;
         }
-        double corner = corner_weight(rows, ring, span, own);
-        const value_span *other = &ring->spans[1 - (i & 1)];
-        if (plus && ring->span_count == 2 && span->semi_sharp == 0 && other->semi_sharp > 0 && !(own > 0))
-            corner = corner_weight(rows, ring, other, own);
+        double corner = dependent_weight(rows, ring, i, own);
+        if (corner < 0)
+            corner = corner_weight(rows, ring, span, own);
         blend_span(rows, ring, span, corner);
     }
 }
@@ -285,11 +338,10 @@ static void edge_values(const texture_rows *rows)
 
 /// Whether the rule of a vertex without seams differs from the scheme's: it is then a vertex with seams for
 /// divided_vertex().
-static bool is_divided(const texture_rows *rows, uint32_t vertex, const value_ring *ring)
+static bool is_divided(const texture_rows *rows, const value_ring *ring)
 {
     if (ring->seams > 0 || !ring->boundary)
         return ring->seams > 0;
-    (void)vertex;
     return rows->linear == BAT_MESH_LINEAR_BOUNDARIES || (ring->faces == 1 && rows->linear != BAT_MESH_LINEAR_NONE);
 }
 
@@ -315,7 +367,7 @@ bat_status texture_rule(const texture_rows *rows, bat_error *error)
         if (level->links->first[v] == BAT_MESH_NONE)
             continue;
         gather_ring(rows, v, &ring);
-        if (!is_divided(rows, v, &ring))
+        if (!is_divided(rows, &ring))
             whole_vertex(rows, v, &ring);
         else
         {

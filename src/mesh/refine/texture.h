@@ -21,6 +21,11 @@ typedef struct texture_rows
     bat_mesh_linear linear;             ///< but AUTO and ALL
     smooth_mask *smooth;                ///< the scheme's
     bool quads;                         ///< Catmull and Clark's scheme, else Loop's
+    /// For each coarse texture coordinate: whether its sharpness depends on that of the vertex's other one; null for the
+    /// rules without such. Each level updates it.
+    unsigned char *dependent;
+    size_t dependent_count; ///< the number of coarse texture coordinates
+    bool first_level;       ///< `dependent` is not set yet
 } texture_rows;
 
 /// Compute the texture coordinates of the next level: those there are, then one for each of the texture's edges and, with
