@@ -21,14 +21,16 @@ static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined mesh to OUT (- for standard output)"},
     {"scheme", 0, "NAME",
      "auto (default: loop for meshes with creases, corners or fewer than 100 faces, else learned), learned, loop, "
-     "butterfly, "
-     "midpoint or sqrt3"},
+     "catmull-clark (for quads and other polygons), butterfly, midpoint or sqrt3"},
     {"fairness", 0, "F", "learned: 0 for the nearest surface, 1 for the smoothest one that keeps the volume; default 0.25"},
     {"model", 0, "FILE", "learned: a network of your own, a safetensors file; default: the one that comes with batten"},
     {"levels", 0, "K", "how often to refine; default 2"},
     {"then", 0, "NAME", "the scheme of the levels beyond the learned ones: loop, butterfly or midpoint; default loop"},
-    {"limit", 0, NULL, "move the vertices onto the limit surface of Loop's scheme"},
-    {"crease-angle", 0, "DEG", "learned and Loop: keep edges sharp at which faces meet at a greater angle, in degrees"},
+    {"limit", 0, NULL, "move the vertices onto the limit surface of loop or catmull-clark"},
+    {"crease-angle", 0, "DEG", "learned, loop, catmull-clark: keep edges sharp at which faces meet at a greater angle"},
+    {"boundary", 0, "RULE", "loop, catmull-clark: edges, corners (sharp) or none; default: as the file says, else edges"},
+    {"creasing", 0, "RULE", "the same, for semi-sharp edges: uniform or chaikin; default: as the file says, else uniform"},
+    {"texture", 0, "RULE", "the same, what stays linear: all, none, corners, corners-plus1, corners-plus2 or boundaries"},
     {"picture", 0, "FILE", "draw the mesh before and after, side by side (.png, .svg or .pdf)"},
     {"beside", 0, "NAME", "draw also what this scheme makes of the mesh"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
@@ -48,9 +50,9 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_D
 static const verb_spec SPEC = {
     .usage = "batten mesh IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
     .summary =
-        "Refine a triangle mesh by subdivision (OBJ, PLY, OFF, STL, glTF; - for standard input).\n"
-        "Texture coordinates, values at the vertices, creases, corners, groups and materials go along as far as OUT's\n"
-        "format holds them; notes tell what it does not hold.",
+        "Refine a mesh by subdivision (OBJ, PLY, OFF, STL, glTF; - for standard input); catmull-clark takes and makes\n"
+        "polygons. Texture coordinates, values at the vertices, creases, corners, groups and materials go along as far as\n"
+        "OUT's format holds them; notes tell what it does not hold.",
     .options = OPTIONS,
     .min_positional = 1,
     .max_positional = 1,
@@ -75,8 +77,9 @@ typedef struct mesh_job
 /// What becomes of it.
 typedef struct mesh_result
 {
-    bat_mesh coarse, fine;
-    bat_mesh_model *model; ///< of --model; null for none
+    bat_mesh coarse, fine;                    ///< triangles; of polygons only for pictures
+    bat_polygon_mesh polygons, fine_polygons; ///< where the scheme makes quads
+    bat_mesh_model *model;                    ///< of --model; null for none
     bat_mesh_repair_report repairs;
     size_t boundary_edges, fallback; ///< boundary edges of the coarse mesh
     double *normals;                 ///< of the limit surface; null for none
@@ -100,6 +103,16 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
     bat_error error;
     long levels;
     double degrees, gigabytes, fairness;
+    bat_mesh_rules *rules = &options->rules;
+    const char *boundary = argument(given, "boundary"), *creasing = argument(given, "creasing"),
+               *texture = argument(given, "texture");
+    if ((boundary != NULL && bat_mesh_boundary_by_name(boundary, &rules->boundary, &error) != BAT_OK) ||
+        (creasing != NULL && bat_mesh_creasing_by_name(creasing, &rules->creasing, &error) != BAT_OK) ||
+        (texture != NULL && bat_mesh_linear_by_name(texture, &rules->linear, &error) != BAT_OK))
+    {
+        (void)usage_error(given, "%s", error.text);
+        return false;
+    }
     if (!read_scheme(given, "scheme", &options->scheme) || !read_scheme(given, "then", &options->then) ||
         !argument_whole(given, "levels", 0, MAX_LEVELS, (long)options->levels, &levels) ||
         !argument_threads(given, &options->threads) ||
@@ -133,6 +146,12 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
     return false;
 }
 
+/// Whether a scheme has limits, creases, and rules of boundaries and texture.
+static bool has_rules(bat_mesh_scheme scheme)
+{
+    return scheme == BAT_MESH_SCHEME_LOOP || scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
+}
+
 /// What options contradict each other; null for nothing.
 static const char *find_fault(const arguments *given, const mesh_job *job)
 {
@@ -148,8 +167,10 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return "--model, --then and --fairness need --scheme learned";
     if (job->has_beside && job->picture == NULL)
         return "--beside needs --picture FILE";
-    if (last != BAT_MESH_SCHEME_LOOP && (job->refine.limit || argument(given, "crease-angle") != NULL))
-        return "--limit and --crease-angle need Loop's scheme";
+    bool ruled =
+        argument(given, "boundary") != NULL || argument(given, "creasing") != NULL || argument(given, "texture") != NULL;
+    if (!has_rules(last) && (job->refine.limit || ruled || argument(given, "crease-angle") != NULL))
+        return "--limit, --crease-angle, --boundary, --creasing and --texture need --scheme loop or catmull-clark";
     return NULL;
 }
 
@@ -183,17 +204,40 @@ static bool read_job(const arguments *given, mesh_job *job)
     return fault == NULL && argument_mesh_ending(given, job->write.format);
 }
 
+static bool makes_polygons(const mesh_job *job)
+{
+    return job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
+}
+
+/// Report a mesh that cannot be read or refined. Where it has polygons, catmull-clark is a way out, too.
+static int report_bad_mesh(const mesh_job *job, const bat_error *error)
+{
+    bat_error whole = *error;
+    const char *end = strstr(error->text, "; --triangulate cuts");
+    if (end != NULL && !makes_polygons(job))
+    {
+        (void)snprintf(whole.text, sizeof whole.text,
+                       "%.*s; --triangulate cuts it into triangles, and --scheme catmull-clark refines it as it is",
+                       (int)(end - error->text), error->text);
+        return report_failure(job->input, &whole);
+    }
+    return report_bad_input(job->given, job->input, error);
+}
+
 static int read_coarse(const mesh_job *job, mesh_result *result)
 {
     bat_error error;
     bat_mesh_read_options options = job->read;
+    bat_mesh_connectivity links;
     options.repairs = &result->repairs;
     options.notes = &result->notes;
-    if (bat_mesh_read(job->input, &options, &result->coarse, &error) != BAT_OK)
-        return report_bad_input(job->given, job->input, &error);
-    bat_mesh_connectivity links;
-    if (bat_mesh_connect(&result->coarse, &links, &error) != BAT_OK)
-        return report_bad_input(job->given, job->input, &error);
+    bat_status status = makes_polygons(job) ? bat_polygon_mesh_read(job->input, &options, &result->polygons, &error)
+                                            : bat_mesh_read(job->input, &options, &result->coarse, &error);
+    if (status == BAT_OK)
+        status = makes_polygons(job) ? bat_polygon_mesh_connect(&result->polygons, &links, &error)
+                                     : bat_mesh_connect(&result->coarse, &links, &error);
+    if (status != BAT_OK)
+        return report_bad_mesh(job, &error);
     result->boundary_edges = links.boundary_edge_count;
     result->scheme = job->refine.scheme;
     if (result->scheme == BAT_MESH_SCHEME_AUTO)
@@ -215,7 +259,10 @@ static int refine(const mesh_job *job, mesh_result *result)
     options.progress = report_progress("refining");
     if (options.limit && argument_flag(job->given, "normals"))
         options.limit_normals = &result->normals;
-    bat_status status = bat_mesh_refine(&result->coarse, &options, &result->fine, &result->fallback, &error);
+    bat_status status =
+        makes_polygons(job)
+            ? bat_polygon_mesh_refine(&result->polygons, &options, &result->fine_polygons, &result->fallback, &error)
+            : bat_mesh_refine(&result->coarse, &options, &result->fine, &result->fallback, &error);
     report_progress_end();
     return status == BAT_OK ? EXIT_DONE : report_bad_input(job->given, job->input, &error);
 }
@@ -225,25 +272,49 @@ static void make_title(bat_mesh_scheme scheme, size_t levels, char title[80])
     (void)snprintf(title, 80, "%s, %zu level%s", bat_mesh_scheme_name(scheme), levels, levels == 1 ? "" : "s");
 }
 
-/// Refine by the scheme of --beside, which has no limit and no creases by angles unless it is Loop's.
-static bat_status refine_beside(const mesh_job *job, const bat_mesh *coarse, bat_mesh *other, bat_error *error)
+/// Refine by the scheme of --beside, which has no limit, creases by angles and rules unless it is Loop's or Catmull and
+/// Clark's.
+static bat_status refine_beside(const mesh_job *job, const mesh_result *result, bat_mesh *other, bat_error *error)
 {
     bat_mesh_refine_options options = job->refine;
     options.scheme = job->beside;
-    if (options.scheme != BAT_MESH_SCHEME_LOOP)
+    if (!has_rules(options.scheme))
     {
         options.limit = false;
         options.crease_angle = 0;
+        options.rules = (bat_mesh_rules){0};
     }
-    return bat_mesh_refine(coarse, &options, other, NULL, error);
+    if (options.scheme != BAT_MESH_SCHEME_CATMULL_CLARK)
+        return bat_mesh_refine(&result->coarse, &options, other, NULL, error);
+    bat_polygon_mesh polygons = {0}, fine = {0};
+    bat_status status = makes_polygons(job) ? bat_polygon_mesh_copy(&result->polygons, &polygons, error)
+                                            : bat_polygon_mesh_of_triangles(&result->coarse, &polygons, error);
+    if (status == BAT_OK)
+        status = bat_polygon_mesh_refine(&polygons, &options, &fine, NULL, error);
+    if (status == BAT_OK)
+        status = bat_polygon_mesh_triangulate(&fine, other, error);
+    bat_polygon_mesh_free(&polygons);
+    bat_polygon_mesh_free(&fine);
+    return status;
 }
 
-static int draw(const mesh_job *job, const mesh_result *result)
+/// Cut polygons into triangles for pictures.
+static bat_status cut_polygons(const mesh_job *job, mesh_result *result, bat_error *error)
+{
+    if (!makes_polygons(job))
+        return BAT_OK;
+    bat_status status = bat_polygon_mesh_triangulate(&result->polygons, &result->coarse, error);
+    return status == BAT_OK ? bat_polygon_mesh_triangulate(&result->fine_polygons, &result->fine, error) : status;
+}
+
+static int draw(const mesh_job *job, mesh_result *result)
 {
     bat_error error;
     bat_mesh other = {0};
     char title[80], beside_title[80];
-    if (job->has_beside && refine_beside(job, &result->coarse, &other, &error) != BAT_OK)
+    if (cut_polygons(job, result, &error) != BAT_OK)
+        return report_bad_input(job->given, job->input, &error);
+    if (job->has_beside && refine_beside(job, result, &other, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
     make_title(result->scheme, job->refine.levels, title);
     make_title(job->beside, job->refine.levels, beside_title);
@@ -263,17 +334,34 @@ static int draw(const mesh_job *job, const mesh_result *result)
 static int write_mesh(const mesh_job *job, mesh_result *result, const char *path)
 {
     bat_error error;
+    if (path == NULL)
+        return EXIT_DONE;
     bat_mesh_write_options options = job->write;
     options.vertex_normals = result->normals;
     options.notes = &result->notes;
-    if (path == NULL || bat_mesh_write(path, &result->fine, &options, &error) == BAT_OK)
+    bat_status status = makes_polygons(job) ? bat_polygon_mesh_write(path, &result->fine_polygons, &options, &error)
+                                            : bat_mesh_write(path, &result->fine, &options, &error);
+    if (status == BAT_OK)
         return EXIT_DONE;
     return report_failure(job->output, &error);
 }
 
-static json_t *size_json(const bat_mesh *mesh)
+/// The numbers of vertices and faces of a mesh.
+typedef struct mesh_size
 {
-    return json_pack("{s:I, s:I}", "vertices", (json_int_t)mesh->vertex_count, "faces", (json_int_t)mesh->face_count);
+    size_t vertices, faces;
+} mesh_size;
+
+static mesh_size size_of(const bat_mesh *mesh, const bat_polygon_mesh *polygons)
+{
+    if (polygons->face_count > 0)
+        return (mesh_size){polygons->vertex_count, polygons->face_count};
+    return (mesh_size){mesh->vertex_count, mesh->face_count};
+}
+
+static json_t *size_json(mesh_size size)
+{
+    return json_pack("{s:I, s:I}", "vertices", (json_int_t)size.vertices, "faces", (json_int_t)size.faces);
 }
 
 /// Warn of what the result lacks, on standard error.
@@ -284,6 +372,12 @@ static void warn(const mesh_job *job, const mesh_result *result)
     if (result->fallback > 0)
         (void)fprintf(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->input,
                       result->fallback);
+    bat_mesh_scheme last = job->refine.scheme == BAT_MESH_SCHEME_LEARNED ? job->refine.then : job->refine.scheme;
+    if ((coarse->rules.boundary != BAT_MESH_BOUNDARY_AUTO || coarse->rules.creasing != BAT_MESH_CREASING_AUTO ||
+         coarse->rules.linear != BAT_MESH_LINEAR_AUTO) &&
+        !has_rules(last))
+        (void)fprintf(stderr, "batten: %s: %s does not know the file's rules of boundaries, creases and texture\n",
+                      job->input, bat_mesh_scheme_name(last));
     if (textured && job->refine.scheme == BAT_MESH_SCHEME_SQRT3)
         (void)fprintf(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
                       job->input);
@@ -291,7 +385,7 @@ static void warn(const mesh_job *job, const mesh_result *result)
 
 static int report(const mesh_job *job, const mesh_result *result)
 {
-    const bat_mesh *coarse = &result->coarse, *fine = &result->fine;
+    mesh_size coarse = size_of(&result->coarse, &result->polygons), fine = size_of(&result->fine, &result->fine_polygons);
     if (job->json)
         return report_json(
             json_pack("{s:s, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme", bat_mesh_scheme_name(result->scheme), "levels",
@@ -307,7 +401,7 @@ static int report(const mesh_job *job, const mesh_result *result)
     bool cage = job->refine.scheme != result->scheme && result->scheme == BAT_MESH_SCHEME_LOOP;
     (void)printf("%s%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
                  bat_mesh_scheme_name(result->scheme), cage ? " (a cage: few faces, or creases)" : "", job->refine.levels,
-                 coarse->vertex_count, coarse->face_count, fine->vertex_count, fine->face_count,
+                 coarse.vertices, coarse.faces, fine.vertices, fine.faces,
                  result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
@@ -347,6 +441,8 @@ int verb_mesh(int argc, char **argv)
     bat_mesh_free(&result.fine);
     free(result.normals);
     bat_mesh_notes_free(&result.notes);
+    bat_polygon_mesh_free(&result.polygons);
+    bat_polygon_mesh_free(&result.fine_polygons);
     bat_mesh_model_free(result.model);
     return code;
 }

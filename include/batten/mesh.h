@@ -316,6 +316,14 @@ BAT_API bat_status bat_polygon_mesh_copy(const bat_polygon_mesh *mesh, bat_polyg
 /// @return as bat_mesh_check()
 BAT_API bat_status bat_polygon_mesh_check(const bat_polygon_mesh *mesh, bat_error *error);
 
+/// Find the neighbours of all faces, as bat_mesh_connect(): `twin` and `edge` have an entry for each corner.
+/// @param connectivity release it with bat_mesh_connectivity_free()
+/// @return the failures of bat_polygon_mesh_check(); BAT_NOT_MANIFOLD as bat_mesh_connect(); BAT_NO_MEMORY. `connectivity`
+/// is
+///         untouched on failure
+BAT_API bat_status bat_polygon_mesh_connect(const bat_polygon_mesh *mesh, bat_mesh_connectivity *connectivity,
+                                            bat_error *error);
+
 /// Cut the polygons into triangles, as bat_mesh_read() does: quads along the better diagonal, convex polygons as a fan,
 /// others by ear clipping. Triangles have the labels of their polygons.
 /// @param triangles receives the mesh, with everything else of the polygon mesh; release it with bat_mesh_free()

@@ -55,6 +55,8 @@ typedef struct bat_mesh_read_options
     bool repair;                     ///< bat_mesh_repair() the mesh; default false
     bat_mesh_repair_report *repairs; ///< receives what was repaired, all 0 without `repair`; may be null, the default
     bat_mesh_notes *notes;           ///< notes of a successful reading are appended; may be null, the default
+    /// Receives the faces as polygons, and the call's mesh stays as it is; as bat_polygon_mesh_read(). Default null.
+    bat_polygon_mesh *polygons;
 } bat_mesh_read_options;
 
 /// The options' default values.
@@ -76,6 +78,14 @@ BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *
 /// The same from `size` bytes, which need no final zero. BAT_MESH_FORMAT_AUTO goes by the content.
 BAT_API bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,
                                         bat_error *error);
+
+/// Read a mesh with its polygons as they are. As bat_mesh_read(); with `triangulate` or `repair` the polygons are triangles.
+/// @return as bat_mesh_read(); BAT_UNSUPPORTED for `repair` without `triangulate` where a face has more than three corners
+BAT_API bat_status bat_polygon_mesh_read(const char *path, const bat_mesh_read_options *options, bat_polygon_mesh *mesh,
+                                         bat_error *error);
+/// The same from memory, as bat_mesh_read_memory().
+BAT_API bat_status bat_polygon_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options,
+                                                bat_polygon_mesh *mesh, bat_error *error);
 
 /// The encoding of numbers in PLY and STL. OBJ and OFF are always text.
 typedef enum bat_mesh_encoding
@@ -116,6 +126,14 @@ BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const 
 /// The same to memory, in the format of the options: `bytes` receives `size` bytes and a final zero; release it with free().
 BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
                                          size_t *size, bat_error *error);
+
+/// Write a mesh of polygons, as bat_mesh_write(). STL holds triangles alone.
+/// @return as bat_mesh_write(); BAT_UNSUPPORTED for a face of more than three corners in STL
+BAT_API bat_status bat_polygon_mesh_write(const char *path, const bat_polygon_mesh *mesh,
+                                          const bat_mesh_write_options *options, bat_error *error);
+/// The same to memory, as bat_mesh_write_memory().
+BAT_API bat_status bat_polygon_mesh_write_memory(const bat_polygon_mesh *mesh, const bat_mesh_write_options *options,
+                                                 char **bytes, size_t *size, bat_error *error);
 
 /// Write a map to a file, whole or not at all. The format is described in docs/algorithms/decimation.md.
 /// @return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY

@@ -1,6 +1,7 @@
 #include "io/mesh/builder.h"
 
 #include "base/error.h"
+#include "mesh/polygon/polygon.h"
 #include "mesh/triangulate.h"
 
 #include <string.h>
@@ -331,13 +332,15 @@ static bat_status prepare(mesh_builder *builder, const bat_mesh_read_options *op
 {
     if (builder->face_count == 0 && !builder->faceless)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no faces");
-    bat_status status = check_faces(builder, options->triangulate, error);
+    bat_status status = check_faces(builder, options->triangulate || options->polygons != NULL, error);
     size_t triangle_count = builder->corner_count - 2 * builder->face_count;
     if (status == BAT_OK && (triangle_count > BAT_MESH_MAX_FACES || builder->vertex_count >= BAT_MESH_NONE))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
                          BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
     if (status == BAT_OK && !complete_texture(builder))
         status = error_memory(error, builder->texture_capacity * sizeof(double));
+    if (options->polygons != NULL)
+        return status;
     if (status == BAT_OK && triangle_count > builder->face_count)
     {
         status = cut_polygons(builder, triangle_count, error);
@@ -358,22 +361,17 @@ static void *trim(void *array, size_t count, size_t size)
     return trimmed != NULL || count == 0 ? trimmed : array;
 }
 
-bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+/// The mesh of a builder's arrays, with all corners in its lists of faces. The builder is empty afterwards.
+static bat_mesh take_arrays(mesh_builder *builder, size_t face_count)
 {
-    bat_status status = prepare(builder, options, error);
-    if (status != BAT_OK)
-    {
-        mesh_builder_free(builder);
-        return status;
-    }
     bool textured = builder->texture_corners != NULL;
     size_t corners = builder->corner_count, vertices = builder->vertex_count;
     size_t texture_count = textured ? builder->texture_count : 0;
-    *mesh = (bat_mesh){
+    bat_mesh mesh = {
         .positions = trim(builder->positions, 3 * vertices, sizeof(double)),
         .faces = trim(builder->corners, corners, sizeof(uint32_t)),
         .vertex_count = vertices,
-        .face_count = corners / 3,
+        .face_count = face_count,
         .texture = trim(builder->texture, 2 * texture_count, sizeof(double)),
         .texture_faces = trim(builder->texture_corners, textured ? corners : 0, sizeof(uint32_t)),
         .texture_count = texture_count,
@@ -384,16 +382,58 @@ bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_option
         .crease_count = builder->crease_count,
         .corners = trim(builder->marks, builder->mark_count, sizeof *builder->marks),
         .corner_count = builder->mark_count,
-        .face_labels = trim(builder->face_labels, builder->labelled ? corners / 3 : 0, sizeof *builder->face_labels),
+        .face_labels = trim(builder->face_labels, builder->labelled ? face_count : 0, sizeof *builder->face_labels),
         .labels = builder->labels.labels,
         .label_count = builder->labels.count,
         .material_files = builder->material_files,
         .material_json = builder->material_json,
+        .rules = builder->rules,
     };
     free(builder->labels.slots);
     free(builder->sizes);
     if (builder->channel_count == 0)
         free(builder->channel_names);
     *builder = (mesh_builder){0};
+    return mesh;
+}
+
+/// Give a builder's polygons to a mesh of polygons and check it.
+static bat_status finish_polygons(mesh_builder *builder, bat_polygon_mesh *polygons, bat_error *error)
+{
+    size_t count = builder->face_count;
+    uint32_t *offsets = memory_array(count + 1, sizeof *offsets);
+    if (offsets == NULL)
+    {
+        mesh_builder_free(builder);
+        return error_memory(error, (count + 1) * sizeof *offsets);
+    }
+    offsets[0] = 0;
+    for (size_t f = 0; f < count; f++)
+        offsets[f + 1] = offsets[f] + builder->sizes[f];
+    bat_mesh view = take_arrays(builder, count);
+    bat_polygon_mesh made = polygon_mesh_from_view(&view, offsets);
+    bat_status status = count > 0 ? bat_polygon_mesh_check(&made, error) : BAT_OK;
+    if (status == BAT_OK)
+    {
+        *polygons = made;
+        return BAT_OK;
+    }
+    bat_polygon_mesh_free(&made);
+    if (error != NULL && status == BAT_INVALID_POINT)
+        error->status = BAT_BAD_FILE;
+    return status == BAT_INVALID_POINT ? BAT_BAD_FILE : status;
+}
+
+bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = prepare(builder, options, error);
+    if (status != BAT_OK)
+    {
+        mesh_builder_free(builder);
+        return status;
+    }
+    if (options->polygons != NULL)
+        return finish_polygons(builder, options->polygons, error);
+    *mesh = take_arrays(builder, builder->corner_count / 3);
     return BAT_OK;
 }

@@ -30,6 +30,7 @@ typedef struct mesh_builder
     size_t crease_count, crease_capacity;
     bat_mesh_corner *marks; ///< sharp vertices
     size_t mark_count, mark_capacity;
+    bat_mesh_rules rules; ///< of refinement
 
     label_table labels;
     uint32_t *face_labels; ///< the label of each face; null while no face has one
@@ -68,7 +69,7 @@ bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark);
 bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL_NAMES]);
 
 /// Check the faces, triangulate polygons and return the mesh. If only some faces have texture coordinates, the others get
-/// (0, 0). The builder is empty afterwards, also on failure.
+/// (0, 0). With options->polygons that receives the polygons instead. The builder is empty afterwards, also on failure.
 ///
 /// @return BAT_OK; BAT_BAD_FILE with the index of the invalid face, if any; BAT_TOO_LARGE; BAT_NO_MEMORY
 bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh,

@@ -6,6 +6,7 @@
 #include "base/option.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/notes.h"
+#include "mesh/polygon/polygon.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,7 +22,8 @@ typedef struct mesh_format
 {
     bat_choice choice;
     bat_status (*read)(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
-    bat_status (*write)(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
+    bat_status (*write)(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                        text_sink *sink, bat_error *error);
     bool (*resembles)(const file_text *text);
     unsigned holds; ///< what a file of the format can hold
 } mesh_format;
@@ -37,7 +39,8 @@ enum
     HOLDS_LABELS = 32,
     HOLDS_SMOOTHING = 64,
     HOLDS_MATERIALS = 128, ///< material_json
-    HOLDS_NORMALS = 256
+    HOLDS_NORMALS = 256,
+    HOLDS_POLYGONS = 512
 };
 
 static const mesh_format FORMATS[] = {
@@ -51,7 +54,7 @@ static const mesh_format FORMATS[] = {
      mesh_obj_read,
      mesh_obj_write,
      NULL,
-     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_CREASES | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_NORMALS},
+     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_CREASES | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_NORMALS | HOLDS_POLYGONS},
     {{.name = "ply",
       .summary = "meshes: binary or text, with values at the vertices",
       .endings = ".ply",
@@ -61,7 +64,7 @@ static const mesh_format FORMATS[] = {
      mesh_ply_read,
      mesh_ply_write,
      mesh_ply_resembles,
-     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_CHANNELS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_NORMALS},
+     HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_CHANNELS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_NORMALS | HOLDS_POLYGONS},
     {{.name = "off",
       .summary = "meshes: text, with colours",
       .endings = ".off",
@@ -71,7 +74,7 @@ static const mesh_format FORMATS[] = {
      mesh_off_read,
      mesh_off_write,
      mesh_off_resembles,
-     HOLDS_VERTEX_TEXTURE | HOLDS_COLOURS},
+     HOLDS_VERTEX_TEXTURE | HOLDS_COLOURS | HOLDS_POLYGONS},
     {{.name = "stl",
       .summary = "meshes: separate triangles in single precision",
       .endings = ".stl",
@@ -146,10 +149,11 @@ size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
     return count >= MESH_COLOURS - 1 ? count : 0;
 }
 
-bool mesh_texture_by_vertex(const bat_mesh *mesh)
+bool mesh_texture_by_vertex(const bat_mesh *mesh, const uint32_t *offsets)
 {
     return mesh->texture_faces != NULL && mesh->texture_count == mesh->vertex_count &&
-           memcmp(mesh->texture_faces, mesh->faces, 3 * mesh->face_count * sizeof *mesh->faces) == 0;
+           memcmp(mesh->texture_faces, mesh->faces, mesh_corners_until(offsets, mesh->face_count) * sizeof *mesh->faces) ==
+               0;
 }
 
 enum
@@ -238,14 +242,36 @@ static bat_status choose_format(const file_text *text, bat_mesh_format wanted, b
                      row_of(found)->choice.name, row_of(ending)->choice.name, row_of(ending)->choice.name);
 }
 
+static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
+                            bat_mesh *mesh, bat_error *error);
+
+/// Read triangles, as a mesh of polygons.
+static bat_status read_as_polygons(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
+                                   bat_error *error)
+{
+    bat_mesh_read_options plain = *options;
+    bat_mesh triangles;
+    plain.polygons = NULL;
+    bat_status status = read_text(text, format, &plain, &triangles, error);
+    if (status != BAT_OK)
+        return status;
+    status = bat_polygon_mesh_of_triangles(&triangles, options->polygons, error);
+    bat_mesh_free(&triangles);
+    return status;
+}
+
 /// Read a mesh whose file's ending stands for `format`, and repair it where that is asked for.
 static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
                             bat_mesh *mesh, bat_error *error)
 {
+    if (options->polygons != NULL && (options->triangulate || options->repair))
+        return read_as_polygons(text, format, options, error);
     bat_mesh_read_options lenient = *options;
     bat_mesh_repair_report report = {0};
     bat_mesh_notes notes = {0};
-    bat_mesh read, repaired;
+    bat_mesh read = {0}, repaired;
+    bat_polygon_mesh polygons = {0};
+    lenient.polygons = options->polygons != NULL ? &polygons : NULL;
     lenient.keep_degenerate = options->keep_degenerate || options->repair;
     lenient.notes = options->notes != NULL ? &notes : NULL;
     bat_status status = choose_format(text, options->format, &format, lenient.notes, error);
@@ -262,12 +288,18 @@ static bat_status read_text(const file_text *text, bat_mesh_format format, const
     {
         status = mesh_notes_move(&notes, options->notes, error);
         if (status != BAT_OK)
+        {
             bat_mesh_free(&read);
+            bat_polygon_mesh_free(&polygons);
+        }
     }
     bat_mesh_notes_free(&notes);
     if (status != BAT_OK)
         return status;
-    *mesh = read;
+    if (options->polygons != NULL)
+        *options->polygons = polygons;
+    else
+        *mesh = read;
     if (options->repairs != NULL)
         *options->repairs = report;
     return BAT_OK;
@@ -309,8 +341,23 @@ bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_r
     return status;
 }
 
-static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, const bat_mesh_write_options *options,
-                              bat_error *error)
+bat_status bat_polygon_mesh_read(const char *path, const bat_mesh_read_options *options, bat_polygon_mesh *mesh,
+                                 bat_error *error)
+{
+    bat_mesh_read_options how = options != NULL ? *options : bat_mesh_read_defaults();
+    how.polygons = mesh;
+    return bat_mesh_read(path, &how, NULL, error);
+}
+
+bat_status bat_polygon_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options,
+                                        bat_polygon_mesh *mesh, bat_error *error)
+{
+    bat_mesh_read_options how = options != NULL ? *options : bat_mesh_read_defaults();
+    how.polygons = mesh;
+    return bat_mesh_read_memory(bytes, size, &how, NULL, error);
+}
+
+static bat_status check_write(bat_mesh_format format, const bat_mesh_write_options *options, bat_error *error)
 {
     bat_status status = bat_mesh_write_options_check(options, error);
     if (status != BAT_OK)
@@ -322,12 +369,12 @@ static bat_status check_write(const bat_mesh *mesh, bat_mesh_format format, cons
                          choice_endings(&TABLE, true, known, sizeof known));
     if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY supports the big-endian encoding");
-    return bat_mesh_check(mesh, error);
+    return BAT_OK;
 }
 
 /// Note what a mesh has and a format cannot hold.
-static bat_status note_losses(const bat_mesh *mesh, const mesh_format *row, const bat_mesh_write_options *options,
-                              bat_mesh_notes *notes, bat_error *error)
+static bat_status note_losses(const bat_mesh *mesh, const uint32_t *offsets, const mesh_format *row,
+                              const bat_mesh_write_options *options, bat_mesh_notes *notes, bat_error *error)
 {
     size_t places[MESH_COLOURS], colours = mesh_colours(mesh, places);
     bool smoothing = false, names = false;
@@ -343,7 +390,8 @@ static bat_status note_losses(const bat_mesh *mesh, const mesh_format *row, cons
         unsigned holds;
         const char *what;
     } parts[] = {
-        {mesh->texture_faces != NULL, HOLDS_TEXTURE | (mesh_texture_by_vertex(mesh) ? (unsigned)HOLDS_VERTEX_TEXTURE : 0),
+        {mesh->texture_faces != NULL,
+         HOLDS_TEXTURE | (mesh_texture_by_vertex(mesh, offsets) ? (unsigned)HOLDS_VERTEX_TEXTURE : 0),
          "texture coordinates"},
         {colours > 0, HOLDS_COLOURS, "colours"},
         {mesh->channel_count > colours, HOLDS_CHANNELS, "numbers at the vertices other than colours"},
@@ -381,25 +429,29 @@ static bat_status make_normals(const bat_mesh *mesh, const bat_mesh_write_option
     return status;
 }
 
-/// Write a checked mesh to a sink.
-static bat_status write_format(const bat_mesh *mesh, bat_mesh_format format, const bat_mesh_write_options *options,
-                               text_sink *sink, bat_error *error)
+/// Write a checked mesh of triangles, or of polygons in the form of polygon_mesh_view(). `triangles` is the mesh itself, or
+/// its polygons cut into triangles.
+static bat_status write_format(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh *triangles,
+                               const mesh_format *row, const bat_mesh_write_options *options, text_sink *sink,
+                               bat_error *error)
 {
-    const mesh_format *row = row_of(format);
+    bool cut = triangles != mesh && (row->holds & HOLDS_POLYGONS) == 0;
     bat_mesh_write_options complete = *options;
     bat_mesh_notes notes = {0};
     double *normals = NULL;
     bool wanted = options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL;
     complete.vertex_normals = NULL;
     complete.notes = options->notes != NULL ? &notes : NULL;
-    bat_status status = note_losses(mesh, row, options, complete.notes, error);
+    bat_status status = note_losses(mesh, offsets, row, options, complete.notes, error);
+    if (status == BAT_OK && cut && triangles->face_count > mesh->face_count)
+        status = mesh_note(complete.notes, error, "the output has triangles: %s does not hold polygons", row->choice.name);
     if (status == BAT_OK && wanted && (row->holds & HOLDS_NORMALS) != 0)
     {
-        status = make_normals(mesh, options, &normals, error);
+        status = make_normals(triangles, options, &normals, error);
         complete.vertex_normals = normals;
     }
     if (status == BAT_OK)
-        status = row->write(mesh, &complete, sink, error);
+        status = row->write(cut ? triangles : mesh, cut ? NULL : offsets, &complete, sink, error);
     if (status == BAT_OK)
         status = mesh_notes_move(&notes, options->notes, error);
     bat_mesh_notes_free(&notes);
@@ -407,37 +459,68 @@ static bat_status write_format(const bat_mesh *mesh, bat_mesh_format format, con
     return status;
 }
 
-bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options, bat_error *error)
+/// Write a checked mesh to a sink, and cut polygons into triangles where the format or the normals need them.
+static bat_status write_checked(const bat_mesh *mesh, const uint32_t *offsets, bat_mesh_format format,
+                                const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    bat_mesh_write_options defaults = bat_mesh_write_defaults();
-    if (options == NULL)
-        options = &defaults;
+    const mesh_format *row = row_of(format);
+    bool normals =
+        (options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL) && (row->holds & HOLDS_NORMALS) != 0;
+    if (offsets == NULL || (!normals && (row->holds & HOLDS_POLYGONS) != 0))
+        return write_format(mesh, offsets, mesh, row, options, sink, error);
+    bat_polygon_mesh polygons = polygon_mesh_from_view(mesh, (uint32_t *)(uintptr_t)offsets);
+    bat_mesh triangles;
+    bat_status status = bat_polygon_mesh_triangulate(&polygons, &triangles, error);
+    if (status != BAT_OK)
+        return status;
+    status = write_format(mesh, offsets, &triangles, row, options, sink, error);
+    bat_mesh_free(&triangles);
+    return status;
+}
+
+/// Write a checked mesh, of polygons where there are offsets.
+static bat_status write_file(const char *path, const bat_mesh *mesh, const uint32_t *offsets,
+                             const bat_mesh_write_options *options, bat_error *error)
+{
     bat_mesh_format format;
     atomic_file file;
     bat_status status = format_for_path(path, true, options->format, &format, error);
     if (status == BAT_OK)
-        status = check_write(mesh, format, options, error);
+        status = check_write(format, options, error);
     if (status == BAT_OK)
         status = atomic_file_begin(path, &file, error);
     if (status != BAT_OK)
         return status;
     text_sink sink = {.stream = file.stream};
-    status = write_format(mesh, format, options, &sink, error);
+    status = write_checked(mesh, offsets, format, options, &sink, error);
     return atomic_file_end(&file, status, error);
 }
 
-bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes, size_t *size,
-                                 bat_error *error)
+bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options, bat_error *error)
 {
     bat_mesh_write_options defaults = bat_mesh_write_defaults();
-    if (options == NULL)
-        options = &defaults;
-    bat_status status = check_write(mesh, options->format, options, error);
+    bat_status status = bat_mesh_check(mesh, error);
+    return status == BAT_OK ? write_file(path, mesh, NULL, options != NULL ? options : &defaults, error) : status;
+}
+
+bat_status bat_polygon_mesh_write(const char *path, const bat_polygon_mesh *mesh, const bat_mesh_write_options *options,
+                                  bat_error *error)
+{
+    bat_mesh_write_options defaults = bat_mesh_write_defaults();
+    bat_mesh view = polygon_mesh_view(mesh);
+    bat_status status = bat_polygon_mesh_check(mesh, error);
+    return status == BAT_OK ? write_file(path, &view, mesh->offsets, options != NULL ? options : &defaults, error) : status;
+}
+
+static bat_status write_bytes(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                              char **bytes, size_t *size, bat_error *error)
+{
+    bat_status status = check_write(options->format, options, error);
     if (status != BAT_OK)
         return status;
     text_buffer buffer = {0};
     text_sink sink = {.buffer = &buffer};
-    status = write_format(mesh, options->format, options, &sink, error);
+    status = write_checked(mesh, offsets, options->format, options, &sink, error);
     text_append(&buffer, "", 1);
     if (status == BAT_OK && buffer.failed)
         status = error_memory(error, buffer.size);
@@ -449,4 +532,22 @@ bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_opti
     *bytes = buffer.data;
     *size = buffer.size - 1;
     return BAT_OK;
+}
+
+bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes, size_t *size,
+                                 bat_error *error)
+{
+    bat_mesh_write_options defaults = bat_mesh_write_defaults();
+    bat_status status = bat_mesh_check(mesh, error);
+    return status == BAT_OK ? write_bytes(mesh, NULL, options != NULL ? options : &defaults, bytes, size, error) : status;
+}
+
+bat_status bat_polygon_mesh_write_memory(const bat_polygon_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
+                                         size_t *size, bat_error *error)
+{
+    bat_mesh_write_options defaults = bat_mesh_write_defaults();
+    bat_mesh view = polygon_mesh_view(mesh);
+    bat_status status = bat_polygon_mesh_check(mesh, error);
+    return status == BAT_OK ? write_bytes(&view, mesh->offsets, options != NULL ? options : &defaults, bytes, size, error)
+                            : status;
 }

@@ -6,7 +6,9 @@
 #include "io/common/file_text.h"
 
 /// @file
-/// Readers and writers of mesh formats, one file for each. Readers leave `mesh` untouched on failure.
+/// Readers and writers of mesh formats, one file for each. Readers leave `mesh` untouched on failure. Writers take meshes of
+/// polygons in the form of polygon_mesh_view(), with their offsets, which are null for triangles. STL and glTF hold
+/// triangles alone: their writers get no offsets.
 
 bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
@@ -14,12 +16,18 @@ bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *opt
 bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 bat_status mesh_gltf_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 
-bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
-bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
-bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
-bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
-bat_status mesh_gltf_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
-bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error);
+bat_status mesh_obj_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error);
+bat_status mesh_ply_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error);
+bat_status mesh_off_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error);
+bat_status mesh_stl_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error);
+bat_status mesh_gltf_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                           text_sink *sink, bat_error *error);
+bat_status mesh_glb_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error);
 
 /// Read a file that may have only vertices; the mesh then has no faces.
 bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
@@ -45,7 +53,13 @@ extern const char *const mesh_colour_names[MESH_COLOURS];
 size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS]);
 
 /// Whether every vertex has exactly one texture coordinate, with the vertex's index.
-bool mesh_texture_by_vertex(const bat_mesh *mesh);
+bool mesh_texture_by_vertex(const bat_mesh *mesh, const uint32_t *offsets);
+
+/// The number of corners of the first faces of a mesh; `offsets` is null where all are triangles.
+static inline size_t mesh_corners_until(const uint32_t *offsets, size_t face)
+{
+    return offsets != NULL ? offsets[face] : 3 * face;
+}
 
 /// Write rows of text on several threads; `format` appends the rows begin, …, end - 1.
 typedef void mesh_row_format(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text);

@@ -217,14 +217,81 @@ static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t cou
     return status;
 }
 
-/// Read OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, with vertices from 0. A tag may
-/// hold several, with one value of sharpness for all or for each.
+/// What the numbers of the tags `interpolateboundary` and `facevaryinginterpolateboundary` mean.
+static const bat_mesh_boundary BOUNDARY_TAGS[] = {BAT_MESH_BOUNDARY_NONE, BAT_MESH_BOUNDARY_CORNERS,
+                                                  BAT_MESH_BOUNDARY_EDGES};
+static const bat_mesh_linear LINEAR_TAGS[] = {BAT_MESH_LINEAR_NONE,          BAT_MESH_LINEAR_CORNERS,
+                                              BAT_MESH_LINEAR_CORNERS_PLUS1, BAT_MESH_LINEAR_CORNERS_PLUS2,
+                                              BAT_MESH_LINEAR_BOUNDARIES,    BAT_MESH_LINEAR_ALL};
+
+/// Read a rule of refinement after its name: `1/0/0` and a number below `count`.
+static bat_status read_rule_number(obj_reader *reader, size_t count, uint64_t *number, bat_error *error)
+{
+    uint64_t counts[3];
+    if (!read_counts(&reader->scan, counts) || counts[0] != 1 || counts[1] + counts[2] != 0)
+        return fault(reader, BAT_NO_INDEX, "a rule is followed by 1/0/0 and a whole number", error);
+    if (!scan_count(&reader->scan, count, number))
+        return scan_word_fault(&reader->scan, BAT_NO_INDEX, "is not a known number of this rule", error);
+    return BAT_OK;
+}
+
+/// Read the rule of a tag, whose name is at the scan. Sets `known` for a tag that is one.
+static bat_status read_rule(obj_reader *reader, bool *known, bat_error *error)
+{
+    word_scan *scan = &reader->scan;
+    bat_mesh_rules *rules = &reader->builder.rules;
+    uint64_t number = 0, counts[3];
+    *known = true;
+    if (scan_word(scan, "interpolateboundary"))
+    {
+        bat_status status = read_rule_number(reader, sizeof BOUNDARY_TAGS / sizeof *BOUNDARY_TAGS, &number, error);
+        if (status == BAT_OK)
+            rules->boundary = BOUNDARY_TAGS[number];
+        return status;
+    }
+    if (scan_word(scan, "facevaryinginterpolateboundary"))
+    {
+        bat_status status = read_rule_number(reader, sizeof LINEAR_TAGS / sizeof *LINEAR_TAGS, &number, error);
+        if (status == BAT_OK)
+            rules->linear = LINEAR_TAGS[number];
+        return status;
+    }
+    if (scan_word(scan, "facevaryingpropagatecorners"))
+    {
+        bat_status status = read_rule_number(reader, 2, &number, error);
+        if (status == BAT_OK && number == 1)
+            rules->linear = BAT_MESH_LINEAR_CORNERS_PLUS2;
+        return status;
+    }
+    if (scan_word(scan, "creasemethod"))
+    {
+        bool good = read_counts(scan, counts) && counts[0] + counts[1] == 0 && counts[2] == 1;
+        bool chaikin = good && scan_word(scan, "chaikin");
+        if (!good || (!chaikin && !scan_word(scan, "normal")))
+            return fault(reader, BAT_NO_INDEX, "'creasemethod' is followed by 0/0/1 and 'normal' or 'chaikin'", error);
+        rules->creasing = chaikin ? BAT_MESH_CREASING_CHAIKIN : BAT_MESH_CREASING_UNIFORM;
+        return BAT_OK;
+    }
+    *known = false;
+    return BAT_OK;
+}
+
+/// Read OpenSubdiv's tags `t crease 2/1/0 a b sharpness` and `t corner 1/1/0 v sharpness`, with vertices from 0, and the
+/// rules of refinement. A tag of creases or corners may hold several, with one value of sharpness for all or for each.
 static bat_status read_tag(obj_reader *reader, bat_error *error)
 {
     uint64_t counts[3];
-    bool crease = scan_word(&reader->scan, "crease");
+    bool crease = scan_word(&reader->scan, "crease"), known = true;
+    bat_status status = BAT_OK;
     if (!crease && !scan_word(&reader->scan, "corner"))
-        return BAT_OK;
+    {
+        status = read_rule(reader, &known, error);
+        if (status == BAT_OK && !known)
+            status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "is a tag of subdivision that is not supported", error);
+        if (status == BAT_OK && !scan_line_done(&reader->scan))
+            status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "exceeds the counts of the tag", error);
+        return status;
+    }
     uint64_t step = crease ? 2 : 1;
     if (!read_counts(&reader->scan, counts) || counts[0] == 0 || counts[0] % step != 0 ||
         (counts[1] != 1 && counts[1] != counts[0] / step) || counts[2] != 0)
@@ -232,7 +299,7 @@ static bat_status read_tag(obj_reader *reader, bat_error *error)
                      crease ? "a crease is 'crease 2/1/0', two vertices and a sharpness"
                             : "a corner is 'corner 1/1/0', a vertex and a sharpness",
                      error);
-    bat_status status = read_marks(reader, crease, counts, error);
+    status = read_marks(reader, crease, counts, error);
     if (status == BAT_OK && !scan_line_done(&reader->scan))
         status = scan_word_fault(&reader->scan, BAT_NO_INDEX, "exceeds the counts of the tag", error);
     return status;
@@ -325,7 +392,8 @@ typedef struct obj_plan
 {
     size_t places[MESH_COLOURS]; ///< the positions of the colours among the channels
     size_t colours;
-    const double *normals; ///< null: none
+    const double *normals;   ///< null: none
+    const uint32_t *offsets; ///< of polygons; else null
 } obj_plan;
 
 static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
@@ -391,11 +459,12 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
     for (size_t f = begin; f < end; f++)
     {
         obj_labels_write(mesh, f, text);
-        char *out = text_reserve(text, 9 * NUMBER_TEXT_SIZE);
+        size_t first = mesh_corners_until(plan->offsets, f), last = mesh_corners_until(plan->offsets, f + 1);
+        char *out = text_reserve(text, 3 * (last - first) * NUMBER_TEXT_SIZE);
         if (out == NULL)
             return;
         *out++ = 'f';
-        for (size_t h = 3 * f; h < 3 * f + 3; h++)
+        for (size_t h = first; h < last; h++)
         {
             *out++ = ' ';
             out = number_write_fixed(out, (int64_t)mesh->faces[h] + 1, 0);
@@ -443,9 +512,35 @@ static void format_corners(const bat_mesh *mesh, const void *context, size_t beg
     }
 }
 
-bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+/// A tag with one small number.
+static void text_append_tag(text_buffer *text, const char *tag, size_t number)
 {
-    obj_plan plan = {.normals = options->vertex_normals};
+    const char end[] = {(char)('0' + number), '\n', '\0'};
+    text_append_string(text, tag);
+    text_append_string(text, end);
+}
+
+/// The rules of refinement as tags.
+static void format_rules(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+{
+    (void)context;
+    (void)begin;
+    (void)end;
+    for (size_t i = 0; i < sizeof BOUNDARY_TAGS / sizeof *BOUNDARY_TAGS; i++)
+        if (mesh->rules.boundary == BOUNDARY_TAGS[i])
+            text_append_tag(text, "t interpolateboundary 1/0/0 ", i);
+    for (size_t i = 0; i < sizeof LINEAR_TAGS / sizeof *LINEAR_TAGS; i++)
+        if (mesh->rules.linear == LINEAR_TAGS[i])
+            text_append_tag(text, "t facevaryinginterpolateboundary 1/0/0 ", i);
+    if (mesh->rules.creasing != BAT_MESH_CREASING_AUTO)
+        text_append_string(text, mesh->rules.creasing == BAT_MESH_CREASING_CHAIKIN ? "t creasemethod 0/0/1 chaikin\n"
+                                                                                   : "t creasemethod 0/0/1 normal\n");
+}
+
+bat_status mesh_obj_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error)
+{
+    obj_plan plan = {.offsets = offsets, .normals = options->vertex_normals};
     plan.colours = mesh_colours(mesh, plan.places);
     text_buffer files = {0};
     bat_status status = obj_labels_check(mesh, error);
@@ -462,7 +557,8 @@ bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *op
                  {plan.normals != NULL ? mesh->vertex_count : 0, format_normals},
                  {mesh->face_count, format_faces},
                  {mesh->crease_count, format_creases},
-                 {mesh->corner_count, format_corners}};
+                 {mesh->corner_count, format_corners},
+                 {1, format_rules}};
     for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
         status = mesh_rows_write(mesh, parts[i].count, parts[i].format, &plan, options->threads, sink, error);
     return status;

@@ -292,14 +292,15 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
 
 static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
 {
-    (void)context;
+    const uint32_t *offsets = context;
     for (size_t f = begin; f < end; f++)
     {
-        char *out = text_reserve(text, 4 * NUMBER_TEXT_SIZE);
+        size_t first = mesh_corners_until(offsets, f), last = mesh_corners_until(offsets, f + 1);
+        char *out = text_reserve(text, (last - first + 1) * NUMBER_TEXT_SIZE);
         if (out == NULL)
             return;
-        *out++ = '3';
-        for (size_t h = 3 * f; h < 3 * f + 3; h++)
+        out = number_write_fixed(out, (int64_t)(last - first), 0);
+        for (size_t h = first; h < last; h++)
         {
             *out++ = ' ';
             out = number_write_fixed(out, mesh->faces[h], 0);
@@ -342,9 +343,10 @@ static void format_header(const bat_mesh *mesh, const void *context, size_t begi
     text_advance(text, out);
 }
 
-bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+bat_status mesh_off_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error)
 {
-    off_parts parts = {.textured = mesh_texture_by_vertex(mesh)};
+    off_parts parts = {.textured = mesh_texture_by_vertex(mesh, offsets)};
     parts.colours = mesh_colours(mesh, parts.colour_places);
     bat_status status = check_colours(mesh, &parts, error);
     if (status == BAT_OK)
@@ -352,6 +354,6 @@ bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *op
     if (status == BAT_OK)
         status = mesh_rows_write(mesh, mesh->vertex_count, format_vertices, &parts, options->threads, sink, error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->face_count, format_faces, NULL, options->threads, sink, error);
+        status = mesh_rows_write(mesh, mesh->face_count, format_faces, offsets, options->threads, sink, error);
     return status;
 }

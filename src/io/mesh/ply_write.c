@@ -14,7 +14,9 @@ typedef struct ply_plan
     bool *bytes; ///< for each channel: whether it is a colour and all values are multiples of 1/255
     bool texture_by_vertex, texture_by_corner;
     bool text, big_endian;
-    const double *normals; ///< null: none
+    const double *normals;   ///< null: none
+    const uint32_t *offsets; ///< of polygons; else null
+    bool long_lists;         ///< the lengths of lists need four bytes
 } ply_plan;
 
 /// Whether bytes represent a channel exactly, as a colour.
@@ -107,11 +109,13 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
         text_append_string(&text, mesh->channel_names[i]);
         text_append_string(&text, "\n");
     }
-    append_number(&text, "element face ", (double)mesh->face_count, "\nproperty list uchar ");
+    append_number(&text, "element face ", (double)mesh->face_count,
+                  plan->long_lists ? "\nproperty list uint " : "\nproperty list uchar ");
     text_append_string(&text, index_type(mesh));
     text_append_string(&text, " vertex_indices\n");
     if (plan->texture_by_corner)
-        text_append_string(&text, "property list uchar double texcoord\n");
+        text_append_string(&text, plan->long_lists ? "property list uint double texcoord\n"
+                                                   : "property list uchar double texcoord\n");
     if (mesh->face_labels != NULL)
         text_append_string(&text, "property uint " PLY_LABEL "\n");
     text_append_string(&text, "end_header\n");
@@ -190,22 +194,23 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
 {
     enum
     {
-        MAX_NUMBERS = 12,
-        CORNERS = 3,
         INDEX_SIZE = 4
     };
     const ply_plan *plan = context;
+    int length_size = plan->long_lists ? 4 : 1;
     for (size_t f = begin; f < end; f++)
     {
-        char *out = text_reserve(text, MAX_NUMBERS * (NUMBER_TEXT_SIZE + 1));
+        size_t first = mesh_corners_until(plan->offsets, f), last = mesh_corners_until(plan->offsets, f + 1);
+        uint32_t corners = (uint32_t)(last - first);
+        char *out = text_reserve(text, (3 * (size_t)corners + 3) * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
             return;
-        out = put_integer(out, CORNERS, 1, plan);
-        for (size_t h = 3 * f; h < 3 * f + CORNERS; h++)
+        out = put_integer(out, corners, length_size, plan);
+        for (size_t h = first; h < last; h++)
             out = put_integer(out, mesh->faces[h], INDEX_SIZE, plan);
         if (plan->texture_by_corner)
-            out = put_integer(out, 2 * CORNERS, 1, plan);
-        for (size_t h = 3 * f; h < 3 * f + CORNERS && plan->texture_by_corner; h++)
+            out = put_integer(out, 2 * corners, length_size, plan);
+        for (size_t h = first; h < last && plan->texture_by_corner; h++)
             for (size_t k = 0; k < 2; k++)
                 out = put_double(out, mesh->texture[2 * (size_t)mesh->texture_faces[h] + k], plan);
         if (mesh->face_labels != NULL)
@@ -214,13 +219,17 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
     }
 }
 
-bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+bat_status mesh_ply_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error)
 {
-    ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh),
+    ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh, offsets),
+                     .offsets = offsets,
                      .text = options->encoding == BAT_MESH_ENCODING_TEXT,
                      .big_endian = options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN,
                      .normals = options->vertex_normals};
     plan.texture_by_corner = mesh->texture_faces != NULL && !plan.texture_by_vertex;
+    for (size_t f = 0; offsets != NULL && f < mesh->face_count; f++)
+        plan.long_lists = plan.long_lists || offsets[f + 1] - offsets[f] > UINT8_MAX / 2;
     bat_status status = check_names(mesh, &plan, error);
     if (status != BAT_OK)
         return status;

@@ -359,8 +359,10 @@ static bat_status write_line(text_sink *sink, const char *line, bat_error *error
     return status;
 }
 
-bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+bat_status mesh_stl_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                          text_sink *sink, bat_error *error)
 {
+    (void)offsets; // null: STL holds triangles
     if (options->encoding != BAT_MESH_ENCODING_TEXT)
         return write_binary(mesh, options, sink, error);
     bat_status status = write_line(sink, "solid mesh\n", error);

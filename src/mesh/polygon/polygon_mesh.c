@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "mesh/check.h"
 #include "mesh/labels.h"
+#include "mesh/sides.h"
 #include "mesh/triangulate.h"
 
 #include <stdlib.h>
@@ -169,6 +170,20 @@ bat_status bat_polygon_mesh_check(const bat_polygon_mesh *mesh, bat_error *error
         return status;
     bat_mesh view = polygon_mesh_view(mesh);
     return mesh_check_data(&view, error);
+}
+
+bat_status bat_polygon_mesh_connect(const bat_polygon_mesh *mesh, bat_mesh_connectivity *connectivity, bat_error *error)
+{
+    bat_status status = bat_polygon_mesh_check(mesh, error);
+    if (status != BAT_OK)
+        return status;
+    uint32_t *face_of = polygon_faces_of_corners(mesh);
+    mesh_sides sides = {.offsets = mesh->offsets, .face = face_of};
+    if (face_of == NULL)
+        return error_memory(error, mesh->offsets[mesh->face_count] * sizeof *face_of);
+    status = sides_connect(&sides, mesh->faces, mesh->face_count, mesh->vertex_count, connectivity, error);
+    free(face_of);
+    return status;
 }
 
 /// Cut all faces, into the faces of `made`, which has the room.
