@@ -31,6 +31,8 @@ static const option_spec OPTIONS[] = {
     {"boundary", 0, "RULE", "loop, catmull-clark: edges, corners (sharp) or none; default: as the file says, else edges"},
     {"creasing", 0, "RULE", "the same, for semi-sharp edges: uniform or chaikin; default: as the file says, else uniform"},
     {"texture", 0, "RULE", "the same, what stays linear: all, none, corners, corners-plus1, corners-plus2 or boundaries"},
+    {"tolerance", 0, "E", "loop, catmull-clark: refine where needed, until faces are within E of the limit surface"},
+    {"max-edge", 0, "L", "the same, until no edge is longer than L"},
     {"picture", 0, "FILE", "draw the mesh before and after, side by side (.png, .svg or .pdf)"},
     {"beside", 0, "NAME", "draw also what this scheme makes of the mesh"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
@@ -115,7 +117,8 @@ static bool read_refinement(const arguments *given, bat_mesh_refine_options *opt
     }
     if (!read_scheme(given, "scheme", &options->scheme) || !read_scheme(given, "then", &options->then) ||
         !argument_whole(given, "levels", 0, MAX_LEVELS, (long)options->levels, &levels) ||
-        !argument_threads(given, &options->threads) ||
+        !argument_threads(given, &options->threads) || !argument_number(given, "tolerance", 0, &options->tolerance) ||
+        !argument_number(given, "max-edge", 0, &options->max_edge) ||
         !argument_number(given, "crease-angle", options->crease_angle / DEGREE, &degrees) ||
         !argument_number(given, "fairness", options->fairness, &fairness))
         return false;
@@ -165,6 +168,9 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
     if (!learned && chosen && (job->model != NULL || argument(given, "then") != NULL || argument(given, "fairness") != NULL))
         return "--model, --then and --fairness need --scheme learned";
+    bool adaptive = job->refine.tolerance > 0 || job->refine.max_edge > 0;
+    if (adaptive && (!has_rules(job->refine.scheme) || argument(given, "levels") != NULL))
+        return "--tolerance and --max-edge need --scheme loop or catmull-clark, and exclude --levels";
     if (job->has_beside && job->picture == NULL)
         return "--beside needs --picture FILE";
     bool ruled =
@@ -280,6 +286,7 @@ static bat_status refine_beside(const mesh_job *job, const mesh_result *result, 
     options.scheme = job->beside;
     if (!has_rules(options.scheme))
     {
+        options.tolerance = options.max_edge = 0;
         options.limit = false;
         options.crease_angle = 0;
         options.rules = (bat_mesh_rules){0};

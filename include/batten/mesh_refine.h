@@ -88,7 +88,11 @@ struct bat_mesh_refine_options
     /// has available.
     size_t max_memory;
     bat_mesh_rules rules; ///< of Loop's and Catmull and Clark's schemes; they come before those of the mesh; default AUTO
-    int threads;          ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    /// Loop's and Catmull and Clark's schemes: refine adaptively, as deep as is needed and whatever `levels` says, until no
+    /// face is farther than this from the limit surface, by an estimate from second differences. 0: do not. Default 0.
+    double tolerance;
+    double max_edge; ///< the same, until no edge is longer; default 0
+    int threads;     ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
 };
 
@@ -103,8 +107,11 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 /// Boundaries depend on their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the four-point
 /// rule in the butterfly and under the learned scheme. Vertices without a face stay. Channels use the scheme's weights, or
 /// midpoints under a learned scheme, and are not moved to the limit. Texture coordinates are averaged along edges, on each
-/// side of a seam. Creases and corners act in Loop's scheme and, by its rules, in the learned one; all schemes pass them on,
-/// with their remaining sharpness. Labels go from each face to the faces that it becomes.
+/// side of a seam. Creases and corners act in Loop's and Catmull and Clark's schemes and, by Loop's rules, in the learned
+/// one; all schemes pass them on, with their remaining sharpness. Labels go from each face to the faces that it becomes.
+/// Adaptive refinement has all vertices on the limit surface and no cracks: a triangle beside finer ones is cut to their
+/// vertices; a quad beside finer ones takes these in as corners, so that it has five or more. The result has channels, but
+/// no texture, creases or corners.
 /// Square-root-three flips edges across seams and creases: its fine mesh has no texture, creases or corners.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept

@@ -39,6 +39,8 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
         OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
         OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
         OPTION_FIELD(bat_mesh_refine_options, max_memory, OPTION_SIZE, 0, INFINITY),
+        OPTION_FIELD(bat_mesh_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_mesh_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_mesh_refine_options, rules.boundary, OPTION_CHOICE, 0, BAT_MESH_BOUNDARY_NONE),
         OPTION_FIELD(bat_mesh_refine_options, rules.creasing, OPTION_CHOICE, 0, BAT_MESH_CREASING_CHAIKIN),
         OPTION_FIELD(bat_mesh_refine_options, rules.linear, OPTION_CHOICE, 0, BAT_MESH_LINEAR_BOUNDARIES),
@@ -67,6 +69,9 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
     if (options->crease_angle > 0 && !last->creases)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "only Loop's and Catmull and Clark's schemes make creases");
+    if ((options->tolerance > 0 || options->max_edge > 0) && !mesh_scheme_of(options->scheme)->creases)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "adaptive refinement needs a scheme with a limit surface: loop or catmull-clark");
     const bat_mesh_rules *rules = &options->rules;
     if ((rules->boundary != BAT_MESH_BOUNDARY_AUTO || rules->creasing != BAT_MESH_CREASING_AUTO ||
          rules->linear != BAT_MESH_LINEAR_AUTO) &&

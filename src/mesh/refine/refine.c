@@ -5,6 +5,7 @@
 #include "mesh/check.h"
 #include "mesh/labels.h"
 #include "mesh/polygon/polygon.h"
+#include "mesh/refine/adaptive.h"
 #include "mesh/refine/catmull_clark.h"
 #include "mesh/refine/leave_out.h"
 #include "mesh/refine/plan.h"
@@ -609,6 +610,40 @@ static bat_status refine_planned(const bat_mesh *coarse, const mesh_sides *sides
     return status;
 }
 
+bat_status refine_corners(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_refine_options *options,
+                          bat_mesh *fine, bat_error *error)
+{
+    mesh_plan plan;
+    bat_status status = mesh_plan_make(coarse, options, &plan, error);
+    return status == BAT_OK ? refine_planned(coarse, sides, &plan, fine, NULL, error) : status;
+}
+
+static bool is_adaptive(const bat_mesh_refine_options *options)
+{
+    return options->tolerance > 0 || options->max_edge > 0;
+}
+
+/// Refine adaptively, with the names of channels.
+static bat_status refine_adaptively(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_refine_options *options,
+                                    bat_mesh *fine, uint32_t **offsets, bat_error *error)
+{
+    bat_mesh made;
+    bat_status status = adaptive_refine(coarse, sides, options, &made, offsets, error);
+    if (status != BAT_OK)
+        return status;
+    made.channel_count = coarse->channel_count;
+    status = copy_names(coarse, &made, error);
+    if (status == BAT_OK)
+        *fine = made;
+    else
+    {
+        bat_mesh_free(&made);
+        free(*offsets);
+        *offsets = NULL;
+    }
+    return status;
+}
+
 /// Refine a checked triangle mesh by complete options.
 static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                  size_t *fallback, bat_error *error)
@@ -620,7 +655,14 @@ static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_o
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "the scheme %s makes quads: bat_polygon_mesh_refine() returns them",
                          bat_mesh_scheme_name(options->scheme));
+    uint32_t *offsets = NULL;
     bat_status status = mesh_plan_make(coarse, options, &plan, error);
+    if (status == BAT_OK && is_adaptive(options))
+    {
+        status = refine_adaptively(coarse, &sides, options, fine, &offsets, error);
+        free(offsets);
+        return status;
+    }
     if (status == BAT_OK)
         status = refine_planned(plan.options.scheme == BAT_MESH_SCHEME_SQRT3 ? &plain : coarse, &sides, &plan, fine,
                                 fallback, error);
@@ -675,11 +717,18 @@ static bat_status refine_polygons(const bat_polygon_mesh *coarse, const bat_mesh
     if (face_of == NULL)
         return error_memory(error, coarse->offsets[coarse->face_count] * sizeof *face_of);
     bat_status status = mesh_plan_make(&view, options, &plan, error);
-    if (status == BAT_OK)
+    if (status == BAT_OK && is_adaptive(options))
+        status = refine_adaptively(&view, &sides, options, &made, &offsets, error);
+    else if (status == BAT_OK)
         status = refine_planned(&view, &sides, &plan, &made, NULL, error);
     free(face_of);
     if (status != BAT_OK)
         return status;
+    if (is_adaptive(options))
+    {
+        *fine = polygon_mesh_from_view(&made, offsets);
+        return BAT_OK;
+    }
     if (options->levels > 0)
         offsets = polygon_offsets(made.face_count, 4);
     else
