@@ -70,9 +70,15 @@ static void test_weights_and_colours(void **state)
 static void test_creases_and_corners(void **state)
 {
     (void)state;
-    bat_mesh mesh = must_read(TRIANGLE "f 1 2 3\nt crease 2/1/0 0 1 2.5\nt crease 4/1/0 1 2 2 0 10\nt crease 4/2/0 1 2 2 0 "
-                                       "3 4\nt corner 1/1/0 2 7\nt corner 2/2/0 0 1 .5 0\nt interpolateboundary 1/0/0 1\n",
-                              OBJ);
+    bat_mesh mesh = must_read(
+        TRIANGLE
+        "f 1 2 3\nt crease 2/1/0 0 1 2.5\nt crease 4/1/0 1 2 2 0 10\nt crease 4/2/0 1 2 2 0 "
+        "3 4\nt corner 1/1/0 2 7\nt corner 2/2/0 0 1 .5 0\nt interpolateboundary 1/0/0 1\nt creasemethod 0/0/1 chaikin\n"
+        "t facevaryinginterpolateboundary 1/0/0 2\n",
+        OBJ);
+    assert_int_equal(mesh.rules.boundary, BAT_MESH_BOUNDARY_CORNERS);
+    assert_int_equal(mesh.rules.creasing, BAT_MESH_CREASING_CHAIKIN);
+    assert_int_equal(mesh.rules.linear, BAT_MESH_LINEAR_CORNERS_PLUS1);
     const bat_mesh_crease creases[] = {{0, 1, 2.5}, {1, 2, 10}, {2, 0, 10}, {1, 2, 3}, {2, 0, 4}};
     const bat_mesh_corner corners[] = {{2, 7}, {0, .5}, {1, 0}};
     assert_int_equal(mesh.crease_count, 5);
@@ -84,7 +90,10 @@ static void test_creases_and_corners(void **state)
         assert_true(mesh.corners[i].vertex == corners[i].vertex && mesh.corners[i].sharpness == corners[i].sharpness);
     mesh.creases[0].sharpness = INFINITY;
     mesh.crease_count = mesh.corner_count = 1;
-    assert_text(&mesh, OBJ, TRIANGLE "f 1 2 3\nt crease 2/1/0 0 1 10\nt corner 1/1/0 2 7\n");
+    assert_text(&mesh, OBJ,
+                TRIANGLE "f 1 2 3\nt crease 2/1/0 0 1 10\nt corner 1/1/0 2 7\n"
+                         "t interpolateboundary 1/0/0 1\nt facevaryinginterpolateboundary 1/0/0 2\n"
+                         "t creasemethod 0/0/1 chaikin\n");
     bat_mesh_free(&mesh);
     static const struct
     {
@@ -105,7 +114,10 @@ static void test_creases_and_corners(void **state)
                {"crease 4294967294/1/0 0 1 1", "'' is not the number"},
                {"corner 1/2/0 0 1 1", "a corner is"},
                {"corner 1/1/0 4 1", "'4' is not the number"},
-               {"corner 1/1/0", "'' is not the number"}};
+               {"corner 1/1/0", "'' is not the number"},
+               {"interpolateboundary 1/0/0 3", "'3' is not a known number of this rule"},
+               {"creasemethod 0/0/1 smooth", "'creasemethod' is followed by"},
+               {"hole 1/0/0 0", "'hole' is a tag of subdivision that is not supported"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
     {
         char text[128];

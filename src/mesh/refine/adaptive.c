@@ -246,7 +246,8 @@ typedef struct level_part
 {
     bat_mesh mesh;
     uint32_t *vertex, *face; ///< of the level, for each of the part
-    uint32_t *vertex_in;     ///< of the part, for each of the level
+    uint32_t *vertex_in;     ///< of the part, for each of the level that a face has which is split
+    uint32_t *corner_vertex; ///< of the part, for each corner of the level
 } level_part;
 
 static void part_free(level_part *part)
@@ -257,10 +258,11 @@ static void part_free(level_part *part)
     free(part->vertex);
     free(part->face);
     free(part->vertex_in);
+    free(part->corner_vertex);
 }
 
-/// Mark faces that share a vertex with one that is split, and count them and their corners.
-static void mark_part(const adaptive_level *now, bool *near_split, level_part *part, size_t *corners)
+/// Mark faces that share a vertex with one that is split, and count their corners.
+static void mark_part(const adaptive_level *now, bool *near_split, bool *in_part, level_part *part, size_t *corners)
 {
     memset(near_split, 0, now->mesh.vertex_count * sizeof *near_split);
     for (uint32_t f = 0; f < now->mesh.face_count; f++)
@@ -270,28 +272,53 @@ static void mark_part(const adaptive_level *now, bool *near_split, level_part *p
     for (uint32_t f = 0; f < now->mesh.face_count; f++)
     {
         uint32_t begin = sides_begin(&now->sides, f), end = sides_begin(&now->sides, f + 1);
-        bool near = false;
+        in_part[f] = false;
         for (uint32_t c = begin; c < end; c++)
-            near = near || near_split[now->mesh.faces[c]];
-        if (!near)
+            in_part[f] = in_part[f] || near_split[now->mesh.faces[c]];
+        if (!in_part[f])
             continue;
         part->face[part->mesh.face_count++] = f;
         *corners += end - begin;
     }
 }
 
-/// Number the vertices of a part in their order on the level.
-static void number_part(const adaptive_level *now, level_part *part)
+/// Give a number to the corners of one fan of the part's faces.
+static void number_fan(const adaptive_level *now, const bool *in_part, uint32_t corner, uint32_t number, uint32_t *of_corner)
+{
+    for (uint32_t h = corner; h != BAT_MESH_NONE && in_part[sides_face(&now->sides, h)] && of_corner[h] != number;)
+    {
+        of_corner[h] = number;
+        h = now->links.twin[sides_previous(&now->sides, h)];
+    }
+    for (uint32_t twin = now->links.twin[corner]; twin != BAT_MESH_NONE && in_part[sides_face(&now->sides, twin)];)
+    {
+        uint32_t h = sides_next(&now->sides, twin);
+        if (of_corner[h] == number)
+            return;
+        of_corner[h] = number;
+        twin = now->links.twin[h];
+    }
+}
+
+/// Number the vertices of a part. The part can have several fans of faces at its outermost vertices, which only help. Each
+/// fan has a vertex of its own there, so that the part is a manifold.
+static void number_part(const adaptive_level *now, const bool *near_split, const bool *in_part, level_part *part)
 {
     memset(part->vertex_in, 0xff, now->mesh.vertex_count * sizeof *part->vertex_in);
+    memset(part->corner_vertex, 0xff, sides_corners(&now->sides, now->mesh.face_count) * sizeof *part->corner_vertex);
     for (size_t i = 0; i < part->mesh.face_count; i++)
         for (uint32_t c = sides_begin(&now->sides, part->face[i]); c < sides_begin(&now->sides, part->face[i] + 1); c++)
-            part->vertex_in[now->mesh.faces[c]] = 0;
-    for (uint32_t v = 0; v < now->mesh.vertex_count; v++)
-        if (part->vertex_in[v] == 0)
         {
-            part->vertex_in[v] = (uint32_t)part->mesh.vertex_count;
-            part->vertex[part->mesh.vertex_count++] = v;
+            uint32_t vertex = now->mesh.faces[c], number = (uint32_t)part->mesh.vertex_count;
+            if (near_split[vertex] && part->vertex_in[vertex] != BAT_MESH_NONE)
+                part->corner_vertex[c] = part->vertex_in[vertex];
+            if (part->corner_vertex[c] != BAT_MESH_NONE)
+                continue;
+            part->vertex[part->mesh.vertex_count++] = vertex;
+            if (near_split[vertex])
+                part->corner_vertex[c] = part->vertex_in[vertex] = number;
+            else
+                number_fan(now, in_part, c, number, part->corner_vertex);
         }
 }
 
@@ -308,15 +335,14 @@ static void fill_faces(adaptive_level *now, level_part *part, uint32_t *offsets,
             if (face_of != NULL)
                 face_of[corner] = i;
             now->part[c] = corner;
-            part->mesh.faces[corner++] = part->vertex_in[now->mesh.faces[c]];
+            part->mesh.faces[corner++] = part->corner_vertex[c];
         }
     }
     if (offsets != NULL)
         offsets[part->mesh.face_count] = corner;
 }
 
-/// Take along the values at vertices, and the creases and corners of the part. A crease of two of its vertices is an edge of
-/// it, or none of its faces has that edge and it is left out.
+/// Take along the values at vertices, and the corners.
 static void fill_values(const adaptive_level *now, level_part *part)
 {
     const bat_mesh *from = &now->mesh;
@@ -339,10 +365,12 @@ static void fill_creases(const adaptive_level *now, const double *edges, level_p
     bat_mesh *to = &part->mesh;
     for (size_t i = 0; edges != NULL && i < to->face_count; i++)
         for (uint32_t c = sides_begin(&now->sides, part->face[i]); c < sides_begin(&now->sides, part->face[i] + 1); c++)
-            if (edges[now->links.edge[c]] > 0)
-                to->creases[to->crease_count++] = (bat_mesh_crease){
-                    part->vertex_in[now->mesh.faces[c]], part->vertex_in[now->mesh.faces[sides_next(&now->sides, c)]],
-                    edges[now->links.edge[c]]};
+        {
+            double sharpness = edges[now->links.edge[c]];
+            uint32_t a = part->corner_vertex[c], b = part->corner_vertex[sides_next(&now->sides, c)];
+            if (sharpness > 0)
+                to->creases[to->crease_count++] = (bat_mesh_crease){a, b, sharpness};
+        }
 }
 
 /// Cut out the part of a level that is refined.
@@ -350,7 +378,9 @@ static bat_status make_part(adaptive_level *now, level_part *part, bat_error *er
 {
     size_t vertices = now->mesh.vertex_count, all = sides_corners(&now->sides, now->mesh.face_count), corners;
     bool *near_split = memory_array(vertices, sizeof *near_split);
-    *part = (level_part){.vertex = memory_array(vertices, sizeof *part->vertex),
+    bool *in_part = memory_array(now->mesh.face_count, sizeof *in_part);
+    *part = (level_part){.vertex = memory_array(all, sizeof *part->vertex),
+                         .corner_vertex = memory_array(all, sizeof *part->corner_vertex),
                          .face = memory_array(now->mesh.face_count, sizeof *part->face),
                          .vertex_in = memory_array(vertices, sizeof *part->vertex_in)};
     now->part = memory_array(all, sizeof *now->part);
@@ -359,13 +389,13 @@ static bat_status make_part(adaptive_level *now, level_part *part, bat_error *er
     mesh_level level = {.faces = now->mesh.faces, .sides = now->sides, .links = &now->links};
     bat_status status = sharpness_of_edges(&level, &now->mesh, 0, &edges, error);
     bool made = near_split != NULL && part->vertex != NULL && part->face != NULL && part->vertex_in != NULL &&
-                now->part != NULL && now->middle != NULL;
+                in_part != NULL && part->corner_vertex != NULL && now->part != NULL && now->middle != NULL;
     if (status == BAT_OK && made)
     {
         memset(now->part, 0xff, all * sizeof *now->part);
         memset(now->middle, 0xff, all * sizeof *now->middle);
-        mark_part(now, near_split, part, &corners);
-        number_part(now, part);
+        mark_part(now, near_split, in_part, part, &corners);
+        number_part(now, near_split, in_part, part);
         bat_mesh *to = &part->mesh;
         bool mixed = now->sides.offsets != NULL;
         uint32_t *offsets = mixed ? memory_array(to->face_count + 1, sizeof *offsets) : NULL;
@@ -389,6 +419,7 @@ static bat_status make_part(adaptive_level *now, level_part *part, bat_error *er
         }
     }
     free(near_split);
+    free(in_part);
     free(edges);
     if (status == BAT_OK && !made)
         status = error_memory(error, all * sizeof *now->part);
