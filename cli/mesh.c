@@ -405,10 +405,13 @@ static int report(const mesh_job *job, const mesh_result *result)
         return EXIT_DONE;
     if (job->read.repair)
         (void)printf("%zu places repaired\n", bat_mesh_repair_places(&result->repairs));
+    char levels[32] = "adaptive";
+    if (!(job->refine.tolerance > 0 || job->refine.max_edge > 0))
+        (void)snprintf(levels, sizeof levels, "%zu levels", job->refine.levels);
     bool cage = job->refine.scheme != result->scheme && result->scheme == BAT_MESH_SCHEME_LOOP;
-    (void)printf("%s%s, %zu levels: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
-                 bat_mesh_scheme_name(result->scheme), cage ? " (a cage: few faces, or creases)" : "", job->refine.levels,
-                 coarse.vertices, coarse.faces, fine.vertices, fine.faces,
+    (void)printf("%s%s, %s: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n", bat_mesh_scheme_name(result->scheme),
+                 cage ? " (a cage: few faces, or creases)" : "", levels, coarse.vertices, coarse.faces, fine.vertices,
+                 fine.faces,
                  result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
