@@ -85,7 +85,7 @@ struct bat_mesh_refine_options
     /// fine vertices, as bat_mesh_limit_normals() gives them; release the array with free(). Null: none, the default.
     double **limit_normals;
     /// Bytes. A refinement that needs more is refused with BAT_TOO_LARGE before it begins. 0, the default: what the machine
-    /// has available.
+    /// has available. Adaptive refinement compares before each level.
     size_t max_memory;
     bat_mesh_rules rules; ///< of Loop's and Catmull and Clark's schemes; they come before those of the mesh; default AUTO
     /// Loop's and Catmull and Clark's schemes: refine adaptively, as deep as is needed and whatever `levels` says, until no
@@ -110,8 +110,8 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 /// side of a seam. Creases and corners act in Loop's and Catmull and Clark's schemes and, by Loop's rules, in the learned
 /// one; all schemes pass them on, with their remaining sharpness. Labels go from each face to the faces that it becomes.
 /// Adaptive refinement has all vertices on the limit surface and no cracks: a triangle beside finer ones is cut to their
-/// vertices; a quad beside finer ones takes these in as corners, so that it has five or more. The result has channels, but
-/// no texture, creases or corners.
+/// vertices; a quad beside finer ones takes these in as corners, so that it has five or more. The result has channels and
+/// labels, but no texture, creases or corners.
 /// Square-root-three flips edges across seams and creases: its fine mesh has no texture, creases or corners.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept

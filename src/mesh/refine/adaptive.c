@@ -3,7 +3,9 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_available.h"
 #include "linalg/vector3.h"
+#include "mesh/labels.h"
 #include "mesh/refine/plan.h"
 #include "mesh/refine/split.h"
 
@@ -33,6 +35,7 @@ typedef struct adaptive_level
     double *limits;     ///< vertex_count x 3
     uint32_t *number;   ///< of each vertex in the result; BAT_MESH_NONE for one that only helps
     bool *real, *split; ///< of each face
+    uint32_t *source;   ///< of each face: the coarse face that it comes from
     /// For each half-edge, where its face is refined: the number of the vertex on it, BAT_MESH_NONE where no real face there
     /// is split; and the half-edge in the part that is refined.
     uint32_t *middle, *part;
@@ -53,6 +56,7 @@ static void level_free(adaptive_level *level)
     free(level->number);
     free(level->real);
     free(level->split);
+    free(level->source);
     free(level->middle);
     free(level->part);
     free((void *)(uintptr_t)level->part_sides.offsets);
@@ -72,6 +76,10 @@ typedef struct adaptive_work
     size_t corner_count, corner_capacity;
     uint32_t *offsets;
     size_t face_count, offset_capacity;
+    uint32_t *sources; ///< of the faces of the result: coarse faces
+    size_t source_capacity;
+    size_t max_memory; ///< bytes; 0: no bound is known
+    size_t held;       ///< bytes of all levels, about
 } adaptive_work;
 
 static bat_status no_memory(const adaptive_work *work, bat_error *error)
@@ -441,7 +449,10 @@ static void inherit(adaptive_level *now, const level_part *part, const bat_mesh_
         bool split = now->split[part->face[i]];
         uint32_t begin = sides_begin(&now->part_sides, i), end = sides_begin(&now->part_sides, i + 1);
         for (uint32_t f = quads ? begin : 4 * i; f < (quads ? end : 4 * i + 4); f++)
+        {
             next->real[f] = split;
+            next->source[f] = now->source[part->face[i]];
+        }
         for (uint32_t h = begin; h < end && split; h++)
             fresh[old + links->edge[h]] = true;
         if (quads && split)
@@ -474,7 +485,8 @@ static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_lev
     bool *fresh = memory_array(next->mesh.vertex_count, sizeof *fresh);
     next->number = memory_array(next->mesh.vertex_count, sizeof *next->number);
     next->real = memory_array(next->mesh.face_count, sizeof *next->real);
-    if (status == BAT_OK && (fresh == NULL || next->number == NULL || next->real == NULL))
+    next->source = memory_array(next->mesh.face_count, sizeof *next->source);
+    if (status == BAT_OK && (fresh == NULL || next->number == NULL || next->real == NULL || next->source == NULL))
         status = no_memory(work, error);
     if (status == BAT_OK)
         status = find_limits(work, next, error);
@@ -503,12 +515,16 @@ static bool add_corner(adaptive_work *work, uint32_t number)
     return true;
 }
 
-static bool end_face(adaptive_work *work)
+static bool end_face(adaptive_work *work, uint32_t source)
 {
-    void *offsets = work->offsets;
+    void *offsets = work->offsets, *sources = work->sources;
     if (!array_grow(&offsets, &work->offset_capacity, work->face_count + 2, sizeof *work->offsets))
         return false;
     work->offsets = offsets;
+    if (!array_grow(&sources, &work->source_capacity, work->face_count + 1, sizeof *work->sources))
+        return false;
+    work->sources = sources;
+    work->sources[work->face_count] = source;
     work->offsets[0] = 0;
     work->offsets[++work->face_count] = (uint32_t)work->corner_count;
     return true;
@@ -547,22 +563,23 @@ static bool list_middles(const adaptive_work *work, size_t depth, uint32_t half_
 
 /// Add a triangle whose edge i, from corner i, has the vertices numbers[begin[i]], …, numbers[end[i] - 1] on it: the edge
 /// with most of them is halved until there are none.
-static bool add_triangle(adaptive_work *work, const uint32_t corner[3], const uint32_t *numbers, const size_t begin[3],
-                         const size_t end[3])
+static bool add_triangle(adaptive_work *work, uint32_t source, const uint32_t corner[3], const uint32_t *numbers,
+                         const size_t begin[3], const size_t end[3])
 {
     int longest = 0;
     for (int i = 1; i < 3; i++)
         if (end[i] - begin[i] > end[longest] - begin[longest])
             longest = i;
     if (end[longest] == begin[longest])
-        return add_corner(work, corner[0]) && add_corner(work, corner[1]) && add_corner(work, corner[2]) && end_face(work);
+        return add_corner(work, corner[0]) && add_corner(work, corner[1]) && add_corner(work, corner[2]) &&
+               end_face(work, source);
     int a = longest, b = (a + 1) % 3, c = (a + 2) % 3;
     size_t middle = begin[a] + (end[a] - begin[a]) / 2;
     const uint32_t first[3] = {corner[a], numbers[middle], corner[c]}, second[3] = {numbers[middle], corner[b], corner[c]};
     const size_t first_begin[3] = {begin[a], 0, begin[c]}, first_end[3] = {middle, 0, end[c]};
     const size_t second_begin[3] = {middle + 1, begin[b], 0}, second_end[3] = {end[a], end[b], 0};
-    return add_triangle(work, first, numbers, first_begin, first_end) &&
-           add_triangle(work, second, numbers, second_begin, second_end);
+    return add_triangle(work, source, first, numbers, first_begin, first_end) &&
+           add_triangle(work, source, second, numbers, second_begin, second_end);
 }
 
 /// Add a face that is not split.
@@ -585,10 +602,10 @@ static bool add_leaf(adaptive_work *work, size_t depth, uint32_t face, number_li
         to[h - begin] = list->count;
     }
     if (!quads)
-        return made && add_triangle(work, corner, list->numbers, from, to);
+        return made && add_triangle(work, now->source[face], corner, list->numbers, from, to);
     for (size_t i = 0; i < list->count && made; i++)
         made = add_corner(work, list->numbers[i]);
-    return made && end_face(work);
+    return made && end_face(work, now->source[face]);
 }
 
 static bat_status collect(adaptive_work *work, bat_error *error)
@@ -651,6 +668,7 @@ static bat_status begin(adaptive_work *work, const bat_mesh *coarse, const mesh_
     now->mesh.texture_faces = NULL;
     now->mesh.texture_count = 0;
     now->mesh.rules = (bat_mesh_rules){0};
+    mesh_labels_forget(&now->mesh);
     now->sides = *sides;
     now->borrowed = true;
     bat_status status = take_marks(work, coarse, now, error);
@@ -658,12 +676,15 @@ static bat_status begin(adaptive_work *work, const bat_mesh *coarse, const mesh_
         return status;
     now->number = memory_array(coarse->vertex_count, sizeof *now->number);
     now->real = memory_array(coarse->face_count, sizeof *now->real);
+    now->source = memory_array(coarse->face_count, sizeof *now->source);
     bool *fresh = memory_array(coarse->vertex_count, sizeof *fresh);
-    if (now->number == NULL || now->real == NULL || fresh == NULL)
+    if (now->number == NULL || now->real == NULL || now->source == NULL || fresh == NULL)
         status = no_memory(work, error);
     if (status == BAT_OK)
     {
         memset(now->real, true, coarse->face_count * sizeof *now->real);
+        for (uint32_t f = 0; f < coarse->face_count; f++)
+            now->source[f] = f;
         memset(fresh, true, coarse->vertex_count * sizeof *fresh);
         status = find_limits(work, now, error);
     }
@@ -671,6 +692,36 @@ static bat_status begin(adaptive_work *work, const bat_mesh *coarse, const mesh_
         status = number_vertices(work, now, fresh, error);
     free(fresh);
     return status;
+}
+
+/// Refuse the level after one with `count` faces to be split where its arrays, the work on them and the result would take
+/// more memory than is allowed. The faces beside those are counted, too: all of the level where there are few.
+static bat_status check_memory(adaptive_work *work, const adaptive_level *now, size_t depth, size_t count, bat_error *error)
+{
+    enum
+    {
+        BESIDE = 9,       ///< faces that a regular face shares vertices with, itself included
+        CORNER_WORDS = 16 ///< numbers for each corner of a level: its mesh, links, parts, and those of its refinement
+    };
+    static const double gigabyte = 1e9;
+    bool quads = work->options->scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
+    double part = fmin((double)now->mesh.face_count, BESIDE * (double)count);
+    double faces = part * (double)sides_corners(&now->sides, now->mesh.face_count) / (double)now->mesh.face_count;
+    faces = quads ? faces : 4 * part;
+    double corners = (quads ? 4 : 3) * faces, vertices = quads ? faces : faces / 2;
+    double level =
+        CORNER_WORDS * sizeof(uint32_t) * corners + (10 + 3 * (double)work->channel_count) * sizeof(double) * vertices;
+    double result = 2 * (3 + (double)work->channel_count) * sizeof(double) * ((double)work->vertex_count + vertices) +
+                    2 * 3 * sizeof(uint32_t) * ((double)work->face_count + faces);
+    double bytes = (double)work->held + level + result;
+    work->held += (size_t)level;
+    if (work->max_memory == 0 || bytes <= (double)work->max_memory)
+        return BAT_OK;
+    return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                     "level %zu of adaptive refinement takes %.3g GB of memory, more than the %.3g GB %s; --tolerance or "
+                     "--max-edge can be larger",
+                     depth + 1, bytes / gigabyte, (double)work->max_memory / gigabyte,
+                     work->options->max_memory > 0 ? "of --max-memory" : "available");
 }
 
 static bat_status run(adaptive_work *work, bat_error *error)
@@ -686,7 +737,9 @@ static bat_status run(adaptive_work *work, bat_error *error)
         if (depth == MAX_DEPTH)
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
                              "%d levels do not reach the tolerance or the edge length", MAX_DEPTH);
-        status = descend(work, &work->levels[depth], &work->levels[depth + 1], error);
+        status = check_memory(work, &work->levels[depth], depth, count, error);
+        if (status == BAT_OK)
+            status = descend(work, &work->levels[depth], &work->levels[depth + 1], error);
     }
     return status;
 }
@@ -703,6 +756,8 @@ bat_status adaptive_refine(const bat_mesh *coarse, const mesh_sides *sides, cons
     work->step.levels = 1;
     work->step.limit = false;
     work->step.tolerance = work->step.max_edge = 0;
+    work->step.limit_normals = NULL;
+    work->max_memory = options->max_memory > 0 ? options->max_memory : memory_available();
     bat_status status = begin(work, coarse, sides, error);
     if (status == BAT_OK)
         status = run(work, error);
@@ -710,17 +765,22 @@ bat_status adaptive_refine(const bat_mesh *coarse, const mesh_sides *sides, cons
         status = collect(work, error);
     for (size_t depth = 0; depth <= MAX_DEPTH; depth++)
         level_free(&work->levels[depth]);
+    bat_mesh made = {.positions = work->positions,
+                     .faces = work->faces,
+                     .vertex_count = work->vertex_count,
+                     .face_count = work->face_count,
+                     .channels = work->channels};
+    if (status == BAT_OK)
+        status = mesh_labels_carry(coarse, work->sources, 1, &made, error);
+    free(work->sources);
     if (status == BAT_OK)
     {
-        *fine = (bat_mesh){.positions = work->positions,
-                           .faces = work->faces,
-                           .vertex_count = work->vertex_count,
-                           .face_count = work->face_count,
-                           .channels = work->channels};
+        *fine = made;
         *offsets = work->offsets;
     }
     else
     {
+        mesh_labels_free(&made);
         free(work->positions);
         free(work->channels);
         free(work->faces);

@@ -72,6 +72,9 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
     if ((options->tolerance > 0 || options->max_edge > 0) && !mesh_scheme_of(options->scheme)->creases)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "adaptive refinement needs a scheme with a limit surface: loop or catmull-clark");
+    if ((options->tolerance > 0 || options->max_edge > 0) && options->limit_normals != NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "adaptive refinement has no limit normals: --normals without --limit writes those of the faces");
     const bat_mesh_rules *rules = &options->rules;
     if ((rules->boundary != BAT_MESH_BOUNDARY_AUTO || rules->creasing != BAT_MESH_CREASING_AUTO ||
          rules->linear != BAT_MESH_LINEAR_AUTO) &&
