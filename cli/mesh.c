@@ -411,8 +411,7 @@ static int report(const mesh_job *job, const mesh_result *result)
     bool cage = job->refine.scheme != result->scheme && result->scheme == BAT_MESH_SCHEME_LOOP;
     (void)printf("%s%s, %s: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n", bat_mesh_scheme_name(result->scheme),
                  cage ? " (a cage: few faces, or creases)" : "", levels, coarse.vertices, coarse.faces, fine.vertices,
-                 fine.faces,
-                 result->boundary_edges > 0 ? "with boundary" : "closed");
+                 fine.faces, result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
 

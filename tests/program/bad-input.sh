@@ -359,11 +359,11 @@ refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map 
 
 refused 2 'missing' mesh
 refused 2 'there is no output' mesh mesh.in.obj --quiet
-refused 2 'there are learned, loop, butterfly, midpoint, sqrt3' mesh mesh.in.obj -o out.csv --scheme chaikin
+refused 2 'there are learned, loop, catmull-clark, butterfly, midpoint, sqrt3' mesh mesh.in.obj -o out.csv --scheme chaikin
 refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --scheme loop --then loop
 refused 2 'need --scheme learned' mesh mesh.in.obj -o out.csv --scheme butterfly --fairness 1
 refused 2 'fairness' mesh mesh.in.obj -o out.obj --fairness 1.5
-refused 2 "need Loop's scheme" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
+refused 2 "need --scheme loop or catmull-clark" mesh mesh.in.obj -o out.csv --scheme butterfly --limit
 refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
 refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33
 refused 2 'exclude each other' mesh mesh.in.obj -o out.csv --to obj --json --quiet

@@ -25,13 +25,23 @@ typedef struct sharp_level
     bat_mesh_connectivity own_links;
 } sharp_level;
 
+static mesh_level level_of(const sharp_level *sharp)
+{
+    return (mesh_level){.faces = sharp->faces,
+                        .links = sharp->links,
+                        .edge_sharpness = sharp->edge,
+                        .vertex_sharpness = sharp->vertex,
+                        .coarse_count = sharp->coarse_count};
+}
+
 static bat_status sharp_begin(const bat_mesh *coarse, const bat_mesh_connectivity *links, double crease_angle,
                               sharp_level *level, bat_error *error)
 {
     *level = (sharp_level){.faces = coarse->faces, .links = links, .coarse_count = coarse->vertex_count};
-    bat_status status = sharpness_of_edges(coarse, links, crease_angle, &level->edge, error);
+    const mesh_level begin = level_of(level);
+    bat_status status = sharpness_of_edges(&begin, coarse, crease_angle, &level->edge, error);
     if (status == BAT_OK)
-        status = sharpness_of_vertices(coarse, &level->vertex, error);
+        status = sharpness_of_vertices(&begin, coarse, false, &level->vertex, error);
     level->sharp = level->edge != NULL || level->vertex != NULL;
     return status;
 }
@@ -55,7 +65,10 @@ static bat_status sharp_advance(sharp_level *level, int threads, bat_error *erro
     bat_status status = faces != NULL ? split_links(level->links, threads, &links, error)
                                       : error_memory(error, 12 * level->links->face_count * sizeof *faces);
     if (status == BAT_OK && level->edge != NULL)
-        status = sharpness_split(level->edge, level->links, &links, &edge, error);
+    {
+        const mesh_level now = level_of(level);
+        status = sharpness_split(&now, &links, &edge, error);
+    }
     if (status != BAT_OK)
     {
         free(faces);
@@ -85,11 +98,7 @@ static bat_status sharp_apply(const sharp_level *sharp, const double *from, int 
     double *loop = memory_array(count, 3 * sizeof *loop);
     if (loop == NULL)
         return error_memory(error, count * 3 * sizeof *loop);
-    const mesh_level level = {.faces = sharp->faces,
-                              .links = links,
-                              .edge_sharpness = sharp->edge,
-                              .vertex_sharpness = sharp->vertex,
-                              .coarse_count = sharp->coarse_count};
+    const mesh_level level = level_of(sharp);
     const mesh_rows rows = {&level, from, loop, 3};
     loop_rule(&rows, threads);
     for (uint32_t v = 0; v < vertices; v++)
