@@ -20,8 +20,8 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the refined mesh to OUT (- for standard output)"},
     {"scheme", 0, "NAME",
-     "auto (default: loop for meshes with creases, corners or fewer than 100 faces, else learned), learned, loop, "
-     "catmull-clark (for quads and other polygons), butterfly, midpoint or sqrt3"},
+     "auto (default: catmull-clark for mostly quads or other polygons, loop for meshes with creases, corners or fewer than "
+     "100 faces, else learned), learned, loop, catmull-clark, butterfly, midpoint or sqrt3"},
     {"fairness", 0, "F", "learned: 0 for the nearest surface, 1 for the smoothest one that keeps the volume; default 0.25"},
     {"model", 0, "FILE", "learned: a network of your own, a safetensors file; default: the one that comes with batten"},
     {"levels", 0, "K", "how often to refine; default 2"},
@@ -51,10 +51,11 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_D
 
 static const verb_spec SPEC = {
     .usage = "batten mesh IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
-    .summary =
-        "Refine a mesh by subdivision (OBJ, PLY, OFF, STL, glTF; - for standard input); catmull-clark takes and makes\n"
-        "polygons. Texture coordinates, values at the vertices, creases, corners, groups and materials go along as far as\n"
-        "OUT's format holds them; notes tell what it does not hold.",
+    .summary = "Refine a mesh by subdivision (OBJ, PLY, OFF, STL, glTF; - for standard input). Quads and other polygons are "
+               "refined\n"
+               "into quads by catmull-clark. Texture coordinates, values at the vertices, creases, corners, groups and "
+               "materials go along as far as\n"
+               "OUT's format holds them; notes tell what it does not hold.",
     .options = OPTIONS,
     .min_positional = 1,
     .max_positional = 1,
@@ -80,13 +81,14 @@ typedef struct mesh_job
 typedef struct mesh_result
 {
     bat_mesh coarse, fine;                    ///< triangles; of polygons only for pictures
-    bat_polygon_mesh polygons, fine_polygons; ///< where the scheme makes quads
+    bat_polygon_mesh polygons, fine_polygons; ///< where takes_polygons()
     bat_mesh_model *model;                    ///< of --model; null for none
     bat_mesh_repair_report repairs;
     size_t boundary_edges, fallback; ///< boundary edges of the coarse mesh
     double *normals;                 ///< of the limit surface; null for none
     bat_mesh_notes notes;
     bat_mesh_scheme scheme; ///< the one that refined
+    const char *reason;     ///< for the scheme, where it was not given; else null
 } mesh_result;
 
 /// Read the name of a scheme, which stays as it is where the option was not given.
@@ -155,6 +157,11 @@ static bool has_rules(bat_mesh_scheme scheme)
     return scheme == BAT_MESH_SCHEME_LOOP || scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
 }
 
+static bool is_adaptive(const mesh_job *job)
+{
+    return job->refine.tolerance > 0 || job->refine.max_edge > 0;
+}
+
 /// What options contradict each other; null for nothing.
 static const char *find_fault(const arguments *given, const mesh_job *job)
 {
@@ -168,8 +175,7 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
     if (!learned && chosen && (job->model != NULL || argument(given, "then") != NULL || argument(given, "fairness") != NULL))
         return "--model, --then and --fairness need --scheme learned";
-    bool adaptive = job->refine.tolerance > 0 || job->refine.max_edge > 0;
-    if (adaptive && (!has_rules(job->refine.scheme) || argument(given, "levels") != NULL))
+    if (is_adaptive(job) && (!has_rules(job->refine.scheme) || argument(given, "levels") != NULL))
         return "--tolerance and --max-edge need --scheme loop or catmull-clark, and exclude --levels";
     if (job->has_beside && job->picture == NULL)
         return "--beside needs --picture FILE";
@@ -210,9 +216,10 @@ static bool read_job(const arguments *given, mesh_job *job)
     return fault == NULL && argument_mesh_ending(given, job->write.format);
 }
 
-static bool makes_polygons(const mesh_job *job)
+/// Whether the input is read as a mesh of polygons.
+static bool takes_polygons(const mesh_job *job)
 {
-    return job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
+    return job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->refine.scheme == BAT_MESH_SCHEME_AUTO;
 }
 
 /// Report a mesh that cannot be read or refined. Where it has polygons, catmull-clark is a way out, too.
@@ -220,7 +227,7 @@ static int report_bad_mesh(const mesh_job *job, const bat_error *error)
 {
     bat_error whole = *error;
     const char *end = strstr(error->text, "; --triangulate cuts");
-    if (end != NULL && !makes_polygons(job))
+    if (end != NULL && !takes_polygons(job))
     {
         (void)snprintf(whole.text, sizeof whole.text,
                        "%.*s; --triangulate cuts it into triangles, and --scheme catmull-clark refines it as it is",
@@ -237,17 +244,22 @@ static int read_coarse(const mesh_job *job, mesh_result *result)
     bat_mesh_connectivity links;
     options.repairs = &result->repairs;
     options.notes = &result->notes;
-    bat_status status = makes_polygons(job) ? bat_polygon_mesh_read(job->input, &options, &result->polygons, &error)
+    bat_status status = takes_polygons(job) ? bat_polygon_mesh_read(job->input, &options, &result->polygons, &error)
                                             : bat_mesh_read(job->input, &options, &result->coarse, &error);
     if (status == BAT_OK)
-        status = makes_polygons(job) ? bat_polygon_mesh_connect(&result->polygons, &links, &error)
+        status = takes_polygons(job) ? bat_polygon_mesh_connect(&result->polygons, &links, &error)
                                      : bat_mesh_connect(&result->coarse, &links, &error);
     if (status != BAT_OK)
         return report_bad_mesh(job, &error);
     result->boundary_edges = links.boundary_edge_count;
     result->scheme = job->refine.scheme;
     if (result->scheme == BAT_MESH_SCHEME_AUTO)
-        result->scheme = bat_mesh_scheme_for(&result->coarse);
+    {
+        result->scheme = bat_polygon_mesh_scheme_for(&result->polygons);
+        result->reason = result->scheme == BAT_MESH_SCHEME_CATMULL_CLARK ? "most faces have more than three corners"
+                         : result->scheme == BAT_MESH_SCHEME_LOOP        ? "a cage: few faces, or creases"
+                                                                         : "a mesh of many triangles without creases";
+    }
     bat_mesh_connectivity_free(&links);
     return EXIT_DONE;
 }
@@ -266,7 +278,7 @@ static int refine(const mesh_job *job, mesh_result *result)
     if (options.limit && argument_flag(job->given, "normals"))
         options.limit_normals = &result->normals;
     bat_status status =
-        makes_polygons(job)
+        takes_polygons(job)
             ? bat_polygon_mesh_refine(&result->polygons, &options, &result->fine_polygons, &result->fallback, &error)
             : bat_mesh_refine(&result->coarse, &options, &result->fine, &result->fallback, &error);
     report_progress_end();
@@ -294,7 +306,7 @@ static bat_status refine_beside(const mesh_job *job, const mesh_result *result, 
     if (options.scheme != BAT_MESH_SCHEME_CATMULL_CLARK)
         return bat_mesh_refine(&result->coarse, &options, other, NULL, error);
     bat_polygon_mesh polygons = {0}, fine = {0};
-    bat_status status = makes_polygons(job) ? bat_polygon_mesh_copy(&result->polygons, &polygons, error)
+    bat_status status = takes_polygons(job) ? bat_polygon_mesh_copy(&result->polygons, &polygons, error)
                                             : bat_polygon_mesh_of_triangles(&result->coarse, &polygons, error);
     if (status == BAT_OK)
         status = bat_polygon_mesh_refine(&polygons, &options, &fine, NULL, error);
@@ -308,7 +320,7 @@ static bat_status refine_beside(const mesh_job *job, const mesh_result *result, 
 /// Cut polygons into triangles for pictures.
 static bat_status cut_polygons(const mesh_job *job, mesh_result *result, bat_error *error)
 {
-    if (!makes_polygons(job))
+    if (!takes_polygons(job))
         return BAT_OK;
     bat_status status = bat_polygon_mesh_triangulate(&result->polygons, &result->coarse, error);
     return status == BAT_OK ? bat_polygon_mesh_triangulate(&result->fine_polygons, &result->fine, error) : status;
@@ -346,7 +358,7 @@ static int write_mesh(const mesh_job *job, mesh_result *result, const char *path
     bat_mesh_write_options options = job->write;
     options.vertex_normals = result->normals;
     options.notes = &result->notes;
-    bat_status status = makes_polygons(job) ? bat_polygon_mesh_write(path, &result->fine_polygons, &options, &error)
+    bat_status status = takes_polygons(job) ? bat_polygon_mesh_write(path, &result->fine_polygons, &options, &error)
                                             : bat_mesh_write(path, &result->fine, &options, &error);
     if (status == BAT_OK)
         return EXIT_DONE;
@@ -374,18 +386,24 @@ static json_t *size_json(mesh_size size)
 /// Warn of what the result lacks, on standard error.
 static void warn(const mesh_job *job, const mesh_result *result)
 {
-    const bat_mesh *coarse = &result->coarse;
-    bool textured = coarse->texture_faces != NULL || coarse->crease_count > 0 || coarse->corner_count > 0;
+    bool polygons = takes_polygons(job);
+    bat_mesh_rules rules = polygons ? result->polygons.rules : result->coarse.rules;
+    bool textured = (polygons ? result->polygons.texture_faces : result->coarse.texture_faces) != NULL;
+    bool sharp = polygons ? result->polygons.crease_count + result->polygons.corner_count > 0
+                          : result->coarse.crease_count + result->coarse.corner_count > 0;
     if (result->fallback > 0)
         (void)fprintf(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->input,
                       result->fallback);
-    bat_mesh_scheme last = job->refine.scheme == BAT_MESH_SCHEME_LEARNED ? job->refine.then : job->refine.scheme;
-    if ((coarse->rules.boundary != BAT_MESH_BOUNDARY_AUTO || coarse->rules.creasing != BAT_MESH_CREASING_AUTO ||
-         coarse->rules.linear != BAT_MESH_LINEAR_AUTO) &&
+    bat_mesh_scheme last = result->scheme == BAT_MESH_SCHEME_LEARNED ? job->refine.then : result->scheme;
+    if ((rules.boundary != BAT_MESH_BOUNDARY_AUTO || rules.creasing != BAT_MESH_CREASING_AUTO ||
+         rules.linear != BAT_MESH_LINEAR_AUTO) &&
         !has_rules(last))
         (void)fprintf(stderr, "batten: %s: %s does not know the file's rules of boundaries, creases and texture\n",
                       job->input, bat_mesh_scheme_name(last));
-    if (textured && job->refine.scheme == BAT_MESH_SCHEME_SQRT3)
+    if ((textured || sharp) && is_adaptive(job))
+        (void)fprintf(stderr, "batten: %s: adaptive refinement leaves out texture coordinates, creases and corners\n",
+                      job->input);
+    if ((textured || sharp) && result->scheme == BAT_MESH_SCHEME_SQRT3)
         (void)fprintf(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
                       job->input);
 }
@@ -394,11 +412,11 @@ static int report(const mesh_job *job, const mesh_result *result)
 {
     mesh_size coarse = size_of(&result->coarse, &result->polygons), fine = size_of(&result->fine, &result->fine_polygons);
     if (job->json)
-        return report_json(
-            json_pack("{s:s, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme", bat_mesh_scheme_name(result->scheme), "levels",
-                      (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
-                      (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback, "repaired",
-                      (json_int_t)bat_mesh_repair_places(&result->repairs), "notes", report_notes_json(&result->notes)));
+        return report_json(json_pack(
+            "{s:s, s:s?, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme", bat_mesh_scheme_name(result->scheme), "reason",
+            result->reason, "levels", (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine),
+            "boundary_edges", (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback, "repaired",
+            (json_int_t)bat_mesh_repair_places(&result->repairs), "notes", report_notes_json(&result->notes)));
     if (!argument_flag(job->given, "quiet"))
         report_notes(&result->notes, is_standard_output(job->output) ? stderr : stdout);
     if (job->quiet)
@@ -406,12 +424,13 @@ static int report(const mesh_job *job, const mesh_result *result)
     if (job->read.repair)
         (void)printf("%zu places repaired\n", bat_mesh_repair_places(&result->repairs));
     char levels[32] = "adaptive";
-    if (!(job->refine.tolerance > 0 || job->refine.max_edge > 0))
+    if (!is_adaptive(job))
         (void)snprintf(levels, sizeof levels, "%zu levels", job->refine.levels);
-    bool cage = job->refine.scheme != result->scheme && result->scheme == BAT_MESH_SCHEME_LOOP;
-    (void)printf("%s%s, %s: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n", bat_mesh_scheme_name(result->scheme),
-                 cage ? " (a cage: few faces, or creases)" : "", levels, coarse.vertices, coarse.faces, fine.vertices,
-                 fine.faces, result->boundary_edges > 0 ? "with boundary" : "closed");
+    bool told = result->reason != NULL && result->scheme != BAT_MESH_SCHEME_LEARNED;
+    (void)printf("%s%s%s%s, %s: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
+                 bat_mesh_scheme_name(result->scheme), told ? " (" : "", told ? result->reason : "", told ? ")" : "", levels,
+                 coarse.vertices, coarse.faces, fine.vertices, fine.faces,
+                 result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
 

@@ -127,8 +127,8 @@ BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const 
 BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
                                          size_t *size, bat_error *error);
 
-/// Write a mesh of polygons, as bat_mesh_write(). STL holds triangles alone.
-/// @return as bat_mesh_write(); BAT_UNSUPPORTED for a face of more than three corners in STL
+/// Write a mesh of polygons, as bat_mesh_write(). For STL and glTF polygons are cut into triangles, which a note says.
+/// @return as bat_mesh_write(), and the failures of bat_polygon_mesh_triangulate()
 BAT_API bat_status bat_polygon_mesh_write(const char *path, const bat_polygon_mesh *mesh,
                                           const bat_mesh_write_options *options, bat_error *error);
 /// The same to memory, as bat_mesh_write_memory().

@@ -28,7 +28,7 @@ typedef enum bat_mesh_scheme
     BAT_MESH_SCHEME_SQRT3,         ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
     BAT_MESH_SCHEME_LEARNED,       ///< by `rule`
     BAT_MESH_SCHEME_CATMULL_CLARK, ///< Catmull and Clark (1978), with creases and corners as Loop's; for any polygons
-    BAT_MESH_SCHEME_AUTO           ///< that of bat_mesh_scheme_for()
+    BAT_MESH_SCHEME_AUTO           ///< that of bat_mesh_scheme_for() or bat_polygon_mesh_scheme_for()
 } bat_mesh_scheme;
 
 /// Faces below which a mesh is taken for a control cage: the learned scheme was trained on meshes of 200 faces and more.
@@ -37,6 +37,10 @@ typedef enum bat_mesh_scheme
 /// The scheme that BAT_MESH_SCHEME_AUTO stands for: Loop's for a mesh that has creases or corners with a sharpness above 0,
 /// or fewer than BAT_MESH_CAGE_FACES faces, else the learned one. docs/results/meshes.md tells why.
 BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
+
+/// The scheme that BAT_MESH_SCHEME_AUTO stands for with a mesh of polygons: Catmull and Clark's where more than half of the
+/// faces have four or more corners, as quads that a modeller drew have; else that of bat_mesh_scheme_for().
+BAT_API bat_mesh_scheme bat_polygon_mesh_scheme_for(const bat_polygon_mesh *mesh);
 
 /// A scheme by name.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
@@ -126,9 +130,9 @@ BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);
 
-/// Refine a mesh of polygons by Catmull and Clark's scheme, which makes quads. As bat_mesh_refine(), with null options for
-/// the defaults but that scheme. The other schemes refine meshes of triangles alone. The quads have the labels of the
-/// polygons that they are cut from.
+/// Refine a mesh of polygons. As bat_mesh_refine(), with BAT_MESH_SCHEME_AUTO for bat_polygon_mesh_scheme_for(). Catmull and
+/// Clark's scheme makes quads, which have the labels of the polygons that they are cut from. The other schemes refine meshes
+/// of triangles alone, and make triangles.
 /// @param fine receives the refined mesh; release it with bat_polygon_mesh_free()
 /// @return as bat_mesh_refine(); BAT_UNSUPPORTED where the scheme needs triangles and a face has more corners
 BAT_API bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,

@@ -1003,25 +1003,12 @@ typedef bool list_function(size_t index, bat_choice *choice);
 static void tables_are_complete(void **state)
 {
     (void)state;
-    list_function *const lists[] = {bat_curve_scheme_list,
-                                    bat_hermite_list,
-                                    bat_mesh_scheme_list,
-                                    bat_mesh_boundary_list,
-                                    bat_mesh_creasing_list,
-                                    bat_mesh_linear_list,
-                                    bat_space_list,
-                                    bat_curve_format_list,
-                                    bat_mesh_format_list,
-                                    bat_cloud_format_list,
-                                    bat_surface_format_list,
-                                    bat_cloud_parameterization_list,
-                                    bat_surface_parameters_list,
-                                    bat_cloud_sides_list,
-                                    bat_curve_end_rule_list,
-                                    bat_curve_parameters_list,
-                                    bat_curve_simple_list,
-                                    bat_curve_projection_list,
-                                    bat_curve_model_list};
+    list_function *const lists[] = {
+        bat_curve_scheme_list,       bat_hermite_list,          bat_mesh_scheme_list,    bat_mesh_boundary_list,
+        bat_mesh_creasing_list,      bat_mesh_linear_list,      bat_space_list,          bat_curve_format_list,
+        bat_mesh_format_list,        bat_cloud_format_list,     bat_surface_format_list, bat_cloud_parameterization_list,
+        bat_surface_parameters_list, bat_cloud_sides_list,      bat_curve_end_rule_list, bat_curve_parameters_list,
+        bat_curve_simple_list,       bat_curve_projection_list, bat_curve_model_list};
     for (size_t l = 0; l < sizeof lists / sizeof *lists; l++)
     {
         bat_choice choice, earlier;

@@ -124,7 +124,7 @@ printf '{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSI
 printf '{"asset":{"version":"2.0"},"nodes":[{"children":[1]},{"children":[1]}]}' > cycle.in.gltf
 printf 'glTF\002\000\000\000\377\000\000\000\000\000\000\000JSON' > short.in.glb
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > one.in.obj
-refused 1 'quad\.in\.obj:5: face 0 has 4 corners; --triangulate cuts it' mesh quad.in.obj -o out.csv --to obj
+refused 1 'quad\.in\.obj:5: face 0 has 4 corners; --triangulate cuts it' mesh quad.in.obj --scheme loop -o out.csv --to obj
 refused 1 'bare\.in\.gltf: there is no accessor 0' mesh bare.in.gltf -o out.csv --to obj
 refused 1 'cycle\.in\.gltf: node 1: .*descendant' mesh cycle.in.gltf -o out.csv --to obj
 refused 1 'short\.in\.glb: the file has 20 bytes, but its header tells 255' mesh short.in.glb -o out.csv --to obj

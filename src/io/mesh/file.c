@@ -345,16 +345,18 @@ bat_status bat_polygon_mesh_read(const char *path, const bat_mesh_read_options *
                                  bat_error *error)
 {
     bat_mesh_read_options how = options != NULL ? *options : bat_mesh_read_defaults();
+    bat_mesh none = {0}; // stays as it is
     how.polygons = mesh;
-    return bat_mesh_read(path, &how, NULL, error);
+    return bat_mesh_read(path, &how, &none, error);
 }
 
 bat_status bat_polygon_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options,
                                         bat_polygon_mesh *mesh, bat_error *error)
 {
     bat_mesh_read_options how = options != NULL ? *options : bat_mesh_read_defaults();
+    bat_mesh none = {0}; // stays as it is
     how.polygons = mesh;
-    return bat_mesh_read_memory(bytes, size, &how, NULL, error);
+    return bat_mesh_read_memory(bytes, size, &how, &none, error);
 }
 
 static bat_status check_write(bat_mesh_format format, const bat_mesh_write_options *options, bat_error *error)

@@ -204,7 +204,7 @@ static bat_status cut_faces(const bat_polygon_mesh *mesh, bat_mesh *made, uint32
         for (uint32_t i = 0; status == BAT_OK && i < 3 * (size - 2); i++, corner++)
         {
             made->faces[corner] = mesh->faces[begin + places[i]];
-            if (made->texture_faces != NULL)
+            if (mesh->texture_faces != NULL)
                 made->texture_faces[corner] = mesh->texture_faces[begin + places[i]];
         }
     }

@@ -165,15 +165,16 @@ static double largest_around(const adaptive_level *now, const mesh_level *level,
 static bool needs_split(const adaptive_work *work, const adaptive_level *now, const mesh_level *level, uint32_t face,
                         const double *bends)
 {
-    uint32_t begin = sides_begin(&now->sides, face), end = sides_begin(&now->sides, face + 1);
+    uint32_t begin = sides_begin(&now->sides, face);
     bool quads = work->options->scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
+    uint32_t size = quads ? 4 : 3;
     const double *corner[4];
-    if (quads && end - begin != 4)
+    if (sides_begin(&now->sides, face + 1) - begin != size)
         return true;
-    for (uint32_t c = begin; c < end; c++)
-        corner[c - begin] = now->limits + 3 * (size_t)now->mesh.faces[c];
-    for (uint32_t i = 0; i < end - begin && work->options->max_edge > 0; i++)
-        if (vector3_distance(corner[i], corner[(i + 1) % (end - begin)]) > work->options->max_edge)
+    for (uint32_t i = 0; i < size; i++)
+        corner[i] = now->limits + 3 * (size_t)now->mesh.faces[begin + i];
+    for (uint32_t i = 0; i < size && work->options->max_edge > 0; i++)
+        if (vector3_distance(corner[i], corner[(i + 1) % size]) > work->options->max_edge)
             return true;
     if (!(work->options->tolerance > 0))
         return false;
@@ -586,7 +587,7 @@ static bool add_triangle(adaptive_work *work, uint32_t source, const uint32_t co
 static bool add_leaf(adaptive_work *work, size_t depth, uint32_t face, number_list *list)
 {
     const adaptive_level *now = &work->levels[depth];
-    uint32_t begin = sides_begin(&now->sides, face), end = sides_begin(&now->sides, face + 1), corner[3];
+    uint32_t begin = sides_begin(&now->sides, face), end = sides_begin(&now->sides, face + 1), corner[3] = {0};
     size_t from[3] = {0}, to[3] = {0};
     bool made = true, quads = work->options->scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
     list->count = 0;

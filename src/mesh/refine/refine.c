@@ -771,14 +771,14 @@ bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mes
 {
     bat_mesh_refine_options how = options != NULL ? *options : bat_mesh_refine_defaults();
     double *normals = NULL;
-    if (options == NULL)
-        how.scheme = BAT_MESH_SCHEME_CATMULL_CLARK;
     if (how.limit_normals != NULL)
         how.limit_normals = &normals;
     bool quads = false;
     bat_status status = bat_polygon_mesh_check(coarse, error);
     if (status == BAT_OK)
         status = bat_mesh_refine_options_check(&how, error);
+    if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
+        how.scheme = how.rule != NULL ? BAT_MESH_SCHEME_LEARNED : bat_polygon_mesh_scheme_for(coarse);
     if (status == BAT_OK)
     {
         quads = mesh_scheme_of(how.scheme)->polygons;
@@ -791,7 +791,7 @@ bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mes
     }
     if (quads && fallback != NULL)
         *fallback = 0;
-    if (how.limit_normals != NULL)
+    if (options != NULL && options->limit_normals != NULL)
         *options->limit_normals = normals;
     return BAT_OK;
 }

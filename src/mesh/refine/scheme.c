@@ -1,5 +1,6 @@
 #include "mesh/refine/scheme.h"
 
+#include "mesh/polygon/polygon.h"
 #include "mesh/refine/catmull_clark.h"
 #include "mesh/refine/loop.h"
 
@@ -38,7 +39,9 @@ static const mesh_scheme SCHEMES[] = {
                 .value = BAT_MESH_SCHEME_SQRT3},
      .turns = true},
     {.choice = {.name = "auto",
-                .summary = "the default: loop for meshes with creases, corners or fewer than 100 faces, else learned",
+                .summary =
+                    "the default: catmull-clark for meshes of mostly quads or other polygons, loop for meshes with creases, "
+                    "corners or fewer than 100 faces, else learned",
                 .value = BAT_MESH_SCHEME_AUTO},
      .rule = midpoint_rule,
      .learned = true},
@@ -58,6 +61,15 @@ bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
     for (size_t i = 0; i < mesh->corner_count; i++)
         sharp = sharp || mesh->corners[i].sharpness > 0;
     return sharp || mesh->face_count < BAT_MESH_CAGE_FACES ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
+}
+
+bat_mesh_scheme bat_polygon_mesh_scheme_for(const bat_polygon_mesh *mesh)
+{
+    size_t polygons = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+        polygons += mesh->offsets[f + 1] - mesh->offsets[f] > 3;
+    bat_mesh view = polygon_mesh_view(mesh);
+    return 2 * polygons > mesh->face_count ? BAT_MESH_SCHEME_CATMULL_CLARK : bat_mesh_scheme_for(&view);
 }
 
 CHOICE_FUNCTIONS(bat_mesh_scheme, TABLE, 0)

@@ -35,13 +35,12 @@ bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, 
 bat_status sharpness_chaikin(const mesh_level *level, double **children, bat_error *error);
 
 /// The sharpness of one half of a half-edge's edge on the next level: of that at the half-edge's begin, or of the other.
-/// The level must have sharp edges.
 static inline double sharpness_of_half(const mesh_level *level, uint32_t half_edge, bool at_begin)
 {
     uint32_t edge = level->links->edge[half_edge];
     if (level->child_sharpness != NULL)
         return level->child_sharpness[2 * (size_t)edge + (mesh_owns(level->links->twin, half_edge) ? !at_begin : at_begin)];
-    return sharpness_after_level(level->edge_sharpness[edge]);
+    return level->edge_sharpness != NULL ? sharpness_after_level(level->edge_sharpness[edge]) : 0;
 }
 
 /// The weight of the midpoint against the smooth rule at the vertex on an inner edge, 1 for a sharp edge. Under Chaikin's
