@@ -211,6 +211,91 @@ static void test_reading_can_repair(void **state)
     bat_mesh_free(&repaired);
 }
 
+// A prism over a pentagon and a roof: faces of three, four and five corners, two groups, and texture coordinates.
+#define PRISM                                                                                                               \
+    "v 0 0 0\nv 2 0 0\nv 3 1 0\nv 1 2 0\nv -1 1 0\nv 0 0 1\nv 2 0 1\nv 3 1 1\nv 1 2 1\nv -1 1 1\nv 1 1 2\n"                 \
+    "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\ng wall\nf 5 4 3 2 1\nf 1/1 2/2 7/3 6/4\nf 2/1 3/2 8/3 7/4\nf 3/1 4/2 9/3 8/4\n"        \
+    "f 4/1 5/2 10/3 9/4\nf 5/1 1/2 6/3 10/4\ng roof\nf 6 7 11\nf 7 8 11\nf 8 9 11\nf 9 10 11\nf 10 6 11\n"
+
+static bat_polygon_mesh read_polygons(const char *bytes, size_t size, bat_mesh_format format)
+{
+    bat_mesh_read_options options = bat_mesh_read_defaults();
+    bat_polygon_mesh mesh;
+    bat_error error = {0};
+    options.format = format;
+    if (bat_polygon_mesh_read_memory(bytes, size, &options, &mesh, &error) != BAT_OK)
+        fail_msg("%s", error.text);
+    return mesh;
+}
+
+/// OBJ, PLY and OFF keep polygons, STL and glTF get triangles, of which a note tells.
+static void test_polygons(void **state)
+{
+    (void)state;
+    static const char prism[] = PRISM;
+    bat_polygon_mesh mesh = read_polygons(prism, sizeof prism - 1, BAT_MESH_FORMAT_OBJ);
+    bat_mesh_write_options options = bat_mesh_write_defaults();
+    for (bat_mesh_format format = BAT_MESH_FORMAT_OBJ; format <= BAT_MESH_FORMAT_GLB; format++)
+        for (int normals = 0; normals < 2; normals++)
+        {
+            bool keeps = format == BAT_MESH_FORMAT_OBJ || format == BAT_MESH_FORMAT_PLY || format == BAT_MESH_FORMAT_OFF;
+            bat_mesh_notes notes = {0};
+            char *bytes;
+            size_t size;
+            options.format = format;
+            options.notes = &notes;
+            options.normals = normals == 1 ? BAT_MESH_NORMALS_ANGLE : BAT_MESH_NORMALS_NONE;
+            assert_int_equal(bat_polygon_mesh_write_memory(&mesh, &options, &bytes, &size, NULL), BAT_OK);
+            bool told = false;
+            for (size_t i = 0; i < notes.count; i++)
+                told = told || strstr(notes.texts[i], "does not hold polygons") != NULL;
+            assert_int_equal(told, !keeps);
+            bat_mesh_notes_free(&notes);
+            bat_polygon_mesh back = read_polygons(bytes, size, format);
+            assert_int_equal(back.vertex_count, mesh.vertex_count);
+            assert_int_equal(back.face_count, keeps ? 11 : 18);
+            assert_int_equal(back.offsets[back.face_count], keeps ? 40 : 54);
+            if (keeps)
+                assert_memory_equal(back.faces, mesh.faces, 40 * sizeof *mesh.faces);
+            if (format != BAT_MESH_FORMAT_OFF && format != BAT_MESH_FORMAT_STL)
+            {
+                assert_int_equal(back.label_count, 2);
+                assert_string_equal(back.labels[back.face_labels[0]].group, "wall");
+                assert_string_equal(back.labels[back.face_labels[back.face_count - 1]].group, "roof");
+                assert_non_null(back.texture_faces);
+            }
+            bat_polygon_mesh_free(&back);
+            free(bytes);
+        }
+    bat_polygon_mesh_free(&mesh);
+}
+
+/// Polygons with faults are refused, and so is a repair of them.
+static void test_bad_polygons(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text, *says;
+        bool repair;
+    } cases[] = {{"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "corners", false},
+                 {"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 2\n", "twice", false},
+                 {"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n", "--triangulate", true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_mesh_read_options options = bat_mesh_read_defaults();
+        bat_polygon_mesh mesh = {0};
+        bat_error error = {0};
+        options.format = BAT_MESH_FORMAT_OBJ;
+        options.repair = cases[i].repair;
+        assert_int_not_equal(bat_polygon_mesh_read_memory(cases[i].text, strlen(cases[i].text), &options, &mesh, &error),
+                             BAT_OK);
+        if (strstr(error.text, cases[i].says) == NULL)
+            fail_msg("%s", error.text);
+        assert_null(mesh.faces);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_formats_by_name_and_ending),
@@ -218,6 +303,8 @@ int main(void)
                                        cmocka_unit_test(test_reading_can_repair),
                                        cmocka_unit_test(test_files),
                                        cmocka_unit_test(test_locales),
-                                       cmocka_unit_test(test_real_meshes)};
+                                       cmocka_unit_test(test_real_meshes),
+                                       cmocka_unit_test(test_polygons),
+                                       cmocka_unit_test(test_bad_polygons)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

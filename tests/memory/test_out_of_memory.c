@@ -83,6 +83,10 @@ static const test_case CASES[] = {
     {"mesh loop", verb_mesh, "mesh cage.ply -o out.off --scheme loop --limit --crease-angle 30 --json"},
     {"mesh butterfly", verb_mesh, "mesh sheet.obj -o out.stl --scheme butterfly --levels 2"},
     {"mesh sqrt3", verb_mesh, "mesh cage.ply -o out.ply --scheme sqrt3 --levels 2"},
+    {"mesh polygons", verb_mesh, "mesh tiles.obj -o out.obj --levels 1 --texture corners --creasing chaikin --threads 1"},
+    {"mesh no boundary", verb_mesh, "mesh tiles.obj -o out.glb --levels 1 --boundary none --limit --normals --threads 1"},
+    {"mesh adaptive", verb_mesh, "mesh sheet.obj -o out.ply --scheme loop --max-edge 0.7 --quiet"},
+    {"mesh adaptive polygons", verb_mesh, "mesh tiles.obj -o out.off --scheme catmull-clark --tolerance 0.1 --quiet"},
     {"mesh repair", verb_mesh, "mesh fins.obj -o out.obj --scheme midpoint --repair"},
     {"mesh picture", verb_mesh, "mesh sheet.obj --scheme loop --levels 1 --beside midpoint --picture out.png --quiet"},
     {"decimate", verb_decimate, "decimate cage.ply -o out.obj --vertices 40 --json"},
@@ -410,6 +414,11 @@ static int make_input(void **state)
     write_file("sheet.obj",
                "v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 1\nv 2 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 1\nvt 0 0\nvt 1 0\nvt 1 1\n"
                "f 1/1 2/2 5/3\nf 1/1 5/3 4/2\nf 2/1 3/2 6/3\nf 2 6 5\nf 4 5 8\nf 4 8 7\nf 5 6 9\nf 5 9 8\n");
+    write_file("tiles.obj",
+               "v 0 0 0\nv 1 0 0\nv 2 0 1\nv 3 0 0\nv 0 1 0\nv 1 1 1\nv 2 1 0\nv 3 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 1\nv 3 2 0\n"
+               "v 0 3 0\nv 1 3 0\nv 2 3 0\nv 3 3 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\ng a\nusemtl b\nf 1/1 2/2 6/3 5/4\n"
+               "f 2/2 3/1 7/4 6/3\nf 3 4 8 7\ng c\nf 5 6 10 9\nf 6/3 7/4 11/1 10/2\nf 7 8 12 11\nf 9 10 14 13\nf 10 11 15\n"
+               "f 10 15 14\nf 11 12 16 15\nt crease 2/1/0 5 6 2.5\nt corner 1/1/0 10 1.5\n");
     write_file("fins.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
     make(verb_shape, "shape cage -o cage.ply --quiet");
     make(verb_shape, "shape stone -o stone.ply --vertices 200 --quiet");
@@ -422,7 +431,7 @@ static int make_input(void **state)
     static const char *const inputs[] = {"plane.csv",      "many.csv",     "table.csv", "track.geojson", "path.obj",
                                          "lines.geojsonl", "rotation.csv", "keys.csv",  "sheet.obj",     "fins.obj",
                                          "cage.ply",       "stone.ply",    "hull.xyz",  "scan.xyz",      "fit.xml",
-                                         "fit.json",       "hull.uv",      "strait.csv"};
+                                         "tiles.obj",      "fit.json",     "hull.uv",   "strait.csv"};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
     {
         char target[64];

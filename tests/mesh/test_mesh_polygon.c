@@ -297,11 +297,182 @@ static void test_adaptive(void **state)
     bat_mesh_free(&sheet);
 }
 
+/// A cube whose faces 0 and 1 are labelled "red", the others "blue".
+static bat_polygon_mesh labelled_cube(void)
+{
+    bat_polygon_mesh cube = polygon_cube();
+    cube.labels = mesh_room(2, sizeof *cube.labels);
+    cube.labels[0].material = mesh_room(8, 1);
+    cube.labels[1].material = mesh_room(8, 1);
+    strcpy(cube.labels[0].material, "red");
+    strcpy(cube.labels[1].material, "blue");
+    cube.label_count = 2;
+    cube.face_labels = mesh_room(cube.face_count, sizeof *cube.face_labels);
+    for (size_t f = 2; f < cube.face_count; f++)
+        cube.face_labels[f] = 1;
+    return cube;
+}
+
+/// The number of faces with the first label. All faces of it are nearer to the planes z = -1 and z = 1 than to others.
+static size_t count_red(const bat_mesh_label *labels, const uint32_t *face_labels, size_t count)
+{
+    size_t red = 0;
+    assert_non_null(face_labels);
+    assert_string_equal(labels[0].material, "red");
+    assert_string_equal(labels[1].material, "blue");
+    for (size_t f = 0; f < count; f++)
+        red += face_labels[f] == 0;
+    return red;
+}
+
+/// Labels go from polygons to quads, to triangles, and to the faces of adaptive refinement.
+static void test_labels(void **state)
+{
+    (void)state;
+    bat_polygon_mesh cube = labelled_cube(), wrong, fine;
+    bat_mesh triangles;
+    for (size_t levels = 0; levels < 4; levels++)
+    {
+        bat_mesh_refine_options options = catmull_clark(levels);
+        fine = refine(&cube, &options);
+        assert_int_equal(3 * count_red(fine.labels, fine.face_labels, fine.face_count), fine.face_count);
+        for (size_t f = 0; f < fine.face_count; f++)
+        {
+            double middle[3] = {0};
+            for (uint32_t c = fine.offsets[f]; c < fine.offsets[f + 1]; c++)
+                for (int i = 0; i < 3; i++)
+                    middle[i] += fine.positions[3 * (size_t)fine.faces[c] + (size_t)i];
+            bool upright = fabs(middle[2]) > fabs(middle[0]) + 1e-9 && fabs(middle[2]) > fabs(middle[1]) + 1e-9;
+            assert_int_equal(fine.face_labels[f], !upright);
+        }
+        bat_polygon_mesh_free(&fine);
+    }
+    check_status(bat_polygon_mesh_triangulate(&cube, &triangles, NULL), BAT_OK);
+    assert_int_equal(count_red(triangles.labels, triangles.face_labels, triangles.face_count), 4);
+    assert_int_equal(triangles.face_labels[3], 0);
+    bat_mesh_free(&triangles);
+    bat_mesh_refine_options options = catmull_clark(0);
+    options.max_edge = 0.4;
+    fine = refine(&cube, &options);
+    size_t red = count_red(fine.labels, fine.face_labels, fine.face_count);
+    assert_true(red > 8);
+    assert_int_equal(3 * red, fine.face_count); // the cube's faces are alike
+    bat_polygon_mesh_free(&fine);
+    check_status(bat_polygon_mesh_copy(&cube, &wrong, NULL), BAT_OK);
+    wrong.face_labels[5] = 2;
+    check_status(bat_polygon_mesh_check(&wrong, NULL), BAT_INVALID_POINT);
+    bat_polygon_mesh_free(&wrong);
+    bat_polygon_mesh_free(&cube);
+}
+
+/// The normal of the limit surface is that of the tangent plane which edges of finer and finer levels approach.
+static double largest_slope(const bat_polygon_mesh *mesh, const double *normals, size_t levels)
+{
+    bat_mesh_refine_options options = catmull_clark(levels);
+    options.limit = true;
+    bat_polygon_mesh fine = refine(mesh, &options);
+    double largest = 0;
+    for (uint32_t c = 0; c < fine.offsets[fine.face_count]; c++)
+    {
+        uint32_t vertex = fine.faces[c], other = fine.faces[c % 4 == 3 ? c - 3 : c + 1];
+        if (vertex >= mesh->vertex_count)
+            continue;
+        const double *p = fine.positions + 3 * (size_t)vertex, *q = fine.positions + 3 * (size_t)other;
+        const double *normal = normals + 3 * (size_t)vertex;
+        double along = 0, length = 0;
+        for (int i = 0; i < 3; i++)
+        {
+            along += normal[i] * (q[i] - p[i]);
+            length += (q[i] - p[i]) * (q[i] - p[i]);
+        }
+        largest = fmax(largest, fabs(along) / sqrt(length));
+    }
+    bat_polygon_mesh_free(&fine);
+    return largest;
+}
+
+static void test_limit_normals(void **state)
+{
+    (void)state;
+    bat_polygon_mesh mesh = mixed(), open = mixed_grid(0.3), flat = mixed_grid(0), cube = polygon_cube();
+    bat_mesh_refine_options options = catmull_clark(1);
+    bat_polygon_mesh *meshes[] = {&mesh, &open, &flat, &cube};
+    for (size_t m = 0; m < sizeof meshes / sizeof *meshes; m++)
+    {
+        bat_polygon_mesh quads = refine(meshes[m], &options);
+        double *normals = mesh_room(quads.vertex_count, 3 * sizeof *normals), *same = NULL;
+        check_status(bat_polygon_mesh_limit_normals(&quads, 2, normals, NULL), BAT_OK);
+        for (size_t v = 0; v < quads.vertex_count; v++)
+        {
+            const double *n = normals + 3 * v, *p = quads.positions + 3 * v;
+            check_near(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-14);
+            if (meshes[m] == &flat)
+                check_near(n[2], 1, 1e-14);
+            // Vertices of the cube, and the middles of its edges and faces, are fixed by rotations.
+            if (meshes[m] == &cube)
+                check_near(n[0] * p[0] + n[1] * p[1] + n[2] * p[2], sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]), 1e-14);
+        }
+        double coarse = largest_slope(&quads, normals, 3), fine = largest_slope(&quads, normals, 6);
+        assert_true(fine < 0.05);
+        assert_true(fine < 0.3 * coarse + 1e-12);
+        bat_mesh_refine_options limit = options;
+        limit.limit = true;
+        limit.limit_normals = &same;
+        bat_polygon_mesh moved = refine(meshes[m], &limit);
+        assert_memory_equal(normals, same, 3 * quads.vertex_count * sizeof *normals);
+        free(normals);
+        free(same);
+        bat_polygon_mesh_free(&moved);
+        bat_polygon_mesh_free(&quads);
+    }
+    double *normals = mesh_room(mesh.vertex_count, 3 * sizeof *normals);
+    check_status(bat_polygon_mesh_limit_normals(&mesh, 1, normals, NULL), BAT_UNSUPPORTED); // it has triangles
+    free(normals);
+    for (size_t m = 0; m < sizeof meshes / sizeof *meshes; m++)
+        bat_polygon_mesh_free(meshes[m]);
+}
+
+/// Without a scheme, polygons are refined by Catmull and Clark's scheme, and triangles as bat_mesh_refine() does.
+static void test_scheme_of_polygons(void **state)
+{
+    (void)state;
+    bat_mesh triangles = mesh_irregular(8, 6, 3), plain;
+    bat_polygon_mesh cube = polygon_cube(), few = polygon_mixed(&triangles, 0.3, 5), none = polygon_mixed(&triangles, 0, 5);
+    bat_polygon_mesh fine;
+    bat_error error;
+    assert_int_equal(bat_polygon_mesh_scheme_for(&cube), BAT_MESH_SCHEME_CATMULL_CLARK);
+    check_status(bat_polygon_mesh_refine(&cube, NULL, &fine, NULL, NULL), BAT_OK);
+    assert_int_equal(fine.face_count, 96);
+    bat_polygon_mesh_free(&fine);
+    assert_int_equal(bat_polygon_mesh_scheme_for(&few), bat_mesh_scheme_for(&triangles));
+    check_status(bat_polygon_mesh_refine(&few, NULL, &fine, NULL, &error), BAT_UNSUPPORTED);
+    assert_non_null(strstr(error.text, "--scheme catmull-clark"));
+    check_status(bat_polygon_mesh_refine(&none, NULL, &fine, NULL, NULL), BAT_OK);
+    bat_mesh same = triangles; // with the corners in the order of `none`
+    same.faces = none.faces;
+    check_status(bat_mesh_refine(&same, NULL, &plain, NULL, NULL), BAT_OK);
+    assert_int_equal(fine.face_count, plain.face_count);
+    assert_memory_equal(fine.positions, plain.positions, 3 * plain.vertex_count * sizeof *plain.positions);
+    bat_mesh_free(&plain);
+    bat_polygon_mesh_free(&fine);
+    bat_polygon_mesh_free(&none);
+    bat_polygon_mesh_free(&few);
+    bat_polygon_mesh_free(&cube);
+    bat_mesh_free(&triangles);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bad_meshes), cmocka_unit_test(test_triangulated),
-                                       cmocka_unit_test(test_cube),       cmocka_unit_test(test_levels_and_planes),
-                                       cmocka_unit_test(test_limits),     cmocka_unit_test(test_normals_at_darts),
-                                       cmocka_unit_test(test_rules),      cmocka_unit_test(test_adaptive)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bad_meshes),
+                                       cmocka_unit_test(test_triangulated),
+                                       cmocka_unit_test(test_cube),
+                                       cmocka_unit_test(test_levels_and_planes),
+                                       cmocka_unit_test(test_limits),
+                                       cmocka_unit_test(test_normals_at_darts),
+                                       cmocka_unit_test(test_rules),
+                                       cmocka_unit_test(test_adaptive),
+                                       cmocka_unit_test(test_labels),
+                                       cmocka_unit_test(test_limit_normals),
+                                       cmocka_unit_test(test_scheme_of_polygons)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
