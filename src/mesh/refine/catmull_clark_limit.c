@@ -147,12 +147,30 @@ static uint32_t opposite_in_quad(const mesh_level *level, uint32_t half_edge)
     return level->faces[half_edge ^ 2];
 }
 
+/// The normal of a smooth vertex of two quads. The eigenvalue 1/4 is threefold there, so that tangents in different
+/// directions do not lie in one plane in general. The two antisymmetric ones give the normal.
+static void normal_of_two(const normal_job *job, uint32_t half_edge, double normal[3])
+{
+    const mesh_level *level = job->level;
+    uint32_t other = sides_next_around(level, half_edge);
+    double edges[3] = {0}, faces[3] = {0};
+    normal_add_way(job, 1, level->faces[sides_next(&level->sides, other)],
+                   level->faces[sides_next(&level->sides, half_edge)], edges);
+    normal_add_way(job, 1, opposite_in_quad(level, other), opposite_in_quad(level, half_edge), faces);
+    vector3_cross(edges, faces, normal);
+}
+
 /// The normal of a smooth vertex.
 static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[3])
 {
     const mesh_level *level = job->level;
     uint32_t h = level->links->first[vertex];
     unsigned valence = valence_of(level, vertex);
+    if (valence == 2)
+    {
+        normal_of_two(job, h, normal);
+        return;
+    }
     double step = 2 * PI / valence;
     double eigenvalue = (5 + cos(step) + cos(step / 2) * sqrt(2 * (9 + cos(step)))) / 16;
     double face = 1 / (4 * eigenvalue - 1), a[3] = {0}, b[3] = {0};
