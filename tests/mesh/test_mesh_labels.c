@@ -1,5 +1,6 @@
 // Labels of faces through refinement, decimation and repair; limit normals; the limit of memory.
 #include "check.h"
+#include "decimate_helpers.h"
 #include "mesh_makers.h"
 
 #include "batten/mesh_decimate.h"
@@ -81,6 +82,68 @@ static void test_decimation_and_repair_keep_labels(void **state)
     bat_mesh_free(&mesh);
 }
 
+/// A disc that is another object, group or material keeps its area when a flat sheet is decimated.
+static void test_decimation_keeps_borders(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *object, *group, *material, *smoothing;
+        bool border;
+    } kinds[] = {{.object = "a", .border = true},
+                 {.group = "a", .border = true},
+                 {.material = "a", .border = true},
+                 {.smoothing = "a", .border = false}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+    {
+        bat_mesh sheet = shape_sheet(40, 0, false), coarse;
+        sheet.labels = calloc(3, sizeof *sheet.labels);
+        sheet.label_count = 3;
+        sheet.labels[1] = (bat_mesh_label){.object = kinds[k].object != NULL ? strdup("a") : NULL,
+                                           .group = kinds[k].group != NULL ? strdup("a") : NULL,
+                                           .material = kinds[k].material != NULL ? strdup("a") : NULL,
+                                           .smoothing = kinds[k].smoothing != NULL ? strdup("a") : NULL};
+        sheet.face_labels = calloc(sheet.face_count, sizeof *sheet.face_labels);
+        double inside = 0, middle[3];
+        for (size_t f = 0; f < sheet.face_count; f++)
+        {
+            for (size_t c = 0; c < 3; c++)
+                middle[c] =
+                    (shape_corner(&sheet, f, 0)[c] + shape_corner(&sheet, f, 1)[c] + shape_corner(&sheet, f, 2)[c]) / 3;
+            if (hypot(middle[0] - 0.5, middle[1] - 0.5) < 0.3)
+                sheet.face_labels[f] = 1;
+            else
+                sheet.face_labels[f] = middle[0] < 0.5 ? 0 : 2; // labels 0 and 2 have equal names: no border
+        }
+        for (int coarsened = 0; coarsened < 2; coarsened++)
+        {
+            const bat_mesh *mesh = &sheet;
+            bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+            options.vertices = 60;
+            if (coarsened)
+            {
+                assert_int_equal(bat_mesh_decimate(&sheet, &options, &coarse, NULL, NULL), BAT_OK);
+                mesh = &coarse;
+            }
+            double area = 0, vector[3];
+            for (size_t f = 0; f < mesh->face_count; f++)
+                if (mesh->face_labels[f] == 1)
+                {
+                    shape_vector(mesh, f, vector);
+                    area += sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]) / 2;
+                }
+            if (!coarsened)
+                inside = area;
+            else if (kinds[k].border)
+                check_near(area, inside, 0.002 * inside);
+            else
+                assert_true(fabs(area - inside) > 0.01 * inside);
+        }
+        bat_mesh_free(&coarse);
+        bat_mesh_free(&sheet);
+    }
+}
+
 static void test_limit_normals(void **state)
 {
     (void)state;
@@ -127,9 +190,8 @@ static void test_memory_is_limited(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refinement_keeps_labels),
-        cmocka_unit_test(test_decimation_and_repair_keep_labels),
-        cmocka_unit_test(test_limit_normals),
+        cmocka_unit_test(test_refinement_keeps_labels),  cmocka_unit_test(test_decimation_and_repair_keep_labels),
+        cmocka_unit_test(test_decimation_keeps_borders), cmocka_unit_test(test_limit_normals),
         cmocka_unit_test(test_memory_is_limited),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -85,9 +85,8 @@ static bat_status set_creases(const bat_mesh *mesh, collapse_mesh *made, uint8_t
 /// vertex is fixed.
 static bat_status set_seams(const bat_mesh *mesh, collapse_mesh *made, uint8_t *meeting, bat_error *error)
 {
-    made->seam = calloc(made->edge_count + 1, sizeof *made->seam);
     uint8_t *edges = calloc(made->vertex_count + 1, sizeof *edges), *jumps = calloc(made->vertex_count + 1, sizeof *jumps);
-    bool room = made->seam != NULL && edges != NULL && jumps != NULL;
+    bool room = edges != NULL && jumps != NULL;
     for (uint32_t h = 0; h < 3 * made->face_count && room; h++)
     {
         uint32_t twin = made->twin[h], a = made->corner[h], b = made->corner[bat_mesh_next(h)];
@@ -109,20 +108,56 @@ static bat_status set_seams(const bat_mesh *mesh, collapse_mesh *made, uint8_t *
             made->freedom[v] = COLLAPSE_FIXED;
     free(edges);
     free(jumps);
-    return room ? BAT_OK : error_memory(error, made->edge_count * sizeof *made->seam);
+    return room ? BAT_OK : error_memory(error, made->vertex_count * sizeof *edges);
+}
+
+static bool equal_names(const char *a, const char *b)
+{
+    return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
+}
+
+/// Whether faces of two labels belong to different parts of a model: objects, groups or materials. Smoothing groups alone
+/// make no border.
+static bool parts_differ(const bat_mesh *mesh, uint32_t a, uint32_t b)
+{
+    if (a == b)
+        return false;
+    const bat_mesh_label *of_a = mesh->labels + a, *of_b = mesh->labels + b;
+    return !equal_names(of_a->object, of_b->object) || !equal_names(of_a->group, of_b->group) ||
+           !equal_names(of_a->material, of_b->material);
+}
+
+/// Mark the edges between parts of the model.
+static void set_borders(const bat_mesh *mesh, collapse_mesh *made, uint8_t *meeting)
+{
+    for (uint32_t h = 0; h < 3 * made->face_count; h++)
+    {
+        uint32_t twin = made->twin[h], edge = made->edge[h];
+        if (twin == BAT_MESH_NONE || twin < h || !parts_differ(mesh, mesh->face_labels[h / 3], mesh->face_labels[twin / 3]))
+            continue;
+        if (!collapse_edge_is_curve(made, edge))
+            count_ends(made->corner[h], made->corner[bat_mesh_next(h)], meeting);
+        made->seam[edge] = 1;
+    }
 }
 
 static bat_status set_curves(const bat_mesh *mesh, bool seams, collapse_mesh *made, bat_error *error)
 {
+    bool borders = mesh->face_labels != NULL && mesh->label_count > 1;
     seams = seams && mesh->texture != NULL;
-    if (mesh->crease_count == 0 && !seams)
+    if (mesh->crease_count == 0 && !seams && !borders)
         return BAT_OK;
     uint8_t *meeting = calloc(made->vertex_count + 1, sizeof *meeting);
     if (meeting == NULL)
         return error_memory(error, made->vertex_count * sizeof *meeting);
-    bat_status status = set_creases(mesh, made, meeting, error);
+    if (seams || borders)
+        made->seam = calloc(made->edge_count + 1, sizeof *made->seam);
+    bat_status status = (seams || borders) && made->seam == NULL ? error_memory(error, made->edge_count * sizeof *made->seam)
+                                                                 : set_creases(mesh, made, meeting, error);
     if (status == BAT_OK && seams)
         status = set_seams(mesh, made, meeting, error);
+    if (status == BAT_OK && borders)
+        set_borders(mesh, made, meeting);
     for (size_t v = 0; v < made->vertex_count && status == BAT_OK; v++)
         if (meeting[v] > 0)
             made->freedom[v] = meeting[v] == 2 && made->freedom[v] == COLLAPSE_FREE ? COLLAPSE_ON_CURVE : COLLAPSE_FIXED;

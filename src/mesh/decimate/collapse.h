@@ -11,7 +11,7 @@
 typedef enum collapse_freedom
 {
     COLLAPSE_FREE,
-    COLLAPSE_ON_CURVE, ///< on a boundary, a crease or a seam
+    COLLAPSE_ON_CURVE, ///< on a boundary, a crease, a seam or a border of parts
     COLLAPSE_FIXED     ///< a corner, or a vertex where creases or seams meet or end
 } collapse_freedom;
 
@@ -24,7 +24,7 @@ typedef struct collapse_mesh
     uint32_t *half_edge; ///< for each edge: one of its half-edges; BAT_MESH_NONE for a removed edge
     uint8_t *freedom;    ///< for each vertex: a collapse_freedom
     double *sharpness;   ///< for each edge: the sharpness of its crease, or 0; null for a mesh without creases
-    uint8_t *seam;       ///< for each edge: whether it is a seam of the texture; null without seams
+    uint8_t *seam;       ///< for each edge: whether it is a seam of the texture or between parts; null without
     uint32_t *stamp;     ///< for each vertex: the last search that visited it
     uint32_t last_stamp;
     size_t vertex_count, face_count, edge_count; ///< of the original mesh
@@ -55,7 +55,8 @@ typedef struct collapse_ring
     bool closed;             ///< neither i nor j is on the boundary
 } collapse_ring;
 
-/// Make a collapse_mesh from a mesh that passes bat_mesh_check(), with its creases and corners.
+/// Make a collapse_mesh from a mesh that passes bat_mesh_check(), with its creases, its corners and the borders between
+/// objects, groups and materials.
 /// @param seams whether seams of the texture are curves
 /// @return BAT_OK, the failures of bat_mesh_connect(), or BAT_INVALID_ARGUMENT for a crease that is not an edge
 bat_status collapse_mesh_make(const bat_mesh *mesh, bool seams, collapse_mesh *made, bat_error *error);
@@ -69,7 +70,7 @@ static inline bool collapse_texture_jumps(const bat_mesh *mesh, uint32_t a, uint
     return of_a[0] != of_b[0] || of_a[1] != of_b[1];
 }
 
-/// Whether an edge is on the boundary, a crease or a seam.
+/// Whether an edge is on the boundary, a crease, a seam or a border of parts.
 bool collapse_edge_is_curve(const collapse_mesh *mesh, uint32_t edge);
 /// Whether an edge is on the boundary or a crease.
 bool collapse_edge_is_rim(const collapse_mesh *mesh, uint32_t edge);
