@@ -66,7 +66,9 @@ static inline void round_trip(const uint8_t *data, size_t size, bat_curve_format
         status = bat_curve_read_memory(text, text_size, &reading, &back, &error);
         // Curves shorter than the rounding are no lines any more.
         bool vanished = rounded && status == BAT_BAD_FILE && strstr(error.text, "no lines or polygons") != NULL;
-        PROMISE(status == BAT_OK || vanished);
+        // Where only a dropped row had a text in it, a column is one of numbers afterwards, and its name may say times.
+        bool retyped = has_dropped(&set) && status == BAT_BAD_FILE && strstr(error.text, "does not come after") != NULL;
+        PROMISE(status == BAT_OK || vanished || retyped);
         if (status == BAT_OK)
             compare_counts(&set, &back, rounded);
         free(text);

@@ -203,13 +203,16 @@ static bat_status find_loop_in_noise(const double *points, size_t count, alpha_b
     double share = fmin(max_thickness / thickness, 1);
     size_t minimum = count < FEW_POINTS ? count : FEW_POINTS, wanted = (size_t)(share * share * (double)count);
     wanted = wanted < minimum ? minimum : wanted;
-    status = find_loop_of_sample(points, count, wanted, loop, error);
+    bat_error first = {0};
+    status = find_loop_of_sample(points, count, wanted, loop, &first);
     while (status == BAT_NO_CONVERGENCE && thickness > noise_thickness && wanted / 2 >= minimum)
     {
         wanted /= 2;
-        // The error text of the first attempt is reported.
         status = find_loop_of_sample(points, count, wanted, loop, NULL);
     }
+    // The error of the first attempt is reported.
+    if (status != BAT_OK && error != NULL)
+        *error = first;
     return status;
 }
 
