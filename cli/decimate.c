@@ -29,7 +29,7 @@ static const option_spec OPTIONS[] = {
     {"seed", 0, "N", "of --random; default 1"},
     {"min-normal", 0, "C", "the minimum cosine of the angle by which a collapse turns a face, -1 to 1; default 0.2"},
     {"min-quality", 0, "Q",
-     "the minimum quality of a triangle after a collapse, from 0 to 1 for an equilateral one; default 0.2"},
+     "the minimum quality of a triangle after a collapse, from 0 to 1 for an equilateral one; default 0.1"},
     {"boundary-weight", 0, "W", "the weight of the error at a boundary, that of a face being 1; default 1000"},
     {"triangulate", 0, NULL, "cut polygons of IN into triangles"},
     {"repair", 0, NULL, "split edges of more than two faces and vertices of several fans first"},

@@ -52,7 +52,7 @@ typedef struct bat_mesh_decimate_options
     /// The least scalar product of a face's unit normals before and after a collapse, -1 to 1; default .2.
     double least_normal;
     /// The least triangle quality after a collapse, 0 to 1: 4 sqrt(3) times the area over the sum of the squared edges, in
-    /// space and in the plane. Where a face around the edge is worse already, its quality is enough. Default .2.
+    /// space and in the plane. Where a face around the edge is worse already, its quality is enough. Default .1.
     double least_quality;
     /// The weight of a boundary or crease edge, at least 0, relative to a face with the area of the square over the edge;
     /// default 1000.

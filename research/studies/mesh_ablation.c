@@ -80,6 +80,7 @@ static bat_status trial_make(probe *p, size_t index, bat_error *error)
     bat_mesh_decimate_options how = bat_mesh_decimate_defaults();
     how.method = BAT_MESH_DECIMATE_QUADRIC;
     how.attributes = 0;
+    how.least_quality = 0.2;
     how.vertices = recipe.min_vertices + index * (recipe.max_vertices - recipe.min_vertices) / (TRIALS - 1);
     if (how.vertices > p->shape->vertex_count)
         how.vertices = p->shape->vertex_count;

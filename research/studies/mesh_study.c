@@ -120,6 +120,7 @@ bat_status mesh_study_decimate(const bat_mesh *shape, const bat_mesh_study_optio
     bat_mesh_decimate_options how = bat_mesh_decimate_defaults();
     how.method = BAT_MESH_DECIMATE_QUADRIC;
     how.attributes = 0;
+    how.least_quality = 0.2;
     how.vertices = options->vertices;
     how.progress = progress;
     if (how.vertices < 4)

@@ -47,7 +47,7 @@ bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
     return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_MEMORYLESS,
                                        .seed = 1,
                                        .least_normal = 0.2,
-                                       .least_quality = 0.2,
+                                       .least_quality = 0.1,
                                        .boundary_weight = 1000,
                                        .attributes = 0.5};
 }
