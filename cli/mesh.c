@@ -175,7 +175,7 @@ static const char *find_fault(const arguments *given, const mesh_job *job)
         return job->quiet ? "--json and --quiet exclude each other" : "--json and -o - both need standard output";
     if (!learned && chosen && (job->model != NULL || argument(given, "then") != NULL || argument(given, "fairness") != NULL))
         return "--model, --then and --fairness need --scheme learned";
-    if (is_adaptive(job) && (!has_rules(job->refine.scheme) || argument(given, "levels") != NULL))
+    if (is_adaptive(job) && ((chosen && !has_rules(job->refine.scheme)) || argument(given, "levels") != NULL))
         return "--tolerance and --max-edge need --scheme loop or catmull-clark, and exclude --levels";
     if (job->has_beside && job->picture == NULL)
         return "--beside needs --picture FILE";
@@ -259,6 +259,11 @@ static int read_coarse(const mesh_job *job, mesh_result *result)
         result->reason = result->scheme == BAT_MESH_SCHEME_CATMULL_CLARK ? "most faces have more than three corners"
                          : result->scheme == BAT_MESH_SCHEME_LOOP        ? "a cage: few faces, or creases"
                                                                          : "a mesh of many triangles without creases";
+        if (is_adaptive(job) && !has_rules(result->scheme))
+        {
+            result->scheme = BAT_MESH_SCHEME_LOOP;
+            result->reason = "adaptive refinement needs a limit surface";
+        }
     }
     bat_mesh_connectivity_free(&links);
     return EXIT_DONE;

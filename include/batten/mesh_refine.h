@@ -92,8 +92,9 @@ struct bat_mesh_refine_options
     /// has available. Adaptive refinement compares before each level.
     size_t max_memory;
     bat_mesh_rules rules; ///< of Loop's and Catmull and Clark's schemes; they come before those of the mesh; default AUTO
-    /// Loop's and Catmull and Clark's schemes: refine adaptively, as deep as is needed and whatever `levels` says, until no
-    /// face is farther than this from the limit surface, by an estimate from second differences. 0: do not. Default 0.
+    /// Loop's and Catmull and Clark's schemes, of which BAT_MESH_SCHEME_AUTO takes one: refine adaptively, as deep as is
+    /// needed and whatever `levels` says, until no face is farther than this from the limit surface, by an estimate from
+    /// second differences. 0: do not. Default 0.
     double tolerance;
     double max_edge; ///< the same, until no edge is longer; default 0
     int threads;     ///< 0: as many as OpenMP gives; the result does not depend on it; default 0

@@ -669,6 +669,16 @@ static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_o
     return status;
 }
 
+/// The scheme that BAT_MESH_SCHEME_AUTO stands for, where `suited` suits the mesh. Adaptive refinement needs a limit
+/// surface.
+static bat_mesh_scheme choose_scheme(const bat_mesh_refine_options *how, bat_mesh_scheme suited)
+{
+    if (how->rule != NULL)
+        return BAT_MESH_SCHEME_LEARNED;
+    bool adaptive = how->tolerance > 0 || how->max_edge > 0;
+    return adaptive && !mesh_scheme_of(suited)->creases ? BAT_MESH_SCHEME_LOOP : suited;
+}
+
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
                            bat_error *error)
 {
@@ -683,7 +693,7 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = bat_mesh_refine_options_check(&how, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
-        how.scheme = how.rule != NULL ? BAT_MESH_SCHEME_LEARNED : bat_mesh_scheme_for(coarse);
+        how.scheme = choose_scheme(&how, bat_mesh_scheme_for(coarse));
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
     {
         status = bat_mesh_model_builtin(&model, error);
@@ -778,7 +788,7 @@ bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mes
     if (status == BAT_OK)
         status = bat_mesh_refine_options_check(&how, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
-        how.scheme = how.rule != NULL ? BAT_MESH_SCHEME_LEARNED : bat_polygon_mesh_scheme_for(coarse);
+        how.scheme = choose_scheme(&how, bat_polygon_mesh_scheme_for(coarse));
     if (status == BAT_OK)
     {
         quads = mesh_scheme_of(how.scheme)->polygons;
