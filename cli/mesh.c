@@ -290,9 +290,20 @@ static int refine(const mesh_job *job, mesh_result *result)
     return status == BAT_OK ? EXIT_DONE : report_bad_input(job->given, job->input, &error);
 }
 
-static void make_title(bat_mesh_scheme scheme, size_t levels, char title[80])
+/// "adaptive", or the number of levels.
+static const char *levels_text(const mesh_job *job, bat_mesh_scheme scheme, char text[32])
 {
-    (void)snprintf(title, 80, "%s, %zu level%s", bat_mesh_scheme_name(scheme), levels, levels == 1 ? "" : "s");
+    size_t levels = job->refine.levels;
+    if (is_adaptive(job) && has_rules(scheme))
+        return "adaptive";
+    (void)snprintf(text, 32, "%zu level%s", levels, levels == 1 ? "" : "s");
+    return text;
+}
+
+static void make_title(const mesh_job *job, bat_mesh_scheme scheme, char title[80])
+{
+    char levels[32];
+    (void)snprintf(title, 80, "%s, %s", bat_mesh_scheme_name(scheme), levels_text(job, scheme, levels));
 }
 
 /// Refine by the scheme of --beside, which has no limit, creases by angles and rules unless it is Loop's or Catmull and
@@ -340,8 +351,8 @@ static int draw(const mesh_job *job, mesh_result *result)
         return report_bad_input(job->given, job->input, &error);
     if (job->has_beside && refine_beside(job, result, &other, &error) != BAT_OK)
         return report_bad_input(job->given, job->input, &error);
-    make_title(result->scheme, job->refine.levels, title);
-    make_title(job->beside, job->refine.levels, beside_title);
+    make_title(job, result->scheme, title);
+    make_title(job, job->beside, beside_title);
     bat_mesh_picture_panel panels[3] = {
         {.mesh = &result->coarse, .title = "coarse", .wires = true, .flat = true},
         {.mesh = &result->fine, .title = title},
@@ -428,13 +439,11 @@ static int report(const mesh_job *job, const mesh_result *result)
         return EXIT_DONE;
     if (job->read.repair)
         (void)printf("%zu places repaired\n", bat_mesh_repair_places(&result->repairs));
-    char levels[32] = "adaptive";
-    if (!is_adaptive(job))
-        (void)snprintf(levels, sizeof levels, "%zu levels", job->refine.levels);
+    char levels[32];
     bool told = result->reason != NULL && result->scheme != BAT_MESH_SCHEME_LEARNED;
     (void)printf("%s%s%s%s, %s: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
-                 bat_mesh_scheme_name(result->scheme), told ? " (" : "", told ? result->reason : "", told ? ")" : "", levels,
-                 coarse.vertices, coarse.faces, fine.vertices, fine.faces,
+                 bat_mesh_scheme_name(result->scheme), told ? " (" : "", told ? result->reason : "", told ? ")" : "",
+                 levels_text(job, result->scheme, levels), coarse.vertices, coarse.faces, fine.vertices, fine.faces,
                  result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
