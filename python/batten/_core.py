@@ -1,0 +1,366 @@
+"""What every call needs: errors, options by keyword, arrays without copies, progress, pictures."""
+
+from __future__ import annotations
+
+import functools
+import os
+import tempfile
+import threading
+import weakref
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from batten._native import ffi, lib
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Progress = bool | Callable[[float], object]
+
+#: What a thread that is inside the library keeps: who shows its progress, and an exception raised by a callback.
+_thread = threading.local()
+
+
+class BattenError(Exception):
+    """A call of the library failed.
+
+    Attributes
+    ----------
+    status : str
+        The kind of failure, such as ``"invalid point"``.
+    index : int or None
+        The point, face or other item at fault, counted from 0.
+    curve : int or None
+        Of several curves, the one at fault.
+    line : int or None
+        The line of the file at fault, counted from 1.
+    """
+
+    status: str = ""
+    index: int | None = None
+    curve: int | None = None
+    line: int | None = None
+
+
+class BattenWarning(UserWarning):
+    """What the library assumed, changed, or could not do in a result that is otherwise good."""
+
+
+class InvalidArgument(BattenError, ValueError):
+    """An option is out of range, or two contradict each other."""
+
+
+class InvalidPoint(BattenError, ValueError):
+    """A point is not in its space, not finite, or repeats its neighbour."""
+
+
+class CutLocus(BattenError, ValueError):
+    """Two neighbours have no unique shortest geodesic."""
+
+
+class Unsupported(BattenError, ValueError):
+    """A combination of arguments without a meaning."""
+
+
+class NoConvergence(BattenError, ValueError):
+    """An iteration did not converge, or a scheme has no limit."""
+
+
+class TooLarge(BattenError, ValueError):
+    """The result would be larger than the memory or the limit."""
+
+
+class OutOfMemory(BattenError, MemoryError):
+    """An allocation failed."""
+
+
+class BadFile(BattenError, ValueError):
+    """The content of a file is wrong."""
+
+
+class FileAccess(BattenError, OSError):
+    """A file cannot be opened, read or written."""
+
+
+class NotManifold(BattenError, ValueError):
+    """The faces of a mesh do not form a manifold."""
+
+
+#: An exception for each status.
+_ERRORS: dict[int, type[BattenError]] = {
+    lib.BAT_INVALID_ARGUMENT: InvalidArgument,
+    lib.BAT_INVALID_POINT: InvalidPoint,
+    lib.BAT_CUT_LOCUS: CutLocus,
+    lib.BAT_UNSUPPORTED: Unsupported,
+    lib.BAT_NO_CONVERGENCE: NoConvergence,
+    lib.BAT_TOO_LARGE: TooLarge,
+    lib.BAT_NO_MEMORY: OutOfMemory,
+    lib.BAT_BAD_FILE: BadFile,
+    lib.BAT_FILE_ACCESS: FileAccess,
+    lib.BAT_NOT_MANIFOLD: NotManifold,
+}
+NO_INDEX = int(ffi.cast("size_t", -1))
+
+
+def call(function: Callable[..., int], *arguments: Any, failed: Any = None) -> None:
+    """Call a function of the library, whose last parameter is an error, and raise what went wrong."""
+    error = ffi.new("bat_error *")
+    _thread.raised = None
+    status = function(*arguments, error)
+    if status == 0:
+        return
+    if _thread.raised is not None:
+        raise _thread.raised
+    text = ffi.string(error.text).decode(errors="replace")
+    curve = None if failed is None or failed[0] == NO_INDEX else int(failed[0])
+    exception = _ERRORS.get(status, BattenError)(text if curve is None else f"curve {curve}: {text}")
+    exception.status, exception.curve = ffi.string(lib.bat_status_name(status)).decode(), curve
+    exception.index = None if error.index == NO_INDEX else error.index
+    exception.line = error.line or None
+    raise exception
+
+
+def keep_exception(_: Any, exception: BaseException, __: Any) -> None:
+    """Remember an exception of a callback: the function of the library stops, and call() raises it."""
+    _thread.raised = getattr(_thread, "raised", None) or exception
+
+
+@ffi.def_extern(error=False, onerror=keep_exception)  # type: ignore[untyped-decorator]
+def batten_report(_: Any, fraction: float) -> bool:
+    show = getattr(_thread, "show", None)
+    return show is None or show(fraction) is not False
+
+
+@contextmanager
+def shown(progress: Progress, title: str) -> Iterator[None]:
+    """Show the progress of the calls inside: by a function, or by tqdm where it is installed."""
+    if not progress:
+        yield
+        return
+    bar = None
+    show = progress if callable(progress) else None
+    if show is None:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            yield
+            return
+        bar = tqdm(total=1.0, desc=title, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}")
+        show = lambda fraction: bar.update(fraction - bar.n) and None  # noqa: E731
+    before, _thread.show = getattr(_thread, "show", None), show
+    try:
+        yield
+    finally:
+        _thread.show = before
+        if bar is not None:
+            bar.close()
+
+
+# Options: structs of the library whose fields are set by name, also those of structs inside.
+
+
+@functools.cache
+def _fields(kind: str) -> dict[str, tuple[tuple[str, ...], Any]]:
+    """Path and type of each option in a struct; outer fields come before inner ones of the same name."""
+    found: dict[str, tuple[tuple[str, ...], Any]] = {}
+    level = [((), ffi.typeof(kind))]
+    while level:
+        inner = []
+        for path, struct in level:
+            for name, field in struct.fields:
+                found.setdefault(name, ((*path, name), field.type))
+                if field.type.kind == "struct" and field.type.cname != "struct bat_progress":
+                    inner.append(((*path, name), field.type))
+        level = inner
+    return found
+
+
+def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: list[Any]) -> None:
+    """Set a field. A text chooses a row of the table that belongs to the field's type."""
+    for name in path[:-1]:
+        struct = getattr(struct, name)
+    by_name = getattr(lib, f"{kind.cname.split()[-1]}_by_name", None)
+    try:
+        if isinstance(value, str) and "\0" in value:
+            raise ValueError("a text without null characters is needed")
+        if isinstance(value, str) and by_name is not None:
+            chosen = ffi.new(ffi.getctype(kind, "*"))
+            call(by_name, value.encode(), chosen)
+            value = chosen[0]
+        elif isinstance(value, str):
+            keep.append(ffi.new("char[]", value.encode()))
+            value = keep[-1]
+        elif kind.kind == "pointer" and value is not None:
+            keep.append(ffi.from_buffer(ffi.typeof("double[]"), array(value, path[-1], None)))
+            value = keep[-1]
+        elif isinstance(value, (np.generic, np.ndarray)):
+            value = value.tolist()
+        setattr(struct, path[-1], ffi.NULL if value is None else value)
+    except BattenError:
+        raise
+    except (TypeError, ValueError, OverflowError) as error:
+        raise type(error)(f"{path[-1]}: {error}") from None
+
+
+def _build(kind: str, **given: Any) -> tuple[Any, list[Any]]:
+    """A struct of options: the defaults, then what is given."""
+    fields, keep = _fields(kind), []
+    defaults = getattr(lib, kind.removesuffix("_options") + "_defaults")
+    options = ffi.new(f"{kind} *")
+    options[0] = defaults()
+    if "threads" in fields and "threads" not in given:
+        given["threads"] = int(os.environ.get("BATTEN_THREADS", 0))
+    for name in sorted(given, key=lambda name: len(fields[name][0]) if name in fields else 0):
+        if name not in fields or name in ("progress", "report", "context", "model", "rule"):
+            known = sorted(set(fields) - {"progress", "report", "context", "model", "rule"})
+            raise TypeError(f"unknown option '{name}'; there are {', '.join(known)}")
+        _assign(options, *fields[name], given[name], keep)
+    if "progress" in fields:
+        _assign(options, (*fields["progress"][0], "report"), ffi.typeof("int"), lib.batten_report, keep)
+    return options, keep
+
+
+_built = functools.lru_cache(256, typed=True)(_build)
+
+
+def options(kind: str, given: dict[str, Any]) -> Any:
+    """A struct of options of one call, with `given` set by name."""
+    try:
+        built, keep = _built(kind, **given)
+    except TypeError:
+        built, keep = _build(kind, **given)
+    fresh = ffi.new(f"{kind} *", built[0])
+    if keep:
+        _kept[fresh] = keep
+    return fresh
+
+
+_kept: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()
+
+
+# Arrays.
+
+
+def array(value: ArrayLike, name: str, columns: int | None, dtype: Any = np.float64) -> NDArray[Any]:
+    """An aligned C-contiguous array: the given one where it is that already. `columns` above 0 demand rows of that length,
+    0 rows of any length, None nothing."""
+    given = np.asarray(value)
+    if given.dtype.kind not in "fiub":
+        raise TypeError(f"{name}: numbers are needed, not an array of {given.dtype}")
+    if columns is not None and (given.ndim != 2 or given.shape[1] == 0 or columns not in (0, given.shape[1])):
+        shape = f"(n, {columns or 'dimension'})"
+        raise ValueError(f"{name}: an array of shape {shape} is needed, not {given.shape}")
+    if dtype is not np.float64 and given.size:
+        if given.dtype.kind == "f" and not np.array_equal(given, np.trunc(given)):
+            raise TypeError(f"{name}: whole numbers are needed")
+        limits = np.iinfo(dtype)
+        if given.min() < limits.min or given.max() > limits.max:
+            raise ValueError(f"{name}: numbers from {limits.min} to {limits.max} are needed, not {given.min()} or {given.max()}")
+    made = np.ascontiguousarray(given, dtype)
+    return made if made.flags.aligned else made.copy()
+
+
+def pointer(values: NDArray[Any] | None, kind: str = "double[]") -> Any:
+    """A pointer to the numbers of an array, which it keeps alive."""
+    return ffi.NULL if values is None else ffi.from_buffer(ffi.typeof(kind), values)
+
+
+def take(memory: Any, shape: tuple[int, ...], dtype: Any = np.float64) -> NDArray[Any]:
+    """The array in memory that the library allocated. The array owns it from now on."""
+    kind = np.dtype(dtype)
+    size = int(np.prod(shape)) * kind.itemsize
+    if memory == ffi.NULL or size == 0:
+        lib.free(memory)
+        return np.empty(shape, kind)
+    owner = ffi.gc(memory, lib.free, size)
+    return np.frombuffer(ffi.buffer(owner, size), kind).reshape(shape)
+
+
+# Structs of results.
+
+
+class Report(dict[str, Any]):
+    """Named results, as a dictionary whose entries are attributes too.
+
+    >>> report = Report(length=2.0)
+    >>> report.length, report["length"]
+    (2.0, 2.0)
+    """
+
+    __setattr__ = dict.__setitem__
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self]
+
+    def __repr__(self) -> str:
+        width = max(map(len, self), default=0)
+        return "\n".join(f"{name:>{width}}: {value}" for name, value in self.items())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Report, (dict(self),)
+
+
+def report(struct: Any) -> Report:
+    """The numbers, names and texts of a struct; arrays behind pointers are left out."""
+    found = Report()
+    for name, field in ffi.typeof(struct).fields if ffi.typeof(struct).kind == "struct" else ffi.typeof(struct[0]).fields:
+        value, kind = getattr(struct, name), field.type
+        if kind.kind == "enum":
+            naming = getattr(lib, f"{kind.cname.split()[-1]}_name", None)
+            value = ffi.string(naming(value)).decode() if naming is not None else int(value)
+        elif kind.kind == "array" and kind.item.cname == "char":
+            value = ffi.string(value).decode()
+        elif kind.kind == "array":
+            value = np.array(list(value)) if kind.item.kind == "primitive" else [report(item) for item in value]
+        elif kind.kind == "struct":
+            value = report(value)
+        elif kind.kind != "primitive":
+            continue
+        elif kind.cname == "size_t" and value == NO_INDEX:
+            value = None
+        found[name] = value
+    return found
+
+
+def choices(family: str) -> list[Report]:
+    """The table of a family of choices: names, settings, summaries.
+
+    Parameters
+    ----------
+    family : str
+        ``"curve_scheme"``, ``"mesh_scheme"``, ``"space"``, ``"motion"``, ``"curve_end_rule"``, … — the part between ``bat_``
+        and ``_list`` in the C library.
+
+    Examples
+    --------
+    >>> [row.name for row in batten.choices("mesh_scheme")]
+    ['midpoint', 'loop', 'butterfly', 'square-root-three', 'learned']
+    """
+    listing = getattr(lib, f"bat_{family}_list", None)
+    if listing is None:
+        known = sorted(name[4:-5] for name in dir(lib) if name.startswith("bat_") and name.endswith("_list"))
+        raise InvalidArgument(f"no family '{family}'; there are {', '.join(known)}")
+    rows, row = [], ffi.new("bat_choice *")
+    while listing(len(rows), row):
+        texts = {name: ffi.string(getattr(row, name)).decode() for name in ("name", "settings", "summary", "endings")}
+        rows.append(Report(texts))
+    return rows
+
+
+def written(function: Callable[..., int], suffix: str, *arguments: Any, path: str | os.PathLike[str] | None = None) -> bytes:
+    """What a function of the library writes to a file, as bytes; or written to `path`."""
+    if path is not None:
+        call(function, os.fsencode(path), *arguments)
+        return b""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / f"batten.{suffix}"
+        call(function, os.fsencode(file), *arguments)
+        return file.read_bytes()

@@ -1,0 +1,251 @@
+"""Spaces: the manifolds in which points live."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from batten._core import BattenError, CutLocus, Floats, InvalidPoint, array, call, ffi, keep_exception, lib, pointer
+
+#: The functions of a space in Python, and the status that the library gets where one fails.
+_NEEDED = ("exp", "log")
+_GIVEN = ("exp", "log", "distance", "inner", "transport", "project", "fault")
+
+
+class Space:
+    """A Riemannian manifold: one of the library by its name, or one whose functions are written in Python.
+
+    Parameters
+    ----------
+    name : str
+        ``"plane"``, ``"euclidean"``, ``"sphere"``, ``"disk"``, ``"rotation"``, ``"rigid"``, ``"spd"`` or ``"hyperbolic"``;
+        any other name with functions of your own.
+    point_dim : int
+        How many numbers store a point; 0 for the usual number.
+    weight : float
+        Of ``"rigid"``: how many radians a unit of length counts as much as.
+    exp, log : callable, optional
+        ``exp(p, tangent)`` and ``log(p, q)``. Like all functions of a space, they take arrays of shape ``(..., point_dim)``
+        and ``(..., tangent_dim)``. Given both, the space is one of your own. An exception stops the call of the library
+        and comes out of it; a :class:`CutLocus` says that the geodesic is not unique.
+    distance, inner, transport, project, fault : callable, optional
+        ``distance(p, q)``; ``inner(p, u, v)``, by default the scalar product; ``transport(p, q, tangent)``, by default one
+        step of the pole ladder, which is exact in symmetric spaces; ``project(coordinates)``, by default what it gets;
+        ``fault(p)``, None for a point of the space, else the reason as a text.
+    dimension, tangent_dim : int, optional
+        Of the manifold, and how many numbers store a tangent vector; by default ``tangent_dim`` and ``point_dim``.
+    injectivity : float, optional
+        The injectivity radius.
+
+    Examples
+    --------
+    >>> sphere = batten.Space("sphere")
+    >>> float(sphere.distance([1, 0, 0], [0, 1, 0]))
+    1.5707963267948966
+    >>> logarithmic = batten.Space(  # positive numbers, with |log(q / p)| as the distance
+    ...     "positive", 1, exp=lambda p, v: p * np.exp(v), log=lambda p, q: np.log(q / p))
+    >>> batten.refine([[1.0], [4.0]], space=logarithmic, scheme="log-exp-4", levels=1).ravel()
+    Curve([1., 2., 4.])
+    """
+
+    def __init__(self, name: str, point_dim: int = 0, *, weight: float = 1.0, dimension: int = 0, tangent_dim: int = 0,
+                 injectivity: float = math.inf, **functions: Callable[..., Any]) -> None:
+        self._arguments = (name, point_dim), dict(weight=weight, dimension=dimension, tangent_dim=tangent_dim,
+                                                  injectivity=injectivity, **functions)
+        self.name, self.functions, self.struct = name, functions, ffi.new("bat_space *")
+        if set(functions) - set(_GIVEN):
+            raise TypeError(f"a space has no function '{min(set(functions) - set(_GIVEN))}'; there are {', '.join(_GIVEN)}")
+        if not functions:
+            call(lib.bat_space_by_name, name.encode(), point_dim, self.struct)
+            if name == "rigid":
+                call(lambda space, error: lib.bat_rigid(weight, space), self.struct)
+        elif not {"exp", "log"} <= set(functions) or point_dim < 1:
+            raise TypeError("a space of your own needs exp, log and point_dim")
+        else:
+            self._handle, self._name = ffi.new_handle(self), ffi.new("char[]", name.encode())
+            tangent_dim = tangent_dim or point_dim
+            self.struct[0] = {
+                "name": self._name, "dimension": dimension or tangent_dim, "point_dim": point_dim,
+                "tangent_dim": tangent_dim, "injectivity": injectivity, "weight": weight, "parameters": self._handle,
+                **{name: getattr(lib, f"batten_{name}") for name in _GIVEN}}  # fmt: skip
+            call(lib.bat_space_check, self.struct, ffi.NULL, 0)
+        self.point_dim, self.tangent_dim = self.struct.point_dim, self.struct.tangent_dim
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return functools.partial(Space, *self._arguments[0], **self._arguments[1]), ()
+
+    def __repr__(self) -> str:
+        return f"Space({self.name!r}, {self.point_dim})"
+
+    def _batch(self, function: Callable[..., Any], widths: str, result: str, *arrays: ArrayLike) -> Floats:
+        """Call a batch function with rows that are broadcast. Widths: p of points, t of tangents, 1 of numbers."""
+        width = {"p": self.point_dim, "t": self.tangent_dim, "1": 1}
+        given = [np.asarray(values, np.float64) for values in arrays]
+        given = [values if kind != "1" else values[..., None] for values, kind in zip(given, widths)]
+        for values, kind in zip(given, widths):
+            if values.shape[-1:] != (width[kind],):
+                raise ValueError(f"arrays whose last axis has {width[kind]} numbers are needed, not {values.shape}")
+        shape = np.broadcast_shapes(*(values.shape[:-1] for values in given))
+        rows = [array(np.broadcast_to(v, (*shape, v.shape[-1])).reshape(-1, v.shape[-1]), "array", 0) for v in given]
+        made = np.empty((*shape, width[result]))
+        call(function, self.struct, *map(pointer, rows), len(rows[0]), pointer(made))
+        return made if result != "1" else made[..., 0]
+
+    def distance(self, p: ArrayLike, q: ArrayLike) -> Floats:
+        """Geodesic distances of points."""
+        return self._batch(lambda *given: lib.bat_space_distances(*given[:-1]) or 0, "pp", "1", p, q)
+
+    def log(self, p: ArrayLike, q: ArrayLike) -> Floats:
+        """The tangent vectors at `p` that exp() takes to `q`."""
+        return self._batch(lib.bat_space_logs, "pp", "t", p, q)
+
+    def exp(self, p: ArrayLike, tangent: ArrayLike) -> Floats:
+        """End points of geodesics that begin at `p` with a velocity, after unit time."""
+        return self._batch(lib.bat_space_exps, "pt", "p", p, tangent)
+
+    def transport(self, p: ArrayLike, q: ArrayLike, tangent: ArrayLike) -> Floats:
+        """Tangent vectors at `p`, transported to `q` along the shortest geodesic."""
+        return self._batch(lib.bat_space_transports, "ppt", "t", p, q, tangent)
+
+    def geodesic(self, p: ArrayLike, q: ArrayLike, share: ArrayLike) -> Floats:
+        """Points at shares of the geodesics from `p` to `q`: 0 gives `p`, 1 gives `q`."""
+        return self._batch(lib.bat_space_geodesics, "pp1", "p", p, q, share)
+
+    def project(self, coordinates: ArrayLike) -> Floats:
+        """The nearest points of the space, for coordinates that were rounded."""
+        return self._batch(lib.bat_space_project, "p", "p", coordinates)
+
+
+@functools.lru_cache(64)
+def _named(name: str, point_dim: int) -> Space:
+    return Space(name, point_dim)
+
+
+def space_of(space: Space | str | None, columns: int) -> Space:
+    """A space from what a caller named it by, for points of so many numbers; None: R^n."""
+    if not isinstance(space, Space):
+        space = _named("euclidean" if space is None else space, columns)
+    if space.point_dim != columns:
+        raise ValueError(f"points of {space!r} have {space.point_dim} numbers, not {columns}")
+    return space
+
+
+def from_lonlat(degrees: ArrayLike) -> Floats:
+    """Points of the sphere, unit vectors, from longitudes and latitudes in degrees.
+
+    Examples
+    --------
+    >>> batten.from_lonlat([[90.0, 0.0]]).round(12)
+    array([[0., 1., 0.]])
+    """
+    given = np.radians(array(degrees, "degrees", 2))
+    cos = np.cos(given[:, 1])
+    return np.stack([cos * np.cos(given[:, 0]), cos * np.sin(given[:, 0]), np.sin(given[:, 1])], axis=1)
+
+
+def to_lonlat(points: ArrayLike) -> Floats:
+    """Longitudes and latitudes in degrees of points of the sphere.
+
+    Examples
+    --------
+    >>> batten.to_lonlat([[0.0, 1.0, 0.0]])
+    array([[90.,  0.]])
+    """
+    x, y, z = np.asarray(array(points, "points", 3)).T
+    return np.degrees(np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1))
+
+
+# Functions of the library's struct that call those in Python.
+
+
+def _row(space: Any, numbers: Any, kind: str = "point_dim") -> Floats:
+    width = getattr(space, kind)
+    return np.frombuffer(ffi.buffer(numbers, 8 * width), np.float64).copy()
+
+
+def _put(made: Any, result: Any, width: int) -> int:
+    values = np.asarray(made, np.float64).reshape(-1)
+    if len(values) != width:
+        raise ValueError(f"a function of a space returned {len(values)} numbers, not {width}")
+    if not np.isfinite(values).all():
+        return int(lib.BAT_INVALID_POINT)
+    ffi.memmove(result, np.ascontiguousarray(values), 8 * width)
+    return 0
+
+
+def _failed(kind: Any, exception: Any, trace: Any) -> int | None:
+    if isinstance(exception, CutLocus):
+        return int(lib.BAT_CUT_LOCUS)
+    if not isinstance(exception, InvalidPoint):
+        keep_exception(kind, exception, trace)
+    return None
+
+
+def _callback(name: str) -> Callable[[Callable[..., Any]], Any]:
+    number = name in ("distance", "inner")
+    error: Any = math.nan if number else ffi.NULL if name == "fault" else lib.BAT_INVALID_POINT
+    return ffi.def_extern(f"batten_{name}", error=error, onerror=keep_exception if number else _failed)  # type: ignore
+
+
+def _own(space: Any) -> Space:
+    return ffi.from_handle(space.parameters)  # type: ignore[no-any-return]
+
+
+@_callback("exp")
+def _exp(space: Any, p: Any, tangent: Any, q: Any) -> int:
+    made = _own(space).functions["exp"](_row(space, p), _row(space, tangent, "tangent_dim"))
+    return _put(made, q, space.point_dim)
+
+
+@_callback("log")
+def _log(space: Any, p: Any, q: Any, tangent: Any) -> int:
+    return _put(_own(space).functions["log"](_row(space, p), _row(space, q)), tangent, space.tangent_dim)
+
+
+@_callback("inner")
+def _inner(space: Any, p: Any, u: Any, v: Any) -> float:
+    u, v = _row(space, u, "tangent_dim"), _row(space, v, "tangent_dim")
+    inner = _own(space).functions.get("inner")
+    return float(np.dot(u, v) if inner is None else inner(_row(space, p), u, v))
+
+
+@_callback("distance")
+def _distance(space: Any, p: Any, q: Any) -> float:
+    functions, p, q = _own(space).functions, _row(space, p), _row(space, q)
+    if "distance" in functions:
+        return float(functions["distance"](p, q))
+    tangent = functions["log"](p, q)
+    return math.sqrt(functions["inner"](p, tangent, tangent) if "inner" in functions else np.dot(tangent, tangent))
+
+
+@_callback("project")
+def _project(space: Any, coordinates: Any, point: Any) -> int:
+    given = _row(space, coordinates)
+    project = _own(space).functions.get("project")
+    return _put(given if project is None else project(given), point, space.point_dim)
+
+
+@_callback("transport")
+def _transport(space: Any, p: Any, q: Any, tangent: Any, made: Any) -> int:
+    functions, p, q, v = _own(space).functions, _row(space, p), _row(space, q), _row(space, tangent, "tangent_dim")
+    if "transport" in functions:
+        return _put(functions["transport"](p, q, v), made, space.tangent_dim)
+    exp, log = functions["exp"], functions["log"]
+    middle, ahead = exp(p, np.asarray(log(p, q)) / 2), exp(p, v)
+    return _put(-np.asarray(log(q, exp(ahead, 2 * np.asarray(log(ahead, middle))))), made, space.tangent_dim)
+
+
+@_callback("fault")
+def _fault(space: Any, p: Any) -> Any:
+    own, point = _own(space), _row(space, p)
+    fault = own.functions.get("fault")
+    reason = None if fault is None else fault(point)
+    if reason is None and not np.isfinite(point).all():
+        reason = "not finite"
+    own._reason = None if reason is None else ffi.new("char[]", str(reason).encode())  # type: ignore[attr-defined]
+    return ffi.NULL if reason is None else own._reason  # type: ignore[attr-defined]

@@ -1,0 +1,141 @@
+// Part of the module batten._native: many curves whose points lie one behind the other.
+
+#include <string.h>
+
+/// The share of the curves of a part in the progress of all.
+typedef struct part_progress
+{
+    bat_progress whole;
+    double begin, share;
+} part_progress;
+
+static bool report_part(void *context, double fraction)
+{
+    const part_progress *part = context;
+    return part->whole.report(part->whole.context, part->begin + part->share * fraction);
+}
+
+/// Make room for `need` numbers. The room grows to what all curves take if the rest grow as those before.
+static bool reserve(double **points, size_t *capacity, size_t need, double share)
+{
+    if (need <= *capacity)
+        return true;
+    const double margin = 1.01;
+    double guess = margin * (double)need / share;
+    size_t room = guess > (double)need && guess < (double)(SIZE_MAX / sizeof **points) ? (size_t)guess : need;
+    double *grown = realloc(*points, room * sizeof *grown);
+    if (grown == NULL)
+        return false;
+    *points = grown;
+    *capacity = room;
+    return true;
+}
+
+/// bat_curves_refine() of curves in two arrays: curve i has the points offsets[i] … offsets[i + 1] - 1 of `all`. Parts of the
+/// curves are refined one after the other, so that beyond the result memory for one part is needed.
+///
+/// @param all          the space, all points, and whether each curve is closed
+/// @param offsets      count + 1 numbers, the first 0, none below the one before
+/// @param points       receives the refined points; release it with free()
+/// @param fine_offsets receives count + 1 numbers
+/// @return as bat_curves_refine(); `points` is null on failure
+static bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offsets, size_t count,
+                                       const bat_curve_refine_options *options, double **points, int64_t *fine_offsets,
+                                       size_t *failed, bat_error *error)
+{
+    enum
+    {
+        PART = 2048,
+    };
+    static bat_curve_refine_report none;
+    size_t dim = all->space->point_dim, used = 0, capacity = 0;
+    bat_curve *coarse = calloc(PART, sizeof *coarse), *fine = calloc(PART, sizeof *fine);
+    bat_status status = coarse == NULL || fine == NULL ? BAT_NO_MEMORY : BAT_OK;
+    bat_curve_refine_report sum = none;
+    *points = NULL;
+    fine_offsets[0] = 0;
+    for (size_t begin = 0; begin < count && status == BAT_OK; begin += PART)
+    {
+        size_t size = count - begin < PART ? count - begin : PART;
+        bat_curve_refine_options how = *options;
+        bat_curve_refine_report report = none;
+        part_progress part = {options->progress, (double)begin / (double)count, (double)size / (double)count};
+        how.report = &report;
+        if (how.progress.report != NULL)
+            how.progress = (bat_progress){report_part, &part};
+        for (size_t i = 0; i < size; i++)
+        {
+            const int64_t *range = offsets + begin + i;
+            coarse[i] = *all;
+            coarse[i].points = all->points + (size_t)range[0] * dim;
+            coarse[i].count = (size_t)(range[1] - range[0]);
+            fine[i] = (bat_curve){0};
+        }
+        status = bat_curves_refine(coarse, size, &how, fine, failed, error);
+        if (status != BAT_OK)
+        {
+            if (*failed != BAT_NO_INDEX)
+                *failed += begin;
+            break;
+        }
+        for (size_t i = 0; i < size; i++)
+            fine_offsets[begin + i + 1] = fine_offsets[begin + i] + (int64_t)fine[i].count;
+        if (!reserve(points, &capacity, (size_t)fine_offsets[begin + size] * dim, (double)(begin + size) / (double)count))
+            status = BAT_NO_MEMORY;
+        for (size_t i = 0; i < size; i++)
+        {
+            if (status == BAT_OK)
+                memcpy(*points + used, fine[i].points, fine[i].count * dim * sizeof **points);
+            used += fine[i].count * dim;
+            bat_curve_free(&fine[i]);
+        }
+        sum.given_crossing += report.given_crossing;
+        sum.left_crossing += report.left_crossing;
+    }
+    free(coarse);
+    free(fine);
+    if (status == BAT_OK)
+    {
+        if (options->report != NULL)
+            *options->report = sum;
+        return status;
+    }
+    free(*points);
+    *points = NULL;
+    if (status == BAT_NO_MEMORY && error != NULL)
+        *error = (bat_error){.status = status, .index = BAT_NO_INDEX, .text = "out of memory"};
+    return status;
+}
+
+/// The number of points of all curves of a set.
+static size_t batten_set_points(const bat_curve_set *set)
+{
+    size_t sum = 0;
+    for (size_t i = 0; i < set->count; i++)
+        sum += set->curves[i].count;
+    return sum;
+}
+
+/// Copy the curves of a set to arrays.
+///
+/// @param points  receives the points of all curves
+/// @param offsets receives count + 1 numbers
+/// @param closed  receives a flag for each curve
+/// @param polygon receives the polygon of each curve, feature its feature; -1 for none
+static void batten_set_arrays(const bat_curve_set *set, double *points, int64_t *offsets, bool *closed, int64_t *polygon,
+                              int64_t *feature)
+{
+    size_t dim = set->space->point_dim;
+    offsets[0] = 0;
+    for (size_t i = 0; i < set->count; i++)
+    {
+        const bat_curve *curve = &set->curves[i];
+        size_t of[2];
+        bool bounds = bat_curve_set_polygon(set, i, &of[0], &of[1]);
+        memcpy(points + (size_t)offsets[i] * dim, curve->points, curve->count * dim * sizeof *points);
+        offsets[i + 1] = offsets[i] + (int64_t)curve->count;
+        closed[i] = curve->closed;
+        polygon[i] = bounds ? (int64_t)of[0] : -1;
+        feature[i] = bounds ? (int64_t)of[1] : -1;
+    }
+}
