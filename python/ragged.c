@@ -1,5 +1,6 @@
 // Part of the module batten._native: many curves whose points lie one behind the other.
 
+#include <math.h>
 #include <string.h>
 
 /// The share of the curves of a part in the progress of all.
@@ -118,21 +119,36 @@ static size_t batten_set_points(const bat_curve_set *set)
 
 /// Copy the curves of a set to arrays.
 ///
-/// @param points  receives the points of all curves
-/// @param offsets receives count + 1 numbers
-/// @param closed  receives a flag for each curve
-/// @param polygon receives the polygon of each curve, feature its feature; -1 for none
-static void batten_set_arrays(const bat_curve_set *set, double *points, int64_t *offsets, bool *closed, int64_t *polygon,
-                              int64_t *feature)
+/// @param decimals of longitudes and latitudes in degrees, which points of the sphere become; -1: points stay as they are.
+///                 Rounded like those in files (src/space/degrees.h), so that both are equal to the last bit
+/// @param points   receives the points of all curves
+/// @param offsets  receives count + 1 numbers
+/// @param closed   receives a flag for each curve
+/// @param polygon  receives the polygon of each curve, feature its feature; -1 for none
+static void batten_set_arrays(const bat_curve_set *set, int decimals, double *points, int64_t *offsets, bool *closed,
+                              int64_t *polygon, int64_t *feature)
 {
-    size_t dim = set->space->point_dim;
+    static const double degrees_per_radian = 57.295779513082320876798154814105;
+    size_t dim = decimals < 0 ? set->space->point_dim : 2;
+    double units = 1;
+    for (int i = 0; i < decimals; i++)
+        units *= 10;
     offsets[0] = 0;
     for (size_t i = 0; i < set->count; i++)
     {
         const bat_curve *curve = &set->curves[i];
         size_t of[2];
         bool bounds = bat_curve_set_polygon(set, i, &of[0], &of[1]);
-        memcpy(points + (size_t)offsets[i] * dim, curve->points, curve->count * dim * sizeof *points);
+        double *out = points + (size_t)offsets[i] * dim;
+        if (decimals < 0)
+            memcpy(out, curve->points, curve->count * dim * sizeof *points);
+        for (size_t k = 0; decimals >= 0 && k < curve->count; k++)
+        {
+            const double *point = curve->points + 3 * k;
+            double across = sqrt(point[0] * point[0] + point[1] * point[1]);
+            out[2 * k] = rint(atan2(point[1], point[0]) * (degrees_per_radian * units)) / units;
+            out[2 * k + 1] = rint(atan2(point[2], across) * (degrees_per_radian * units)) / units;
+        }
         offsets[i + 1] = offsets[i] + (int64_t)curve->count;
         closed[i] = curve->closed;
         polygon[i] = bounds ? (int64_t)of[0] : -1;

@@ -1,10 +1,24 @@
 """batten turns coarse geometry into fair geometry: curves, maps, motions, meshes and scans.
 
-Arrays go in and come out. See https://docs.python.org/3/library/warnings.html for how to turn notes of the library
-(:class:`BattenWarning`) off.
+Arrays go in and come out. Options of the C library are keyword arguments of the same name. Functions with long
+calculations have `progress`, can be interrupted, release the global interpreter lock, and take `threads`; the environment
+variable ``BATTEN_THREADS`` sets the default.
 """
 
-from batten._core import BattenError, BattenWarning, Report, choices
-from batten.curves import analyze, refine, Curve, Curves
+from batten._core import (BadFile, BattenError, BattenWarning, CutLocus, FileAccess, InvalidArgument, InvalidPoint, NoConvergence,
+                          NotManifold, OutOfMemory, Report, TooLarge, Unsupported, choices, ffi, lib)  # fmt: skip
+from batten.curves import Analysis, Curve, Curves, analyze, refine
 from batten.maps import smooth
+from batten.measures import measure
+from batten.meshes import Decimation, Mesh, MeshMap, decimate, refine_mesh
+from batten.motions import Motion
 from batten.spaces import Space, from_lonlat, to_lonlat
+from batten.surfaces import Surface, fit_surface
+
+__version__: str = ffi.string(lib.bat_version()).decode()
+__all__ = [
+    *("refine", "smooth", "analyze", "measure", "refine_mesh", "decimate", "fit_surface", "choices", "from_lonlat", "to_lonlat"),
+    *("Analysis", "Curve", "Curves", "Decimation", "Mesh", "MeshMap", "Motion", "Report", "Space", "Surface"),
+    *("BattenError", "BattenWarning", "BadFile", "CutLocus", "FileAccess", "InvalidArgument", "InvalidPoint", "NoConvergence"),
+    *("NotManifold", "OutOfMemory", "TooLarge", "Unsupported"),
+]

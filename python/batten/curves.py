@@ -121,6 +121,15 @@ def picture(curves: Any, **given: Any) -> str:
     return written(lib.bat_curve_picture_write, "svg", panel, 1, options("bat_curve_picture_options", given)).decode()
 
 
+def chart(lines: list[tuple[Floats, Floats]], label: str = "") -> str:
+    """A chart of lines, given by x and y, as SVG."""
+    keep = [[array(values, "chart", None) for values in line] for line in lines] + [ffi.new("char[]", label.encode())]
+    series = ffi.new("bat_chart_series[]", [[pointer(x), pointer(y), len(x)] for x, y in keep[:-1]])
+    made = ffi.new("bat_chart *", lib.bat_chart_defaults())
+    made.series, made.series_count, made.x_label = series, len(series), keep[-1]
+    return written(lib.bat_chart_write, "svg", made, 1, options("bat_curve_picture_options", {})).decode()
+
+
 def _joined(points: Any, offsets: ArrayLike | None) -> tuple[Floats, NDArray[np.int64] | None]:
     """Points and offsets of curves that are given as a list of arrays or as both."""
     if offsets is None and isinstance(points, (list, tuple, Curves)) and len(points) and np.ndim(points[0]) == 2:
@@ -174,7 +183,7 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     >>> batten.refine(square, closed=True, levels=3).shape
     (32, 2)
     >>> batten.refine([square, square[:3]], scheme="chaikin", levels=1).offsets
-    array([0, 8, 14])
+    array([ 0,  8, 14])
     """
     joined, ends = _joined(points, offsets)
     where = space_of(space, joined.shape[1])
@@ -234,12 +243,7 @@ class Analysis(Report):
         return axes
 
     def _repr_svg_(self) -> str:
-        x, y = self.basis()
-        series = ffi.new("bat_chart_series *", {"x": pointer(x), "y": pointer(y), "count": len(x)})
-        chart = ffi.new("bat_chart *")
-        chart[0] = lib.bat_chart_defaults()
-        chart.series, chart.series_count = series, 1
-        return written(lib.bat_chart_write, "svg", chart, 1, options("bat_curve_picture_options", {})).decode()
+        return chart([self.basis()])
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Analysis, (dict(self),)

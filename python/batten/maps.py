@@ -9,7 +9,6 @@ import numpy as np
 
 from batten._core import (NO_INDEX, BattenWarning, Progress, Report, call, ffi, lib, options, pointer, report, shown,
                           take)  # fmt: skip
-from batten.spaces import to_lonlat
 
 #: The kinds of geometries with lines, by shapely's numbers: all but points.
 _LINES = (1, 2, 3, 5, 6, 7)
@@ -44,7 +43,7 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
     >>> import shapely
     >>> left, right = shapely.box(0, 0, 1, 1), shapely.box(1, 0, 2, 1)
     >>> smooth = batten.smooth([left, right], levels=3)
-    >>> shapely.coverage_is_valid(smooth), smooth[0].intersection(smooth[1]).geom_type
+    >>> bool(shapely.coverage_is_valid(smooth)), smooth[0].intersection(smooth[1]).geom_type
     (True, 'MultiLineString')
     """
     import shapely
@@ -116,10 +115,10 @@ def _assemble(given: Any, fine: Any, space: str, decimals: int) -> tuple[Any, An
     antimeridian, come near a pole, are collections, have further coordinates, or lost parts."""
     import shapely
 
-    count, dim = fine.count, fine.space.point_dim
-    points, offsets = np.empty((lib.batten_set_points(fine), dim)), np.empty(count + 1, np.int64)
+    count = fine.count
+    points, offsets = np.empty((lib.batten_set_points(fine), 2)), np.empty(count + 1, np.int64)
     closed, polygon, feature = np.empty(count, np.bool_), np.empty(count, np.int64), np.empty(count, np.int64)
-    lib.batten_set_arrays(fine, pointer(points), pointer(offsets, "int64_t[]"), pointer(closed, "bool[]"),
+    lib.batten_set_arrays(fine, decimals if space == "sphere" else -1, pointer(points), pointer(offsets, "int64_t[]"), pointer(closed, "bool[]"),
                           pointer(polygon, "int64_t[]"), pointer(feature, "int64_t[]"))  # fmt: skip
     parts, owner = shapely.get_parts(given, return_index=True)
     kinds, part_kinds = shapely.get_type_id(given), shapely.get_type_id(parts)
@@ -133,7 +132,6 @@ def _assemble(given: Any, fine: Any, space: str, decimals: int) -> tuple[Any, An
     offsets = offsets + np.concatenate([[0], np.cumsum(closed)])
     curve = np.repeat(np.arange(count), np.diff(offsets))
     if space == "sphere":
-        points = np.round(to_lonlat(points), decimals)
         far = np.abs(np.diff(points[:, 0], append=points[-1:, 0])) >= 180
         far[offsets[1:] - 1] = False
         left[feature[curve[far | (np.abs(points[:, 1]) > 89.999) | (np.abs(points[:, 0]) == 180)]]] = True

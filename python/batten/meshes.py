@@ -1,0 +1,318 @@
+"""Meshes: refinement, decimation with its map, repair, pictures."""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, lib, options, pointer, report, shown,
+                          take, written)  # fmt: skip
+from batten.curves import axes_of
+
+_CREASE = np.dtype([("a", np.uint32), ("b", np.uint32), ("sharpness", np.float64)], align=True)
+_CORNER = np.dtype([("vertex", np.uint32), ("sharpness", np.float64)], align=True)
+_POINT = np.dtype([("face", np.uint32), ("barycentric", np.float64, 3)], align=True)
+_CLOSEST = np.dtype([("at", _POINT), ("position", np.float64, 3), ("distance", np.float64)], align=True)
+Indices = NDArray[np.uint32]
+
+
+class Mesh:
+    """A triangle mesh. ``vertices, faces = mesh`` takes it apart.
+
+    Parameters
+    ----------
+    vertices : array_like of shape (n, 3)
+    faces : array_like of shape (m, 3)
+        The vertices at each face's corners, counter-clockwise from outside.
+    channels : array_like of shape (n, k), optional
+        Further values at the vertices, such as colours.
+    texture, texture_faces : array_like of shape (t, 2) and (m, 3), optional
+        Texture coordinates, and those at each face's corners.
+    creases : sequence of (a, b, sharpness), optional
+        Edges that Loop's scheme keeps sharp.
+    corners : sequence of (vertex, sharpness), optional
+        Vertices that it keeps sharp.
+
+    Examples
+    --------
+    >>> tetrahedron = batten.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    >>> tetrahedron
+    <Mesh of 4 vertices, 4 faces>
+    """
+
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, channels: ArrayLike | None = None,
+                 texture: ArrayLike | None = None, texture_faces: ArrayLike | None = None, creases: Any = (),
+                 corners: Any = ()) -> None:
+        self.vertices: Floats = array(vertices, "vertices", 3)
+        self.faces: Indices = array(faces, "faces", 3, np.uint32)
+        self.channels = None if channels is None else array(channels, "channels", 0)
+        self.texture = None if texture is None else array(texture, "texture", 2)
+        self.texture_faces = None if texture_faces is None else array(texture_faces, "texture_faces", 3, np.uint32)
+        self.creases, self.corners = _features(creases, _CREASE), _features(corners, _CORNER)
+        for name, rows in (("channels", self.vertices), ("texture_faces", self.faces)):
+            if getattr(self, name) is not None and len(getattr(self, name)) != len(rows):
+                raise ValueError(f"{name}: {len(rows)} rows are needed")
+        if (self.texture is None) != (self.texture_faces is None):
+            raise ValueError("texture and texture_faces go together")
+
+    @classmethod
+    def of(cls, mesh: Any, faces: ArrayLike | None = None) -> Mesh:
+        """A mesh from a pair of arrays, or from anything with `vertices` and `faces`, such as a ``trimesh.Trimesh``."""
+        if faces is not None:
+            return cls(mesh, faces)
+        if isinstance(mesh, Mesh):
+            return mesh
+        if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+            return cls(mesh.vertices, mesh.faces)
+        if isinstance(mesh, tuple) and len(mesh) == 2:
+            return cls(*mesh)
+        raise TypeError(f"a mesh is needed: vertices and faces, not {type(mesh).__name__}")
+
+    @classmethod
+    def _from(cls, struct: Any) -> Mesh:
+        """The mesh in a struct, which gives away its arrays."""
+        mesh, vertices, faces = object.__new__(cls), (struct.vertex_count, 3), (struct.face_count, 3)
+        width, count = struct.channel_count, struct.texture_count
+        mesh.vertices, mesh.faces = take(struct.positions, vertices), take(struct.faces, faces, np.uint32)
+        mesh.channels = take(struct.channels, (vertices[0], width)) if width else None
+        mesh.texture = take(struct.texture, (count, 2)) if count else None
+        mesh.texture_faces = take(struct.texture_faces, faces, np.uint32) if count else None
+        mesh.creases = take(struct.creases, (struct.crease_count,), _CREASE)
+        mesh.corners = take(struct.corners, (struct.corner_count,), _CORNER)
+        for i in range(width):
+            lib.free(struct.channel_names[i])
+        lib.free(struct.channel_names)
+        return mesh
+
+    def _struct(self) -> Any:
+        width = 0 if self.channels is None else self.channels.shape[1]
+        names = ffi.new("char *[]", [ffi.NULL] * width)
+        keep = [ffi.new("char[]", b"channel%d" % i) for i in range(width)]
+        for i, name in enumerate(keep):
+            names[i] = name
+        pointers = [pointer(self.vertices), pointer(self.faces, "uint32_t[]"), pointer(self.texture),
+                    pointer(self.texture_faces, "uint32_t[]"), pointer(self.channels), names,
+                    pointer(self.creases, "bat_mesh_crease[]"), pointer(self.corners, "bat_mesh_corner[]")]  # fmt: skip
+        struct = ffi.new("bat_mesh *", {
+            "positions": pointers[0], "faces": pointers[1], "vertex_count": len(self.vertices), "face_count": len(self.faces),
+            "texture": pointers[2], "texture_faces": pointers[3],
+            "texture_count": 0 if self.texture is None else len(self.texture), "channels": pointers[4],
+            "channel_names": names if width else ffi.NULL, "channel_count": width, "creases": pointers[6],
+            "crease_count": len(self.creases), "corners": pointers[7], "corner_count": len(self.corners)})  # fmt: skip
+        self._kept = struct, pointers, keep
+        return struct
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
+
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        return iter((self.vertices, self.faces))
+
+    def __repr__(self) -> str:
+        return f"<Mesh of {len(self.vertices)} vertices, {len(self.faces)} faces>"
+
+    def repair(self) -> Mesh:
+        """A mesh whose faces form a manifold: repeated faces go, edges of more than two faces are cut. Warns of changes."""
+        made, done = ffi.new("bat_mesh *"), ffi.new("bat_mesh_repair_report *")
+        call(lib.bat_mesh_repair, self._struct(), done, made)
+        if lib.bat_mesh_repair_places(done):
+            changes = ", ".join(f"{name.replace('_', ' ')}: {n}" for name, n in report(done).items() if n)
+            warnings.warn(f"the mesh was repaired ({changes})", BattenWarning, stacklevel=2)
+        return Mesh._from(made)
+
+    def weld(self, distance: float = 0.0) -> Mesh:
+        """A mesh in which vertices within a distance of each other are one."""
+        made = ffi.new("bat_mesh *")
+        call(lib.bat_mesh_weld, self._struct(), distance, ffi.NULL, made)
+        return Mesh._from(made)
+
+    def closest(self, points: ArrayLike, threads: int = 0) -> Report:
+        """The closest points of the mesh: `position`, `distance`, `face` and `barycentric` coordinates in it."""
+        rows = array(points, "points", 3)
+        found = np.empty(len(rows), _CLOSEST)
+        call(lib.bat_mesh_closest, self._struct(), pointer(rows), len(rows), threads,
+             ffi.from_buffer("bat_mesh_closest_point[]", found))  # fmt: skip
+        return Report(position=found["position"], distance=found["distance"], face=found["at"]["face"],
+                      barycentric=found["at"]["barycentric"])  # fmt: skip
+
+    def normals(self, threads: int = 0) -> Floats:
+        """Unit normals of the limit surface of Loop's scheme at the vertices."""
+        made = np.empty_like(self.vertices)
+        call(lib.bat_mesh_limit_normals, self._struct(), threads, pointer(made))
+        return made
+
+    def plot(self, ax: Any = None, **style: Any) -> Any:
+        """Draw the mesh with matplotlib; returns the axes."""
+        axes = axes_of(ax, 3)
+        axes.plot_trisurf(*self.vertices.T, triangles=self.faces, **style)
+        return axes
+
+    def picture(self, values: ArrayLike | None = None, *, suffix: str = "png", wires: bool = False, flat: bool = False,
+                **settings: Any) -> bytes:
+        """A shaded picture by the library, as the bytes of a file (png, svg or pdf). `values` at the vertices are shown as
+        colours; options are those of ``bat_mesh_picture_options``."""
+        shown_values = None if values is None else array(values, "values", None)
+        if shown_values is not None and shown_values.shape != (len(self.vertices),):
+            raise ValueError(f"values: {len(self.vertices)} numbers are needed")
+        panel = ffi.new("bat_mesh_picture_panel *", [self._struct(), ffi.NULL, pointer(shown_values), wires, flat])
+        return written(lib.bat_mesh_picture_write, suffix, panel, 1, options("bat_mesh_picture_options", settings))
+
+    def _repr_png_(self) -> bytes | None:
+        return self.picture(wires=len(self.faces) <= 5000) if len(self.faces) else None
+
+
+def _features(rows: Any, kind: Any) -> NDArray[Any]:
+    given = np.asarray([tuple(row) for row in rows], kind) if not isinstance(rows, np.ndarray) else rows
+    return np.ascontiguousarray(given if given.dtype == kind else [tuple(row) for row in given.tolist()], kind)
+
+
+def _like(given: Any, mesh: Mesh) -> Any:
+    """A mesh of the kind that came in: trimesh's where it was one of those."""
+    if type(given).__module__.split(".")[0] == "trimesh":
+        return type(given)(vertices=mesh.vertices, faces=mesh.faces.astype(np.int64), process=False)
+    return mesh
+
+
+def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, progress: Progress = False, **settings: Any) -> Any:
+    """Refine a mesh by subdivision.
+
+    Parameters
+    ----------
+    mesh : array_like of shape (n, 3), Mesh or trimesh.Trimesh
+        The vertices, or a whole mesh.
+    faces : array_like of shape (m, 3), optional
+        The vertices at each face's corners.
+    progress : bool or callable
+        As of :func:`refine`.
+    **settings
+        Fields of ``bat_mesh_refine_options``: `scheme`, one of ``choices("mesh_scheme")``; `levels`; `then`; `limit`;
+        `crease_angle` in radians; `threads`; and further ones. And `creases`, `corners` and `channels` as of :class:`Mesh`.
+
+    Returns
+    -------
+    Mesh or trimesh.Trimesh
+        The latter where one came in.
+
+    Examples
+    --------
+    >>> vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    >>> fine, triangles = batten.refine_mesh(vertices, faces, scheme="loop", levels=3)
+    >>> fine.shape, triangles.shape
+    ((130, 3), (256, 3))
+    """
+    own = {name: settings.pop(name) for name in ("creases", "corners", "channels") if name in settings}
+    coarse = Mesh.of(mesh, faces)
+    if own:
+        coarse = Mesh(*coarse, **own)
+    fine, fallback = ffi.new("bat_mesh *"), ffi.new("size_t *")
+    with shown(progress, "refining"):
+        call(lib.bat_mesh_refine, coarse._struct(), options("bat_mesh_refine_options", settings), fine, fallback)
+    if fallback[0]:
+        warnings.warn(f"the learned scheme fell back to a classical one in {fallback[0]} places", BattenWarning, stacklevel=2)
+    return _like(mesh, Mesh._from(fine))
+
+
+class MeshMap:
+    """The bijective map between a decimated mesh and the fine one. It is called with points of the coarse mesh.
+
+    Attributes
+    ----------
+    fine, coarse : Mesh
+        The two meshes.
+    """
+
+    def __init__(self, fine: Mesh, coarse: Mesh, struct: Any) -> None:
+        self.fine, self.coarse, self._map = fine, coarse, ffi.gc(struct, lib.bat_mesh_map_free)
+
+    def __call__(self, points: ArrayLike, *, inverse: bool = False) -> Floats:
+        """Positions on the fine mesh of points near the coarse one; with `inverse` the other way."""
+        begin, end = (self.fine, self.coarse) if inverse else (self.coarse, self.fine)
+        near = begin.closest(points)
+        faces, weights = (self.to_coarse if inverse else self.to_fine)(near.face, near.barycentric)
+        return np.einsum("nc,ncd->nd", weights, end.vertices[end.faces[faces]])
+
+    def _carry(self, function: Any, faces: ArrayLike, barycentric: ArrayLike) -> tuple[Indices, Floats]:
+        weights = array(barycentric, "barycentric", 3)
+        points = np.empty(len(weights), _POINT)
+        given = array(faces, "faces", None, np.uint32)
+        if given.shape != (len(weights),):
+            raise ValueError(f"faces: {len(weights)} numbers are needed, not an array of shape {given.shape}")
+        points["face"], points["barycentric"] = given, weights
+        call(function, self._map, ffi.from_buffer("bat_mesh_point[]", points), len(points))
+        return points["face"], points["barycentric"]
+
+    def to_fine(self, faces: ArrayLike, barycentric: ArrayLike) -> tuple[Indices, Floats]:
+        """Faces and barycentric coordinates on the fine mesh of points of the coarse one."""
+        return self._carry(lib.bat_mesh_map_to_fine, faces, barycentric)
+
+    def to_coarse(self, faces: ArrayLike, barycentric: ArrayLike) -> tuple[Indices, Floats]:
+        """Faces and barycentric coordinates on the coarse mesh of points of the fine one."""
+        return self._carry(lib.bat_mesh_map_to_coarse, faces, barycentric)
+
+    def __repr__(self) -> str:
+        return f"<MeshMap from {len(self.coarse.faces)} to {len(self.fine.faces)} faces>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self.fine, self.coarse, written(lib.bat_mesh_map_write, "map", self._map))
+
+
+def _unpickled(fine: Mesh, coarse: Mesh, content: bytes) -> MeshMap:
+    made = ffi.new("bat_mesh_map **")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "batten.map"
+        file.write_bytes(content)
+        call(lib.bat_mesh_map_read, bytes(file), fine._struct(), coarse._struct(), made)
+    return MeshMap(fine, coarse, made[0])
+
+
+class Decimation(NamedTuple):
+    """A decimated mesh, and its map to the fine one; ``mesh, map = batten.decimate(…)`` takes it apart."""
+
+    mesh: Any
+    map: MeshMap | None
+
+
+def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = True, progress: Progress = False,
+             **settings: Any) -> Decimation:
+    """Decimate a mesh by edge collapses, with a bijective map between both meshes.
+
+    Parameters
+    ----------
+    mesh, triangles
+        As of :func:`refine_mesh`.
+    map : bool
+        False: no map, which is faster.
+    progress : bool or callable
+        As of :func:`refine`.
+    **settings
+        Fields of ``bat_mesh_decimate_options``: `vertices`, at which number to stop; `least_normal`; `least_quality`;
+        `boundary_weight`; `candidates`; `seed`; and further ones.
+
+    Returns
+    -------
+    Decimation
+        The coarse mesh, a ``trimesh.Trimesh`` where one came in, and the map, which is called with points.
+
+    Examples
+    --------
+    >>> corners, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    >>> fine = batten.refine_mesh(corners, faces, scheme="loop", levels=4)
+    >>> coarse, map = batten.decimate(fine, vertices=100)
+    >>> coarse
+    <Mesh of 100 vertices, 196 faces>
+    >>> float(fine.closest(map(coarse.vertices)).distance.max()) < 1e-12
+    True
+    """
+    fine, coarse = Mesh.of(mesh, triangles), ffi.new("bat_mesh *")
+    made = ffi.new("bat_mesh_map **") if map else ffi.NULL
+    with shown(progress, "decimating"):
+        call(lib.bat_mesh_decimate, fine._struct(), options("bat_mesh_decimate_options", settings), coarse, made)
+    found = Mesh._from(coarse)
+    return Decimation(_like(mesh, found), MeshMap(fine, found, made[0]) if map else None)

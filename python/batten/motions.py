@@ -1,0 +1,161 @@
+"""Motions: splines in time through poses, rotations and points of any space."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from batten._core import Floats, array, call, ffi, lib, options, pointer
+from batten.curves import axes_of, chart
+from batten.spaces import Space, space_of
+
+
+class Motion:
+    """The spline through poses at their times. It is called with times, as splines of scipy are.
+
+    Parameters
+    ----------
+    times : array_like of shape (n,)
+        Increasing numbers, or times of numpy or pandas, which count in seconds.
+    poses : array_like or scipy.spatial.transform.Rotation
+        Rows of points of the space: unit quaternions (w, x, y, z) for rotations; translation and quaternion, 7 numbers, for
+        rigid motions. Matrices (n, 3, 3) are rotations, and (n, 4, 4) rigid motions. Results have the same form.
+    space : Space or str, optional
+        By default what `poses` are: rotations and matrices tell; else R^n. ``"rotation"`` and ``"rigid"`` take quaternions.
+    velocities : array_like, optional
+        The velocities at the times; by default those that make the acceleration continuous.
+    closed : bool
+        Whether the motion is periodic; `period` is its length.
+    **settings
+        Fields of ``bat_motion_spline_options``: `ends`, `shape`, `sigma` (the noise of poses), `angle_sigma`, `outliers`,
+        `extrapolate`, `threads`, …
+
+    Examples
+    --------
+    >>> motion = batten.Motion([0, 1, 2, 3], [[0.0], [1.0], [8.0], [27.0]])
+    >>> motion(1.5), motion.velocity(1.5)
+    (array([3.375]), array([6.75]))
+    >>> from scipy.spatial.transform import Rotation
+    >>> turn = batten.Motion([0, 1, 2], Rotation.from_rotvec([[0, 0, 0], [0, 0, 1], [0, 0, 2]]))
+    >>> turn([0.5, 1.5]).as_rotvec()[:, 2].round(9)
+    array([0.5, 1.5])
+    """
+
+    def __init__(self, times: ArrayLike, poses: Any, *, space: Space | str | None = None,
+                 velocities: ArrayLike | None = None, closed: bool = False, period: float = 0.0, **settings: Any) -> None:
+        self._arguments = (times, poses), dict(space=space, velocities=velocities, closed=closed, period=period, **settings)
+        self._origin: Any = None
+        keys, self._form, implied = _points(poses)
+        self.space = space_of(implied if space is None else space, keys.shape[1])
+        moments = self._seconds(times)
+        if moments.shape != (len(keys),):
+            raise ValueError(f"times: {len(keys)} numbers are needed, one for each pose, not an array of {moments.shape}")
+        given = None if velocities is None else array(velocities, "velocities", self.space.tangent_dim)
+        if given is not None and len(given) != len(keys):
+            raise ValueError(f"velocities: {len(keys)} rows are needed, not {len(given)}")
+        if closed and not period > moments[-1] - moments[0]:
+            raise ValueError(f"period: a closed motion needs one above {moments[-1] - moments[0]}, not {period}")
+        kind = lib.BAT_HERMITE_UNSTATED if given is None else lib.BAT_HERMITE_VELOCITIES
+        curve = ffi.new("bat_hermite_curve *", [self.space.struct, pointer(keys), pointer(given), pointer(moments), len(keys),
+                                                closed, moments[0] + period - moments[-1] if closed else 0.0, kind])
+        made = ffi.new("bat_motion_spline **")
+        if self.space.functions:
+            settings["threads"] = 1
+        call(lib.bat_motion_spline_new, curve, options("bat_motion_spline_options", settings), made)
+        self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
+        self.times, self.poses = moments, poses
+
+    def _seconds(self, times: Any) -> Floats:
+        """Times as numbers: dates in seconds since the first one that the motion got, durations in seconds."""
+        given = np.asarray(times)
+        if given.dtype == object and given.size and hasattr(given.flat[0], "to_datetime64"):
+            given = np.array([time.to_datetime64() for time in given.flat]).reshape(given.shape)
+        if given.dtype.kind == "M":
+            self._origin = given.flat[0] if self._origin is None and given.size else self._origin
+            given = given - self._origin
+        if given.dtype.kind == "m":
+            given = given / np.timedelta64(1, "s")
+        return array(given, "times", None).reshape(np.shape(given))
+
+    def _at(self, times: ArrayLike, which: int) -> Floats:
+        moments = self._seconds(times)
+        widths = [self.space.point_dim, self.space.tangent_dim, self.space.tangent_dim]
+        made = [np.empty((*moments.shape, width)) for width in widths]
+        wanted = [pointer(made[i]) if i in (0, which) else ffi.NULL for i in range(3)]
+        call(lib.bat_motion_spline_sample, self._spline, pointer(moments), moments.size, *wanted)
+        return made[which]
+
+    def __call__(self, times: ArrayLike) -> Any:
+        """The poses at times, in the form of those that the motion was made of."""
+        return _form(self._at(times, 0), self._form)
+
+    def velocity(self, times: ArrayLike) -> Floats:
+        """Velocities: of rotations angular ones in the body's frame; of rigid motions translation, then rotation."""
+        return self._at(times, 1)
+
+    def acceleration(self, times: ArrayLike) -> Floats:
+        """Accelerations, the covariant derivatives of the velocities."""
+        return self._at(times, 2)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The times of the first and of the last pose, in seconds."""
+        begin, end = ffi.new("double *"), ffi.new("double *")
+        lib.bat_motion_spline_range(self._spline, begin, end)
+        return begin[0], end[0]
+
+    def __repr__(self) -> str:
+        return f"<Motion of {len(self.times)} poses in {self.space!r}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _motion, self._arguments
+
+    def plot(self, ax: Any = None, samples: int = 500, **style: Any) -> Any:
+        """Draw the coordinates against time with matplotlib; returns the axes."""
+        times, axes = np.linspace(*self.range, samples), axes_of(ax, 1)
+        axes.plot(times, self._at(times, 0), **style)
+        return axes
+
+    def _repr_svg_(self) -> str:
+        times = np.linspace(*self.range, 500)
+        return chart([(times, column) for column in self._at(times, 0).T], "time")
+
+
+def _motion(given: tuple[Any, Any], settings: dict[str, Any]) -> Motion:
+    return Motion(*given, **settings)
+
+
+def _points(poses: Any) -> tuple[Floats, str, str | None]:
+    """Rows of points, the form that they came in, and the space that it implies."""
+    if hasattr(poses, "as_quat"):
+        return array(np.atleast_2d(poses.as_quat())[:, [3, 0, 1, 2]], "poses", 4), "Rotation", "rotation"
+    given = np.asarray(poses)
+    if given.ndim != 3 or given.shape[1:] not in ((3, 3), (4, 4)):
+        return array(poses, "poses", 0), "points", None
+    matrices, rows = array(given[:, :3, :3].reshape(-1, 9), "poses", 9), np.empty((len(given), 4))
+    for i in range(len(rows)):
+        call(lib.bat_rotation_from_matrix, pointer(matrices[i]), pointer(rows[i]))
+    if given.shape[1] == 3:
+        return rows, "matrices", "rotation"
+    if not np.array_equal(given[:, 3], np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(given), 4))):
+        raise ValueError("poses: the last row of a rigid motion's matrix is (0, 0, 0, 1)")
+    return np.hstack([given[:, :3, 3], rows]), "rigid matrices", "rigid"
+
+
+def _form(points: Floats, form: str) -> Any:
+    if form == "points":
+        return points
+    quaternions = points[..., -4:]
+    from scipy.spatial.transform import Rotation
+
+    rotation = Rotation.from_quat(quaternions.reshape(-1, 4)[:, [1, 2, 3, 0]])
+    if form == "Rotation":
+        return rotation[0] if points.ndim == 1 else rotation
+    matrices = rotation.as_matrix().reshape(*points.shape[:-1], 3, 3)
+    if form == "matrices":
+        return matrices
+    made = np.zeros((*points.shape[:-1], 4, 4))
+    made[..., :3, :3], made[..., :3, 3], made[..., 3, 3] = matrices, points[..., :3], 1
+    return made
