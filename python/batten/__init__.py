@@ -22,3 +22,6 @@ __all__ = [
     *("BattenError", "BattenWarning", "BadFile", "CutLocus", "FileAccess", "InvalidArgument", "InvalidPoint", "NoConvergence"),
     *("NotManifold", "OutOfMemory", "TooLarge", "Unsupported"),
 ]
+
+for _name in __all__:  # as users know them
+    globals()[_name].__module__ = __name__

@@ -63,7 +63,7 @@ class Space:
         if not functions:
             call(lib.bat_space_by_name, name.encode(), point_dim, self.struct)
             if name == "rigid":
-                call(lambda space, error: lib.bat_rigid(weight, space), self.struct)
+                call(lib.bat_rigid, weight, self.struct)
         elif not {"exp", "log"} <= set(functions) or point_dim < 1:
             raise TypeError("a space of your own needs exp, log and point_dim")
         else:
@@ -236,8 +236,10 @@ def _transport(space: Any, p: Any, q: Any, tangent: Any, made: Any) -> int:
     if "transport" in functions:
         return _put(functions["transport"](p, q, v), made, space.tangent_dim)
     exp, log = functions["exp"], functions["log"]
-    middle, ahead = exp(p, np.asarray(log(p, q)) / 2), exp(p, v)
-    return _put(-np.asarray(log(q, exp(ahead, 2 * np.asarray(log(ahead, middle))))), made, space.tangent_dim)
+    # Transport is linear: the vector gets a length at which the ladder neither rounds nor passes the cut locus.
+    step = min(1.0, space.injectivity / 8) / (np.linalg.norm(v) or 1.0)
+    middle, ahead = exp(p, np.asarray(log(p, q)) / 2), exp(p, step * v)
+    return _put(np.asarray(log(q, exp(ahead, 2 * np.asarray(log(ahead, middle))))) / -step, made, space.tangent_dim)
 
 
 @_callback("fault")
