@@ -235,6 +235,8 @@ def _transport(space: Any, p: Any, q: Any, tangent: Any, made: Any) -> int:
     functions, p, q, v = _own(space).functions, _row(space, p), _row(space, q), _row(space, tangent, "tangent_dim")
     if "transport" in functions:
         return _put(functions["transport"](p, q, v), made, space.tangent_dim)
+    if not v.any():
+        return _put(v, made, space.tangent_dim)
     exp, log = functions["exp"], functions["log"]
     # Transport is linear: the vector gets a length at which the ladder neither rounds nor passes the cut locus.
     step = min(1.0, space.injectivity / 8) / (np.linalg.norm(v) or 1.0)

@@ -1,0 +1,174 @@
+"""Everything that can be wrong in an argument, over every function: a clear exception, never a crash."""
+
+import numpy as np
+import pytest
+
+import batten
+
+POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.5]])
+FACES = np.array([[0, 1, 2], [0, 2, 3]])
+GRID = np.stack(np.meshgrid(np.arange(5.0), np.arange(5.0), [0.0]), axis=-1).reshape(-1, 3)
+
+
+class Hostile:
+    def __array__(self, *_, **__):
+        raise RuntimeError("hostile")
+
+
+#: What stands in the place of an array of shape (n, 3).
+BAD = {
+    "none": None,
+    "number": 3.0,
+    "text": "text",
+    "texts": ["a", "b"],
+    "bytes": b"bytes",
+    "object": object(),
+    "objects": np.array([object(), object()]),
+    "hostile": Hostile(),
+    "dictionary": {"a": 1},
+    "empty": [],
+    "no rows": np.empty((0, 3)),
+    "no columns": np.empty((4, 0)),
+    "one dimension": np.arange(6.0),
+    "three dimensions": np.zeros((2, 2, 3)),
+    "ragged": [[1.0, 2.0, 3.0], [1.0]],
+    "complex": POINTS.astype(complex),
+    "dates": np.array([["2026-01-01"] * 3] * 3, "M8[s]"),
+    "nan": np.full((4, 3), np.nan),
+    "infinite": np.full((4, 3), np.inf),
+    "huge": np.full((4, 3), 1e308) * [[1], [-1], [1], [-1]],
+    "equal points": np.zeros((4, 3)),
+    "one point": np.zeros((1, 3)),
+    "structured": np.zeros(4, [("x", float)]),
+    "too many columns": np.zeros((3, 5000)),
+}
+
+#: Functions of one such array. Those of faces and others get good ones beside.
+CALLS = {
+    "refine": lambda x: batten.refine(x, closed=True),
+    "refine sphere": lambda x: batten.refine(x, space="sphere"),
+    "refine offsets": lambda x: batten.refine(x, [0, 4]),
+    "offsets": lambda x: batten.refine(POINTS, x),
+    "channels": lambda x: batten.refine(POINTS, channels=x),
+    "corners": lambda x: batten.refine(POINTS, corners=x),
+    "measure": lambda x: batten.measure(x),
+    "measure second": lambda x: batten.measure(POINTS, x),
+    "analyze": lambda x: batten.analyze(x),
+    "smooth": lambda x: batten.smooth(x),
+    "motion poses": lambda x: batten.Motion([0, 1, 2, 3], x),
+    "motion rotation": lambda x: batten.Motion([0, 1, 2, 3], x, space="rotation"),
+    "motion times": lambda x: batten.Motion(x, POINTS),
+    "motion velocities": lambda x: batten.Motion([0, 1, 2, 3], POINTS, velocities=x),
+    "motion call": lambda x: batten.Motion([0, 1, 2, 3], POINTS)(x),
+    "mesh vertices": lambda x: batten.refine_mesh(x, FACES),
+    "mesh faces": lambda x: batten.refine_mesh(POINTS, x),
+    "mesh": lambda x: batten.refine_mesh(x),
+    "mesh channels": lambda x: batten.refine_mesh(POINTS, FACES, channels=x),
+    "mesh creases": lambda x: batten.refine_mesh(POINTS, FACES, creases=x, scheme="loop"),
+    "mesh corners": lambda x: batten.refine_mesh(POINTS, FACES, corners=x, scheme="loop"),
+    "mesh texture": lambda x: batten.Mesh(POINTS, FACES, texture=x, texture_faces=FACES),
+    "mesh repair": lambda x: batten.Mesh(x, FACES).repair(),
+    "mesh weld": lambda x: batten.Mesh(x, FACES).weld(),
+    "mesh normals": lambda x: batten.Mesh(x, FACES).normals(),
+    "mesh picture": lambda x: batten.Mesh(x, FACES).picture(),
+    "mesh values": lambda x: batten.Mesh(POINTS, FACES).picture(x),
+    "closest": lambda x: batten.Mesh(POINTS, FACES).closest(x),
+    "decimate vertices": lambda x: batten.decimate(x, FACES),
+    "decimate faces": lambda x: batten.decimate(POINTS, x),
+    "map": lambda x: batten.decimate(POINTS, FACES).map(x),
+    "map faces": lambda x: batten.decimate(POINTS, FACES).map.to_fine(x, POINTS),
+    "map weights": lambda x: batten.decimate(POINTS, FACES).map.to_coarse([0, 0, 0, 0], x),
+    "measure mesh": lambda x: batten.measure((x, FACES)),
+    "fit": lambda x: batten.fit_surface(x),
+    "fit faces": lambda x: batten.fit_surface(POINTS, x),
+    "fit corners": lambda x: batten.fit_surface(GRID, corners=x),
+    "fit parameters": lambda x: batten.fit_surface(GRID, parameters=x),
+    "surface call": lambda x: surface()(x, 0.5),
+    "from_lonlat": batten.from_lonlat,
+    "to_lonlat": batten.to_lonlat,
+    "space exp": lambda x: batten.Space("sphere").exp(x, POINTS),
+    "space log": lambda x: batten.Space("sphere").log(POINTS[1:3], x),
+    "space project": lambda x: batten.Space("sphere").project(x),
+    "space geodesic": lambda x: batten.Space("sphere").geodesic(POINTS[1], POINTS[2], x),
+    "choices": batten.choices,
+}
+
+#: What is good in the place of some arrays.
+GOOD = {
+    **{call: ["none"] for call in ("offsets", "channels", "corners", "measure second", "mesh channels", "motion velocities",
+                                   "mesh values", "fit corners")},
+    "smooth": ["none", "empty"], "mesh creases": ["empty"], "mesh corners": ["empty"], "fit faces": ["none"],
+    "motion times": ["dates"], "motion call": ["empty", "no rows", "dates"], "space exp": ["empty"],
+}  # fmt: skip
+
+_surfaces = []
+
+
+def surface():
+    if not _surfaces:
+        _surfaces.append(batten.fit_surface(GRID))
+    return _surfaces[0]
+
+
+EXPECTED = (ValueError, TypeError, OverflowError, batten.BattenError, RuntimeError)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize("kind", BAD)
+def test_bad_arrays(call, kind):
+    try:
+        result = CALLS[call](BAD[kind])
+    except EXPECTED as error:
+        assert str(error) and (not isinstance(error, RuntimeError) or kind == "hostile" or isinstance(error, batten.BattenError))
+        assert isinstance(error, batten.BattenError) or "cdata" not in str(error)
+    else:
+        assert kind not in ("text", "texts", "bytes", "object", "objects", "hostile", "dictionary", "ragged", "complex",
+                            "structured") or kind in GOOD.get(call, ()), result  # fmt: skip
+
+
+@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.filterwarnings("ignore")
+def test_not_a_number_is_refused(call):
+    if call in ("mesh corners", "mesh creases", "choices", "corners"):
+        pytest.skip("no coordinates")
+    with pytest.raises(EXPECTED):
+        result = CALLS[call](BAD["nan"])
+        if isinstance(result, (np.ndarray, batten.Report)):  # element by element
+            raise ValueError(f"not refused: {np.isnan(np.asarray(result)).all()}")
+
+
+OPTIONS = {
+    "refine": lambda **o: batten.refine(POINTS, **o), "smooth": lambda **o: batten.smooth([box()], **o),
+    "refine_mesh": lambda **o: batten.refine_mesh(POINTS, FACES, **o), "decimate": lambda **o: batten.decimate(POINTS, FACES, **o),
+    "fit_surface": lambda **o: batten.fit_surface(GRID, **o), "Motion": lambda **o: batten.Motion([0, 1, 2, 3], POINTS, **o),
+    "analyze": lambda **o: batten.analyze("chaikin", **o), "measure": lambda **o: batten.measure(POINTS, POINTS + 1, **o),
+    "picture": lambda **o: batten.Mesh(POINTS, FACES).picture(**o),
+}  # fmt: skip
+
+
+def box():
+    return pytest.importorskip("shapely").box(0, 0, 1, 1)
+
+
+@pytest.mark.parametrize("call", OPTIONS)
+@pytest.mark.parametrize("option", [
+    {"no_such": 1}, {"threads": -5}, {"threads": 10**30}, {"threads": 1.5}, {"threads": "x"}, {"threads": None},
+    {"threads": object()}, {"levels": float("nan")}, {"report": 1}, {"progress": 3}, {"context": 5}, {"scheme": "no\0pe"},
+    {"scheme": 17}, {"tolerance": "x"}, {"tolerance": -1.0}, {"sigma": [1]}, {"degree": [1, 2, 3]}, {"spans": 5}, {"seed": -1}])  # fmt: skip
+def test_bad_options(call, option):
+    with pytest.raises((*EXPECTED, AttributeError)) as caught:
+        OPTIONS[call](**option)
+    assert str(caught.value)
+
+
+def test_messages_name_place_and_way_out():
+    with pytest.raises(batten.InvalidPoint, match="point 2") as caught:
+        batten.refine([[0, 0], [1, 1], [np.nan, 0]])
+    assert caught.value.index == 2
+    with pytest.raises(TypeError, match="unknown option 'level'; there are .*levels"):
+        batten.refine(POINTS, level=3)
+    with pytest.raises(ValueError, match="faces: numbers from 0"):
+        batten.Mesh(POINTS, -FACES)
+    with pytest.raises(batten.BattenError, match="7"):
+        batten.refine_mesh(POINTS, FACES + 5)

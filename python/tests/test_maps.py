@@ -1,0 +1,87 @@
+"""Maps: shapely and geopandas in and out."""
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import batten
+
+shapely = pytest.importorskip("shapely")
+geopandas = pytest.importorskip("geopandas")
+
+COUNTRIES = Path(__file__).parents[3] / "shared/data/maps/countries-110m.geojson"
+
+
+@pytest.fixture
+def counties():
+    """Nine polygons that share borders, one with a hole that another fills."""
+    cells = [shapely.box(x, y, x + 1, y + 1) for x in range(3) for y in range(3)]
+    inner = shapely.Polygon([(1.3, 1.3), (1.7, 1.4), (1.6, 1.7), (1.3, 1.6)])
+    cells[4] = cells[4].difference(inner)
+    return [*cells, inner]
+
+
+def test_a_coverage_stays_a_coverage(counties):
+    details = batten.Report()
+    fine = batten.smooth(counties, levels=4, details=details)
+    assert shapely.is_valid(fine).all() and bool(shapely.coverage_is_valid(fine))
+    assert details.shared > 0 and fine[0].area != counties[0].area
+    assert isinstance(fine, list) and sum(part.area for part in fine) == pytest.approx(shapely.union_all(fine).area)
+
+
+def test_every_kind_of_geometry_comes_back(counties):
+    line = shapely.LineString([(10, 0), (11, 1), (12, 0)])
+    ring = shapely.LinearRing([(20, 0), (21, 0), (21, 1)])
+    several = shapely.MultiLineString([line, shapely.LineString([(10, 5), (11, 6), (12, 5)])])
+    high = shapely.LineString([(30, 0, 5), (31, 1, 6), (32, 0, 7)])
+    mixed = shapely.GeometryCollection([shapely.LineString([(40, 0), (41, 1), (42, 0)])])
+    parts = shapely.MultiPolygon([counties[0], shapely.box(50, 0, 51, 1)])
+    given = [line, None, ring, shapely.Point(1, 2), several, high, mixed, parts, shapely.Polygon()]
+    fine = batten.smooth(given, levels=2)
+    assert [None if g is None else g.geom_type for g in fine] == [None if g is None else g.geom_type for g in given]
+    assert fine[1] is None and fine[3] == given[3] and fine[8].is_empty
+    assert fine[5].has_z and len(fine[5].coords) == 9
+    for i in (0, 4, 5, 6):
+        assert all(shapely.Point(c).distance(fine[i]) < 1e-9 for c in shapely.get_coordinates(given[i]))
+    alone = batten.smooth(line, levels=2)
+    assert alone.geom_type == "LineString" and len(alone.coords) == 9
+
+
+def test_a_table_keeps_index_columns_and_crs(counties, tmp_path):
+    table = geopandas.GeoDataFrame({"name": list("abcdefghij")}, geometry=counties, crs="EPSG:25833", index=range(5, 15))
+    table.to_file(tmp_path / "in.gpkg")
+    fine = batten.smooth(geopandas.read_file(tmp_path / "in.gpkg"))
+    fine.to_file(tmp_path / "out.gpkg")
+    again = geopandas.read_file(tmp_path / "out.gpkg")
+    assert again.crs == table.crs and list(again.name) == list(table.name)
+    series = batten.smooth(table.geometry)
+    assert list(series.index) == list(table.index) and series.crs == table.crs
+    assert again.geometry.geom_equals_exact(series.reset_index(drop=True), 0).all()
+
+
+def test_the_sphere_for_degrees():
+    tracks = geopandas.GeoSeries([shapely.LineString([(0, 60), (60, 60)])], crs="EPSG:4326")
+    assert shapely.get_coordinates(batten.smooth(tracks, levels=1))[1, 1] > 60  # along the great circle
+    assert shapely.get_coordinates(batten.smooth(tracks, levels=1, space="plane"))[1, 1] == 60
+
+
+@pytest.mark.skipif(not COUNTRIES.exists(), reason="no shared data")
+@pytest.mark.filterwarnings("ignore::batten.BattenWarning")
+def test_countries_are_those_of_the_program(tmp_path):
+    program = Path(__file__).parents[2] / "build/release/batten"
+    if not program.exists():
+        pytest.skip("the program is not built")
+    subprocess.run([program, "curve", COUNTRIES, "-o", tmp_path / "out.geojson", "--levels", "2", "--quiet"], check=True)
+    fine = batten.smooth(geopandas.read_file(COUNTRIES), levels=2)
+    expected = geopandas.read_file(tmp_path / "out.geojson")
+    assert shapely.equals_exact(np.array(fine.geometry), np.array(expected.geometry), 0).all()
+    assert fine.is_valid.all()
+
+
+def test_antimeridian():
+    fiji = geopandas.GeoSeries([shapely.MultiPolygon([shapely.box(178, -18, 180, -16), shapely.box(-180, -18, -178, -16)])], crs=4326)
+    with pytest.warns(batten.BattenWarning, match="joined"):
+        fine = batten.smooth(fiji, levels=2)
+    assert fine[0].geom_type == "MultiPolygon" and fine.is_valid.all() and len(fine[0].geoms) == 2

@@ -1,0 +1,122 @@
+"""Meshes: refinement, decimation and its map, measures."""
+
+import pickle
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import batten
+
+
+def test_loop_is_that_of_trimesh():
+    trimesh = pytest.importorskip("trimesh")
+    cube = trimesh.creation.box()
+    fine = batten.refine_mesh(cube, scheme="loop", levels=2)
+    theirs, _ = trimesh.remesh.subdivide_loop(cube.vertices, cube.faces, iterations=2)
+    assert isinstance(fine, trimesh.Trimesh) and fine.is_watertight
+    np.testing.assert_allclose(np.sort(fine.vertices.round(9), axis=0), np.sort(theirs.round(9), axis=0), atol=1e-8)
+    coarse, _ = batten.decimate(fine, vertices=40)
+    assert isinstance(coarse, trimesh.Trimesh) and len(coarse.vertices) == 40
+
+
+def test_faces_of_any_integers(tetrahedron):
+    for kind in (np.int64, np.int32, np.uint8, np.float64):
+        fine, faces = batten.refine_mesh(tetrahedron.vertices, tetrahedron.faces.astype(kind), levels=1)
+        assert fine.shape == (10, 3) and faces.dtype == np.uint32
+
+
+def test_creases_and_channels(tetrahedron):
+    sharp = [(0, 1, 10.0), (1, 2, 10.0), (2, 0, 10.0)]
+    fine = batten.refine_mesh(*tetrahedron, scheme="loop", levels=1, creases=sharp, channels=[[0], [1], [2], [3.0]])
+    assert len(fine.creases) == 6 and fine.channels.shape == (10, 1) and fine.creases["sharpness"].min() >= 9
+    assert not np.array_equal(fine.vertices, batten.refine_mesh(*tetrahedron, scheme="loop", levels=1).vertices)
+
+
+def test_the_map_goes_there_and_back(sphere_mesh, random):
+    coarse, map = batten.decimate(sphere_mesh, vertices=60)
+    faces = random.integers(0, len(coarse.faces), 500)
+    weights = random.dirichlet([1, 1, 1], 500)
+    back, same = map.to_coarse(*map.to_fine(faces, weights))
+    points = np.einsum("nc,ncd->nd", weights, coarse.vertices[coarse.faces[faces]])
+    again = np.einsum("nc,ncd->nd", same, coarse.vertices[coarse.faces[back]])
+    np.testing.assert_allclose(again, points, atol=1e-9)
+    np.testing.assert_allclose(map(map(points), inverse=True), points, atol=1e-7)
+    assert sphere_mesh.closest(map(points)).distance.max() < 1e-12
+    restored = pickle.loads(pickle.dumps(map))
+    assert np.array_equal(restored(points), map(points))
+    assert batten.decimate(sphere_mesh, vertices=60, map=False).map is None
+
+
+def test_measures(tetrahedron, sphere_mesh):
+    one = batten.measure(tetrahedron)
+    assert (one.vertices, one.faces, one.closed, one.genus) == (4, 4, True, 0) and one.volume == pytest.approx(1 / 6)
+    two = batten.measure(tetrahedron, (tetrahedron.vertices + [0, 0, 0.1], tetrahedron.faces), samples=1000)
+    assert 0 < two.mean < two.hausdorff <= 0.1 + 1e-9
+    near = sphere_mesh.closest(sphere_mesh.vertices[:5] + 1)
+    assert near.barycentric.sum(axis=1) == pytest.approx(1) and len(near.face) == 5
+    assert sphere_mesh.normals().shape == sphere_mesh.vertices.shape
+
+
+def test_repair_and_weld(tetrahedron):
+    soup = batten.Mesh(tetrahedron.vertices[tetrahedron.faces].reshape(-1, 3), np.arange(12).reshape(4, 3))
+    assert len(soup.weld().vertices) == 4
+    doubled = batten.Mesh(tetrahedron.vertices, np.vstack([tetrahedron.faces, tetrahedron.faces[:1]]))
+    with pytest.raises(batten.NotManifold):
+        batten.refine_mesh(doubled)
+    with pytest.warns(batten.BattenWarning, match="duplicate faces: 1"):
+        assert len(doubled.repair().faces) == 4
+
+
+def test_pickles_and_pictures(tetrahedron):
+    again = pickle.loads(pickle.dumps(tetrahedron))
+    assert np.array_equal(again.vertices, tetrahedron.vertices)
+    assert tetrahedron._repr_png_()[:4] == b"\x89PNG" and tetrahedron.plot() is not None
+    assert tetrahedron.picture([0, 1, 2, 3], suffix="svg", width=200).startswith(b"<?xml")
+
+
+def test_progress(tetrahedron):
+    shares = []
+    batten.refine_mesh(tetrahedron, levels=7, progress=shares.append)
+    assert shares == sorted(shares) and all(0 <= share <= 1 for share in shares)
+    with pytest.raises(batten.BattenError):
+        batten.measure(batten.refine_mesh(tetrahedron, levels=6), tetrahedron, progress=lambda share: False)
+
+    def broken(share):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        batten.measure(batten.refine_mesh(tetrahedron, levels=6), tetrahedron, progress=broken)
+    batten.refine_mesh(tetrahedron, progress=True)
+
+
+@pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="signals")
+def test_interruption(tetrahedron):
+    fine = batten.refine_mesh(tetrahedron, scheme="loop", levels=8)
+    signal.signal(signal.SIGALRM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+    signal.setitimer(signal.ITIMER_REAL, 0.05)
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        batten.decimate(fine, vertices=4)
+    assert time.monotonic() - begin < 60
+
+
+def test_the_lock_is_released(tetrahedron):
+    """Another thread runs while a call works."""
+    fine, counts, done = batten.refine_mesh(tetrahedron, scheme="loop", levels=7), [0], threading.Event()
+
+    def count():
+        while not done.is_set():
+            counts[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    before = counts[0]
+    batten.decimate(fine, vertices=1000)
+    after = counts[0]
+    done.set()
+    thread.join()
+    assert after - before > 3

@@ -1,0 +1,78 @@
+"""Motions: splines in time."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import batten
+
+pytest.importorskip("scipy")
+from scipy.interpolate import CubicSpline  # noqa: E402
+from scipy.spatial.transform import Rotation, RotationSpline  # noqa: E402
+
+
+def test_cubic_spline_of_scipy(random):
+    times, values = np.cumsum(random.uniform(0.5, 2, 9)), random.normal(size=(9, 2))
+    ours, theirs = batten.Motion(times, values, ends="not-a-knot", shape="smooth"), CubicSpline(times, values)
+    at = np.linspace(times[0], times[-1], 50)
+    np.testing.assert_allclose(ours(at), theirs(at), atol=1e-12)
+    np.testing.assert_allclose(ours.velocity(at), theirs(at, 1), atol=1e-11)
+    np.testing.assert_allclose(ours.acceleration(at), theirs(at, 2), atol=1e-10)
+
+
+def test_rotation_spline_of_scipy_beside_ours():
+    """Both follow a smooth motion; ours comes nearer."""
+    def truth(t):
+        return Rotation.from_rotvec(np.stack([np.sin(t), np.cos(2 * t) - 1, 0.5 * t], axis=-1))
+
+    keys, at = np.linspace(0, 3, 10), np.linspace(0, 3, 200)
+    ours, theirs = batten.Motion(keys, truth(keys)), RotationSpline(keys, truth(keys))
+    errors = [(spline(at).inv() * truth(at)).magnitude().max() for spline in (ours, theirs)]
+    assert errors[0] < errors[1] < 0.02
+    np.testing.assert_allclose(ours(keys).as_matrix(), truth(keys).as_matrix(), atol=1e-14)
+    assert ours(0.5).as_quat().shape == (4,) and ours.velocity(0.5).shape == (3,)
+
+
+def test_forms_of_poses(random):
+    rotations = Rotation.from_rotvec(np.cumsum(random.normal(size=(5, 3)) / 3, axis=0))
+    places, times = random.normal(size=(5, 3)), np.arange(5.0)
+    rigid = np.zeros((5, 4, 4))
+    rigid[:, :3, :3], rigid[:, :3, 3], rigid[:, 3, 3] = rotations.as_matrix(), places, 1
+    quaternions = rotations.as_quat()[:, [3, 0, 1, 2]]
+    matrices, at = batten.Motion(times, rotations.as_matrix()), np.linspace(0, 4, 7)
+    np.testing.assert_allclose(matrices(at), batten.Motion(times, rotations)(at).as_matrix(), atol=1e-13)
+    both = batten.Motion(times, rigid)
+    assert both(at).shape == (7, 4, 4) and both(1.5).shape == (4, 4) and both.velocity(at).shape == (7, 6)
+    rows = batten.Motion(times, np.hstack([places, quaternions]), space="rigid")
+    np.testing.assert_allclose(rows(at)[:, :3], both(at)[:, :3, 3], atol=1e-12)
+    with pytest.raises(ValueError, match="last row"):
+        batten.Motion(times, rigid * 2)
+    with pytest.raises(batten.InvalidPoint, match="orthogonal"):
+        batten.Motion(times, rotations.as_matrix() * 1.1)
+
+
+def test_times_of_pandas():
+    pandas = pytest.importorskip("pandas")
+    times = pandas.date_range("2026-01-01", periods=4, freq="2s")
+    motion = batten.Motion(times, [[0.0], [2.0], [4.0], [6.0]])
+    assert motion(times[0] + pandas.Timedelta("3s")) == pytest.approx(3)
+    assert motion(times).ravel() == pytest.approx([0, 2, 4, 6]) and motion(5.0) == pytest.approx(5)
+    assert motion(np.array(["2026-01-01T00:00:01"], "M8[s]")).ravel() == pytest.approx([1])
+
+
+def test_closed_motions_and_extrapolation():
+    circle = batten.Motion([0, 1, 2, 3], [[1.0, 0], [0, 1], [-1, 0], [0, -1]], closed=True, period=4)
+    np.testing.assert_allclose(circle(0.5), circle(4.5), atol=1e-15)
+    assert circle.range == (0, 4)
+    line = batten.Motion([0, 1], [[0.0], [1.0]], extrapolate=True)
+    assert line(3.0) == pytest.approx(3)
+    with pytest.raises(ValueError, match="range|within|from"):
+        batten.Motion([0, 1], [[0.0], [1.0]])(3.0)
+
+
+def test_pickles_and_pictures():
+    motion = batten.Motion([0, 1, 2], Rotation.from_rotvec([[0, 0, 0], [0, 0, 1], [0, 1, 1]]))
+    again = pickle.loads(pickle.dumps(motion))
+    assert np.array_equal(again([0.3]).as_quat(), motion([0.3]).as_quat())
+    assert motion._repr_svg_().startswith("<?xml") and motion.plot() is not None

@@ -1,0 +1,50 @@
+"""Surfaces: from scans to splines."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import batten
+
+
+def test_a_saddle(patch):
+    surface = batten.fit_surface(patch, tolerance=1e-8)
+    assert surface.report.reached and surface.distances.max() < 1e-8
+    np.testing.assert_allclose(surface(*surface.parameters.T), patch, atol=1e-8)
+    u, v = surface.parameters[60]
+    h = 1e-6
+    slope = (surface(u + h, v) - surface(u - h, v)) / (2 * h)
+    np.testing.assert_allclose(surface.derivatives(u, v)[0], slope, atol=1e-6)
+    assert surface.derivatives(u, v, 2).shape == (3, 3)
+    assert abs(surface.normals([0.5, 0.5], [0.1, 0.9])[:, 2]).min() > 0.5
+    assert len(surface.mesh(5).faces) == 32
+    with pytest.raises(batten.InvalidPoint):
+        surface(1.5, 0)
+
+
+def test_points_in_another_order(patch, random):
+    order = random.permutation(len(patch))
+    surface = batten.fit_surface(patch[order], tolerance=1e-6)
+    np.testing.assert_allclose(surface(*surface.parameters.T), patch[order], atol=1e-5)
+
+
+def test_parameters_corners_and_meshes_are_taken(patch):
+    given = batten.fit_surface(patch, parameters=patch[:, :2], corrections=0, functions=9)
+    np.testing.assert_allclose(given.parameters, patch[:, :2])
+    chosen = batten.fit_surface(patch, corners=[0, 11, 143, 132])
+    np.testing.assert_allclose(chosen.parameters[[0, 11, 143, 132]], [[0, 0], [1, 0], [1, 1], [0, 1]])
+    mesh = given.mesh(9)
+    assert batten.fit_surface(mesh, parameters="mean-value").report.chosen == "mean-value"
+
+
+def test_files_pickles_and_pictures(patch, tmp_path):
+    surface = batten.fit_surface(patch, functions=16)
+    assert surface.to_step().startswith(b"ISO-10303-21") and surface.to_vtk().startswith(b"# vtk")
+    surface.to_step(tmp_path / "out.step")
+    assert (tmp_path / "out.step").stat().st_size > 500
+    again = pickle.loads(pickle.dumps(surface))
+    assert np.array_equal(again(0.3, 0.4), surface(0.3, 0.4)) and again.report.rms == surface.report.rms
+    assert surface._repr_png_()[:4] == b"\x89PNG" and surface.plot() is not None
+    with pytest.raises(batten.FileAccess):
+        surface.to_step("/nowhere/out.step")
