@@ -4,6 +4,7 @@
 #   make demo       turn real input into pictures and a table          (out)
 #   make test       build and run the tests
 #   make smallest   build and test the parts that need the C library alone  (build/smallest)
+#   make python     a wheel and a source distribution of the Python package, tested    (dist)
 #   make bench      build and run the benchmarks
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
@@ -23,7 +24,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test smallest bench sanitize sanitize-clang fuzz style format install install-research clean dependencies ci-dependencies
+.PHONY: all demo test smallest python bench sanitize sanitize-clang fuzz style format install install-research clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -37,6 +38,9 @@ test: all
 smallest: dependencies
 	@$(call configure,smallest) && $(call compile,smallest)
 	@$(call test,smallest)
+
+python: dependencies
+	@scripts/python-wheel dist
 
 bench: all
 	@for program in build/release/bench/bench_*; do if [ -x $$program ]; then $$program || exit 1; fi; done
@@ -69,7 +73,7 @@ install install-research:
 	@[ -n '$(DESTDIR)' ] || [ "$$(id -u)" -ne 0 ] || ldconfig
 
 clean:
-	@rm -rf build out
+	@rm -rf build out dist
 
 dependencies:
 	@scripts/install-deps

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from batten._native import ffi, lib
+from batten._native import ffi as ffi, lib as lib
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
@@ -136,6 +136,8 @@ def batten_report(_: Any, fraction: float) -> bool:
 @contextmanager
 def shown(progress: Progress, title: str) -> Iterator[None]:
     """Show the progress of the calls inside: by a function, or by tqdm where it is installed."""
+    if not (progress is None or isinstance(progress, (bool, np.bool_)) or callable(progress)):
+        raise TypeError(f"progress: True, False or a function is needed, not {progress!r}")
     if not progress:
         yield
         return
@@ -165,7 +167,7 @@ def shown(progress: Progress, title: str) -> Iterator[None]:
 def _fields(kind: str) -> dict[str, tuple[tuple[str, ...], Any]]:
     """Path and type of each option in a struct; outer fields come before inner ones of the same name."""
     found: dict[str, tuple[tuple[str, ...], Any]] = {}
-    level = [((), ffi.typeof(kind))]
+    level: list[tuple[tuple[str, ...], Any]] = [((), ffi.typeof(kind))]
     while level:
         inner = []
         for path, struct in level:
@@ -200,13 +202,15 @@ def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: lis
         setattr(struct, path[-1], ffi.NULL if value is None else value)
     except BattenError:
         raise
-    except (TypeError, ValueError, OverflowError) as error:
-        raise type(error)(f"{path[-1]}: {error}") from None
+    except (TypeError, ValueError, OverflowError, IndexError) as error:
+        kindly = ValueError if isinstance(error, IndexError) else type(error)
+        raise kindly(f"{path[-1]}: {error}") from None
 
 
 def _build(kind: str, **given: Any) -> tuple[Any, list[Any]]:
     """A struct of options: the defaults, then what is given."""
-    fields, keep = _fields(kind), []
+    fields = _fields(kind)
+    keep: list[Any] = []
     defaults = getattr(lib, kind.removesuffix("_options") + "_defaults")
     options = ffi.new(f"{kind} *")
     options[0] = defaults()
@@ -258,7 +262,7 @@ def array(value: ArrayLike, name: str, columns: int | None, dtype: Any = np.floa
         limits = np.iinfo(dtype)
         if given.min() < limits.min or given.max() > limits.max:
             raise ValueError(f"{name}: numbers from {limits.min} to {limits.max} are needed, not {given.min()} or {given.max()}")
-    made = np.ascontiguousarray(given, dtype)
+    made = np.ascontiguousarray(given, dtype).reshape(given.shape)
     return made if made.flags.aligned else made.copy()
 
 
@@ -348,7 +352,8 @@ def choices(family: str) -> list[Report]:
     if listing is None:
         known = sorted(name[4:-5] for name in dir(lib) if name.startswith("bat_") and name.endswith("_list"))
         raise InvalidArgument(f"no family '{family}'; there are {', '.join(known)}")
-    rows, row = [], ffi.new("bat_choice *")
+    rows: list[Report] = []
+    row = ffi.new("bat_choice *")
     while listing(len(rows), row):
         texts = {name: ffi.string(getattr(row, name)).decode() for name in ("name", "settings", "summary", "endings")}
         rows.append(Report(texts))

@@ -236,7 +236,8 @@ class MeshMap:
         begin, end = (self.fine, self.coarse) if inverse else (self.coarse, self.fine)
         near = begin.closest(points)
         faces, weights = (self.to_coarse if inverse else self.to_fine)(near.face, near.barycentric)
-        return np.einsum("nc,ncd->nd", weights, end.vertices[end.faces[faces]])
+        positions: Floats = np.einsum("nc,ncd->nd", weights, end.vertices[end.faces[faces]])
+        return positions
 
     def _carry(self, function: Any, faces: ArrayLike, barycentric: ArrayLike) -> tuple[Indices, Floats]:
         weights = array(barycentric, "barycentric", 3)

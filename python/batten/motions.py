@@ -77,7 +77,7 @@ class Motion:
             given = given - self._origin
         if given.dtype.kind == "m":
             given = given / np.timedelta64(1, "s")
-        return array(given, "times", None).reshape(np.shape(given))
+        return array(given, "times", None)
 
     def _at(self, times: ArrayLike, which: int) -> Floats:
         moments = self._seconds(times)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,7 +77,7 @@ class Space:
         self.point_dim, self.tangent_dim = self.struct.point_dim, self.struct.tangent_dim
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return functools.partial(Space, *self._arguments[0], **self._arguments[1]), ()
+        return functools.partial(Space, *self._arguments[0], **cast(Any, self._arguments[1])), ()
 
     def __repr__(self) -> str:
         return f"Space({self.name!r}, {self.point_dim})"
@@ -85,7 +85,7 @@ class Space:
     def _batch(self, function: Callable[..., Any], widths: str, result: str, *arrays: ArrayLike) -> Floats:
         """Call a batch function with rows that are broadcast. Widths: p of points, t of tangents, 1 of numbers."""
         width = {"p": self.point_dim, "t": self.tangent_dim, "1": 1}
-        given = [np.asarray(values, np.float64) for values in arrays]
+        given = [array(values, "array", None) for values in arrays]
         given = [values if kind != "1" else values[..., None] for values, kind in zip(given, widths)]
         for values, kind in zip(given, widths):
             if values.shape[-1:] != (width[kind],):
@@ -156,8 +156,9 @@ def to_lonlat(points: ArrayLike) -> Floats:
     >>> batten.to_lonlat([[0.0, 1.0, 0.0]])
     array([[90.,  0.]])
     """
-    x, y, z = np.asarray(array(points, "points", 3)).T
-    return np.degrees(np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1))
+    x, y, z = array(points, "points", 3).T
+    degrees: Floats = np.degrees(np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1))
+    return degrees
 
 
 # Functions of the library's struct that call those in Python.

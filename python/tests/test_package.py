@@ -1,6 +1,7 @@
 """The package as a whole: examples, types, what is exported."""
 
 import importlib
+import os
 import pickle
 import pkgutil
 import subprocess
@@ -37,8 +38,8 @@ def test_exceptions_pickle():
         assert (str(again), again.index, again.status) == (str(error), 1, "invalid point")
 
 
+@pytest.mark.skipif("BATTEN_TEST_TYPES" not in os.environ, reason="a minute; `make python` runs it")
 def test_types():
-    pytest.importorskip("mypy")
     folder = Path(batten.__file__).parent.parent
     settings = Path(__file__).parents[2] / "pyproject.toml"
     run = subprocess.run([sys.executable, "-m", "mypy", "--config-file", settings, "-p", "batten"], cwd=folder,

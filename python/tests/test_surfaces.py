@@ -12,7 +12,7 @@ def test_a_saddle(patch):
     surface = batten.fit_surface(patch, tolerance=1e-8)
     assert surface.report.reached and surface.distances.max() < 1e-8
     np.testing.assert_allclose(surface(*surface.parameters.T), patch, atol=1e-8)
-    u, v = surface.parameters[60]
+    u, v = 0.4, 0.7
     h = 1e-6
     slope = (surface(u + h, v) - surface(u - h, v)) / (2 * h)
     np.testing.assert_allclose(surface.derivatives(u, v)[0], slope, atol=1e-6)
