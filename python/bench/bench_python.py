@@ -1,0 +1,211 @@
+"""Ratios of the Python package: over the C library, over the program, and over peers, measured in one run.
+
+    PYTHONPATH=build/release/python-package python python/bench/bench_python.py [ROW…]
+
+Peers that are not installed are left out. Each figure is the median of ratios of runs in turns.
+"""
+
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import batten
+from batten._native import ffi, lib
+
+ROOT = Path(__file__).parents[2]
+
+
+def seconds(function, calls=1):
+    begin = time.perf_counter()
+    for _ in range(calls):
+        function()
+    return (time.perf_counter() - begin) / calls
+
+
+def compare(first, second, rounds=5, calls=1):
+    """Median seconds of both, and the median of second over first, by turns."""
+    pairs = [(seconds(first, calls), seconds(second, calls)) for _ in range(rounds)]
+    return (*(statistics.median(part) for part in zip(*pairs)), statistics.median(b / a for a, b in pairs))
+
+
+def peer(name):
+    try:
+        return __import__(name, fromlist=["x"])
+    except ImportError:
+        print(f"  {name} is not installed")
+        return None
+
+
+def c_refine(points, levels, closed, scheme):
+    """bat_curve_refine() alone, on structs that exist, and the release of its result."""
+    space = ffi.new("bat_space *", lib.bat_euclidean(points.shape[1]))
+    how = ffi.new("bat_curve_refine_options *", lib.bat_curve_refine_defaults())
+    how.levels = levels
+    error, fine = ffi.new("bat_error *"), ffi.new("bat_curve *")
+    assert lib.bat_curve_scheme_by_name(scheme.encode(), ffi.addressof(how, "scheme"), error) == 0
+    coarse = ffi.new("bat_curve *", [space, ffi.from_buffer("double[]", points), len(points), closed])
+
+    def run():
+        assert lib.bat_curve_refine(coarse, how, fine, error) == 0
+        lib.bat_curve_free(fine)
+
+    return run
+
+
+def small():
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    points = np.stack([2 * np.cos(angles), np.sin(angles)], axis=1)
+    for scheme in ("learned", "four-point"):
+        run = c_refine(points, 4, True, scheme)
+        c, python, _ = compare(run, lambda: batten.refine(points, closed=True, levels=4, scheme=scheme), 41, 200)
+        print(f"  12 points by 4 levels, {scheme}: {1e6 * (python - c):.1f} microseconds above {1e6 * c:.1f} of the C call (floor 10)")
+
+
+def large():
+    random = np.random.default_rng(1)
+    points = np.cumsum(random.normal(size=(10**6, 2)), axis=0)
+    for scheme in ("four-point", "learned"):
+        run = c_refine(points, 2, False, scheme)
+        _, _, ratio = compare(run, lambda: batten.refine(points, levels=2, scheme=scheme), 5)
+        print(f"  a million points by 2 levels, {scheme}: {ratio:.3f} of the C call (floor 1.05)")
+
+
+def lines():
+    count, size = 10**6, 10
+    points = np.cumsum(np.random.default_rng(1).normal(size=(count, size, 2)), axis=1).reshape(-1, 2)
+    offsets = np.arange(0, count * size + 1, size)
+    space = ffi.new("bat_space *", lib.bat_euclidean(2))
+    how = ffi.new("bat_curve_refine_options *", lib.bat_curve_refine_defaults())
+    how.levels = 2
+    error, failed, buffer = ffi.new("bat_error *"), ffi.new("size_t *"), ffi.from_buffer("double[]", points)
+    coarse, fine = ffi.new("bat_curve[]", count), ffi.new("bat_curve[]", count)
+    for i in range(count):
+        curve = coarse[i]
+        curve.space, curve.points, curve.count = space, buffer + 2 * size * i, size
+    times = []
+    for _ in range(3):
+        begin = time.perf_counter()
+        assert lib.bat_curves_refine(coarse, count, how, fine, failed, error) == 0
+        times.append(time.perf_counter() - begin)
+        for i in range(count):
+            lib.bat_curve_free(fine + i)
+        begin = time.perf_counter()
+        batten.refine(points, offsets, levels=2)
+        times.append(time.perf_counter() - begin)
+    ratio = statistics.median(b / a for a, b in zip(times[::2], times[1::2]))
+    print(f"  a million lines of 10 points by 2 levels: {ratio:.3f} of the C call, offsets and points included (floor 1.05)")
+
+
+def maps():
+    import warnings
+
+    import geopandas
+
+    warnings.simplefilter("ignore", batten.BattenWarning)
+    source = ROOT / "shared/data/maps/countries-110m.geojson"
+    if not source.exists():
+        source = ROOT.parent / "shared/data/maps/countries-110m.geojson"
+    table, program = geopandas.read_file(source), ROOT / "build/release/batten"
+    with tempfile.TemporaryDirectory() as folder:
+        run = [program, "curve", source, "-o", Path(folder) / "out.geojson", "--quiet"]
+        _, _, ratio = compare(lambda: subprocess.run(run, check=True), lambda: batten.smooth(table), 9)
+    print(f"  polygons of countries, smoothed as a map: {ratio:.2f} of the program on the file (floor 1.5)")
+
+
+def grid(side):
+    """A wavy sheet of 2 side^2 triangles."""
+    x, y = np.meshgrid(np.linspace(0, 1, side + 1), np.linspace(0, 1, side + 1))
+    vertices = np.stack([x, y, 0.1 * np.sin(9 * x) * np.cos(7 * y)], axis=-1).reshape(-1, 3)
+    first = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+    faces = np.concatenate([np.stack([first, first + 1, first + side + 2], axis=1),
+                            np.stack([first, first + side + 2, first + side + 1], axis=1)])  # fmt: skip
+    return vertices, faces.astype(np.int64)
+
+
+def loop():
+    vertices, faces = grid(224)
+    ours = lambda: batten.refine_mesh(vertices, faces, scheme="loop", levels=2)  # noqa: E731
+    runs = {}
+    if trimesh := peer("trimesh"):
+        runs["trimesh", 50] = lambda: trimesh.remesh.subdivide_loop(vertices, faces, iterations=2)
+    if igl := peer("igl"):
+        runs["igl", 10] = lambda: igl.loop(vertices, faces, 2)
+    if pymeshlab := peer("pymeshlab"):
+        def run_meshlab():
+            meshes = pymeshlab.MeshSet()
+            meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
+            meshes.meshing_surface_subdivision_loop(iterations=2, threshold=pymeshlab.PercentageValue(0))
+            meshes.current_mesh().vertex_matrix()
+        runs["pymeshlab", 10] = run_meshlab
+    for (name, floor), run in runs.items():
+        _, _, ratio = compare(ours, run, 3)
+        print(f"  Loop, {len(faces)} faces by 2 levels: {ratio:.1f} times as fast as {name} (floor {floor})")
+
+
+def decimation():
+    vertices, faces = grid(316)
+    target = len(faces) // 100
+    coarse, _ = batten.decimate(vertices, faces, vertices=target // 2 + 32, map=False)
+    ours = lambda: batten.decimate(vertices, faces, vertices=target // 2 + 32, map=False)  # noqa: E731
+    if simplification := peer("fast_simplification"):
+        run = lambda: simplification.simplify(vertices, faces, target_count=len(coarse.faces))  # noqa: E731
+        _, _, ratio = compare(ours, run, 3)
+        theirs = run()
+        distances = [batten.measure((vertices, faces), mesh).mean for mesh in (coarse, (theirs[0], theirs[1]))]
+        print(f"  decimation of {len(faces)} faces to {len(coarse.faces)} ({len(theirs[1])}): {ratio:.2f} times as fast as "
+              f"fast-simplification (floor 1), {distances[0] / distances[1]:.2f} of its mean distance (floor 0.5)")  # fmt: skip
+    if pymeshlab := peer("pymeshlab"):
+        def run_meshlab():
+            meshes = pymeshlab.MeshSet()
+            meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
+            meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=len(coarse.faces))
+            return meshes.current_mesh().vertex_matrix(), meshes.current_mesh().face_matrix()
+        _, _, ratio = compare(ours, run_meshlab, 3)
+        distances = [batten.measure((vertices, faces), mesh).mean for mesh in (coarse, run_meshlab())]
+        print(f"    {ratio:.2f} times as fast as pymeshlab, {distances[0] / distances[1]:.2f} of its mean distance")
+
+
+def rotations():
+    from scipy.spatial.transform import Rotation, RotationSpline
+
+    keys, at = np.linspace(0, 1, 10), np.linspace(0, 1, 100)
+    turns = [Rotation.from_rotvec(np.cumsum(np.random.default_rng(i).normal(size=(10, 3)) / 3, axis=0)) for i in range(1000)]
+    arrays = [turn.as_quat()[:, [3, 0, 1, 2]] for turn in turns]
+
+    def ours():
+        for array in arrays:
+            batten.Motion(keys, array, space="rotation")(at)
+
+    def theirs():
+        for turn in turns:
+            RotationSpline(keys, turn)(at)
+
+    a, _, ratio = compare(ours, theirs, 3)
+    print(f"  a thousand splines of 10 rotations at 100 times: {ratio:.1f} times as fast as scipy's (floor 20)")
+    if peer("geomstats"):
+        from geomstats.geometry.special_orthogonal import SpecialOrthogonal
+        from geomstats.learning.geodesic_regression import GeodesicRegression  # noqa: F401
+
+        group = SpecialOrthogonal(n=3, point_type="vector")
+        vectors = [turn.as_rotvec() for turn in turns[:10]]
+
+        def geodesics():
+            for rows in vectors:
+                for p, q in zip(rows[:-1], rows[1:]):
+                    group.bi_invariant_metric.geodesic(initial_point=p, end_point=q)(np.linspace(0, 1, 11))
+
+        print(f"    {100 * seconds(geodesics) / a:.0f} times as fast as the geodesics between keys by geomstats (floor 1000)")
+
+
+ROWS = [small, large, lines, maps, loop, decimation, rotations]
+
+if __name__ == "__main__":
+    for row in ROWS:
+        if len(sys.argv) < 2 or row.__name__ in sys.argv[1:]:
+            print(row.__name__, flush=True)
+            row()
