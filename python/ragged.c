@@ -32,8 +32,8 @@ static bool reserve(double **points, size_t *capacity, size_t need, double share
     return true;
 }
 
-/// bat_curves_refine() of curves in two arrays: curve i has the points offsets[i] … offsets[i + 1] - 1 of `all`. Parts of the
-/// curves are refined one after the other, so that beyond the result memory for one part is needed.
+/// bat_curves_refine() of curves in two arrays: curve i has the points offsets[i] … offsets[i + 1] - 1 of `all`. Parts of
+/// the curves are refined one after the other, so that beyond the result memory for one part is needed.
 ///
 /// @param all          the space, all points, and whether each curve is closed
 /// @param offsets      count + 1 numbers, the first 0, none below the one before

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import tempfile
 import threading
 import weakref
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -133,9 +134,16 @@ def batten_report(_: Any, fraction: float) -> bool:
     return show is None or show(fraction) is not False
 
 
-@contextmanager
-def shown(progress: Progress, title: str) -> Iterator[None]:
+def shown(progress: Progress, title: str) -> AbstractContextManager[None]:
     """Show the progress of the calls inside: by a function, or by tqdm where it is installed."""
+    return _QUIET if progress is False else _showing(progress, title)
+
+
+_QUIET = nullcontext()
+
+
+@contextmanager
+def _showing(progress: Progress, title: str) -> Iterator[None]:
     if not (progress is None or isinstance(progress, (bool, np.bool_)) or callable(progress)):
         raise TypeError(f"progress: True, False or a function is needed, not {progress!r}")
     if not progress:
@@ -237,20 +245,25 @@ def options(kind: str, given: dict[str, Any]) -> Any:
         built, keep = _build(kind, **given)
     fresh = ffi.new(f"{kind} *", built[0])
     if keep:
-        _kept[fresh] = keep
+        kept[fresh] = keep
     return fresh
 
 
-_kept: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()
+kept: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()
 
 
 # Arrays.
+
+
+_FLOAT = np.dtype(np.float64)
 
 
 def array(value: ArrayLike, name: str, columns: int | None, dtype: Any = np.float64) -> NDArray[Any]:
     """An aligned C-contiguous array: the given one where it is that already. `columns` above 0 demand rows of that length,
     0 rows of any length, None nothing."""
     given = np.asarray(value)
+    if given.dtype is _FLOAT and dtype is np.float64 and given.ndim == 2 and columns == 0 and given.flags.carray and given.size:
+        return given
     if given.dtype.kind not in "fiub":
         raise TypeError(f"{name}: numbers are needed, not an array of {given.dtype}")
     if columns is not None and (given.ndim != 2 or given.shape[1] == 0 or columns not in (0, given.shape[1])):
@@ -274,7 +287,7 @@ def pointer(values: NDArray[Any] | None, kind: str = "double[]") -> Any:
 def take(memory: Any, shape: tuple[int, ...], dtype: Any = np.float64) -> NDArray[Any]:
     """The array in memory that the library allocated. The array owns it from now on."""
     kind = np.dtype(dtype)
-    size = int(np.prod(shape)) * kind.itemsize
+    size = math.prod(shape) * kind.itemsize
     if memory == ffi.NULL or size == 0:
         lib.free(memory)
         return np.empty(shape, kind)

@@ -132,7 +132,7 @@ def chart(lines: list[tuple[Floats, Floats]], label: str = "") -> str:
 
 def _joined(points: Any, offsets: ArrayLike | None) -> tuple[Floats, NDArray[np.int64] | None]:
     """Points and offsets of curves that are given as a list of arrays or as both."""
-    if offsets is None and isinstance(points, (list, tuple, Curves)) and len(points) and np.ndim(points[0]) == 2:
+    if offsets is None and not isinstance(points, np.ndarray) and isinstance(points, (list, tuple, Curves)) and len(points) and np.ndim(points[0]) == 2:
         parts = [array(part, f"curve {i}", 0) for i, part in enumerate(points)]
         if len({part.shape[1] for part in parts}) > 1:
             raise ValueError("points of all curves need the same number of coordinates")

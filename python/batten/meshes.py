@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, lib, options, pointer, report, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, kept, lib, options, pointer, report, shown,
                           take, written)  # fmt: skip
 from batten.curves import axes_of
 
@@ -105,11 +105,8 @@ class Mesh:
             "texture_count": 0 if self.texture is None else len(self.texture), "channels": pointers[4],
             "channel_names": names if width else ffi.NULL, "channel_count": width, "creases": pointers[6],
             "crease_count": len(self.creases), "corners": pointers[7], "corner_count": len(self.corners)})  # fmt: skip
-        self._kept = struct, pointers, keep
+        kept[struct] = [pointers, keep]
         return struct
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
 
     def __iter__(self) -> Iterator[NDArray[Any]]:
         return iter((self.vertices, self.faces))
@@ -160,7 +157,8 @@ class Mesh:
         shown_values = None if values is None else array(values, "values", None)
         if shown_values is not None and shown_values.shape != (len(self.vertices),):
             raise ValueError(f"values: {len(self.vertices)} numbers are needed")
-        panel = ffi.new("bat_mesh_picture_panel *", [self._struct(), ffi.NULL, pointer(shown_values), wires, flat])
+        struct = self._struct()  # alive during the call
+        panel = ffi.new("bat_mesh_picture_panel *", [struct, ffi.NULL, pointer(shown_values), wires, flat])
         return written(lib.bat_mesh_picture_write, suffix, panel, 1, options("bat_mesh_picture_options", settings))
 
     def _repr_png_(self) -> bytes | None:
