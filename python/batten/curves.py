@@ -200,7 +200,7 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     else:
         values = None if channels is None else array(channels, "channels", 0)
         flags = None if corners is None else (array(corners, "corners", None) != 0).astype(np.uint8)
-        if any(more is not None and len(more) != len(joined) for more in (values, flags)):
+        if (values is not None and len(values) != len(joined)) or (flags is not None and flags.shape != (len(joined),)):
             raise ValueError(f"channels and corners: a row for each of the {len(joined)} points is needed")
         coarse, fine = ffi.new("bat_curve *", _struct(joined, where, closed, values, flags)), ffi.new("bat_curve *")
         with shown(progress, "refining"):
