@@ -108,7 +108,7 @@ static bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offs
     return status;
 }
 
-/// The number of points of all curves of a set.
+/// The number of points of all curves of a set, which batten_set_arrays() does not exceed.
 static size_t batten_set_points(const bat_curve_set *set)
 {
     size_t sum = 0;
@@ -117,10 +117,37 @@ static size_t batten_set_points(const bat_curve_set *set)
     return sum;
 }
 
+static bool same_place(const double *a, const double *b)
+{
+    return a[0] == b[0] && a[1] == b[1];
+}
+
+/// Leave out positions that are equal to the one before, unless too few of a line or of a ring would remain.
+/// @return the number of those that are left
+static size_t merged(double *positions, size_t count, bool closed)
+{
+    size_t end = count, left = 0, least = closed ? 3 : 2;
+    while (closed && end > 1 && same_place(positions + 2 * (end - 1), positions))
+        end--;
+    for (size_t k = 0; k < end; k++)
+        left += k == 0 || !same_place(positions + 2 * k, positions + 2 * (k - 1));
+    if (left == count || left < least)
+        return count;
+    size_t to = 1;
+    for (size_t k = 1; k < end; k++)
+        if (!same_place(positions + 2 * k, positions + 2 * (to - 1)))
+        {
+            memmove(positions + 2 * to, positions + 2 * k, 2 * sizeof *positions);
+            to++;
+        }
+    return to;
+}
+
 /// Copy the curves of a set to arrays.
 ///
 /// @param decimals of longitudes and latitudes in degrees, which points of the sphere become; -1: points stay as they are.
-///                 Rounded like those in files (src/space/degrees.h), so that both are equal to the last bit
+///                 Rounded like those in files (src/space/degrees.h), so that both are equal to the last bit, and merged
+///                 where the rounding makes neighbours equal
 /// @param points   receives the points of all curves
 /// @param offsets  receives count + 1 numbers
 /// @param closed   receives a flag for each curve
@@ -149,7 +176,7 @@ static void batten_set_arrays(const bat_curve_set *set, int decimals, double *po
             out[2 * k] = rint(atan2(point[1], point[0]) * (degrees_per_radian * units)) / units;
             out[2 * k + 1] = rint(atan2(point[2], across) * (degrees_per_radian * units)) / units;
         }
-        offsets[i + 1] = offsets[i] + (int64_t)curve->count;
+        offsets[i + 1] = offsets[i] + (int64_t)(decimals < 0 ? curve->count : merged(out, curve->count, curve->closed));
         closed[i] = curve->closed;
         polygon[i] = bounds ? (int64_t)of[0] : -1;
         feature[i] = bounds ? (int64_t)of[1] : -1;

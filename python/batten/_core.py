@@ -325,6 +325,14 @@ class Report(dict[str, Any]):
         return Report, (dict(self),)
 
 
+@functools.cache
+def _constant(kind: Any, value: int) -> str:
+    """The name of a value of an enumeration that has no table: what its constant has beside the others."""
+    names = [name.split("_") for name in kind.relements]
+    common = next(i for i, parts in enumerate(zip(*names)) if len(set(parts)) > 1)
+    return "-".join(kind.elements[value].split("_")[common:]).lower()
+
+
 def report(struct: Any) -> Report:
     """The numbers, names and texts of a struct; arrays behind pointers are left out."""
     found = Report()
@@ -332,7 +340,7 @@ def report(struct: Any) -> Report:
         value, kind = getattr(struct, name), field.type
         if kind.kind == "enum":
             naming = getattr(lib, f"{kind.cname.split()[-1]}_name", None)
-            value = ffi.string(naming(value)).decode() if naming is not None else int(value)
+            value = ffi.string(naming(value)).decode() if naming is not None else _constant(kind, value)
         elif kind.kind == "array" and kind.item.cname == "char":
             value = ffi.string(value).decode()
         elif kind.kind == "array":

@@ -120,6 +120,7 @@ def _assemble(given: Any, fine: Any, space: str, decimals: int) -> tuple[Any, An
     closed, polygon, feature = np.empty(count, np.bool_), np.empty(count, np.int64), np.empty(count, np.int64)
     lib.batten_set_arrays(fine, decimals if space == "sphere" else -1, pointer(points), pointer(offsets, "int64_t[]"), pointer(closed, "bool[]"),
                           pointer(polygon, "int64_t[]"), pointer(feature, "int64_t[]"))  # fmt: skip
+    points = points[: offsets[-1]]
     parts, owner = shapely.get_parts(given, return_index=True)
     kinds, part_kinds = shapely.get_type_id(given), shapely.get_type_id(parts)
     expected = np.bincount(owner, np.where(part_kinds == 3, shapely.get_num_interior_rings(parts) + 1, 1), len(given))

