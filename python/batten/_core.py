@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import os
+import re
 import tempfile
 import threading
 import weakref
@@ -115,6 +116,7 @@ def call(function: Callable[..., int], *arguments: Any, failed: Any = None) -> N
     if _thread.raised is not None:
         raise _thread.raised
     text = ffi.string(error.text).decode(errors="replace")
+    text = re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda option: f"'{option[1].replace('-', '_')}'", text)  # an option of the program
     curve = None if failed is None or failed[0] == NO_INDEX else int(failed[0])
     exception = _ERRORS.get(status, BattenError)(text if curve is None else f"curve {curve}: {text}")
     exception.status, exception.curve = ffi.string(lib.bat_status_name(status)).decode(), curve
@@ -215,6 +217,11 @@ def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: lis
         raise kindly(f"{path[-1]}: {error}") from None
 
 
+#: Fields of options that functions of the package set, or that nobody can.
+_OURS = {"progress", "report", "context", "model", "rule", "given", "distance", "limit_normals", "vertex_normals", "notes", "repairs",
+         "polygons"}  # fmt: skip
+
+
 def _build(kind: str, **given: Any) -> tuple[Any, list[Any]]:
     """A struct of options: the defaults, then what is given."""
     fields = _fields(kind)
@@ -225,8 +232,8 @@ def _build(kind: str, **given: Any) -> tuple[Any, list[Any]]:
     if "threads" in fields and "threads" not in given:
         given["threads"] = int(os.environ.get("BATTEN_THREADS", 0))
     for name in sorted(given, key=lambda name: len(fields[name][0]) if name in fields else 0):
-        if name not in fields or name in ("progress", "report", "context", "model", "rule"):
-            known = sorted(set(fields) - {"progress", "report", "context", "model", "rule"})
+        if name not in fields or name in _OURS:
+            known = sorted(set(fields) - _OURS)
             raise TypeError(f"unknown option '{name}'; there are {', '.join(known)}")
         _assign(options, *fields[name], given[name], keep)
     if "progress" in fields:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +21,10 @@ _CORNER = np.dtype([("vertex", np.uint32), ("sharpness", np.float64)], align=Tru
 _POINT = np.dtype([("face", np.uint32), ("barycentric", np.float64, 3)], align=True)
 _CLOSEST = np.dtype([("at", _POINT), ("position", np.float64, 3), ("distance", np.float64)], align=True)
 Indices = NDArray[np.uint32]
+
+
+#: The names of a label.
+_LABEL = ("object", "group", "material", "smoothing")
 
 
 class Mesh:
@@ -38,6 +43,18 @@ class Mesh:
         Edges that Loop's scheme keeps sharp.
     corners : sequence of (vertex, sharpness), optional
         Vertices that it keeps sharp.
+    channel_names : list of str, optional
+    face_labels : array_like of shape (m,), optional
+        The row of `labels` of each face.
+    labels : list of dict, optional
+        Names that faces share: `object`, `group`, `material`, `smoothing`.
+    material_files, material_json : str, optional
+        The files of the materials of OBJ; the materials of glTF.
+
+    Attributes
+    ----------
+    vertex_normals : ndarray or None
+        Normals of the limit surface, where :func:`refine_mesh` was called with `limit_normals`.
 
     Examples
     --------
@@ -46,9 +63,16 @@ class Mesh:
     <Mesh of 4 vertices, 4 faces>
     """
 
+    vertex_normals: Floats | None = None
+    channel_names: list[str] | None
+    labels: list[Any] | None
+    face_labels: Indices | None
+    material_files: str | None
+    material_json: str | None
+
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, channels: ArrayLike | None = None,
                  texture: ArrayLike | None = None, texture_faces: ArrayLike | None = None, creases: Any = (),
-                 corners: Any = ()) -> None:
+                 corners: Any = (), **rest: Any) -> None:
         self.vertices: Floats = array(vertices, "vertices", 3)
         self.faces: Indices = array(faces, "faces", 3, np.uint32)
         self.channels = None if channels is None else array(channels, "channels", 0)
@@ -60,6 +84,16 @@ class Mesh:
                 raise ValueError(f"{name}: {len(rows)} rows are needed")
         if (self.texture is None) != (self.texture_faces is None):
             raise ValueError("texture and texture_faces go together")
+        for name in ("channel_names", "face_labels", "labels", "material_files", "material_json"):
+            setattr(self, name, rest.pop(name, None))
+        if self.face_labels is not None:
+            self.face_labels = array(self.face_labels, "face_labels", None, np.uint32)
+            if self.face_labels.shape != (len(self.faces),):
+                raise ValueError(f"face_labels: {len(self.faces)} numbers are needed")
+        if self.channel_names is not None and len(self.channel_names) != (0 if self.channels is None else self.channels.shape[1]):
+            raise ValueError("channel_names: a text for each channel is needed")
+        if rest:
+            raise TypeError(f"unknown part of a mesh: {', '.join(rest)}")
 
     @classmethod
     def of(cls, mesh: Any, faces: ArrayLike | None = None) -> Mesh:
@@ -75,37 +109,84 @@ class Mesh:
         raise TypeError(f"a mesh is needed: vertices and faces, not {type(mesh).__name__}")
 
     @classmethod
+    def read(cls, path: str | os.PathLike[str], **settings: Any) -> Mesh:
+        """Read a file: OBJ, PLY, OFF, STL or glTF. `settings` are `format`, `triangulate`, `repair` and `keep_degenerate`.
+        What the file holds and a mesh cannot is told by warnings."""
+        made, notes = ffi.new("bat_mesh *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
+        how = options("bat_mesh_read_options", settings)
+        how.notes = notes
+        call(lib.bat_mesh_read, os.fsencode(path), how, made)
+        _warn(notes)
+        return cls._from(made)
+
+    def write(self, path: str | os.PathLike[str], *, vertex_normals: ArrayLike | None = None, **settings: Any) -> None:
+        """Write a file, whose ending chooses the format: .obj, .ply, .off, .stl, .gltf or .glb. `settings` are `format`,
+        `encoding` (a constant of the C library), `normals` and `threads`."""
+        notes = ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
+        how = options("bat_mesh_write_options", settings)
+        normals = self.vertex_normals if vertex_normals is None else array(vertex_normals, "vertex_normals", 3)
+        if normals is not None and len(normals) != len(self.vertices):
+            raise ValueError(f"vertex_normals: {len(self.vertices)} rows are needed")
+        how.notes, how.vertex_normals = notes, pointer(normals)
+        call(lib.bat_mesh_write, os.fsencode(path), self._struct(), how)
+        _warn(notes)
+
+    @classmethod
     def _from(cls, struct: Any) -> Mesh:
         """The mesh in a struct, which gives away its arrays."""
-        mesh, vertices, faces = object.__new__(cls), (struct.vertex_count, 3), (struct.face_count, 3)
-        width, count = struct.channel_count, struct.texture_count
-        mesh.vertices, mesh.faces = take(struct.positions, vertices), take(struct.faces, faces, np.uint32)
-        mesh.channels = take(struct.channels, (vertices[0], width)) if width else None
-        mesh.texture = take(struct.texture, (count, 2)) if count else None
-        mesh.texture_faces = take(struct.texture_faces, faces, np.uint32) if count else None
-        mesh.creases = take(struct.creases, (struct.crease_count,), _CREASE)
-        mesh.corners = take(struct.corners, (struct.corner_count,), _CORNER)
-        for i in range(width):
-            lib.free(struct.channel_names[i])
-        lib.free(struct.channel_names)
+        mesh, owned = object.__new__(cls), ffi.gc(struct, lib.bat_mesh_free)
+
+        def given(name: str, shape: tuple[int, ...], dtype: Any = np.float64) -> Any:
+            memory = getattr(owned, name)
+            setattr(owned, name, ffi.NULL)
+            return take(memory, shape, dtype)
+
+        vertices, faces, width = owned.vertex_count, owned.face_count, owned.channel_count
+        mesh.channel_names = [_text(owned.channel_names[i]) for i in range(width)] if width else None
+        mesh.labels = [Report((name, _text(getattr(owned.labels[i], name))) for name in _LABEL) for i in range(owned.label_count)]
+        mesh.material_files, mesh.material_json = _text(owned.material_files), _text(owned.material_json)
+        mesh.vertices, mesh.faces = given("positions", (vertices, 3)), given("faces", (faces, 3), np.uint32)
+        mesh.channels = given("channels", (vertices, width)) if width else None
+        mesh.texture = given("texture", (owned.texture_count, 2)) if owned.texture_count else None
+        mesh.texture_faces = None if mesh.texture is None else given("texture_faces", (faces, 3), np.uint32)
+        mesh.creases = given("creases", (owned.crease_count,), _CREASE)
+        mesh.corners = given("corners", (owned.corner_count,), _CORNER)
+        mesh.face_labels = given("face_labels", (faces,), np.uint32) if owned.face_labels else None
         return mesh
 
     def _struct(self) -> Any:
-        width = 0 if self.channels is None else self.channels.shape[1]
-        names = ffi.new("char *[]", [ffi.NULL] * width)
-        keep = [ffi.new("char[]", b"channel%d" % i) for i in range(width)]
-        for i, name in enumerate(keep):
-            names[i] = name
-        pointers = [pointer(self.vertices), pointer(self.faces, "uint32_t[]"), pointer(self.texture),
-                    pointer(self.texture_faces, "uint32_t[]"), pointer(self.channels), names,
-                    pointer(self.creases, "bat_mesh_crease[]"), pointer(self.corners, "bat_mesh_corner[]")]  # fmt: skip
-        struct = ffi.new("bat_mesh *", {
-            "positions": pointers[0], "faces": pointers[1], "vertex_count": len(self.vertices), "face_count": len(self.faces),
-            "texture": pointers[2], "texture_faces": pointers[3],
-            "texture_count": 0 if self.texture is None else len(self.texture), "channels": pointers[4],
-            "channel_names": names if width else ffi.NULL, "channel_count": width, "creases": pointers[6],
-            "crease_count": len(self.creases), "corners": pointers[7], "corner_count": len(self.corners)})  # fmt: skip
-        kept[struct] = [pointers, keep]
+        struct, keep = ffi.new("bat_mesh *"), []
+
+        def text(value: str | None) -> Any:
+            keep.append(ffi.NULL if value is None else ffi.new("char[]", value.encode()))
+            return keep[-1]
+
+        def rows(name: str, values: Any, kind: str, count: str | None = None) -> None:
+            if values is not None:
+                keep.append(ffi.cast(f"{kind} *", pointer(values, f"{kind}[]")) if len(values) else ffi.NULL)
+                keep.append(values)
+                setattr(struct, name, keep[-2])
+                if count:
+                    setattr(struct, count, len(values))
+
+        rows("positions", self.vertices, "double", "vertex_count")
+        rows("faces", self.faces, "uint32_t", "face_count")
+        rows("texture", self.texture, "double", "texture_count")
+        rows("texture_faces", self.texture_faces, "uint32_t")
+        rows("channels", self.channels, "double")
+        rows("creases", self.creases, "bat_mesh_crease", "crease_count")
+        rows("corners", self.corners, "bat_mesh_corner", "corner_count")
+        rows("face_labels", self.face_labels, "uint32_t")
+        if self.channels is not None:
+            struct.channel_count = self.channels.shape[1]
+            names = self.channel_names or [f"channel{i}" for i in range(struct.channel_count)]
+            keep.append(ffi.new("char *[]", [text(name) for name in names]))
+            struct.channel_names = keep[-1]
+        if self.labels:
+            keep.append(ffi.new("bat_mesh_label[]", [{name: text(label.get(name)) for name in _LABEL} for label in self.labels]))
+            struct.labels, struct.label_count = keep[-1], len(self.labels)
+        struct.material_files, struct.material_json = text(self.material_files), text(self.material_json)
+        kept[struct] = keep
         return struct
 
     def __iter__(self) -> Iterator[NDArray[Any]]:
@@ -165,6 +246,15 @@ class Mesh:
         return self.picture(wires=len(self.faces) <= 5000) if len(self.faces) else None
 
 
+def _text(memory: Any) -> Any:
+    return None if memory == ffi.NULL else ffi.string(memory).decode(errors="replace")
+
+
+def _warn(notes: Any) -> None:
+    for i in range(notes.count):
+        warnings.warn(_text(notes.texts[i]), BattenWarning, stacklevel=3)
+
+
 def _features(rows: Any, kind: Any) -> NDArray[Any]:
     given = np.asarray([tuple(row) for row in rows], kind) if not isinstance(rows, np.ndarray) else rows
     return np.ascontiguousarray(given if given.dtype == kind else [tuple(row) for row in given.tolist()], kind)
@@ -173,11 +263,13 @@ def _features(rows: Any, kind: Any) -> NDArray[Any]:
 def _like(given: Any, mesh: Mesh) -> Any:
     """A mesh of the kind that came in: trimesh's where it was one of those."""
     if type(given).__module__.split(".")[0] == "trimesh":
-        return type(given)(vertices=mesh.vertices, faces=mesh.faces.astype(np.int64), process=False)
+        return type(given)(vertices=mesh.vertices, faces=mesh.faces.astype(np.int64), vertex_normals=mesh.vertex_normals,
+                           process=False)
     return mesh
 
 
-def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, progress: Progress = False, **settings: Any) -> Any:
+def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, limit_normals: bool = False, progress: Progress = False,
+                **settings: Any) -> Any:
     """Refine a mesh by subdivision.
 
     Parameters
@@ -186,11 +278,14 @@ def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, progress: Progr
         The vertices, or a whole mesh.
     faces : array_like of shape (m, 3), optional
         The vertices at each face's corners.
+    limit_normals : bool
+        With ``limit=True`` and Loop's scheme at the end: give the mesh `vertex_normals`, those of the limit surface.
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_mesh_refine_options``: `scheme`, one of ``choices("mesh_scheme")``; `levels`; `then`; `limit`;
-        `crease_angle` in radians; `threads`; and further ones. And `creases`, `corners` and `channels` as of :class:`Mesh`.
+        Fields of ``bat_mesh_refine_options``: `scheme`, one of ``choices("mesh_scheme")``; `fairness` of the learned one, 0
+        to 1; `levels`; `then`; `limit`; `crease_angle` in radians; `threads`; and further ones. And `creases`, `corners` and
+        `channels` as of :class:`Mesh`.
 
     Returns
     -------
@@ -210,11 +305,16 @@ def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, progress: Progr
     if own:
         coarse = Mesh(*coarse, **own)
     fine, fallback = ffi.new("bat_mesh *"), ffi.new("size_t *")
+    how, normals = options("bat_mesh_refine_options", settings), ffi.new("double **")
+    how.limit_normals = normals if limit_normals else ffi.NULL
     with shown(progress, "refining"):
-        call(lib.bat_mesh_refine, coarse._struct(), options("bat_mesh_refine_options", settings), fine, fallback)
+        call(lib.bat_mesh_refine, coarse._struct(), how, fine, fallback)
     if fallback[0]:
         warnings.warn(f"the learned scheme fell back to a classical one in {fallback[0]} places", BattenWarning, stacklevel=2)
-    return _like(mesh, Mesh._from(fine))
+    made = Mesh._from(fine)
+    if normals[0] != ffi.NULL:
+        made.vertex_normals = take(normals[0], made.vertices.shape)
+    return _like(mesh, made)
 
 
 class MeshMap:
@@ -255,6 +355,16 @@ class MeshMap:
         """Faces and barycentric coordinates on the coarse mesh of points of the fine one."""
         return self._carry(lib.bat_mesh_map_to_coarse, faces, barycentric)
 
+    def transfer(self, refined: Mesh | None = None, levels: int = 0) -> Mesh:
+        """The coarse mesh, or its refinement by `levels` levels of a scheme that splits faces in four, with the texture and
+        the channels of the fine mesh."""
+        made = ffi.new("bat_mesh *")
+        call(lib.bat_mesh_copy, (refined or self.coarse)._struct(), made)
+        mesh = ffi.gc(made, lib.bat_mesh_free)
+        call(lib.bat_mesh_map_transfer, self._map, self.fine._struct(), self.coarse._struct(), levels, mesh)
+        ffi.gc(mesh, None)
+        return Mesh._from(made)
+
     def __repr__(self) -> str:
         return f"<MeshMap from {len(self.coarse.faces)} to {len(self.fine.faces)} faces>"
 
@@ -271,11 +381,25 @@ def _unpickled(fine: Mesh, coarse: Mesh, content: bytes) -> MeshMap:
     return MeshMap(fine, coarse, made[0])
 
 
-class Decimation(NamedTuple):
-    """A decimated mesh, and its map to the fine one; ``mesh, map = batten.decimate(…)`` takes it apart."""
+class Decimation:
+    """A decimated mesh, and its map to the fine one; ``mesh, map = batten.decimate(…)`` takes it apart.
 
-    mesh: Any
-    map: MeshMap | None
+    Attributes
+    ----------
+    mesh : Mesh or trimesh.Trimesh
+    map : MeshMap or None
+    bound : float or None
+        With `error`: no point of either surface is farther than this from the other, which is proven.
+    """
+
+    def __init__(self, mesh: Any, map: MeshMap | None, bound: float | None = None) -> None:
+        self.mesh, self.map, self.bound = mesh, map, bound
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.mesh, self.map))
+
+    def __repr__(self) -> str:
+        return f"Decimation(mesh={self.mesh!r}, map={self.map!r}, bound={self.bound!r})"
 
 
 def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = True, progress: Progress = False,
@@ -291,8 +415,9 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_mesh_decimate_options``: `vertices`, at which number to stop; `least_normal`; `least_quality`;
-        `boundary_weight`; `candidates`; `seed`; and further ones.
+        Fields of ``bat_mesh_decimate_options``: where to stop, by one of `vertices`, `faces`, `ratio` and `error`;
+        `relative_error`; `method`, one of ``choices("mesh_decimate_method")``; `boundary_weight`; `attributes`, the weight of
+        texture and channels; `candidates`; `seed`; `threads`; and further ones.
 
     Returns
     -------
@@ -311,7 +436,9 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     """
     fine, coarse = Mesh.of(mesh, triangles), ffi.new("bat_mesh *")
     made = ffi.new("bat_mesh_map **") if map else ffi.NULL
+    how, bound = options("bat_mesh_decimate_options", settings), ffi.new("double *")
+    how.distance = bound
     with shown(progress, "decimating"):
-        call(lib.bat_mesh_decimate, fine._struct(), options("bat_mesh_decimate_options", settings), coarse, made)
+        call(lib.bat_mesh_decimate, fine._struct(), how, coarse, made)
     found = Mesh._from(coarse)
-    return Decimation(_like(mesh, found), MeshMap(fine, found, made[0]) if map else None)
+    return Decimation(_like(mesh, found), MeshMap(fine, found, made[0]) if map else None, bound[0] if how.error else None)

@@ -22,7 +22,8 @@ class Surface:
     Attributes
     ----------
     report : Report
-        `rounds` of the fit, `reached`, `chosen` parameterization, `candidates`, and more.
+        `rounds` of the fit, `reached`, `chosen` parameterization, `candidates`, `held_out_rms` (of points that were held
+        out), `noise`, `below_noise`, the `verdict` with its `fault`, and more.
     points, parameters, distances : ndarray
         The fitted points, the parameters of each and its distance from the surface, in the order of the input.
     control : ndarray
@@ -138,7 +139,8 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
         As of :func:`refine`.
     **settings
         Fields of ``bat_surface_options`` and its ``bat_surface_fit_options`` and ``bat_hierarchical_options``: `tolerance`,
-        `functions`, `degree` (a pair), `iterations`, `smoothing`, `noise`, `robust`, `corrections`, `threads`, …
+        `functions`, `hold_out`, `degree` (a pair), `iterations`, `smoothing`, `noise`, `robust`, `corrections`, `force` (give
+        also a surface that is judged to be wrong), `threads`, …
 
     Returns
     -------
@@ -148,9 +150,9 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
     --------
     >>> t = np.linspace(0, 1, 12)
     >>> x, y = (part.ravel() for part in np.meshgrid(t, t))
-    >>> surface = batten.fit_surface(np.stack([x, y, x * y], axis=1), tolerance=1e-6)
-    >>> surface.report.reached, surface(0.5, [0.25, 0.75]).shape
-    (True, (2, 3))
+    >>> surface = batten.fit_surface(np.stack([x, y, x * y], axis=1), tolerance=1e-3)
+    >>> surface.report.reached, surface.report.verdict.fault, surface(0.5, [0.25, 0.75]).shape
+    (True, 'none', (2, 3))
     """
     cloud = ffi.gc(ffi.new("bat_cloud *"), lib.bat_cloud_free)
     if faces is not None or hasattr(points, "faces"):
@@ -185,6 +187,22 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
     with shown(progress, "fitting"):
         call(lib.bat_surface_reconstruct, cloud, how, result)
     return _surface(result, _order(cloud), given)
+
+
+def cloud_noise(points: ArrayLike) -> float:
+    """Estimate the noise of a scan: the standard deviation of a coordinate.
+
+    Examples
+    --------
+    >>> x, y = np.random.default_rng(1).uniform(size=(2, 2000))
+    >>> flat = np.stack([x, y, np.random.default_rng(2).normal(0, 0.01, 2000)], axis=1)
+    >>> 0.008 < batten.cloud_noise(flat) < 0.012
+    True
+    """
+    given, sigma = array(points, "points", 3), ffi.new("double *")
+    cloud = ffi.new("bat_cloud *", {"points": pointer(given), "count": len(given)})
+    call(lib.bat_cloud_noise, cloud, sigma)
+    return float(sigma[0])
 
 
 def _order(cloud: Any) -> Any:

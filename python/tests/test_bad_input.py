@@ -83,6 +83,8 @@ CALLS = {
     "fit faces": lambda x: batten.fit_surface(POINTS, x),
     "fit corners": lambda x: batten.fit_surface(GRID, corners=x),
     "fit parameters": lambda x: batten.fit_surface(GRID, parameters=x),
+    "cloud noise": batten.cloud_noise,
+    "mesh labels": lambda x: batten.Mesh(POINTS, FACES, face_labels=x),
     "surface call": lambda x: surface()(x, 0.5),
     "from_lonlat": batten.from_lonlat,
     "to_lonlat": batten.to_lonlat,
@@ -96,7 +98,7 @@ CALLS = {
 #: What is good in the place of some arrays.
 GOOD = {
     **{call: ["none"] for call in ("offsets", "channels", "corners", "measure second", "mesh channels", "motion velocities",
-                                   "mesh values", "fit corners")},
+                                   "mesh values", "mesh labels", "fit corners")},
     "smooth": ["none", "empty"], "mesh creases": ["empty"], "mesh corners": ["empty"], "fit faces": ["none"],
     "motion times": ["dates"], "motion call": ["empty", "no rows", "dates"], "space exp": ["empty"],
 }  # fmt: skip

@@ -120,3 +120,56 @@ def test_the_lock_is_released(tetrahedron):
     done.set()
     thread.join()
     assert after - before > 3
+
+
+def test_the_limit_has_normals(sphere_mesh):
+    fine = batten.refine_mesh(sphere_mesh, scheme="loop", levels=1, limit=True, limit_normals=True)
+    assert np.linalg.norm(fine.vertex_normals, axis=1) == pytest.approx(1)
+    with pytest.raises(TypeError, match="unknown option 'distance'"):
+        batten.refine_mesh(sphere_mesh, distance=1)
+
+
+def test_targets_of_decimation(sphere_mesh):
+    assert len(batten.decimate(sphere_mesh, faces=300).mesh.faces) in (299, 300)
+    assert len(batten.decimate(sphere_mesh, ratio=0.5, method="quadric").mesh.faces) == len(sphere_mesh.faces) // 2
+    result = batten.decimate(sphere_mesh, error=0.01)
+    found = batten.measure(sphere_mesh, result.mesh)
+    assert found.hausdorff <= result.bound <= 0.01 and len(result.mesh.faces) < len(sphere_mesh.faces)
+    with pytest.raises(batten.InvalidArgument):
+        batten.decimate(sphere_mesh, error=0.01, ratio=0.5)
+
+
+def test_texture_and_channels_go_through_the_map(sphere_mesh):
+    fine = batten.Mesh(*sphere_mesh, texture=sphere_mesh.vertices[:, :2], texture_faces=sphere_mesh.faces,
+                       channels=sphere_mesh.vertices[:, 2:], channel_names=["height"])  # fmt: skip
+    coarse, map = batten.decimate(fine, vertices=200, attributes=0)
+    assert coarse.channels is None and coarse.texture is None
+    dressed = map.transfer()
+    assert np.abs(dressed.channels[:, 0] - dressed.vertices[:, 2]).max() < 0.1 and dressed.channel_names == ["height"]
+    assert dressed.texture_faces.shape == dressed.faces.shape
+
+
+@pytest.mark.parametrize("ending", ["obj", "ply", "off", "stl", "gltf", "glb"])
+def test_files(sphere_mesh, tmp_path, ending):
+    sphere_mesh.write(tmp_path / f"mesh.{ending}")
+    again = batten.Mesh.read(tmp_path / f"mesh.{ending}")
+    assert len(again.faces) == len(sphere_mesh.faces)
+    np.testing.assert_allclose(again.vertices[again.faces], sphere_mesh.vertices[sphere_mesh.faces], atol=1e-6)
+    with pytest.raises(batten.FileAccess):
+        batten.Mesh.read(tmp_path / f"none.{ending}")
+
+
+def test_labels_are_kept(tetrahedron, tmp_path):
+    (tmp_path / "in.obj").write_text(
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no thing\nusemtl red\nf 1 3 2\nf 1 2 4\nusemtl blue\nf 2 3 4\nf 1 4 3\n")
+    mesh = batten.Mesh.read(tmp_path / "in.obj")
+    assert [mesh.labels[i].material for i in mesh.face_labels] == ["red", "red", "blue", "blue"]
+    fine = batten.refine_mesh(mesh, scheme="loop", levels=1)
+    assert [fine.labels[i].material for i in fine.face_labels].count("blue") == 8 and fine.labels[0].object == "thing"
+    fine.write(tmp_path / "out.obj")
+    again = pickle.loads(pickle.dumps(batten.Mesh.read(tmp_path / "out.obj")))
+    assert again.material_files == "m.mtl" and len(again.face_labels) == 16
+    with pytest.raises(ValueError, match="face_labels: 4 numbers"):
+        batten.Mesh(*tetrahedron, face_labels=[1])
+    with pytest.raises(batten.BattenError):
+        batten.refine_mesh(batten.Mesh(*tetrahedron, face_labels=[9, 9, 9, 9]))

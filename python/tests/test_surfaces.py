@@ -49,3 +49,24 @@ def test_files_pickles_and_pictures(patch, tmp_path):
     assert surface._repr_png_()[:4] == b"\x89PNG" and surface.plot() is not None
     with pytest.raises(batten.FileAccess):
         surface.to_step("/nowhere/out.step")
+
+
+def test_a_wrong_surface_is_refused_unless_forced(random):
+    ball = random.normal(size=(600, 3))  # no patch at all
+    with pytest.raises(batten.BattenError) as caught:
+        batten.fit_surface(ball)
+    assert "--" not in str(caught.value)
+    try:
+        surface = batten.fit_surface(ball, force=True)
+    except batten.BattenError as error:
+        assert "force" not in str(error)
+    else:
+        assert surface.report.verdict.fault != "none"
+
+
+def test_points_are_held_out(random):
+    x, y = random.uniform(size=(2, 1500))
+    points = np.stack([x, y, np.sin(4 * x) * y + random.normal(0, 0.01, 1500)], axis=1)
+    report = batten.fit_surface(points).report
+    assert report.held_out_count >= 100 and 0.005 < report.held_out_rms < 0.02 and 0.005 < report.noise < 0.02
+    assert np.isfinite(report.rounds[0].held_out) and report.functions < 400
