@@ -1,6 +1,7 @@
 """What the tests share."""
 
 import doctest
+import importlib.util
 
 import numpy as np
 import pytest
@@ -37,6 +38,11 @@ def patch():
     t = np.linspace(0, 1, 12)
     x, y = (part.ravel() for part in np.meshgrid(t, t))
     return np.stack([x, y, x * y], axis=1)
+
+
+def draws(result):
+    """Whether a result plots itself, where matplotlib is installed."""
+    return importlib.util.find_spec("matplotlib") is None or result.plot() is not None
 
 
 def run_examples(module):

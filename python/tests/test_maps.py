@@ -9,7 +9,6 @@ import pytest
 import batten
 
 shapely = pytest.importorskip("shapely")
-geopandas = pytest.importorskip("geopandas")
 
 COUNTRIES = Path(__file__).parents[3] / "shared/data/maps/countries-110m.geojson"
 
@@ -50,6 +49,7 @@ def test_every_kind_of_geometry_comes_back(counties):
 
 
 def test_a_table_keeps_index_columns_and_crs(counties, tmp_path):
+    geopandas = pytest.importorskip("geopandas")
     table = geopandas.GeoDataFrame({"name": list("abcdefghij")}, geometry=counties, crs="EPSG:25833", index=range(5, 15))
     table.to_file(tmp_path / "in.gpkg")
     fine = batten.smooth(geopandas.read_file(tmp_path / "in.gpkg"))
@@ -62,6 +62,7 @@ def test_a_table_keeps_index_columns_and_crs(counties, tmp_path):
 
 
 def test_the_sphere_for_degrees():
+    geopandas = pytest.importorskip("geopandas")
     tracks = geopandas.GeoSeries([shapely.LineString([(0, 60), (60, 60)])], crs="EPSG:4326")
     assert shapely.get_coordinates(batten.smooth(tracks, levels=1))[1, 1] > 60  # along the great circle
     assert shapely.get_coordinates(batten.smooth(tracks, levels=1, space="plane"))[1, 1] == 60
@@ -70,6 +71,7 @@ def test_the_sphere_for_degrees():
 @pytest.mark.skipif(not COUNTRIES.exists(), reason="no shared data")
 @pytest.mark.filterwarnings("ignore::batten.BattenWarning")
 def test_countries_are_those_of_the_program(tmp_path):
+    geopandas = pytest.importorskip("geopandas")
     program = Path(__file__).parents[2] / "build/release/batten"
     if not program.exists():
         pytest.skip("the program is not built")
@@ -81,6 +83,7 @@ def test_countries_are_those_of_the_program(tmp_path):
 
 
 def test_antimeridian():
+    geopandas = pytest.importorskip("geopandas")
     fiji = geopandas.GeoSeries([shapely.MultiPolygon([shapely.box(178, -18, 180, -16), shapely.box(-180, -18, -178, -16)])], crs=4326)
     with pytest.warns(batten.BattenWarning, match="joined"):
         fine = batten.smooth(fiji, levels=2)

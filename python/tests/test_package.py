@@ -38,7 +38,7 @@ def test_exceptions_pickle():
         assert (str(again), again.index, again.status) == (str(error), 1, "invalid point")
 
 
-@pytest.mark.skipif("BATTEN_TEST_TYPES" not in os.environ, reason="a minute; `make python` runs it")
+@pytest.mark.skipif("BATTEN_TEST_TYPES" not in os.environ, reason="needs mypy; `scripts/test-python --full` runs it")
 def test_types():
     folder = Path(batten.__file__).parent.parent
     settings = Path(__file__).parents[2] / "pyproject.toml"
